@@ -1,0 +1,41 @@
+// Files that appear whole or not at all. Every failure is an Error{Input} (reading) or Error{Resource} (no space, read-only,
+// no permission while writing) that names the path.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace vitrine {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path);
+// Writes beside the target, fsyncs, renames over it.
+void write_file(const fs::path& path, std::string_view bytes);
+// For writers that need a path (OpenEXR, OpenCV): `write` gets a temporary path beside `path` with the same extension.
+void write_file_through(const fs::path& path, const std::function<void(const fs::path&)>& write);
+void make_folders(const fs::path& path);
+// fsync of a folder, so that renames inside it survive a power cut.
+void sync_folder(const fs::path& path);
+// Hard link, else copy. Creates parents, replaces an existing target.
+void link_or_copy(const fs::path& from, const fs::path& to);
+size_t free_disk_bytes(const fs::path& path);
+// `errno` turned into an Error for a failed write to `path`.
+[[noreturn]] void throw_write_error(const fs::path& path, int errno_value);
+
+// A folder that is removed with all its contents at the end of the scope.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(std::string_view prefix = "vitrine");   // below $TMPDIR or /tmp
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,24 @@
+// Photographs and previews of 8 or 16 bit (JPEG, PNG, TIFF) through OpenCV; no OpenCV header leaves ldr.cpp.
+#pragma once
+
+#include <filesystem>
+
+#include "core/image/image.h"
+
+namespace vitrine {
+
+// Display-referred sRGB values in [0,1], 3 channels RGB (grey repeated, alpha dropped); EXIF orientation is NOT applied.
+// Throws Error{Input} with the reason: empty file, truncated, unknown format.
+ImageF read_srgb(const std::filesystem::path& path);
+Image8 read_grey8(const std::filesystem::path& path);       // one channel, e.g. a mask
+ImageF read_unchanged(const std::filesystem::path& path);   // all channels (RGB order), scaled to [0,1] by the bit depth
+
+// Format by extension: .png .jpg .tif. `jpeg_quality` for .jpg only. 1 or 3 channels.
+void write_ldr(const std::filesystem::path& path, const Image8& image, int jpeg_quality = 95);
+void write_png16(const std::filesystem::path& path, const Image16& image);
+
+Image8 srgb8_from_linear(const ImageF& linear);             // clamp, encode, round
+ImageF srgb_from_linear_image(const ImageF& linear);
+ImageF linear_from_srgb_image(const ImageF& srgb);
+
+}  // namespace vitrine

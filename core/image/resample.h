@@ -1,0 +1,15 @@
+// Resizing in linear light.
+#pragma once
+
+#include "core/image/image.h"
+
+namespace vitrine {
+
+// Exact area average (box of the true, fractional footprint) for shrinking; bilinear when enlarging.
+ImageF resized(const ImageF& image, int width, int height);
+// Bilinear lookup at pixel coordinates (centres at .5), clamped at the border. out[channels].
+void sample_bilinear(const ImageF& image, double x, double y, float* out);
+// Catmull-Rom bicubic lookup, clamped to the border and to the range of the four nearest pixels (no ringing).
+void sample_bicubic(const ImageF& image, double x, double y, float* out);
+
+}  // namespace vitrine

@@ -1,0 +1,15 @@
+// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours) and OBJ. The reader takes ASCII and
+// binary PLY, polygons are fanned; it checks every count against the file size before it allocates.
+#pragma once
+
+#include <filesystem>
+
+#include "core/mesh/tri_mesh.h"
+
+namespace vitrine {
+
+void write_mesh_ply(const std::filesystem::path& path, const TriMesh& mesh);
+void write_mesh_obj(const std::filesystem::path& path, const TriMesh& mesh);
+TriMesh read_mesh_ply(const std::filesystem::path& path);
+
+}  // namespace vitrine

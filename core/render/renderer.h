@@ -1,0 +1,42 @@
+// The rasteriser of 2D Gaussian surfels, forward and backward, behind one virtual call per pass. Two back ends: "reference"
+// (double, O(pixels x surfels), the executable specification) and "cpu" (tiles, SIMD, threads). Fragments are composited in
+// exact depth order per pixel, ties by surfel index. README.md in this folder teaches the mathematics.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "core/render/raster_desc.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+// What a backward pass adds beside the gradients of the layer. Filled per surfel.
+struct SurfelStatistics {
+  std::vector<float> screen_gradient;    // norm of the projected-centre gradient, in units of half the image (2DGS rule)
+  std::vector<float> weight;             // sum over pixels of the blending weight w
+  std::vector<float> error;              // sum over pixels of w * error_image, when an error image was given
+};
+
+struct BackwardInput {
+  const RasterImages* gradients = nullptr;           // dL/d(plane) for every plane the forward pass produced
+  std::span<const float> error_image = {};           // [h, w] or empty
+};
+
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+  // Renders `layer`; keeps what backward() needs until the next forward(). `layer` must outlive backward().
+  virtual void forward(const SplatLayer& layer, const RasterDesc& desc, RasterImages& out) = 0;
+  // Adds gradients of the last forward() to `grad` (same shape as the layer, raw values) and, if given, to `statistics`.
+  virtual void backward(const BackwardInput& input, SplatLayer& grad, SurfelStatistics* statistics) = 0;
+  virtual std::string_view name() const = 0;
+  // Goes into cache keys: results of different tags may differ in the last bits ("reference", "cpu-avx2", "cpu-avx512").
+  virtual std::string_view numerics_tag() const = 0;
+};
+
+enum class Backend { Reference, Cpu };
+std::unique_ptr<Renderer> make_renderer(Backend backend);
+
+}  // namespace vitrine

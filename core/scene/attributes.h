@@ -1,0 +1,60 @@
+// The table of per-surfel attributes: ONE ROW EACH. Storage, gradients, optimiser groups, densification, file input and
+// output, raster channels and export follow from the row; adding an attribute is adding a row (and giving it a meaning in
+// the pass that reads it). All three layers share the table; `layers` says which layer owns the attribute.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+namespace vitrine {
+
+enum class LayerKind : unsigned char { Diffuse, Reflection, Transmittance };
+inline constexpr std::array<LayerKind, 3> kAllLayers{LayerKind::Diffuse, LayerKind::Reflection, LayerKind::Transmittance};
+constexpr std::string_view name(LayerKind kind) {
+  constexpr std::string_view names[] = {"diffuse", "reflection", "transmittance"};
+  return names[static_cast<size_t>(kind)];
+}
+
+enum class Activation : unsigned char { Identity, Exp, Sigmoid, Normalize };
+// What a child gets when a surfel is cloned or split (classical densification) or relocated (MCMC).
+enum class SpawnRule : unsigned char { Copy, JitterInPlane, Shrink, ShareOpacity };
+
+enum class Attribute : unsigned char { Mean, Rotation, LogScale, Opacity, ShDc, ShRest, F0, Roughness, SpecularWeight, Transmission };
+
+struct AttributeRow {
+  Attribute id;
+  std::string_view name;           // also the YAML key of its rate and the stem of its PLY properties
+  int width;                       // floats per surfel; ShRest: at degree 3, fewer for lower degrees
+  unsigned layers;                 // bit 0 diffuse, 1 reflection, 2 transmittance
+  Activation activation;
+  float initial;                   // activated value of a new surfel where nothing better is known
+  float rate;                      // Adam step size of the raw value (mean: times the scene radius)
+  SpawnRule spawn;
+};
+
+inline constexpr unsigned kInAll = 0b111, kInDiffuse = 0b001;
+inline constexpr size_t kAttributeCount = 10;
+// Rates: algorithms of 3DGS/2DGS/EnvGS, tuned for 2k-6k steps. Initial materials: a dull dielectric (f0 .04).
+inline constexpr std::array<AttributeRow, kAttributeCount> kAttributes{{
+    {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-4f, SpawnRule::JitterInPlane},
+    {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 2e-3f, SpawnRule::Copy},
+    {Attribute::LogScale, "log_scale", 2, kInAll, Activation::Exp, 0.01f, 5e-3f, SpawnRule::Shrink},
+    {Attribute::Opacity, "opacity", 1, kInAll, Activation::Sigmoid, 0.1f, 5e-2f, SpawnRule::ShareOpacity},
+    {Attribute::ShDc, "sh_dc", 3, kInAll, Activation::Identity, 0.f, 5e-3f, SpawnRule::Copy},
+    {Attribute::ShRest, "sh_rest", 45, kInAll, Activation::Identity, 0.f, 2.5e-4f, SpawnRule::Copy},
+    {Attribute::F0, "f0", 3, kInDiffuse, Activation::Sigmoid, 0.04f, 2e-2f, SpawnRule::Copy},
+    {Attribute::Roughness, "roughness", 1, kInDiffuse, Activation::Sigmoid, 0.3f, 1e-2f, SpawnRule::Copy},
+    {Attribute::SpecularWeight, "specular_weight", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f, SpawnRule::Copy},
+    {Attribute::Transmission, "transmission", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f, SpawnRule::Copy},
+}};
+static_assert([] {
+  for (size_t i = 0; i < kAttributeCount; ++i)
+    if (static_cast<size_t>(kAttributes[i].id) != i) return false;
+  return true;
+}(), "rows stand in the order of the enum");
+
+constexpr const AttributeRow& row(Attribute a) { return kAttributes[static_cast<size_t>(a)]; }
+constexpr bool has_attribute(LayerKind layer, Attribute a) { return (row(a).layers >> static_cast<unsigned>(layer)) & 1u; }
+
+}  // namespace vitrine
