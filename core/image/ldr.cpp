@@ -1,0 +1,149 @@
+#include "core/image/ldr.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/math/color.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kMaxPixels = size_t(1) << 28;
+
+[[noreturn]] void bad_image(const fs::path& path, std::string why) {
+  throw Error(ErrorKind::Input, "cannot read an image",
+              {.where = path.string(), .why = std::move(why), .hint = "remove or replace this file", .code = "BAD_IMAGE"});
+}
+
+// OpenCV repairs truncated JPEG files in silence; a JPEG without its end marker lost a part of its picture.
+bool truncated_jpeg(const std::string& bytes) {
+  if (bytes.size() < 4 || uint8_t(bytes[0]) != 0xff || uint8_t(bytes[1]) != 0xd8) return false;
+  constexpr size_t kTrailerBytes = 1 << 16;               // cameras append maker data behind the end marker
+  return bytes.rfind("\xff\xd9") == std::string::npos || bytes.size() - bytes.rfind("\xff\xd9") > kTrailerBytes;
+}
+
+cv::Mat decode(const fs::path& path, int flags) {
+  const std::string bytes = read_file(path);
+  if (bytes.empty()) bad_image(path, "the file is empty");
+  if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
+  cv::Mat mat;
+  try {
+    mat = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), flags | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& e) {
+    bad_image(path, e.what());
+  }
+  if (mat.empty()) bad_image(path, "it is damaged, or not a JPEG, PNG or TIFF");
+  if (mat.total() > kMaxPixels) bad_image(path, fmt::format("{} x {} pixels are too many", mat.cols, mat.rows));
+  return mat;
+}
+
+float full_scale(const cv::Mat& mat, const fs::path& path) {
+  switch (mat.depth()) {
+    case CV_8U: return 255.f;
+    case CV_16U: return 65535.f;
+    case CV_32F: return 1.f;
+  }
+  bad_image(path, "its sample type is neither 8 nor 16 bit nor float");
+}
+
+}  // namespace
+
+ImageF read_unchanged(const fs::path& path) {
+  const cv::Mat mat = decode(path, cv::IMREAD_UNCHANGED);
+  const int channels = mat.channels();
+  cv::Mat scaled;
+  mat.convertTo(scaled, CV_32F, 1.0 / full_scale(mat, path));
+  ImageF image(mat.cols, mat.rows, channels);
+  for (int y = 0; y < mat.rows; ++y) {
+    const float* source = scaled.ptr<float>(y);
+    for (int x = 0; x < mat.cols; ++x)
+      for (int c = 0; c < channels; ++c) {
+        const int from = channels >= 3 && c < 3 ? 2 - c : c;      // OpenCV stores B, G, R
+        image.at(x, y, c) = source[x * channels + from];
+      }
+  }
+  return image;
+}
+
+ImageF read_srgb(const fs::path& path) {
+  ImageF any = read_unchanged(path);
+  if (any.channels() == 3) return any;
+  ImageF rgb(any.width(), any.height(), 3);
+  for (int y = 0; y < any.height(); ++y)
+    for (int x = 0; x < any.width(); ++x)
+      for (int c = 0; c < 3; ++c) rgb.at(x, y, c) = any.at(x, y, any.channels() >= 3 ? c : 0);
+  return rgb;
+}
+
+Image8 read_grey8(const fs::path& path) {
+  const cv::Mat mat = decode(path, cv::IMREAD_GRAYSCALE);
+  Image8 image(mat.cols, mat.rows, 1);
+  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<uint8_t>(y), mat.cols, image.pixel(0, y));
+  return image;
+}
+
+namespace {
+
+void encode(const fs::path& path, const cv::Mat& mat, const std::vector<int>& parameters) {
+  std::vector<uchar> bytes;
+  bool ok = false;
+  try {
+    ok = cv::imencode(path.extension().string(), mat, bytes, parameters);
+  } catch (const cv::Exception& e) {
+    throw Error(ErrorKind::Internal, "cannot encode an image", {.where = path.string(), .why = e.what()});
+  }
+  VITRINE_CHECK(ok, "no encoder for {}", path.string());
+  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+template <class T> cv::Mat bgr(const Image<T>& image, int type) {
+  VITRINE_CHECK(image.channels() == 1 || image.channels() == 3, "{} channels", image.channels());
+  cv::Mat mat(image.height(), image.width(), type, const_cast<T*>(image.data().data()));
+  if (image.channels() == 1) return mat.clone();
+  cv::Mat swapped;
+  cv::cvtColor(mat, swapped, cv::COLOR_RGB2BGR);
+  return swapped;
+}
+
+}  // namespace
+
+void write_ldr(const fs::path& path, const Image8& image, int jpeg_quality) {
+  encode(path, bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3),
+         {cv::IMWRITE_JPEG_QUALITY, jpeg_quality, cv::IMWRITE_PNG_COMPRESSION, 3});
+}
+
+void write_png16(const fs::path& path, const Image16& image) { encode(path, bgr(image, image.channels() == 1 ? CV_16UC1 : CV_16UC3), {}); }
+
+namespace {
+
+template <class F> ImageF mapped(const ImageF& image, F&& f) {
+  ImageF out(image.width(), image.height(), image.channels());
+  std::transform(image.data().begin(), image.data().end(), out.data().begin(), f);
+  return out;
+}
+
+}  // namespace
+
+Image8 srgb8_from_linear(const ImageF& linear) {
+  Image8 out(linear.width(), linear.height(), linear.channels());
+  std::transform(linear.data().begin(), linear.data().end(), out.data().begin(), [](float l) {
+    return uint8_t(std::lround(255.f * srgb_from_linear(std::clamp(l, 0.f, 1.f))));
+  });
+  return out;
+}
+
+ImageF srgb_from_linear_image(const ImageF& linear) {
+  return mapped(linear, [](float l) { return srgb_from_linear(std::max(l, 0.f)); });
+}
+ImageF linear_from_srgb_image(const ImageF& srgb) {
+  return mapped(srgb, [](float s) { return linear_from_srgb(s); });
+}
+
+}  // namespace vitrine
