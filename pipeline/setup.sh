@@ -1,0 +1,46 @@
+# Shared by pipeline/quickstart.sh and tests/run.sh (sourced, not run): installs the Debian packages that are missing and
+# builds. Idempotent: a second call finds everything in place and says so.
+
+VITRINE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+# The smallest set: OpenCV by component (libopencv-dev alone would bring VTK, MPI and Qt, 300 MB more on disk).
+VITRINE_PACKAGES=(
+  g++ cmake ninja-build ccache pkg-config
+  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libceres-dev libcgal-dev libopenmesh-dev libembree-dev libopenexr-dev libeigen3-dev
+  libyaml-cpp-dev libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtbb-dev libxxhash-dev libexif-dev libsqlite3-dev
+  colmap
+)
+VITRINE_TEST_PACKAGES=(libgtest-dev libgmock-dev libbenchmark-dev)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# install_packages PACKAGE...: only what is missing; root or sudo.
+install_packages() {
+  local missing=() package
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  if [ ${#missing[@]} -eq 0 ]; then
+    say "packages: all $# are installed"
+    return
+  fi
+  say "packages: installing ${#missing[@]} of $#: ${missing[*]}"
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "error: not root and no sudo; ask an administrator to install: ${missing[*]}" >&2; exit 7; }
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# build FOLDER [CMAKE OPTION...]: configure and build.
+build() {
+  local folder="$1"; shift
+  say "build: $folder"
+  cmake -S "$VITRINE_ROOT" -B "$folder" -G Ninja "$@" >"$folder.configure.log" 2>&1 ||
+    { cat "$folder.configure.log" >&2; echo "error: configuring failed; the lines above say why" >&2; exit 1; }
+  rm -f "$folder.configure.log"
+  cmake --build "$folder"
+}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
+# and UndefinedBehaviorSanitizer.
+#
+#   tests/run.sh [--fast] [--no-sanitizers]
+#
+# --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
+
+labels=(-LE external) sanitizers=1
+for argument in "$@"; do
+  case "$argument" in
+    --fast) labels=(-L fast) ;;
+    --no-sanitizers) sanitizers=0 ;;
+    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) echo "error: unknown option '$argument'" >&2; exit 2 ;;
+  esac
+done
+
+install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}"
+build "$VITRINE_ROOT/build" -DVITRINE_TESTS=ON
+say "tests"
+ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$(nproc)" "${labels[@]}"
+
+if [ "$sanitizers" = 1 ]; then
+  build "$VITRINE_ROOT/build-sanitize" -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  say "fast tests under AddressSanitizer and UndefinedBehaviorSanitizer"
+  UBSAN_OPTIONS=print_stacktrace=1 \
+    ctest --test-dir "$VITRINE_ROOT/build-sanitize" --output-on-failure --no-tests=error -j "$(nproc)" -L fast
+fi
