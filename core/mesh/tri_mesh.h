@@ -10,10 +10,10 @@
 namespace vitrine {
 
 struct TriMesh {
-  std::vector<Vec3f> positions;                    // [v]
-  std::vector<Vec3f> normals;                      // [v] or empty, unit
-  std::vector<Vec3f> colors;                       // [v] or empty, linear RGB
-  std::vector<std::array<uint32_t, 3>> faces;      // [f]
+  std::vector<Vec3f> positions;                // [v]
+  std::vector<Vec3f> normals;                  // [v] or empty, unit
+  std::vector<Vec3f> colors;                   // [v] or empty, linear RGB
+  std::vector<std::array<uint32_t, 3>> faces;  // [f]
 };
 
 }  // namespace vitrine
