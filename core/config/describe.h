@@ -21,18 +21,23 @@ namespace vitrine {
 using OptionTarget = std::variant<bool*, int*, float*, double*, std::string*, std::vector<double>*, std::vector<std::string>*>;
 
 struct Option {
-  std::string path;                              // "fusion.weight_cap", without the stage's name
-  std::string doc;                               // one sentence
-  OptionTarget target;                           // lives in the config struct that was described
-  std::string default_text;                      // canonical text of the value at describe time
-  std::optional<double> low, high;               // inclusive range of numbers
-  std::vector<std::string> choices;              // allowed words of a string option
-  bool affects_result = true;                    // false: not in the cache key (threads, log level, preview period)
-  std::string origin = "default";                // "default", "preset preview", "vitrine.yaml:14:3", "--set"
+  std::string path;                  // "fusion.weight_cap", without the stage's name
+  std::string doc;                   // one sentence
+  OptionTarget target;               // lives in the config struct that was described
+  std::string default_text;          // canonical text of the value at describe time
+  std::optional<double> low, high;   // inclusive range of numbers
+  std::vector<std::string> choices;  // allowed words of a string option
+  bool affects_result = true;        // false: not in the cache key (threads, log level, preview period)
+  std::string origin = "default";    // "default", "preset preview", "vitrine.yaml:14:3", "--set"
 
-  std::string type() const;                      // "bool", "int", "float", "string", "float list", "string list"
-  std::string text() const;                      // canonical text of the current value: shortest round-trip numbers
-  // Parses and checks; throws Error{Usage} naming option, value, rule. `where` is file:line:col or "--set".
+  std::string type() const;  // "bool", "int", "float", "string", "float list", "string list"
+  std::string text() const;  // canonical text of the current value: shortest round-trip numbers
+  std::string rule() const;  // "an integer >= 1", "one of cpu, reference"
+  // Parses and checks. Nothing when fine (value and origin are set); otherwise the broken rule in words:
+  // `must be an integer >= 1, got "12k"`, and the value is left alone. A list reads "[a, b]" or "a,b".
+  std::optional<std::string> try_assign(std::string_view text, std::string_view new_origin);
+  std::optional<std::string> try_assign_list(const std::vector<std::string>& items, std::string_view new_origin);
+  // The same, but throws Error{Usage} naming option, value, rule. `where` is file:line:col or "--set".
   void assign(std::string_view text, std::string_view where);
   void assign_list(const std::vector<std::string>& items, std::string_view where);
 };
@@ -40,9 +45,19 @@ struct Option {
 class OptionRef {
  public:
   explicit OptionRef(Option& o) : option_(&o) {}
-  OptionRef& range(double low, double high) { option_->low = low; option_->high = high; return *this; }
-  OptionRef& choices(std::vector<std::string> words) { option_->choices = std::move(words); return *this; }
-  OptionRef& affects_output(bool yes) { option_->affects_result = yes; return *this; }
+  OptionRef& range(double low, double high) {
+    option_->low = low;
+    option_->high = high;
+    return *this;
+  }
+  OptionRef& choices(std::vector<std::string> words) {
+    option_->choices = std::move(words);
+    return *this;
+  }
+  OptionRef& affects_output(bool yes) {
+    option_->affects_result = yes;
+    return *this;
+  }
 
  private:
   Option* option_;
@@ -55,7 +70,7 @@ struct OptionGroup {
 // All options of one config object. Valid as long as the object lives (and does not move).
 class OptionTable {
  public:
-  std::vector<Option> options;                   // in declaration order
+  std::vector<Option> options;  // in declaration order
   std::vector<OptionGroup> groups;
 
   Option* find(std::string_view path);
@@ -76,20 +91,24 @@ class Describer {
   OptionRef option(std::string_view name, std::string& v, std::string_view doc) { return add(name, &v, doc); }
   OptionRef option(std::string_view name, std::vector<double>& v, std::string_view doc) { return add(name, &v, doc); }
   OptionRef option(std::string_view name, std::vector<std::string>& v, std::string_view doc) { return add(name, &v, doc); }
-  template <class Config> void group(std::string_view name, Config& config, std::string_view doc) {
+  template <class Config>
+  void group(std::string_view name, Config& config, std::string_view doc) {
     table_.groups.push_back({joined(name), std::string(doc)});
     Describer inner(table_, joined(name));
-    describe(inner, config);                     // found by argument-dependent lookup
+    describe(inner, config);  // found by argument-dependent lookup
   }
 
  private:
-  std::string joined(std::string_view name) const { return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name); }
+  std::string joined(std::string_view name) const {
+    return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
+  }
   OptionRef add(std::string_view name, OptionTarget target, std::string_view doc);
   OptionTable& table_;
   std::string prefix_;
 };
 
-template <class Config> OptionTable options_of(Config& config) {
+template <class Config>
+OptionTable options_of(Config& config) {
   OptionTable table;
   Describer d(table);
   describe(d, config);

@@ -1,0 +1,93 @@
+#include "core/artifact/digest_cache.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/hash.h"
+
+namespace vitrine {
+
+namespace {
+
+// A file changed twice within the clock tick of the file system keeps its time: what is younger than this is not remembered.
+constexpr int64_t kSettleNs = 100'000'000;
+
+int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+void DigestCache::load() {
+  if (loaded_) return;
+  loaded_ = true;
+  if (file_.empty() || !fs::exists(file_)) return;
+  std::istringstream in(read_file(file_));
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    uint64_t inode = 0, bytes = 0;
+    int64_t time = 0;
+    std::string digest;
+    if (words >> inode >> bytes >> time >> digest && digest.size() == 32) known_[{inode, bytes, time}] = digest;
+  }
+}
+
+DigestCache::~DigestCache() {
+  if (!changed_ || file_.empty()) return;
+  std::string text;
+  for (const auto& [stamp, digest] : known_)
+    text += fmt::format("{} {} {} {}\n", std::get<0>(stamp), std::get<1>(stamp), std::get<2>(stamp), digest);
+  try {
+    write_file(file_, text);
+  } catch (const Error&) {
+    // A read-only store: the next run reads the files again.
+  }
+}
+
+std::string DigestCache::digest(const fs::path& path) {
+  load();
+  struct stat s {};
+  if (stat(path.c_str(), &s) != 0)
+    throw Error(ErrorKind::Input, "cannot read a file",
+                {.where = path.string(), .why = "it does not exist", .hint = "check the path", .code = "UNREADABLE"});
+  const int64_t time = static_cast<int64_t>(s.st_mtim.tv_sec) * 1'000'000'000 + s.st_mtim.tv_nsec;
+  const Stamp stamp{s.st_ino, static_cast<uint64_t>(s.st_size), time};
+  if (const auto found = known_.find(stamp); found != known_.end()) return found->second;
+  std::string digest = digest_file(path).hex();
+  if (now_ns() - time > kSettleNs) {
+    known_[stamp] = digest;
+    changed_ = true;
+  }
+  return digest;
+}
+
+std::vector<OutputFile> DigestCache::files_below(const fs::path& folder, bool hidden) {
+  std::vector<OutputFile> files;
+  std::error_code ec;
+  fs::recursive_directory_iterator it(folder, ec), end;
+  for (; !ec && it != end; it.increment(ec)) {
+    if (!hidden && it->path().filename().string().starts_with('.')) {
+      if (it->is_directory()) it.disable_recursion_pending();
+      continue;
+    }
+    if (it->is_regular_file()) files.push_back({it->path().lexically_relative(folder).generic_string(), it->file_size(), {}});
+  }
+  if (ec)
+    throw Error(
+        ErrorKind::Input, "cannot read a folder",
+        {.where = folder.string(), .why = ec.message(), .hint = "check the path and its permissions", .code = "UNREADABLE"});
+  std::sort(files.begin(), files.end(), [](const OutputFile& a, const OutputFile& b) { return a.path < b.path; });
+  for (OutputFile& file : files) file.digest = digest(folder / file.path);
+  return files;
+}
+
+std::string DigestCache::digest_tree(const fs::path& path) {
+  if (fs::is_directory(path)) return content_digest_of(files_below(path, false));
+  return digest(path);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,154 @@
+#include "core/config/yaml.h"
+
+#include <sstream>
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+
+namespace vitrine {
+
+namespace {
+
+SourceMark mark_of(const YAML::Mark& m) { return {m.line + 1, m.column + 1}; }
+
+struct Unsupported {
+  SourceMark mark;
+  std::string what;
+};
+
+// Builds the tree from parser events. yaml-cpp's own Node cannot: it merges duplicate keys silently on access.
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  YamlNode root;
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& m, YAML::anchor_t anchor) override { leaf(m, YamlNode::Kind::Null, {}, anchor); }
+  void OnAlias(const YAML::Mark& m, YAML::anchor_t) override { throw Unsupported{mark_of(m), "aliases (*name)"}; }
+  void OnScalar(const YAML::Mark& m, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+    if (tag != "?" && tag != "!" && !tag.empty()) throw Unsupported{mark_of(m), "tags (!name)"};
+    leaf(m, YamlNode::Kind::Scalar, value, anchor);
+  }
+  void OnSequenceStart(const YAML::Mark& m, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    push(m, YamlNode::Kind::List, anchor);
+  }
+  void OnSequenceEnd() override { pop(); }
+  void OnMapStart(const YAML::Mark& m, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    push(m, YamlNode::Kind::Map, anchor);
+  }
+  void OnMapEnd() override { pop(); }
+
+ private:
+  struct Open {
+    YamlNode node, key;
+    bool has_key = false;
+  };
+
+  static void refuse_anchor(const YAML::Mark& m, YAML::anchor_t anchor) {
+    if (anchor != 0) throw Unsupported{mark_of(m), "anchors (&name)"};
+  }
+  void leaf(const YAML::Mark& m, YamlNode::Kind kind, std::string text, YAML::anchor_t anchor) {
+    refuse_anchor(m, anchor);
+    YamlNode node;
+    node.kind = kind;
+    node.mark = mark_of(m);
+    node.text = std::move(text);
+    place(std::move(node));
+  }
+  void push(const YAML::Mark& m, YamlNode::Kind kind, YAML::anchor_t anchor) {
+    refuse_anchor(m, anchor);
+    Open open;
+    open.node.kind = kind;
+    open.node.mark = mark_of(m);
+    stack_.push_back(std::move(open));
+  }
+  void pop() {
+    YamlNode done = std::move(stack_.back().node);
+    stack_.pop_back();
+    place(std::move(done));
+  }
+  void place(YamlNode node) {
+    if (stack_.empty()) {
+      root = std::move(node);
+      return;
+    }
+    Open& top = stack_.back();
+    if (top.node.kind == YamlNode::Kind::List) {
+      top.node.items.push_back(std::move(node));
+    } else if (!top.has_key) {
+      top.key = std::move(node);
+      top.has_key = true;
+    } else {
+      top.node.entries.emplace_back(std::move(top.key), std::move(node));
+      top.has_key = false;
+    }
+  }
+
+  std::vector<Open> stack_;
+};
+
+std::string excerpt(const YamlFile& file, SourceMark mark, size_t length) {
+  if (mark.line < 1 || mark.line > static_cast<int>(file.lines.size())) return {};
+  const std::string& line = file.lines[static_cast<size_t>(mark.line - 1)];
+  std::string pad;
+  for (int i = 0; i + 1 < mark.column && i < static_cast<int>(line.size()); ++i)
+    pad += line[static_cast<size_t>(i)] == '\t' ? '\t' : ' ';
+  return fmt::format("{:>5} | {}\n      | {}^{}\n", mark.line, line, pad, std::string(length > 1 ? length - 1 : 0, '~'));
+}
+
+}  // namespace
+
+const YamlNode* YamlNode::find(std::string_view key) const {
+  for (const auto& [k, v] : entries)
+    if (k.text == key) return &v;
+  return nullptr;
+}
+
+YamlFile parse_yaml(std::string_view text, std::string name) {
+  YamlFile file;
+  file.name = std::move(name);
+  std::istringstream lines{std::string(text)};
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    file.lines.push_back(std::move(line));
+  }
+  ConfigErrors errors;
+  try {
+    std::istringstream in{std::string(text)};
+    YAML::Parser parser(in);
+    TreeBuilder builder;
+    if (parser.HandleNextDocument(builder)) file.root = std::move(builder.root);
+    TreeBuilder second;
+    if (parser.HandleNextDocument(second) && second.root.kind != YamlNode::Kind::Null)
+      errors.add(file, second.root.mark, 1, "a second document is not read: keep one per file");
+  } catch (const Unsupported& u) {
+    errors.add(file, u.mark, 1, u.what + " are not supported: write the value out");
+  } catch (const YAML::Exception& e) {
+    errors.add(file, mark_of(e.mark), 1, "not valid YAML: " + e.msg);
+  }
+  errors.throw_if_any("indent with spaces, write `key: value`, and put text with special characters in quotes");
+  return file;
+}
+
+YamlFile read_yaml(const std::string& path) { return parse_yaml(read_file(path), path); }
+
+void ConfigErrors::add(const YamlFile& file, SourceMark mark, size_t length, const std::string& message) {
+  text_ += fmt::format("{}:{}:{}: error: {}\n{}", file.name, mark.line, mark.column, message, excerpt(file, mark, length));
+  ++count_;
+}
+
+void ConfigErrors::add(std::string_view where, const std::string& message) {
+  text_ += fmt::format("{}: error: {}\n", where, message);
+  ++count_;
+}
+
+void ConfigErrors::throw_if_any(std::string_view hint) const {
+  if (count_ == 0) return;
+  throw Error(ErrorKind::Usage, fmt::format("{}{} error{}", text_, count_, count_ == 1 ? "" : "s"),
+              {.hint = std::string(hint), .code = "BAD_CONFIG"});
+}
+
+}  // namespace vitrine
