@@ -1,0 +1,79 @@
+#include "core/camera/photo_list.h"
+
+#include "core/base/file.h"
+#include "core/camera/json_file.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr const char* kFormat = "photo list";
+
+template <class T>
+nlohmann::json json_of(const std::optional<T>& v) {
+  return v ? nlohmann::json(*v) : nlohmann::json();
+}
+
+std::optional<double> optional_number(const nlohmann::json& j) {
+  return j.is_null() ? std::nullopt : std::optional<double>(j.get<double>());
+}
+
+fs::path with_suffix(const fs::path& folder, const std::string& stem, const char* extension) {
+  return folder / (stem + extension);
+}
+
+}  // namespace
+
+std::vector<Photo> read_photo_list(const fs::path& folder) {
+  const fs::path path = folder / "ingest" / "photos.json";
+  std::vector<Photo> photos;
+  read_json_file(path, kFormat, [&](const nlohmann::json& document) {
+    for (const nlohmann::json& j : document.at("photos")) {
+      Photo p;
+      p.name = j.at("name").get<std::string>();
+      p.stem = j.at("stem").get<std::string>();
+      p.source = j.at("source").get<std::string>();
+      p.width = j.at("width").get<int>();
+      p.height = j.at("height").get<int>();
+      p.original_width = j.at("original_width").get<int>();
+      p.original_height = j.at("original_height").get<int>();
+      p.focal_px = optional_number(j.at("focal_px"));
+      p.focal_source = j.at("focal_source").get<std::string>();
+      p.exposure_ev = optional_number(j.at("exposure_ev"));
+      p.camera = j.at("camera").get<std::string>();
+      p.time = j.at("time").get<std::string>();
+      if (p.width <= 0 || p.height <= 0) throw_bad_json(path, kFormat, "photo '" + p.name + "' has no size");
+      photos.push_back(std::move(p));
+    }
+  });
+  return photos;
+}
+
+void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Photo& p : photos) {
+    list.push_back({{"name", p.name},
+                    {"stem", p.stem},
+                    {"source", p.source},
+                    {"width", p.width},
+                    {"height", p.height},
+                    {"original_width", p.original_width},
+                    {"original_height", p.original_height},
+                    {"focal_px", json_of(p.focal_px)},
+                    {"focal_source", p.focal_source},
+                    {"exposure_ev", json_of(p.exposure_ev)},
+                    {"camera", p.camera},
+                    {"time", p.time}});
+  }
+  write_json_file(folder / "ingest" / "photos.json", {{"photos", list}});
+}
+
+fs::path ingested_linear_path(const fs::path& folder, const Photo& photo) {
+  return with_suffix(folder / "ingest" / "linear", photo.stem, ".exr");
+}
+
+fs::path ingested_ldr_path(const fs::path& folder, const Photo& photo) {
+  return with_suffix(folder / "ingest" / "ldr", photo.stem, ".png");
+}
+
+}  // namespace vitrine
