@@ -21,23 +21,23 @@ namespace vitrine {
 
 // What a stage reads. An input is another stage's artifact, or a folder of the user's (photos, truth).
 struct StageInput {
-  std::string name;              // "sfm", "optimize", "photos", "truth": also the command-line word --input NAME=PATH
-  bool artifact = true;          // false: an outside folder or file, digested by content
+  std::string name;      // "sfm", "optimize", "photos", "truth": also the command-line word --input NAME=PATH
+  bool artifact = true;  // false: an outside folder or file, digested by content
   bool optional = false;
   std::string doc;
 };
 
 struct StageInfo {
-  std::string name;                       // "mesh"
-  int version = 1;                        // bump when the output changes for the same inputs (history in the stage header)
-  std::string summary;                    // one line, for help and reports
+  std::string name;     // "mesh"
+  int version = 1;      // bump when the output changes for the same inputs (history in the stage header)
+  std::string summary;  // one line, for help and reports
   std::vector<StageInput> inputs;
 };
 
-struct Progress {                         // one report of a running stage
-  double fraction = 0;                    // of the stage, in [0, 1]
-  std::string text;                       // "step 1200/3000  loss 0.0312  41k surfels"
-  std::map<std::string, double> values;   // for events.jsonl: {"step":1200,"loss":0.0312}
+struct Progress {                        // one report of a running stage
+  double fraction = 0;                   // of the stage, in [0, 1]
+  std::string text;                      // "step 1200/3000  loss 0.0312  41k surfels"
+  std::map<std::string, double> values;  // for events.jsonl: {"step":1200,"loss":0.0312}
 };
 
 // What stage_main hands to run().
@@ -52,28 +52,29 @@ class StageContext {
   // Survives interruption and kill -9 of the same key; removed after the commit. For checkpoints and partial downloads.
   virtual const std::filesystem::path& scratch() const = 0;
   virtual int threads() const = 0;
-  virtual size_t max_memory_bytes() const = 0;               // 0 = no limit given
-  virtual void progress(const Progress& p) = 0;              // bar or plain line, and events.jsonl; call as often as you like
+  virtual size_t max_memory_bytes() const = 0;   // 0 = no limit given
+  virtual void progress(const Progress& p) = 0;  // bar or plain line, and events.jsonl; call as often as you like
   // A figure that belongs in the manifest, the events and the one-line summary of the run ("registered", 47).
   virtual void metric(std::string_view name, double value) = 0;
-  virtual void warning(std::string_view code, std::string_view text) = 0;   // shown, logged, kept in the manifest
-  virtual void summary(std::string_view text) = 0;           // what the pipeline prints behind the stage's name
+  virtual void warning(std::string_view code, std::string_view text) = 0;  // shown, logged, kept in the manifest
+  virtual void summary(std::string_view text) = 0;                         // what the pipeline prints behind the stage's name
   // A figure of the machine or the clock: logged and in events.jsonl, never in the artifact (artifacts are reproducible).
   virtual void timing(std::string_view name, double seconds) = 0;
 };
 
 struct Stage {
   StageInfo info;
-  std::shared_ptr<void> config;                                         // the typed config object
-  OptionTable options;                                                  // over *config
+  std::shared_ptr<void> config;  // the typed config object
+  OptionTable options;           // over *config
   std::function<void(StageContext&)> run;
-  std::function<std::string()> problem;                                 // cross-field rule: empty = fine, else the sentence
-  std::function<std::map<std::string, std::string>()> fingerprints;     // external tools, numerics: {"colmap": "3.8"}
+  std::function<std::string()> problem;                              // cross-field rule: empty = fine, else the sentence
+  std::function<std::map<std::string, std::string>()> fingerprints;  // external tools, numerics: {"colmap": "3.8"}
 };
 
-template <class Config> Stage make_stage(StageInfo info, void (*run)(const Config&, StageContext&),
-                                         std::function<std::map<std::string, std::string>()> fingerprints = {},
-                                         std::string (*problem)(const Config&) = nullptr) {
+template <class Config>
+Stage make_stage(StageInfo info, void (*run)(const Config&, StageContext&),
+                 std::function<std::map<std::string, std::string>()> fingerprints = {},
+                 std::string (*problem)(const Config&) = nullptr) {
   auto config = std::make_shared<Config>();
   Stage s;
   s.info = std::move(info);

@@ -1,5 +1,7 @@
 #include "core/base/log.h"
 
+#include "core/base/terminal.h"
+
 #include <memory>
 #include <mutex>
 
@@ -30,14 +32,16 @@ struct Sinks {
 
   Sinks() { console = make_console(false); rebuild(); }
   static std::shared_ptr<spdlog::sinks::sink> make_console(bool colour) {
+    // On a terminal a line first erases the progress bar that may stand there (core/base/terminal.h).
+    const std::string erase = is_terminal(2) ? std::string(kEraseLine) : std::string();
     if (colour) {
       auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
       sink->set_color_mode(spdlog::color_mode::always);
-      sink->set_pattern("%^%v%$");
+      sink->set_pattern(erase + "%^%v%$");
       return sink;
     }
     auto sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-    sink->set_pattern("%v");
+    sink->set_pattern(erase + "%v");
     return sink;
   }
   void rebuild() {

@@ -73,10 +73,18 @@ ProcessResult run_process(const ProcessDesc& desc) {
   }
   if (!desc.working_folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, desc.working_folder.c_str());
 
+  // A process group of its own: on Ctrl-C the terminal would signal the child as well, and with ours forwarded it would count
+  // two, which means "end at once".
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+
   Timer timer;
   pid_t pid = -1;
-  const int rc = posix_spawnp(&pid, argv[0], &actions, nullptr, argv.data(), envp.data());
+  const int rc = posix_spawnp(&pid, argv[0], &actions, &attributes, argv.data(), envp.data());
   posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
   if (!desc.inherit_output) close(pipe_fds[1]);
   if (rc != 0) {
     if (!desc.inherit_output) close(pipe_fds[0]);

@@ -1,5 +1,6 @@
 // Child processes without a shell: arguments are passed as they are, output is read line by line while the child runs.
-// Ctrl-C reaches the child through the process group; `run_process` then waits for it and throws Error{Interrupted}.
+// The child has a process group of its own; a signal that asks us to stop (see below) is passed on to it, and `run_process` waits
+// until it has ended: the caller then looks at interrupt_signal().
 #pragma once
 
 #include <csignal>

@@ -1,0 +1,52 @@
+// What a running stage tells the world: lines or a progress bar for people (stderr), and records for programs: one JSON object
+// per line in --events FILE, or on stdout with --log-format json, which is how the pipeline listens.
+//
+// Every record has "v" (version of this list), "type", "time", "stage". Types:
+//   stage_start {key}   progress {fraction, text, eta_s?, values}   warning {code, text}   metric {name, value}
+//   timing {name, seconds}   summary {text}   artifact {path, content_digest}
+//   error {kind, exit, code, message, where, why, hint}
+//   stage_end {ok, cached, key, seconds, cpu_seconds, peak_rss_bytes, summary, metrics}
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/timer.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+inline constexpr int kEventsVersion = 1;
+
+class Reporter {
+ public:
+  explicit Reporter(std::string stage) : stage_(std::move(stage)) {}
+  ~Reporter();
+
+  bool json_console = false;  // records on stdout instead of lines for people
+  bool show_progress = true;
+  void write_events_to(const std::filesystem::path& file);  // appends
+
+  void record(std::string_view type, nlohmann::ordered_json fields);
+  void progress(const Progress& p);
+  void error(const Error& e);
+  void finish_progress();  // removes the bar
+
+ private:
+  std::string stage_;
+  std::mutex mutex_;
+  std::ofstream events_;
+  Timer clock_;
+  double last_bar_s_ = -1e9, last_line_s_ = -1e9, last_record_s_ = -1e9, first_fraction_ = -1;
+  bool bar_shown_ = false;
+};
+
+std::string utc_time_text();  // 2026-11-21T12:00:00.123Z
+
+}  // namespace vitrine

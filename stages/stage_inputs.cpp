@@ -1,0 +1,75 @@
+#include "stages/stage_inputs.h"
+
+#include <algorithm>
+
+#include "core/artifact/current.h"
+#include "core/base/error.h"
+#include "core/config/text.h"
+
+namespace vitrine {
+
+namespace {
+
+const StageInput& declared(const StageInfo& info, const std::string& name) {
+  std::vector<std::string> names;
+  for (const StageInput& input : info.inputs) {
+    if (input.name == name) return input;
+    names.push_back(input.name);
+  }
+  const std::string near = nearest_word(name, names);
+  throw Error(ErrorKind::Usage, fmt::format("stage '{}' has no input '{}'", info.name, name),
+              {.where = "--input",
+               .why = fmt::format("its inputs are: {}", fmt::join(names, ", ")),
+               .hint = near.empty() ? std::string() : fmt::format("--input {}=PATH", near),
+               .code = "BAD_INPUT_NAME"});
+}
+
+ResolvedInput resolve_artifact(const StageInfo& info, const std::string& name, fs::path path, DigestCache& digests) {
+  if (const auto key = current_key(path, name)) path = store_of(path) / name / *key;
+  const fs::path manifest_file = path / kManifestName;
+  if (!fs::exists(manifest_file)) return {path, digests.digest_tree(path)};
+  const Manifest manifest = manifest_from_json(read_file(manifest_file), manifest_file.string());
+  if (manifest.stage != name)
+    throw Error(ErrorKind::Input,
+                fmt::format("input '{}' of stage '{}' is an artifact of stage '{}'", name, info.name, manifest.stage),
+                {.where = path.string(), .hint = fmt::format("give the artifact of '{}'", name), .code = "WRONG_ARTIFACT"});
+  ArtifactStore store(path.parent_path().parent_path());
+  if (const std::string damage = store.damage(path); !damage.empty())
+    throw Error(ErrorKind::Input, fmt::format("the artifact of stage '{}' is damaged", name),
+                {.where = path.string(),
+                 .why = damage,
+                 .hint = fmt::format("run the pipeline again: '{}' is computed anew", name),
+                 .code = "DAMAGED_ARTIFACT"});
+  return {path, manifest.content_digest};
+}
+
+}  // namespace
+
+std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const std::vector<std::string>& words,
+                                                    DigestCache& digests) {
+  std::map<std::string, ResolvedInput> inputs;
+  for (const std::string& word : words) {
+    const size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
+      throw Error(ErrorKind::Usage, fmt::format("expected NAME=PATH, got \"{}\"", word),
+                  {.where = "--input", .code = "BAD_INPUT_NAME"});
+    const std::string name = word.substr(0, equals);
+    const StageInput& input = declared(info, name);
+    const fs::path path = fs::absolute(word.substr(equals + 1)).lexically_normal();
+    std::error_code ec;
+    if (!fs::exists(path, ec))
+      throw Error(ErrorKind::Input, fmt::format("input '{}' of stage '{}' does not exist", name, info.name),
+                  {.where = path.string(), .why = input.doc, .hint = "check the path", .code = "MISSING_INPUT"});
+    if (inputs.contains(name))
+      throw Error(ErrorKind::Usage, fmt::format("input '{}' is given twice", name),
+                  {.where = "--input", .code = "BAD_INPUT_NAME"});
+    inputs[name] = input.artifact ? resolve_artifact(info, name, path, digests) : ResolvedInput{path, digests.digest_tree(path)};
+  }
+  for (const StageInput& input : info.inputs)
+    if (!input.optional && !inputs.contains(input.name))
+      throw Error(ErrorKind::Usage, fmt::format("stage '{}' needs the input '{}'", info.name, input.name),
+                  {.why = input.doc, .hint = fmt::format("--input {}=PATH", input.name), .code = "MISSING_INPUT"});
+  return inputs;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,24 @@
+// The inputs of one run of a stage: where they are, and what their contents digest to.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/artifact/store.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct ResolvedInput {
+  fs::path path;
+  std::string content_digest;
+};
+
+// `words` are NAME=PATH. The path of an artifact may be an entry of a store (a folder with manifest.json), an output folder of
+// `vitrine run` (its current artifact of that stage is meant), or any folder with the right files. A damaged, missing or
+// misnamed input is Error{Input} or Error{Usage}.
+std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const std::vector<std::string>& words,
+                                                    DigestCache& digests);
+
+}  // namespace vitrine
