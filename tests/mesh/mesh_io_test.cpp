@@ -114,6 +114,7 @@ TEST(MeshPly, SurvivesTruncationAndRandomDamage) {
   const std::string good = read_file(folder.path() / "good.ply");
   const fs::path path = folder.path() / "bad.ply";
   const auto write_quickly = [&](const std::string& bytes) {
+    fs::remove(path);  // replacing a file in place makes some file systems flush
     FILE* f = std::fopen(path.c_str(), "wb");
     std::fwrite(bytes.data(), 1, bytes.size(), f);
     std::fclose(f);
@@ -124,14 +125,14 @@ TEST(MeshPly, SurvivesTruncationAndRandomDamage) {
   }
   Rng rng(11);
   size_t refused = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
+  for (int trial = 0; trial < 1000; ++trial) {
     std::string bytes = good;
     for (uint32_t k = 0, n = 1 + rng.below(4); k < n; ++k)
       bytes[rng.below(static_cast<uint32_t>(bytes.size()))] = static_cast<char>(rng.next_u32());
     write_quickly(bytes);
     refused += reason_of(path) != "accepted";
   }
-  EXPECT_GT(refused, 500u);
+  EXPECT_GT(refused, 200u);
 }
 
 TEST(MeshObj, WritesOneBasedFacesWithNormalsAndColours) {
