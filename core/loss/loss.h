@@ -9,6 +9,7 @@
 #include "core/camera/view.h"
 #include "core/config/describe.h"
 #include "core/render/raster_desc.h"
+#include "core/scene/layers.h"
 
 namespace vitrine {
 

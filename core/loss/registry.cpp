@@ -1,0 +1,25 @@
+// One row per loss: adding one is a file with make_<name>() and a row here.
+#include "core/loss/loss.h"
+
+namespace vitrine {
+
+std::unique_ptr<Loss> make_l1_loss();
+std::unique_ptr<Loss> make_dssim_loss();
+std::unique_ptr<Loss> make_normal_consistency_loss();
+std::unique_ptr<Loss> make_distortion_loss();
+std::unique_ptr<Loss> make_opacity_loss();
+std::unique_ptr<Loss> make_scale_loss();
+
+const std::vector<LossFactory>& loss_registry() {
+  static const std::vector<LossFactory> rows{
+      {"l1", "Mean absolute difference to the photo, display-referred.", 0.8f, make_l1_loss},
+      {"dssim", "One minus the structural similarity to the photo.", 0.2f, make_dssim_loss},
+      {"normal_consistency", "Surfel normals agree with the slope of the rendered depth.", 0.05f, make_normal_consistency_loss},
+      {"distortion", "Surfels along a ray gather at one depth.", 0.f, make_distortion_loss},
+      {"opacity", "Mean opacity: frees surfels that the photos do not need.", 0.01f, make_opacity_loss},
+      {"scale", "Mean scale: keeps surfels small where the photos do not need them large.", 0.01f, make_scale_loss},
+  };
+  return rows;
+}
+
+}  // namespace vitrine

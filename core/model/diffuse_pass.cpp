@@ -1,0 +1,26 @@
+#include "core/model/diffuse_pass.h"
+
+#include <algorithm>
+
+namespace vitrine {
+
+void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
+  RasterDesc desc;
+  desc.intrinsics = frame.view->intrinsics;
+  desc.cam_from_world = frame.view->cam_from_world;
+  desc.features = FeatureSet::Surface;
+  desc.sh_degree = std::min(options_.sh_degree, scene.diffuse.sh_degree());
+  desc.distortion = options_.distortion;
+  renderer_->forward(scene.diffuse, desc, frame.diffuse);
+  const auto color = frame.diffuse.plane(Aov::Color);
+  frame.linear.assign(color.begin(), color.end());
+  frame.grad_diffuse.reset(desc);
+}
+
+void DiffusePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
+  const auto grad_color = frame.grad_diffuse.plane(Aov::Color);
+  for (size_t i = 0; i < grad_color.size(); ++i) grad_color[i] += frame.grad_linear[i];
+  renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad.diffuse, &frame.statistics);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,256 @@
+#include "core/optim/densify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+#include "core/math/rigid.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+// Streams of the random numbers: what a number is for.
+enum : uint64_t {
+  kRelocateStream = 0x4d01,
+  kGrowStream = 0x4d02,
+  kJitterStream = 0x4d03,
+  kNoiseStream = 0x4d04,
+  kSplitStream = 0x4d05
+};
+
+constexpr int kMaxCopies = 50;  // the binomial sums lose their digits beyond
+constexpr float kOpacityCeiling = 1 - 1e-6f, kOpacityFloor = 0.005f;
+constexpr double kErrorFloor = 0.1;   // of the mean error: surfels without error still attract a few copies
+constexpr double kSplitShrink = 1.6;  // 3DGS: children of a split are smaller by this
+
+float opacity_of(const SplatLayer& layer, size_t i) { return sigmoid(*layer.at(Attribute::Opacity, i)); }
+
+Mat3f axes_of(const SplatLayer& layer, size_t i) {
+  const float* q = layer.at(Attribute::Rotation, i);
+  return rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]}));
+}
+
+// Moves a surfel by normal deviates of `amount` standard deviations along its own two axes.
+void jitter_in_plane(SplatLayer& layer, size_t i, float amount, Rng& rng) {
+  if (amount == 0) return;
+  const Mat3f axes = axes_of(layer, i);
+  const float* log_scale = layer.at(Attribute::LogScale, i);
+  const float u = amount * std::exp(log_scale[0]) * rng.normal(), v = amount * std::exp(log_scale[1]) * rng.normal();
+  for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += u * axes.c0[c] + v * axes.c1[c];
+}
+
+// p_i ~ o_i (floor + E_i / mean E): where the surfels are, and more where the picture is wrong. Cumulative, unnormalised.
+std::vector<double> cumulative_chances(const DensifyConfig& config, const SplatLayer& layer, const SurfelAccumulator& accumulator,
+                                       const std::vector<uint8_t>& dead) {
+  const size_t n = layer.size();
+  double error_sum = 0;
+  for (float e : accumulator.error) error_sum += e;
+  const double mean_error = error_sum / double(std::max<size_t>(n, 1));
+  std::vector<double> cumulative(n);
+  double sum = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const double error = mean_error > 0 ? kErrorFloor + accumulator.error[i] / mean_error : 1;
+    if (!dead[i]) sum += opacity_of(layer, i) * ((1 - config.error_share) + config.error_share * error);
+    cumulative[i] = sum;
+  }
+  return cumulative;
+}
+
+size_t drawn(const std::vector<double>& cumulative, Rng& rng) {
+  const double x = rng.uniform_double() * cumulative.back();
+  const auto it = std::upper_bound(cumulative.begin(), cumulative.end(), x);
+  return std::min<size_t>(static_cast<size_t>(it - cumulative.begin()), cumulative.size() - 1);
+}
+
+// Gives every slot of `slots` to a living surfel drawn by chance: parent and copies share its opacity and shrink.
+void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target,
+               const std::vector<uint32_t>& slots, const std::vector<double>& cumulative, uint64_t stream) {
+  SplatLayer& layer = target.layer;
+  std::vector<uint32_t> parents(slots.size());
+  std::vector<int> copies(layer.size(), 1);
+  Rng draw(moment.seed, mix64(stream, moment.step));
+  for (uint32_t& parent : parents) ++copies[parent = static_cast<uint32_t>(drawn(cumulative, draw))];
+  for (size_t i = 0; i < cumulative.size(); ++i) {
+    if (copies[i] == 1) continue;
+    const double opacity = std::min<double>(opacity_of(layer, i), kOpacityCeiling);
+    const CopySplit split = copy_split(opacity, copies[i]);
+    *layer.at(Attribute::Opacity, i) = logit(std::max(static_cast<float>(split.opacity), kOpacityFloor));
+    for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] += static_cast<float>(std::log(split.scale_factor));
+    target.adam.forget(i);
+  }
+  for (size_t k = 0; k < slots.size(); ++k) {
+    layer.copy_surfel(parents[k], slots[k]);
+    target.adam.forget(slots[k]);
+    Rng jitter(moment.seed, mix64(kJitterStream, mix64(moment.step, slots[k])));
+    jitter_in_plane(layer, slots[k], static_cast<float>(config.jitter), jitter);
+  }
+}
+
+DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target) {
+  SplatLayer& layer = target.layer;
+  const size_t n = layer.size();
+  std::vector<uint8_t> dead(n);
+  std::vector<uint32_t> slots;
+  for (size_t i = 0; i < n; ++i)
+    if ((dead[i] = opacity_of(layer, i) <= config.dead_opacity)) slots.push_back(static_cast<uint32_t>(i));
+  const std::vector<double> cumulative = cumulative_chances(config, layer, target.accumulator, dead);
+  DensifyCounts counts;
+  if (n == 0 || cumulative.back() <= 0) return counts;
+  copy_onto(config, moment, target, slots, cumulative, kRelocateStream);
+  counts.relocated = slots.size();
+
+  const size_t grown = std::min(moment.cap, static_cast<size_t>(std::ceil(double(n) * config.growth)));
+  if (grown > n) {
+    layer.resize(grown);
+    target.adam.resize(grown);
+    slots.resize(grown - n);
+    std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(n));
+    copy_onto(config, moment, target, slots, cumulative, kGrowStream);
+    counts.added = grown - n;
+  }
+  return counts;
+}
+
+DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target) {
+  SplatLayer& layer = target.layer;
+  const size_t n = layer.size();
+  const double largest_clone = config.split_size_rel * moment.scene_radius;
+  std::vector<uint32_t> wanted;
+  for (size_t i = 0; i < n; ++i) {
+    const double seen = target.accumulator.seen[i];
+    if (seen > 0 && target.accumulator.screen_gradient[i] / seen > config.gradient_threshold)
+      wanted.push_back(static_cast<uint32_t>(i));
+  }
+  if (const size_t room = moment.cap > n ? moment.cap - n : 0; wanted.size() > room) {  // the cap: highest gradients first
+    std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) {
+      const auto& s = target.accumulator;
+      return s.screen_gradient[a] * float(s.seen[b]) > s.screen_gradient[b] * float(s.seen[a]);
+    });
+    wanted.resize(room);
+  }
+  DensifyCounts counts;
+  counts.added = wanted.size();
+  layer.resize(n + wanted.size());
+  target.adam.resize(layer.size());
+  for (size_t k = 0; k < wanted.size(); ++k) {
+    const size_t parent = wanted[k], child = n + k;
+    layer.copy_surfel(parent, child);
+    float* log_scale = layer.at(Attribute::LogScale, parent);
+    if (std::exp(std::max(log_scale[0], log_scale[1])) <= largest_clone) continue;  // a clone starts as the same surfel
+    for (size_t half : {parent, child}) {
+      Rng rng(moment.seed, mix64(kSplitStream, mix64(moment.step, half)));
+      jitter_in_plane(layer, half, 1.f, rng);
+      for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, half)[c] -= static_cast<float>(std::log(kSplitShrink));
+    }
+    target.adam.forget(parent);
+  }
+  std::vector<uint32_t> kept;
+  for (size_t i = 0; i < layer.size(); ++i)
+    if (opacity_of(layer, i) >= config.prune_opacity) kept.push_back(static_cast<uint32_t>(i));
+  counts.removed = layer.size() - kept.size();
+  keep_surfels(layer, kept);
+  target.adam.keep_only(kept);
+  return counts;
+}
+
+}  // namespace
+
+void describe(Describer& d, DensifyConfig& c) {
+  d.option("strategy", c.strategy, "mcmc: relocate and grow to the cap; classic: clone, split and prune; none.")
+      .choices({"mcmc", "classic", "none"});
+  d.option("every", c.every, "Steps between two densifications.").range(1, 100000);
+  d.option("from", c.from, "Part of the run after which it starts.").range(0, 1);
+  d.option("until", c.until, "Part of the run after which it stops.").range(0, 1);
+  d.option("growth", c.growth, "Growth of the number of surfels per densification (mcmc).").range(1, 2);
+  d.option("dead_opacity", c.dead_opacity, "Surfels at or below this opacity are moved (mcmc).").range(0, 0.5);
+  d.option("error_share", c.error_share, "How much the picture's error, beside the opacity, decides where copies go (mcmc).")
+      .range(0, 1);
+  d.option("jitter", c.jitter, "Displacement of a copy in its plane, in standard deviations of the parent (mcmc).").range(0, 2);
+  d.option("noise", c.noise, "Strength of the random walk of nearly transparent surfels, relative to the paper (mcmc).")
+      .range(0, 10);
+  d.option("gradient_threshold", c.gradient_threshold, "Mean screen-space gradient that calls for more surfels (classic).")
+      .range(0, 1);
+  d.option("split_size_rel", c.split_size_rel, "Larger surfels are split, smaller ones cloned (classic).").range(0, 1);
+  d.option("prune_opacity", c.prune_opacity, "Fainter surfels are dropped (classic).").range(0, 0.5);
+}
+
+void SurfelAccumulator::reset(size_t size) {
+  weight.assign(size, 0.f);
+  error.assign(size, 0.f);
+  screen_gradient.assign(size, 0.f);
+  seen.assign(size, 0);
+}
+
+void SurfelAccumulator::add(const SurfelStatistics& statistics) {
+  for (size_t i = 0; i < seen.size(); ++i) {
+    if (!(statistics.weight[i] > 0)) continue;
+    weight[i] += statistics.weight[i];
+    if (!statistics.error.empty()) error[i] += statistics.error[i];
+    screen_gradient[i] += statistics.screen_gradient[i];
+    ++seen[i];
+  }
+}
+
+void SurfelAccumulator::save(ArchiveWriter& out) const {
+  out.array(std::span<const float>(weight));
+  out.array(std::span<const float>(error));
+  out.array(std::span<const float>(screen_gradient));
+  out.array(std::span<const uint32_t>(seen));
+}
+
+void SurfelAccumulator::load(ArchiveReader& in) {
+  in.array(weight);
+  in.array(error);
+  in.array(screen_gradient);
+  in.array(seen);
+  if (error.size() != weight.size() || screen_gradient.size() != weight.size() || seen.size() != weight.size())
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "statistics of different sizes", .code = "BAD_CHECKPOINT"});
+}
+
+CopySplit copy_split(double opacity, int copies) {
+  const int n = std::clamp(copies, 1, kMaxCopies);
+  const double shared = 1 - std::pow(1 - opacity, 1.0 / n);
+  double denominator = 0;
+  for (int i = 1; i <= n; ++i) {
+    double binomial = 1, power = shared, sign = 1;
+    for (int k = 0; k < i; ++k) {
+      denominator += binomial * sign * power / std::sqrt(double(k + 1));
+      binomial = binomial * double(i - 1 - k) / double(k + 1);
+      power *= shared;
+      sign = -sign;
+    }
+  }
+  return {shared, opacity / denominator};
+}
+
+DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {
+  DensifyCounts counts;
+  if (config.strategy == "mcmc") counts = relocate_and_grow(config, moment, target);
+  if (config.strategy == "classic") counts = clone_split_prune(config, moment, target);
+  target.accumulator.reset(target.layer.size());
+  return counts;
+}
+
+void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64_t step) {
+  if (strength <= 0) return;
+  constexpr size_t kChunk = 1024;
+  constexpr float kSteepness = 100.f, kThreshold = 0.005f, kNegligible = 1e-4f;
+  parallel_chunks(layer.size(), kChunk, [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const float gate = sigmoid(kSteepness * (kThreshold - opacity_of(layer, i)));
+      if (gate < kNegligible) continue;
+      Rng rng(seed, mix64(kNoiseStream, mix64(step, i)));
+      const Vec3f xi{rng.normal(), rng.normal(), rng.normal()};
+      const Mat3f axes = axes_of(layer, i);
+      const float* log_scale = layer.at(Attribute::LogScale, i);
+      const float u = std::exp(2 * log_scale[0]) * dot(axes.c0, xi), v = std::exp(2 * log_scale[1]) * dot(axes.c1, xi);
+      for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += gate * strength * (u * axes.c0[c] + v * axes.c1[c]);
+    }
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,72 @@
+// Where surfels come from and go to while a layer is trained (algorithms 2). Three strategies:
+//   mcmc     dead surfels move onto living ones, and the layer grows by a factor to a hard cap; a parent with N copies gets
+//            o' = 1 - (1-o)^(1/N) and a smaller scale, so that the picture hardly changes (Kheradmand et al. 2024)
+//   classic  clone small and split large surfels whose screen-space gradient is high, drop faint ones, up to the same cap
+//   none     the initial surfels are all there is
+// Random numbers depend on (seed, step, surfel) alone.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/config/describe.h"
+#include "core/optim/adam.h"
+#include "core/render/renderer.h"
+
+namespace vitrine {
+
+struct DensifyConfig {
+  std::string strategy = "mcmc";
+  int every = 50;
+  double from = 0.05, until = 0.7;  // parts of the run
+  double growth = 1.1;
+  double dead_opacity = 0.01;
+  double error_share = 0.5;
+  double jitter = 0.5;
+  double noise = 0.2;
+  double gradient_threshold = 2e-4;  // classic only, and the two below
+  double split_size_rel = 0.01;
+  double prune_opacity = 0.05;
+};
+void describe(Describer& d, DensifyConfig& c);
+
+// Sums of the surfel statistics since the last densification.
+struct SurfelAccumulator {
+  std::vector<float> weight, error, screen_gradient;
+  std::vector<uint32_t> seen;  // pictures in which the surfel had weight
+
+  void reset(size_t size);
+  void add(const SurfelStatistics& statistics);
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+};
+
+struct DensifyTarget {
+  SplatLayer& layer;
+  Adam& adam;
+  SurfelAccumulator& accumulator;  // reset to the new size afterwards
+};
+struct DensifyMoment {
+  uint64_t seed = 0, step = 0;
+  size_t cap = 0;  // most surfels the layer may have
+  double scene_radius = 1;
+};
+struct DensifyCounts {
+  size_t relocated = 0, added = 0, removed = 0;
+};
+
+// By the strategy of `config`. The caller decides when (every, from, until).
+DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target);
+
+// Opacity of each of `copies` coincident surfels that together replace one, and the factor on its scales
+// (Kheradmand et al., eq. 9): the composited opacity at the centre and the line integral through it stay.
+struct CopySplit {
+  double opacity, scale_factor;
+};
+CopySplit copy_split(double opacity, int copies);
+
+// mu += S xi * sigmoid(100 (0.005 - o)) * strength, with S = s_u^2 r0 r0^T + s_v^2 r1 r1^T: nearly transparent surfels wander.
+void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64_t step);
+
+}  // namespace vitrine

@@ -1,0 +1,28 @@
+#include "core/optim/rates.h"
+
+namespace vitrine {
+
+void describe(Describer& d, RatesConfig& c) {
+  for (Attribute a : kTrainedAttributes)
+    d.option(
+         row(a).name, c.rate[static_cast<size_t>(a)],
+         a == Attribute::Mean ? "Adam step size of the position, times the scene radius." : "Adam step size of the raw value.")
+        .range(0, 1);
+  d.option("mean_end_factor", c.mean_end_factor,
+           "Position rate at the end of the run, relative to its start (exponential decay).")
+      .range(1e-6, 1);
+  d.option("end_factor", c.end_factor, "The other rates at the end of the run, relative to their start (exponential decay).")
+      .range(1e-6, 1);
+}
+
+AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius) {
+  AttributeRates rates{};
+  const double decay = std::pow(c.end_factor, fraction), mean_decay = std::pow(c.mean_end_factor, fraction);
+  for (Attribute a : kTrainedAttributes) {
+    const auto i = static_cast<size_t>(a);
+    rates[i] = static_cast<float>(c.rate[i] * (a == Attribute::Mean ? mean_decay * scene_radius : decay));
+  }
+  return rates;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,30 @@
+// Step sizes of the attributes, from the attribute table, and how they shrink over a run: rate(f) = rate * end_factor^f.
+// The mean's rate is in units of the scene radius and has its own end factor; the others usually stay.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "core/config/describe.h"
+#include "core/optim/adam.h"
+
+namespace vitrine {
+
+struct RatesConfig {
+  std::array<float, kAttributeCount> rate = [] {
+    std::array<float, kAttributeCount> r{};
+    for (size_t i = 0; i < kAttributeCount; ++i) r[i] = kAttributes[i].rate;
+    return r;
+  }();
+  double mean_end_factor = 0.01, end_factor = 1;
+};
+
+// What a run of the diffuse layer alone trains; the material attributes join with the passes that read them.
+inline constexpr std::array kTrainedAttributes{Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
+                                               Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
+
+void describe(Describer& d, RatesConfig& c);
+// At `fraction` of the run, for a scene of this radius.
+AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius);
+
+}  // namespace vitrine

@@ -1,0 +1,168 @@
+#include "core/optim/densify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+namespace {
+
+SplatLayer random_layer(size_t size, float opacity = 0.5f) {
+  SplatLayer layer(LayerKind::Diffuse, 1, size);
+  Rng rng(1);
+  for (const AttributeRow& r : kAttributes)
+    for (float& v : layer.values(r.id)) v = rng.normal();
+  for (float& v : layer.values(Attribute::Opacity)) v = logit(opacity);
+  for (float& v : layer.values(Attribute::LogScale)) v = -3;
+  return layer;
+}
+
+SurfelAccumulator even_statistics(size_t size) {
+  SurfelAccumulator a;
+  a.reset(size);
+  for (size_t i = 0; i < size; ++i) a.weight[i] = 1, a.error[i] = 1, a.seen[i] = 10;
+  return a;
+}
+
+// Opacity at offset x, along a line through the centre, of N coincident surfels.
+double composited(double opacity, double scale, int copies, double x) {
+  return 1 - std::pow(1 - opacity * std::exp(-0.5 * x * x / (scale * scale)), copies);
+}
+
+TEST(CopySplit, KeepsTheCentreAndTheLineIntegral) {
+  for (double opacity : {0.05, 0.3, 0.7, 0.95})
+    for (int copies : {1, 2, 3, 5, 12}) {
+      const CopySplit split = copy_split(opacity, copies);
+      EXPECT_NEAR(composited(split.opacity, split.scale_factor, copies, 0), opacity, 1e-12);
+      double before = 0, after = 0;
+      const double step = 0.01;
+      for (double x = -8; x < 8; x += step) {
+        before += step * composited(opacity, 1, 1, x);
+        after += step * composited(split.opacity, split.scale_factor, copies, x);
+      }
+      EXPECT_NEAR(after, before, 1e-6 * before) << opacity << " in " << copies;
+    }
+}
+
+TEST(CopySplit, OneCopyIsTheSurfelItself) {
+  EXPECT_DOUBLE_EQ(copy_split(0.4, 1).opacity, 0.4);
+  EXPECT_NEAR(copy_split(0.4, 1).scale_factor, 1, 1e-12);
+}
+
+TEST(Mcmc, MovesTheDeadAndGrowsToTheCapOnly) {
+  SplatLayer layer = random_layer(100);
+  for (size_t i = 0; i < 10; ++i) *layer.at(Attribute::Opacity, i) = logit(0.004f);
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(100);
+  DensifyConfig config;
+  config.growth = 1.2;
+  DensifyCounts counts = densify(config, {.seed = 1, .step = 50, .cap = 130}, {layer, adam, accumulator});
+  EXPECT_EQ(counts.relocated, 10u);
+  EXPECT_EQ(counts.added, 20u);
+  EXPECT_EQ(layer.size(), 120u);
+  EXPECT_EQ(adam.size(), 120u);
+  EXPECT_EQ(accumulator.seen.size(), 120u);
+  for (size_t i = 0; i < layer.size(); ++i) EXPECT_GT(sigmoid(*layer.at(Attribute::Opacity, i)), 0.01f) << i;
+  counts = densify(config, {.seed = 1, .step = 100, .cap = 130}, {layer, adam, accumulator});
+  EXPECT_EQ(layer.size(), 130u);
+  counts = densify(config, {.seed = 1, .step = 150, .cap = 130}, {layer, adam, accumulator});
+  EXPECT_EQ(counts.added, 0u);
+}
+
+TEST(Mcmc, PutsCopiesWhereTheErrorIs) {
+  SplatLayer layer = random_layer(1000);
+  for (size_t i = 0; i < 1000; ++i) layer.at(Attribute::Mean, i)[0] = i < 100 ? 100.f : 0.f;
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(1000);
+  for (size_t i = 0; i < 1000; ++i) accumulator.error[i] = i < 100 ? 5.f : 0.f;
+  DensifyConfig config;
+  config.error_share = 1;
+  config.growth = 1.5;
+  densify(config, {.seed = 1, .step = 1, .cap = 10000}, {layer, adam, accumulator});
+  size_t near_error = 0;
+  for (size_t i = 1000; i < layer.size(); ++i) near_error += layer.at(Attribute::Mean, i)[0] > 50;
+  // Chance of such a surfel: 100 (0.1 + 10) of 100 (0.1 + 10) + 900 * 0.1 = 0.918.
+  EXPECT_GT(near_error, 430u);
+  EXPECT_LT(near_error, 490u);
+}
+
+TEST(Mcmc, SurvivesALayerWithoutLivingSurfels) {
+  SplatLayer layer = random_layer(5, 0.001f);
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(5);
+  const DensifyCounts counts = densify({}, {.seed = 1, .step = 50, .cap = 50}, {layer, adam, accumulator});
+  EXPECT_EQ(counts.relocated + counts.added, 0u);
+}
+
+TEST(Classic, ClonesSmallSplitsLargeDropsFaint) {
+  SplatLayer layer = random_layer(4);
+  const float large = std::log(0.5f), small = std::log(0.001f);
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] = i == 0 ? large : small;
+  *layer.at(Attribute::Opacity, 3) = logit(0.01f);
+  const SplatLayer before = layer;
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(4);
+  accumulator.screen_gradient = {1, 1, 0, 0};
+  DensifyConfig config;
+  config.strategy = "classic";
+  const DensifyCounts counts = densify(config, {.seed = 1, .step = 50, .cap = 100}, {layer, adam, accumulator});
+  EXPECT_EQ(counts.added, 2u);
+  EXPECT_EQ(counts.removed, 1u);
+  ASSERT_EQ(layer.size(), 5u);  // 0' 1 2 | split of 0, clone of 1
+  EXPECT_FLOAT_EQ(layer.at(Attribute::LogScale, 0)[0], large - std::log(1.6f));
+  EXPECT_FLOAT_EQ(layer.at(Attribute::LogScale, 3)[0], large - std::log(1.6f));
+  EXPECT_NE(layer.at(Attribute::Mean, 3)[0], layer.at(Attribute::Mean, 0)[0]);
+  EXPECT_EQ(layer.at(Attribute::Mean, 4)[0], before.at(Attribute::Mean, 1)[0]);
+  EXPECT_EQ(layer.at(Attribute::LogScale, 4)[0], small);
+}
+
+TEST(Classic, KeepsTheCapAndPrefersHighGradients) {
+  SplatLayer layer = random_layer(10);
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(10);
+  for (size_t i = 0; i < 10; ++i) accumulator.screen_gradient[i] = float(i + 1);
+  DensifyConfig config;
+  config.strategy = "classic";
+  config.split_size_rel = 1;
+  const SplatLayer before = layer;
+  densify(config, {.seed = 1, .step = 50, .cap = 12}, {layer, adam, accumulator});
+  ASSERT_EQ(layer.size(), 12u);
+  EXPECT_EQ(layer.at(Attribute::Mean, 10)[0], before.at(Attribute::Mean, 9)[0]);
+  EXPECT_EQ(layer.at(Attribute::Mean, 11)[0], before.at(Attribute::Mean, 8)[0]);
+}
+
+TEST(Noise, MovesOnlyNearlyTransparentSurfelsAndOnlyInTheirPlane) {
+  SplatLayer layer = random_layer(2);
+  *layer.at(Attribute::Opacity, 1) = logit(0.002f);
+  for (size_t i = 0; i < 2; ++i) {
+    float* q = layer.at(Attribute::Rotation, i);
+    q[0] = 1, q[1] = q[2] = q[3] = 0;  // the plane is z = constant
+  }
+  const SplatLayer before = layer;
+  add_position_noise(layer, 1.f, 1, 1);
+  EXPECT_EQ(layer.at(Attribute::Mean, 0)[0], before.at(Attribute::Mean, 0)[0]);
+  EXPECT_NE(layer.at(Attribute::Mean, 1)[0], before.at(Attribute::Mean, 1)[0]);
+  EXPECT_EQ(layer.at(Attribute::Mean, 1)[2], before.at(Attribute::Mean, 1)[2]);
+}
+
+TEST(Densification, SameBitsForAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    set_thread_limit(threads);
+    SplatLayer layer = random_layer(3000, 0.02f);
+    Adam adam(layer);
+    SurfelAccumulator accumulator = even_statistics(3000);
+    densify({}, {.seed = 3, .step = 50, .cap = 5000}, {layer, adam, accumulator});
+    add_position_noise(layer, 1.f, 3, 50);
+    set_thread_limit(0);
+    return layer;
+  };
+  EXPECT_EQ(run(1), run(2));
+}
+
+}  // namespace
+}  // namespace vitrine
