@@ -1,0 +1,121 @@
+#include "stages/ingest/develop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/camera/view.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/math/color.h"
+#include "stages/ingest/exif.h"
+#include "stages/ingest/probe.h"
+
+namespace vitrine::ingest {
+
+namespace {
+
+constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that we write
+constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
+
+[[noreturn]] void throw_unusable(const fs::path& path, std::string why) {
+  throw Error(
+      ErrorKind::Input, "a photo cannot be used",
+      {.where = path.string(), .why = std::move(why), .hint = "replace it or take it out of the folder", .code = "BAD_PHOTO"});
+}
+
+// All values of 8 and 16 bit samples are multiples of 1/65535, so one table decodes both exactly.
+void decode_srgb(ImageF& image) {
+  static const std::vector<float> table = [] {
+    std::vector<float> t(65536);
+    for (size_t i = 0; i < t.size(); ++i) t[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 65535.0));
+    return t;
+  }();
+  for (float& v : image.data()) v = table[static_cast<size_t>(std::clamp(v, 0.0f, 1.0f) * 65535.0f + 0.5f)];
+}
+
+size_t repair(ImageF& image) {
+  size_t repaired = 0;
+  for (float& v : image.data()) {
+    if (!std::isfinite(v)) {
+      v = 0;
+      ++repaired;
+    }
+    v = std::clamp(v, 0.0f, kHalfMax);
+  }
+  return repaired;
+}
+
+}  // namespace
+
+ImageF upright(const ImageF& stored, int orientation) {
+  if (orientation <= 1 || orientation > 8) return stored;
+  const int w = stored.width(), h = stored.height(), channels = stored.channels();
+  const bool turned = orientation >= 5;
+  ImageF out(turned ? h : w, turned ? w : h, channels);
+  // Where row 0 and column 0 of the stored image belong (EXIF 2.32, tag 0x0112):
+  //   1 top left  2 top right  3 bottom right  4 bottom left  5 left top  6 right top  7 right bottom  8 left bottom
+  const bool mirror_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
+  const bool mirror_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const int across = turned ? y : x, down = turned ? x : y;
+      const int to_x = mirror_x ? out.width() - 1 - across : across, to_y = mirror_y ? out.height() - 1 - down : down;
+      std::copy_n(stored.pixel(x, y), channels, out.pixel(to_x, to_y));
+    }
+  }
+  return out;
+}
+
+Developed develop(const fs::path& path, int max_side) {
+  Developed d;
+  std::string bytes = read_file(path);
+  if (bytes.empty()) throw_unusable(path, "the file is empty");
+  const Probe probe = probe_photo(bytes);
+  if (probe.format == PhotoFormat::Unknown) throw_unusable(path, "its content is neither JPEG, PNG, TIFF nor EXR");
+  if (probe.width > kMaxPixels || probe.height > kMaxPixels || probe.width * probe.height > kMaxPixels)
+    throw_unusable(path, fmt::format("{} x {} pixels are more than vitrine takes ({})", probe.width, probe.height, kMaxPixels));
+  if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(path, missing);
+  const Exif exif = parse_exif(exif_block(bytes));
+  bytes = {};
+
+  if (probe.format == PhotoFormat::Exr) {
+    d.linear = read_exr_rgb(path);
+    d.repaired_pixels = repair(d.linear);
+  } else {
+    d.linear = read_srgb(path);
+    if (probe.float_samples)
+      d.repaired_pixels = repair(d.linear);
+    else
+      decode_srgb(d.linear);
+  }
+  if (d.linear.empty()) throw_unusable(path, "it has no pixels");
+  // OpenCV turns TIFF files upright by itself.
+  if (probe.format != PhotoFormat::Tiff && exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
+
+  Photo& photo = d.photo;
+  photo.original_width = d.linear.width();
+  photo.original_height = d.linear.height();
+  const Intrinsics limited = Intrinsics{photo.original_width, photo.original_height, 1, 1, 0, 0}.limited_to(max_side);
+  photo.width = std::max(limited.width, 1);
+  photo.height = std::max(limited.height, 1);
+  if (photo.width != photo.original_width) d.linear = resized(d.linear, photo.width, photo.height);
+  if (const auto focal = focal_of(exif, photo.width, photo.height)) {
+    photo.focal_px = focal->px;
+    photo.focal_source = focal->source;
+  }
+  photo.exposure_ev = exposure_ev(exif);
+  photo.camera = exif.camera;
+  photo.time = exif.time;
+  return d;
+}
+
+size_t develop_bytes(size_t pixels) {
+  // Worst case, 16 bits with alpha: the decoder's copy, its float copy, ours with alpha, and ours without.
+  constexpr size_t kBytesPerPixel = 8 + 16 + 16 + 12;
+  return pixels * kBytesPerPixel;
+}
+
+}  // namespace vitrine::ingest

@@ -1,0 +1,36 @@
+// What a photo's EXIF block says, through libexif: orientation, focal length, exposure, camera, time.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace vitrine::ingest {
+
+struct Exif {
+  int orientation = 1;               // 1..8
+  std::optional<double> focal_35mm;  // FocalLengthIn35mmFilm
+  std::optional<double> focal_mm;
+  std::optional<double> pixels_per_mm;  // FocalPlaneXResolution in its unit
+  double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = not said
+  std::optional<double> exposure_s, f_number, iso;
+  std::string camera, time;
+};
+
+// `block` as exif_block returns it; damaged blocks give what could be read, an empty one the defaults.
+Exif parse_exif(std::string_view block);
+
+struct Focal {
+  double px;           // at the size asked for
+  std::string source;  // the EXIF fields it comes from
+};
+// Focal length in pixels of a photo of width x height. The 35 mm equivalent compares diagonals (CIPA DCG-001):
+// f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm, scaled when the photo was resized since EXIF was
+// written. nullopt when unknown or not plausible.
+std::optional<Focal> focal_of(const Exif& exif, int width, int height);
+
+// EV at ISO 100: log2(N^2 / t) - log2(S / 100). Two photos whose EV differs by 1 differ by a factor of 2 in scene radiance per
+// pixel value.
+std::optional<double> exposure_ev(const Exif& exif);
+
+}  // namespace vitrine::ingest

@@ -1,0 +1,194 @@
+#include "stages/ingest/ingest.h"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/photo_list.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "stages/ingest/develop.h"
+#include "stages/ingest/photo_files.h"
+#include "stages/ingest/probe.h"
+
+namespace vitrine {
+
+namespace {
+
+using namespace ingest;
+
+constexpr size_t kMinPhotos = 2;  // one photo has no depth
+
+// What became of one file.
+struct Outcome {
+  Photo photo;
+  std::string failure;  // empty = developed
+  size_t repaired_pixels = 0;
+};
+
+size_t stored_pixels(const fs::path& path) {
+  constexpr size_t kHead = 1 << 18;  // EXIF with a thumbnail ends well before
+  std::string head(kHead, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(in.gcount()));
+  const Probe probe = probe_photo(head);
+  constexpr uint64_t kTypicalPixels = 24'000'000, kMaxSide = 1 << 20;
+  if (probe.width == 0 || probe.height == 0 || probe.width > kMaxSide || probe.height > kMaxSide) return kTypicalPixels;
+  return static_cast<size_t>(probe.width * probe.height);
+}
+
+// As many photos at once as there are threads, or as memory allows.
+size_t photos_at_once(const std::vector<PhotoFile>& photos, const StageContext& context) {
+  size_t largest = 1;
+  for (const PhotoFile& photo : photos) largest = std::max(largest, stored_pixels(photo.path));
+  constexpr size_t kDefaultBudget = size_t{3} << 30;
+  const size_t budget = context.max_memory_bytes() > 0 ? context.max_memory_bytes() / 4 * 3 : kDefaultBudget;
+  const size_t fitting = std::max<size_t>(budget / develop_bytes(largest), 1);
+  return std::min(fitting, static_cast<size_t>(std::max(thread_limit(), 1)));
+}
+
+Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output) {
+  Outcome outcome;
+  Developed developed;
+  try {
+    developed = develop(file.path, max_side);
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+    outcome.failure = e.detail().why.empty() ? e.message() : e.detail().why;
+    return outcome;
+  }
+  outcome.photo = std::move(developed.photo);
+  outcome.photo.name = file.name;
+  outcome.photo.stem = file.stem;
+  outcome.photo.source = file.source;
+  outcome.repaired_pixels = developed.repaired_pixels;
+  write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
+  write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
+  return outcome;
+}
+
+std::vector<Outcome> ingest_photos(const std::vector<PhotoFile>& files, int max_side, StageContext& context) {
+  std::vector<Outcome> outcomes(files.size());
+  const size_t at_once = photos_at_once(files, context);
+  for (size_t begin = 0; begin < files.size(); begin += at_once) {
+    throw_if_interrupted();
+    const size_t count = std::min(at_once, files.size() - begin);
+    parallel_for(count, 1, [&](size_t i) { outcomes[begin + i] = ingest_photo(files[begin + i], max_side, context.output()); });
+    const size_t done = begin + count;
+    context.progress({.fraction = static_cast<double>(done) / static_cast<double>(files.size()),
+                      .text = fmt::format("{} / {} photos", done, files.size()),
+                      .values = {{"done", static_cast<double>(done)}, {"total", static_cast<double>(files.size())}}});
+  }
+  return outcomes;
+}
+
+// The failures, one a line, at most `kShown`.
+std::string failure_list(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes) {
+  constexpr size_t kShown = 10;
+  std::string text;
+  size_t failed = 0;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (outcomes[i].failure.empty() || ++failed > kShown) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "\n         ", files[i].source, outcomes[i].failure);
+  }
+  if (failed > kShown) text += fmt::format("\n         and {} more", failed - kShown);
+  return text;
+}
+
+void report_folder(const PhotoFolder& folder, StageContext& context) {
+  size_t skipped = 0;
+  for (const auto& [extension, count] : folder.skipped) skipped += count;
+  context.metric("files_skipped", static_cast<double>(skipped + folder.hidden));
+  if (skipped + folder.hidden > 0)
+    log_info("skipped {} hidden and {} other files{}{}", folder.hidden, skipped, skipped ? ": " : "", skipped_text(folder));
+  if (const size_t unread = skipped_photo_like(folder); unread > 0)
+    context.warning("PHOTO_TYPES_NOT_READ",
+                    fmt::format("{} files hold photos or video in a form that is not read ({}): convert them to "
+                                "JPEG or 16-bit TIFF to use them",
+                                unread, skipped_text(folder)));
+}
+
+void report_photos(const std::vector<Photo>& photos, size_t left_out, StageContext& context) {
+  std::set<std::pair<int, int>> sizes;
+  size_t with_focal = 0, with_exposure = 0;
+  double darkest = 1e300, brightest = -1e300;
+  for (const Photo& p : photos) {
+    sizes.insert({p.width, p.height});
+    with_focal += p.focal_px.has_value();
+    if (!p.exposure_ev) continue;
+    ++with_exposure;
+    darkest = std::min(darkest, *p.exposure_ev);
+    brightest = std::max(brightest, *p.exposure_ev);
+  }
+  context.metric("photos", static_cast<double>(photos.size()));
+  context.metric("photos_left_out", static_cast<double>(left_out));
+  context.metric("photo_sizes", static_cast<double>(sizes.size()));
+  context.metric("photos_with_focal", static_cast<double>(with_focal));
+  if (with_exposure > 0) context.metric("exposure_range_ev", brightest - darkest);
+  if (sizes.size() > 1) {
+    std::string list;
+    for (const auto& [w, h] : sizes) list += fmt::format("{}{} x {}", list.empty() ? "" : ", ", w, h);
+    context.warning("PHOTO_SIZES_DIFFER",
+                    fmt::format("the photos have {} sizes ({}): each keeps its own camera", sizes.size(), list));
+  }
+  const Photo& first = photos.front();
+  context.summary(fmt::format("{} photos{}{}{}{}", photos.size(),
+                              sizes.size() == 1 ? fmt::format("  {} x {}", first.width, first.height) : "",
+                              first.camera.empty() ? "" : "  " + first.camera,
+                              with_focal > 0 ? fmt::format("  focal known for {}", with_focal) : "  no focal length",
+                              left_out > 0 ? fmt::format("  {} left out", left_out) : ""));
+}
+
+void run(const IngestConfig& config, StageContext& context) {
+  const fs::path input = context.input("photos");
+  const PhotoFolder folder = find_photos(input);
+  report_folder(folder, context);
+  const std::vector<Outcome> outcomes = ingest_photos(folder.photos, config.max_side, context);
+
+  std::vector<Photo> photos;
+  size_t repaired = 0;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.failure.empty()) continue;
+    photos.push_back(outcome.photo);
+    repaired += outcome.repaired_pixels;
+  }
+  const size_t left_out = outcomes.size() - photos.size();
+  const std::string failures = failure_list(folder.photos, outcomes);
+  if (photos.size() < kMinPhotos)
+    throw Error(
+        ErrorKind::Input,
+        fmt::format("{} usable photos are too few: at least {} are needed, and 20 to 60 are usual", photos.size(), kMinPhotos),
+        {.where = input.string(),
+         .why = failures.empty() ? fmt::format("the folder holds {} photos", outcomes.size()) : failures,
+         .hint = "add photos, or replace those that cannot be read",
+         .code = "TOO_FEW_PHOTOS"});
+  if (left_out > 0) context.warning("PHOTOS_LEFT_OUT", fmt::format("{} photos are left out:\n         {}", left_out, failures));
+  if (repaired > 0) context.warning("PIXELS_NOT_FINITE", fmt::format("{} values that are not numbers were set to 0", repaired));
+  write_photo_list(context.output(), photos);
+  report_photos(photos, left_out, context);
+}
+
+}  // namespace
+
+void describe(Describer& d, IngestConfig& c) {
+  d.option("max_side", c.max_side,
+           "Longest side of the ingested photos in pixels; larger ones are reduced in linear light; 0 = as they are.")
+      .range(0, 32768);
+}
+
+Stage ingest_stage() {
+  return make_stage<IngestConfig>(
+      {.name = "ingest",
+       .version = 1,
+       .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."}}},
+      &run);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,18 @@
+// Ingest: a folder of photographs becomes upright linear EXR files, 8-bit copies for structure from motion, and
+// ingest/photos.json with what EXIF knows about focal length and exposure (README.md).
+//
+// Version history: 1 = JPEG, PNG, TIFF, EXR.
+#pragma once
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct IngestConfig {
+  int max_side = 1600;
+};
+void describe(Describer& d, IngestConfig& c);
+
+Stage ingest_stage();
+
+}  // namespace vitrine

@@ -1,0 +1,132 @@
+#include "stages/ingest/photo_files.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/error.h"
+
+namespace vitrine::ingest {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const char* const kExtensions[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"};
+const char* const kPhotoLike[] = {".cr2",  ".cr3",  ".nef", ".arw", ".dng", ".orf", ".rw2", ".raf", ".heic", ".heif",
+                                  ".webp", ".avif", ".bmp", ".gif", ".jp2", ".hdr", ".mp4", ".mov", ".avi",  ".mkv"};
+
+std::string lower(std::string s) {
+  for (char& c : s)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return s;
+}
+
+template <size_t N>
+bool contains(const char* const (&list)[N], const std::string& word) {
+  return std::find(std::begin(list), std::end(list), word) != std::end(list);
+}
+
+[[noreturn]] void throw_unreadable(const fs::path& folder, const std::string& why) {
+  throw Error(ErrorKind::Input, "cannot read the folder of photos",
+              {.where = folder.string(), .why = why, .hint = "check the path and its permissions", .code = "PHOTOS_UNREADABLE"});
+}
+
+// Length of the UTF-8 sequence that starts at s[i], 0 when there is no valid one.
+size_t utf8_length(const std::string& s, size_t i) {
+  const auto byte = [&](size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
+  const unsigned first = byte(i);
+  if (first < 0x80) return 1;
+  const size_t length = first >= 0xf0 && first < 0xf5 ? 4 : first >= 0xe0 ? 3 : first >= 0xc2 ? 2 : 0;
+  if (first >= 0xf5) return 0;
+  for (size_t k = 1; k < length; ++k)
+    if ((byte(i + k) & 0xc0) != 0x80) return 0;
+  return length;
+}
+
+// Control characters and bytes that are no UTF-8 cannot travel through JSON and text lists; they become '_'.
+std::string printable(const std::string& s) {
+  std::string out;
+  for (size_t i = 0; i < s.size();) {
+    const size_t length = utf8_length(s, i);
+    if (length == 0 || (length == 1 && static_cast<unsigned char>(s[i]) < 0x20) || s[i] == 0x7f) {
+      out += '_';
+      ++i;
+    } else {
+      out.append(s, i, length);
+      i += length;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+PhotoFolder find_photos(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
+  if (!fs::is_directory(folder, error)) throw_unreadable(folder, "it is not a folder");
+  PhotoFolder found;
+  fs::recursive_directory_iterator it(folder, error), end;
+  for (; !error && it != end; it.increment(error)) {
+    if (it->path().filename().string().starts_with('.')) {
+      ++found.hidden;
+      it.disable_recursion_pending();
+      continue;
+    }
+    std::error_code ignored;
+    if (!it->is_regular_file(ignored)) continue;
+    const std::string extension = lower(it->path().extension().string());
+    if (contains(kExtensions, extension)) {
+      found.photos.push_back({it->path(), it->path().lexically_relative(folder).generic_string(), {}, {}});
+    } else {
+      ++found.skipped[extension];
+    }
+  }
+  if (error) throw_unreadable(folder, error.message());
+  if (found.photos.empty()) {
+    const std::string others = skipped_text(found);
+    throw Error(ErrorKind::Input, "there are no photos in this folder",
+                {.where = folder.string(),
+                 .why = "looked for .jpg .jpeg .png .tif .tiff .exr (also in sub-folders); found " +
+                        (others.empty() ? "no files" : others),
+                 .hint = "give the folder that holds the photos; convert raw or HEIC photos to JPEG or 16-bit TIFF first",
+                 .code = "NO_PHOTOS"});
+  }
+  std::sort(found.photos.begin(), found.photos.end(), [](const PhotoFile& a, const PhotoFile& b) { return a.source < b.source; });
+  assign_names(found.photos);
+  return found;
+}
+
+void assign_names(std::vector<PhotoFile>& photos) {
+  std::set<std::string> taken;
+  for (PhotoFile& photo : photos) {
+    const fs::path source(printable(photo.source));
+    std::string extension = source.extension().string();
+    const std::string plain = fs::path(source).replace_extension().generic_string();
+    photo.stem = plain;
+    for (int n = 1; !taken.insert(photo.stem).second; ++n) {
+      photo.stem = fmt::format("{}_{}", plain, extension.substr(1));
+      if (n > 1) photo.stem += fmt::format("_{}", n);
+    }
+    // The sfm stage writes an 8-bit picture under this name, which an .exr cannot be.
+    if (lower(extension) == ".exr") extension = ".png";
+    photo.name = photo.stem + extension;
+  }
+}
+
+std::string skipped_text(const PhotoFolder& folder) {
+  std::string text;
+  for (const auto& [extension, count] : folder.skipped)
+    text +=
+        fmt::format("{}{} x {}", text.empty() ? "" : ", ", count, extension.empty() ? "without extension" : printable(extension));
+  return text;
+}
+
+size_t skipped_photo_like(const PhotoFolder& folder) {
+  size_t count = 0;
+  for (const auto& [extension, n] : folder.skipped)
+    if (contains(kPhotoLike, extension)) count += n;
+  return count;
+}
+
+}  // namespace vitrine::ingest

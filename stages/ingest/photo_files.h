@@ -1,0 +1,34 @@
+// The photos of a folder: which files are photographs, in which order, and what they are called from here on.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace vitrine::ingest {
+
+struct PhotoFile {
+  std::filesystem::path path;
+  std::string source;      // below the folder, with '/'
+  std::string name, stem;  // unique (core/camera/photo_list.h)
+};
+
+struct PhotoFolder {
+  std::vector<PhotoFile> photos;          // sorted by source, byte order
+  std::map<std::string, size_t> skipped;  // lower-case extension ("" = none) -> files that are no photo we read
+  size_t hidden = 0;                      // files and folders whose name starts with a dot
+};
+
+// Sub-folders are searched. Throws Error{Input} when the folder is missing, unreadable or holds no photo.
+PhotoFolder find_photos(const std::filesystem::path& folder);
+
+// Gives every photo its name and stem. `photos` is sorted by source.
+void assign_names(std::vector<PhotoFile>& photos);
+
+// "3 x .cr2, 1 x .txt"
+std::string skipped_text(const PhotoFolder& folder);
+// Files that hold photographs or video in a form this build does not read.
+size_t skipped_photo_like(const PhotoFolder& folder);
+
+}  // namespace vitrine::ingest
