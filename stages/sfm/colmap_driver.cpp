@@ -1,5 +1,7 @@
 #include "stages/sfm/colmap_driver.h"
 
+#include <fmt/ranges.h>
+
 #include <cctype>
 #include <cstdlib>
 

@@ -1,0 +1,169 @@
+#include "stages/sfm/database.h"
+
+#include <sqlite3.h>
+
+#include <cstring>
+
+#include "core/base/error.h"
+#include "stages/sfm/matcher.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr uint64_t kPairBase = 2147483647;      // pair_id = kPairBase * smaller id + larger id
+
+class Statement {
+ public:
+  Statement(sqlite3* db, const fs::path& path, const std::string& sql) : db_(db), path_(path) {
+    if (sqlite3_prepare_v2(db, sql.c_str(), -1, &statement_, nullptr) != SQLITE_OK) fail();
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  bool step() {
+    const int rc = sqlite3_step(statement_);
+    if (rc != SQLITE_ROW && rc != SQLITE_DONE) fail();
+    return rc == SQLITE_ROW;
+  }
+  int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  std::string text(int column) const {
+    const unsigned char* t = sqlite3_column_text(statement_, column);
+    return t == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(t));
+  }
+  std::pair<const void*, size_t> blob(int column) const {
+    return {sqlite3_column_blob(statement_, column), static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+  void bind(int at, const std::string& text) { sqlite3_bind_text(statement_, at, text.c_str(), -1, SQLITE_TRANSIENT); }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw Error(ErrorKind::Dependency, "COLMAP's database cannot be read",
+                {.where = path_.string(), .why = sqlite3_errmsg(db_), .hint = "run again; if it stays, look at the COLMAP log", .code = "SFM_DATABASE"});
+  }
+  sqlite3* db_;
+  const fs::path& path_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+}  // namespace
+
+ColmapDatabase::ColmapDatabase(const fs::path& path) : path_(path) {
+  if (!fs::is_regular_file(path))
+    throw Error(ErrorKind::Dependency, "COLMAP left no database", {.where = path.string(), .code = "SFM_DATABASE"});
+  if (sqlite3_open_v2(path.c_str(), &handle_, SQLITE_OPEN_READWRITE, nullptr) != SQLITE_OK) {
+    const std::string why = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
+    sqlite3_close(handle_);
+    throw Error(ErrorKind::Dependency, "COLMAP's database cannot be opened", {.where = path.string(), .why = why, .code = "SFM_DATABASE"});
+  }
+  try {
+    for (const char* table : {"cameras", "images", "keypoints", "descriptors", "matches", "two_view_geometries"})
+      if (!has_table(table))
+        throw Error(ErrorKind::Dependency, "COLMAP's database is incomplete",
+                    {.where = path.string(), .why = fmt::format("no table '{}'", table), .code = "SFM_DATABASE"});
+  } catch (...) {
+    sqlite3_close(handle_);
+    throw;
+  }
+}
+
+ColmapDatabase::~ColmapDatabase() { sqlite3_close(handle_); }
+
+void ColmapDatabase::execute(const std::string& sql) const {
+  char* message = nullptr;
+  if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, &message) == SQLITE_OK) return;
+  const std::string why = message == nullptr ? sqlite3_errmsg(handle_) : message;
+  sqlite3_free(message);
+  const int code = sqlite3_errcode(handle_);
+  const bool no_space = code == SQLITE_FULL || code == SQLITE_IOERR;
+  throw Error(no_space ? ErrorKind::Resource : ErrorKind::Dependency, "COLMAP's database cannot be written",
+              {.where = path_.string(), .why = why, .code = "SFM_DATABASE"});
+}
+
+bool ColmapDatabase::has_table(const std::string& name) const {
+  Statement s(handle_, path_, "SELECT 1 FROM sqlite_master WHERE type='table' AND name=?");
+  s.bind(1, name);
+  return s.step();
+}
+
+bool ColmapDatabase::has_frames() const { return has_table("frames"); }
+
+void ColmapDatabase::renumber_by_name() {
+  std::vector<int64_t> ids;
+  {
+    Statement s(handle_, path_, "SELECT image_id FROM images ORDER BY name");
+    while (s.step()) ids.push_back(s.integer(0));
+  }
+  std::string sql = "BEGIN;";
+  // Two moves, so that no id is taken twice on the way.
+  constexpr int64_t kAway = 1000000000;
+  for (const bool away : {true, false}) {
+    for (size_t i = 0; i < ids.size(); ++i) {
+      const int64_t from = away ? ids[i] : kAway + ids[i], to = away ? kAway + ids[i] : static_cast<int64_t>(i) + 1;
+      for (const char* table : {"images", "keypoints", "descriptors"})
+        sql += fmt::format("UPDATE {} SET image_id={} WHERE image_id={};", table, to, from);
+    }
+  }
+  execute(sql + "COMMIT;");
+}
+
+std::vector<PhotoFeatures> ColmapDatabase::features() const {
+  std::vector<PhotoFeatures> out;
+  Statement s(handle_, path_,
+              "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, i.camera_id FROM images i "
+              "LEFT JOIN keypoints k ON k.image_id = i.image_id LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.name");
+  while (s.step()) {
+    PhotoFeatures f;
+    f.image_id = static_cast<uint32_t>(s.integer(0));
+    f.camera_id = static_cast<uint32_t>(s.integer(8));
+    f.name = s.text(1);
+    f.count = static_cast<size_t>(s.integer(2));
+    const size_t columns = static_cast<size_t>(s.integer(3));
+    const auto [keypoints, keypoint_bytes] = s.blob(4);
+    const auto [descriptors, descriptor_bytes] = s.blob(7);
+    const bool sound = f.count == 0 || (columns >= 2 && keypoint_bytes == f.count * columns * sizeof(float) &&
+                                        static_cast<size_t>(s.integer(5)) == f.count && s.integer(6) == int64_t(kDescriptorBytes) &&
+                                        descriptor_bytes == f.count * kDescriptorBytes);
+    if (!sound)
+      throw Error(ErrorKind::Dependency, "COLMAP's features have an unexpected layout",
+                  {.where = path_.string(),
+                   .why = fmt::format("{}: {} keypoints of {} columns in {} bytes, {} bytes of descriptors", f.name, f.count, columns,
+                                      keypoint_bytes, descriptor_bytes),
+                   .code = "SFM_DATABASE"});
+    if (f.count > 0) {
+      std::vector<float> rows(f.count * columns);
+      std::memcpy(rows.data(), keypoints, keypoint_bytes);
+      f.xy.resize(f.count * 2);
+      for (size_t i = 0; i < f.count; ++i) f.xy[2 * i] = rows[i * columns], f.xy[2 * i + 1] = rows[i * columns + 1];
+      f.descriptors.resize(descriptor_bytes);
+      std::memcpy(f.descriptors.data(), descriptors, descriptor_bytes);
+    }
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+std::vector<VerifiedPair> ColmapDatabase::verified_pairs() const {
+  std::vector<VerifiedPair> out;
+  Statement s(handle_, path_, "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
+  while (s.step()) {
+    const uint64_t pair = static_cast<uint64_t>(s.integer(0));
+    out.push_back({static_cast<uint32_t>(pair / kPairBase), static_cast<uint32_t>(pair % kPairBase), static_cast<size_t>(s.integer(1))});
+  }
+  return out;
+}
+
+void ColmapDatabase::drop_descriptors() { execute("DELETE FROM descriptors; VACUUM;"); }
+
+void ColmapDatabase::take_geometries(const fs::path& other) {
+  {
+    Statement s(handle_, path_, "ATTACH DATABASE ? AS part");
+    s.bind(1, other.string());
+    s.step();
+  }
+  execute("BEGIN; INSERT INTO matches SELECT * FROM part.matches; "
+          "INSERT INTO two_view_geometries SELECT * FROM part.two_view_geometries; COMMIT; DETACH DATABASE part;");
+}
+
+}  // namespace vitrine

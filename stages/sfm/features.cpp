@@ -1,0 +1,213 @@
+#include "stages/sfm/features.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <map>
+#include <mutex>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/timer.h"
+#include "stages/sfm/matcher.h"
+#include "stages/sfm/sfm.h"
+
+namespace vitrine {
+
+namespace {
+
+// Chunks of pairs for the verification processes. A process costs 20 ms to start; a chunk takes seconds.
+constexpr size_t kPairsPerChunk = 128;
+constexpr size_t kMaxChunks = 16;
+
+// Photos that share one camera, in order of their first photo.
+std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& photos, const ColmapModel* known) {
+  std::map<std::string, std::vector<size_t>> by_key;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const SfmPhoto& p = photos[i];
+    std::string key = fmt::format("{}x{} {} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-", p.camera);
+    if (known != nullptr) {
+      const auto image = std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
+      if (image == known->images.end()) continue;                // photos without a pose take no part
+      key = fmt::format("camera {}", image->camera_id);
+    }
+    by_key[key].push_back(i);
+  }
+  std::vector<std::vector<size_t>> groups;
+  for (auto& [key, members] : by_key) groups.push_back(std::move(members));
+  std::sort(groups.begin(), groups.end());
+  return groups;
+}
+
+// f, cx, cy and zero distortion in the order of the camera model's parameters.
+std::string prior_params(const std::string& model, const SfmPhoto& p) {
+  const ColmapCameraType* type = colmap_camera_type(model);
+  VITRINE_CHECK(type != nullptr, "camera model '{}' passed the option's choices", model);
+  const bool two_focals = model == "PINHOLE" || model == "OPENCV";
+  std::vector<double> params;
+  params.push_back(*p.focal_px);
+  if (two_focals) params.push_back(*p.focal_px);
+  params.push_back(0.5 * p.width);
+  params.push_back(0.5 * p.height);
+  params.resize(type->parameter_count, 0.0);
+  return fmt::format("{}", fmt::join(params, ","));
+}
+
+std::string params_text(const ColmapCamera& camera) { return fmt::format("{}", fmt::join(camera.params, ",")); }
+
+void write_match_list(const fs::path& path, std::span<const PhotoPair> pairs, std::span<const std::vector<Match>> matches) {
+  fmt::memory_buffer text;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    fmt::format_to(std::back_inserter(text), "{} {}\n", safe_name(pairs[i].first), safe_name(pairs[i].second));
+    for (const Match& m : matches[i]) fmt::format_to(std::back_inserter(text), "{} {}\n", m.a, m.b);
+    text.push_back('\n');
+  }
+  write_file(path, std::string_view(text.data(), text.size()));
+}
+
+}  // namespace
+
+std::string safe_name(size_t index) { return fmt::format("{:06}.png", index); }
+
+std::optional<size_t> index_of_safe_name(const std::string& name) {
+  size_t index = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+  if (error != std::errc() || std::string_view(end, name.data() + name.size()) != ".png") return std::nullopt;
+  return index;
+}
+
+void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
+                      const fs::path& database, const ColmapModel* known) {
+  const fs::path pictures = desc.work_folder / "pictures";
+  make_folders(pictures);
+  for (size_t i = 0; i < desc.photos.size(); ++i) link_or_copy(desc.photos[i].picture, pictures / safe_name(i));
+  colmap.run({.command = "database_creator", .settings = {{"database", database.string()}}, .working_folder = desc.work_folder,
+              .log = desc.work_folder / "colmap.log"});
+  const bool frames = ColmapDatabase(database).has_frames();
+  size_t done = 0;
+  const std::vector<std::vector<size_t>> groups = camera_groups(desc.photos, known);
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const SfmPhoto& first = desc.photos[groups[g][0]];
+    std::string names;
+    for (size_t i : groups[g]) names += safe_name(i) + "\n";
+    const fs::path list = desc.work_folder / fmt::format("camera_{}.txt", g);
+    write_file(list, names);
+    std::string model = config.camera_model, params = first.focal_px ? prior_params(model, first) : "";
+    if (known != nullptr) {
+      const auto image = std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == first.name; });
+      const ColmapCamera& camera = *known->find_camera(image->camera_id);
+      model = colmap_camera_type(camera.model_id)->name;
+      params = params_text(camera);
+    }
+    ColmapCommand call{.command = "feature_extractor",
+                       .settings = {{"database", database.string()},
+                                    {"images", pictures.string()},
+                                    {"image_list", list.string()},
+                                    {"camera_model", model},
+                                    {"single_camera", "1"},
+                                    {"extract_gpu", "0"},
+                                    // With rigs and frames ids cannot be mended afterwards: one thread gives them in order.
+                                    {"extract_threads", std::to_string(frames ? 1 : desc.threads)},
+                                    {"max_features", std::to_string(effort.max_features)},
+                                    {"peak_threshold", fmt::format("{}", effort.peak_threshold)},
+                                    {"seed", std::to_string(config.seed), false}},
+                       .working_folder = desc.work_folder,
+                       .log = desc.work_folder / "colmap.log",
+                       .on_line = [&](std::string_view line) {
+                         if (line.find("Processed file") == std::string_view::npos) return;
+                         ++done;
+                         if (desc.progress)
+                           desc.progress(double(done) / double(desc.photos.size()), fmt::format("features {}/{}", done, desc.photos.size()));
+                       }};
+    if (config.max_image_size > 0) call.settings.push_back({"extract_max_size", std::to_string(config.max_image_size)});
+    if (!params.empty()) call.settings.push_back({"camera_params", params});
+    colmap.run(call);
+  }
+  if (!frames) ColmapDatabase(database).renumber_by_name();
+}
+
+MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database) {
+  const std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
+  Timer timer;
+  std::vector<PackedDescriptors> packed(features.size());
+  parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
+  const std::vector<PhotoPair> pairs = candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit,
+                                                                   .window = config.window,
+                                                                   .retrieved = config.retrieved,
+                                                                   .seed = static_cast<uint64_t>(config.seed)});
+  const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
+  std::vector<std::vector<Match>> matches(pairs.size());
+  std::atomic<size_t> done{0};
+  std::mutex reporting;
+  parallel_for(pairs.size(), 1, [&](size_t i) {
+    throw_if_interrupted();
+    matches[i] = match(packed[pairs[i].first], packed[pairs[i].second], rules);
+    const size_t n = ++done;
+    if (desc.progress && (n % 50 == 0 || n == pairs.size())) {
+      const std::lock_guard lock(reporting);
+      desc.progress(double(n) / double(pairs.size()), fmt::format("pairs matched {}/{}", n, pairs.size()));
+    }
+  });
+  if (desc.timing) desc.timing("match", timer.seconds());
+
+  // Index in `features` and index of the photo differ when a picture could not be read.
+  MatchCounts counts{.compared = pairs.size(), .per_photo = std::vector<size_t>(desc.photos.size(), 0)};
+  std::vector<PhotoPair> kept_pairs;
+  std::vector<std::vector<Match>> kept;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const std::optional<size_t> a = index_of_safe_name(features[pairs[i].first].name), b = index_of_safe_name(features[pairs[i].second].name);
+    VITRINE_CHECK(a && b && *a < desc.photos.size() && *b < desc.photos.size(), "a name in the database is not ours");
+    counts.per_photo[*a] += matches[i].size();
+    counts.per_photo[*b] += matches[i].size();
+    if (matches[i].size() < static_cast<size_t>(config.min_matches)) continue;
+    kept_pairs.push_back({static_cast<uint32_t>(*a), static_cast<uint32_t>(*b)});
+    kept.push_back(std::move(matches[i]));
+  }
+  counts.matched = kept_pairs.size();
+  if (kept_pairs.empty()) return counts;
+
+  timer.restart();
+  const size_t chunks = std::min(kMaxChunks, chunk_count(kept_pairs.size(), kPairsPerChunk));
+  const fs::path slim = desc.work_folder / "verify.db";
+  fs::copy_file(database, slim, fs::copy_options::overwrite_existing);
+  ColmapDatabase(slim).drop_descriptors();
+  ColmapDatabase target(database);
+  size_t verified = 0;
+  parallel_for(chunks, 1, [&](size_t c) {
+    // Interleaved, so that every chunk has its share of overlapping pairs.
+    std::vector<PhotoPair> chunk_pairs;
+    std::vector<std::vector<Match>> chunk_matches;
+    for (size_t i = c; i < kept_pairs.size(); i += chunks) {
+      chunk_pairs.push_back(kept_pairs[i]);
+      chunk_matches.push_back(kept[i]);
+    }
+    const fs::path list = desc.work_folder / fmt::format("matches_{}.txt", c);
+    write_match_list(list, chunk_pairs, chunk_matches);
+    const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
+    fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
+    Colmap own = colmap;                                          // the help cache is not shared between threads
+    own.run({.command = "matches_importer",
+             .settings = {{"database", part.string()},
+                          {"match_list", list.string()},
+                          {"match_type", "raw"},
+                          {"match_gpu", "0"},
+                          {"match_threads", "1"},
+                          {"verify_min_inliers", std::to_string(config.min_matches), false},
+                          {"seed", std::to_string(config.seed), false}},
+             .working_folder = desc.work_folder,
+             .log = desc.work_folder / fmt::format("verify_{}.log", c)});
+    const std::lock_guard lock(reporting);
+    target.take_geometries(part);                                 // rows are keyed by pair: the order of arrival leaves no trace
+    fs::remove(part);
+    ++verified;
+    if (desc.progress)
+      desc.progress(double(verified) / double(chunks), fmt::format("pairs verified {}/{}", verified * kept_pairs.size() / chunks, kept_pairs.size()));
+  });
+  if (desc.timing) desc.timing("verify", timer.seconds());
+  return counts;
+}
+
+}  // namespace vitrine

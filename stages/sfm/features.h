@@ -1,0 +1,28 @@
+// The first half of a reconstruction: a database with features, matches and two-view geometries.
+#pragma once
+
+#include "stages/sfm/pairs.h"
+#include "stages/sfm/reconstruct.h"
+
+namespace vitrine {
+
+// Names inside the database are plain numbers: spaces and letters outside ASCII break COLMAP's list files.
+std::string safe_name(size_t index);                             // "000012.png"
+std::optional<size_t> index_of_safe_name(const std::string& name);
+
+struct FeatureEffort {
+  int max_features = 8192;
+  double peak_threshold = 0.02 / 3;
+};
+
+struct MatchCounts {
+  size_t compared = 0, matched = 0;
+  std::vector<size_t> per_photo;                                 // matches over all pairs
+};
+
+// Links the pictures into work/pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.
+void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
+                      const fs::path& database, const ColmapModel* known);
+MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database);
+
+}  // namespace vitrine

@@ -1,0 +1,29 @@
+// Which triangulated points are worth starting from: small reprojection error, enough views, enough parallax, and not alone in
+// space (mean distance to the eight nearest points, judged on a log scale against all points).
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/camera/colmap_model.h"
+
+namespace vitrine {
+
+struct SfmFilterConfig;
+
+struct FilterCounts {
+  size_t before = 0, large_error = 0, few_views = 0, small_angle = 0, behind = 0, lonely = 0, after = 0;
+};
+
+ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, FilterCounts& counts);
+
+// Keeps the points for which `keep` holds; 2D points without a 3D point leave; ids become 1..n; tracks follow. Observations whose 2D point
+// lost its 3D point are first taken out of the tracks.
+ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep);
+// Largest angle between two viewing rays of the track, radians.
+double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>& centres_of_track);
+// Mean distance to the `k` nearest other points.
+std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k);
+
+}  // namespace vitrine

@@ -1,0 +1,279 @@
+#include "stages/sfm/reconstruct.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/timer.h"
+#include "stages/sfm/features.h"
+#include "stages/sfm/sfm.h"
+
+namespace vitrine {
+
+namespace {
+
+// A rung of the ladder: what changes against the rung before.
+struct Rung {
+  std::string what;
+  bool relaxed_mapper = false, more_features = false;
+};
+const Rung kLadder[] = {{.what = "standard"},
+                        {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
+                        {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
+
+std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
+  std::vector<ColmapSetting> s{{"map_threads", "1"},
+                               {"map_refine_principal", "0", false},
+                               {"map_min_model_size", "3", false},
+                               {"seed", std::to_string(config.seed), false}};
+  if (rung.relaxed_mapper) {
+    s.push_back({"map_init_min_inliers", "50"});
+    s.push_back({"map_init_min_angle", "6"});
+    s.push_back({"map_pose_min_inliers", "20"});
+  }
+  return s;
+}
+
+// All models below `folder`, best first: most photos, then most points, then the lower number.
+std::vector<ColmapModel> models_in(const fs::path& folder) {
+  std::vector<std::pair<int, fs::path>> found;
+  if (fs::is_directory(folder))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.is_directory() && fs::exists(entry.path() / "images.bin"))
+        found.push_back({std::atoi(entry.path().filename().c_str()), entry.path()});
+  std::sort(found.begin(), found.end());
+  std::vector<ColmapModel> models;
+  for (const auto& [number, path] : found) models.push_back(read_colmap_model(path));
+  std::stable_sort(models.begin(), models.end(), [](const ColmapModel& a, const ColmapModel& b) {
+    return std::pair(a.images.size(), a.points.size()) > std::pair(b.images.size(), b.points.size());
+  });
+  return models;
+}
+
+// Sizes of the groups that verified pairs connect.
+std::vector<size_t> connected_groups(size_t n, const std::vector<std::pair<size_t, size_t>>& edges) {
+  std::vector<size_t> root(n);
+  std::iota(root.begin(), root.end(), size_t{0});
+  const auto find = [&](size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const auto& [a, b] : edges) root[std::max(find(a), find(b))] = std::min(find(a), find(b));
+  std::vector<size_t> sizes(n, 0), out;
+  for (size_t i = 0; i < n; ++i) ++sizes[find(i)];
+  for (size_t s : sizes)
+    if (s > 0) out.push_back(s);
+  std::sort(out.rbegin(), out.rend());
+  return out;
+}
+
+// What the database says about every photo.
+void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCounts& counts, Reconstruction& out) {
+  const ColmapDatabase db(database);
+  std::vector<size_t> photo_of_id;
+  out.photos.assign(desc.photos.size(), {});
+  for (size_t i = 0; i < desc.photos.size(); ++i) {
+    out.photos[i].name = desc.photos[i].name;
+    out.photos[i].matches = counts.per_photo.empty() ? 0 : counts.per_photo[i];
+  }
+  for (const PhotoFeatures& f : db.features()) {
+    const std::optional<size_t> i = index_of_safe_name(f.name);
+    if (!i || *i >= desc.photos.size()) continue;
+    if (photo_of_id.size() <= f.image_id) photo_of_id.resize(f.image_id + 1, desc.photos.size());
+    photo_of_id[f.image_id] = *i;
+    out.photos[*i].features = f.count;
+  }
+  std::vector<std::pair<size_t, size_t>> edges;
+  for (const VerifiedPair& pair : db.verified_pairs()) {
+    const size_t a = photo_of_id.at(pair.image_a), b = photo_of_id.at(pair.image_b);
+    edges.push_back({a, b});
+    for (size_t i : {a, b}) {
+      out.photos[i].verified += pair.inliers;
+      ++out.photos[i].neighbours;
+    }
+  }
+  out.pairs_compared = counts.compared;
+  out.pairs_matched = counts.matched;
+  out.pairs_verified = edges.size();
+  out.groups = connected_groups(desc.photos.size(), edges);
+}
+
+// Photo names instead of safe names; image ids 1..n in name order; tracks follow.
+ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& photos) {
+  std::map<uint32_t, uint32_t> new_id;
+  std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const std::optional<size_t> photo = index_of_safe_name(model.images[i].name);
+    VITRINE_CHECK(photo && *photo < photos.size(), "model names an image '{}' that we did not give", model.images[i].name);
+    new_id[model.images[i].id] = static_cast<uint32_t>(i) + 1;
+    model.images[i].id = static_cast<uint32_t>(i) + 1;
+    model.images[i].name = photos[*photo].name;
+  }
+  for (ColmapPoint3D& p : model.points)
+    for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
+  check_colmap_model(model, "COLMAP's model");
+  return model;
+}
+
+void mark_registered(Reconstruction& r) {
+  std::map<std::string, size_t> observations;
+  for (const ColmapImage& image : r.model.images)
+    observations[image.name] = static_cast<size_t>(
+        std::count_if(image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
+  for (PhotoReport& p : r.photos) {
+    const auto found = observations.find(p.name);
+    p.registered = found != observations.end();
+    p.observations = p.registered ? found->second : 0;
+  }
+}
+
+// Shares of the stage's work on a set of 50 photos: extraction, matching and verification, mapping.
+ReconstructDesc with_progress_in(const ReconstructDesc& desc, double low, double high) {
+  ReconstructDesc out = desc;
+  if (desc.progress)
+    out.progress = [report = desc.progress, low, high](double fraction, const std::string& text) { report(low + (high - low) * fraction, text); };
+  return out;
+}
+
+MatchCounts prepare_database(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
+                             const fs::path& database, const ColmapModel* known) {
+  Timer timer;
+  extract_features(colmap, config, with_progress_in(desc, 0, 0.3), effort, database, known);
+  if (desc.timing) desc.timing("features", timer.seconds());
+  return match_and_verify(colmap, config, with_progress_in(desc, 0.3, 0.6), database);
+}
+
+ReconstructDesc fresh(const ReconstructDesc& desc) {
+  ReconstructDesc out = desc;
+  out.work_folder = fs::absolute(desc.work_folder);
+  fs::remove_all(out.work_folder);
+  make_folders(out.work_folder);
+  return out;
+}
+
+}  // namespace
+
+Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given) {
+  const ReconstructDesc desc = fresh(given);
+  const size_t rungs = std::min(std::size(kLadder), static_cast<size_t>(config.retries) + 1);
+  Reconstruction best;
+  fs::path database;
+  MatchCounts counts;
+  for (size_t r = 0; r < rungs; ++r) {
+    const Rung& rung = kLadder[r];
+    if (r > 0)
+      log_warning("sfm: {} of {} photos registered; attempt {}: {}", best.model.images.size(), desc.photos.size(), r + 1, rung.what);
+    if (r == 0 || rung.more_features) {
+      database = desc.work_folder / fmt::format("attempt_{}.db", r);
+      const FeatureEffort effort{.max_features = config.max_features * (rung.more_features ? 2 : 1),
+                                 .peak_threshold = config.peak_threshold / (rung.more_features ? 3 : 1)};
+      counts = prepare_database(colmap, config, desc, effort, database, nullptr);
+    }
+    Reconstruction now;
+    survey(desc, database, counts, now);
+    now.attempts = best.attempts;
+    Attempt attempt{.what = rung.what};
+    if (now.pairs_verified > 0) {                                  // the mapper aborts on an empty graph
+      const fs::path models = desc.work_folder / fmt::format("models_{}", r);
+      make_folders(models);
+      std::vector<ColmapSetting> settings = mapper_settings(config, rung);
+      settings.push_back({"database", database.string()});
+      settings.push_back({"images", (desc.work_folder / "pictures").string()});
+      settings.push_back({"output", models.string()});
+      size_t seen = 0;
+      Timer timer;
+      colmap.run({.command = "mapper",
+                  .settings = settings,
+                  .working_folder = desc.work_folder,
+                  .log = desc.work_folder / "colmap.log",
+                  .on_line = [&](std::string_view line) {
+                    if (line.find("Registering image") == std::string_view::npos) return;
+                    seen = std::min(seen + 1, desc.photos.size());
+                    if (desc.progress)
+                      desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()), fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
+                  }});
+      if (desc.timing) desc.timing("map", timer.seconds());
+      std::vector<ColmapModel> found = models_in(models);
+      for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
+      if (!found.empty()) now.model = with_photo_names(std::move(found[0]), desc.photos);
+    }
+    attempt.registered = now.model.images.size();
+    now.attempts.push_back(attempt);
+    mark_registered(now);
+    const bool better = r == 0 || now.model.images.size() > best.model.images.size();
+    if (better) {
+      best = std::move(now);
+    } else {
+      best.attempts = now.attempts;
+    }
+    if (double(best.model.images.size()) >= config.retry_below * double(desc.photos.size())) break;
+  }
+  return best;
+}
+
+Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given, const ColmapModel& poses) {
+  const ReconstructDesc desc = fresh(given);
+  const fs::path database = desc.work_folder / "given.db";
+  const FeatureEffort effort{.max_features = config.max_features, .peak_threshold = config.peak_threshold};
+  const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &poses);
+  Reconstruction out;
+  survey(desc, database, counts, out);
+
+  // The triangulator wants the given poses under the database's names and ids, with no points.
+  ColmapModel start;
+  std::map<std::string, const ColmapImage*> pose_of;
+  for (const ColmapImage& image : poses.images) pose_of[image.name] = &image;
+  std::map<uint32_t, uint32_t> database_camera;                    // our camera id -> the database's
+  for (const PhotoFeatures& f : ColmapDatabase(database).features()) {
+    const std::optional<size_t> i = index_of_safe_name(f.name);
+    if (!i || *i >= desc.photos.size() || !pose_of.contains(desc.photos[*i].name)) continue;
+    const ColmapImage& pose = *pose_of.at(desc.photos[*i].name);
+    database_camera.emplace(pose.camera_id, f.camera_id);
+    ColmapImage image = pose;
+    image.id = f.image_id;
+    image.camera_id = f.camera_id;
+    image.name = f.name;
+    image.points.clear();
+    start.images.push_back(std::move(image));
+  }
+  for (const auto& [ours, theirs] : database_camera) {
+    ColmapCamera camera = *poses.find_camera(ours);
+    camera.id = theirs;
+    start.cameras.push_back(std::move(camera));
+  }
+  check_colmap_model(start, "given poses");
+  const fs::path input = desc.work_folder / "given", output = desc.work_folder / "triangulated";
+  make_folders(output);
+  make_folders(input);
+  write_colmap_model(input, start, ColmapFormat::Binary);
+  if (out.pairs_verified > 0)
+    colmap.run({.command = "point_triangulator",
+                .settings = {{"database", database.string()},
+                             {"images", (desc.work_folder / "pictures").string()},
+                             {"input", input.string()},
+                             {"output", output.string()},
+                             {"map_threads", "1"},
+                             {"map_refine_focal", "0", false},
+                             {"map_refine_extra", "0", false},
+                             {"map_refine_principal", "0", false},
+                             {"seed", std::to_string(config.seed), false}},
+                .working_folder = desc.work_folder,
+                .log = desc.work_folder / "colmap.log"});
+  if (fs::exists(output / "images.bin")) {
+    out.model = with_photo_names(read_colmap_model(output), desc.photos);
+    // Points are new; the poses stay the given ones to the last bit.
+    for (ColmapImage& image : out.model.images) {
+      const ColmapImage& pose = *pose_of.at(image.name);
+      image.rotation = pose.rotation;
+      image.translation = pose.translation;
+    }
+  } else {
+    out.model = poses;
+  }
+  out.attempts.push_back({.what = "given poses", .model_sizes = {out.model.images.size()}, .registered = out.model.images.size()});
+  mark_registered(out);
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,66 @@
+// Photos -> COLMAP model: features (COLMAP's SIFT), matches (ours), two-view geometry and mapping (COLMAP's), each step reproducible:
+//
+//   extraction   any number of threads; image ids are put in name order afterwards
+//   matching     integer arithmetic, pairs in parallel (matcher.h)
+//   verification `matches_importer raw` in chunks of pairs that depend on the problem alone, one process per chunk
+//   mapping      one thread and a fixed seed: COLMAP's bundle adjustment adds in a fixed order then
+//
+// When too few photos are registered, the ladder of retries (README) goes on; the best result of all attempts counts.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/colmap_model.h"
+#include "stages/sfm/colmap_driver.h"
+#include "stages/sfm/database.h"
+
+namespace vitrine {
+
+struct SfmConfig;
+
+struct SfmPhoto {
+  std::string name;                       // what the model calls it
+  fs::path picture;                       // 8-bit file for feature extraction
+  int width = 0, height = 0;
+  std::optional<double> focal_px;         // prior
+  std::string camera;                     // maker and model; photos of one camera, size and focal length share intrinsics
+};
+
+// What is known about a photo after the attempts.
+struct PhotoReport {
+  std::string name;
+  size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;   // verified matches over all pairs
+  bool registered = false;
+};
+
+struct Attempt {
+  std::string what;                       // "standard", "relaxed mapper", ...
+  std::vector<size_t> model_sizes;        // registered photos of every model, largest first
+  size_t registered = 0;
+};
+
+struct Reconstruction {
+  ColmapModel model;                      // image names are photo names; ids 1..n in name order
+  std::vector<PhotoReport> photos;        // in the order given
+  std::vector<Attempt> attempts;
+  std::vector<size_t> groups;             // sizes of groups connected by verified pairs, largest first
+  size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
+};
+
+struct ReconstructDesc {
+  std::vector<SfmPhoto> photos;           // sorted by name
+  fs::path work_folder;                   // emptied first
+  int threads = 1;
+  std::function<void(double fraction, const std::string& text)> progress;
+  std::function<void(const std::string& name, double seconds)> timing;
+};
+
+// Without enough photos registered it returns what there is (perhaps an empty model): diagnosis.h decides.
+Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc);
+// Poses and intrinsics are given (image names = photo names): matches, then triangulates the points only.
+Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const ColmapModel& poses);
+
+}  // namespace vitrine
