@@ -12,7 +12,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::string_view kInstallHint = "apt-get install --no-install-recommends colmap   (or set VITRINE_COLMAP to the program)";
+constexpr std::string_view kInstallHint =
+    "apt-get install --no-install-recommends colmap   (or set VITRINE_COLMAP to the program)";
 
 // Our word -> the names it has had, newest last. A new COLMAP that renames an option costs one more entry here.
 const std::map<std::string, std::vector<std::string>, std::less<>>& alternatives() {
@@ -75,7 +76,8 @@ std::string version_in(std::string_view line) {
 void collect_options(std::string_view line, std::set<std::string>& out) {
   for (size_t at = line.find("--"); at != std::string_view::npos; at = line.find("--", at + 2)) {
     size_t end = at + 2;
-    while (end < line.size() && (std::isalnum(static_cast<unsigned char>(line[end])) || line[end] == '_' || line[end] == '.')) ++end;
+    while (end < line.size() && (std::isalnum(static_cast<unsigned char>(line[end])) || line[end] == '_' || line[end] == '.'))
+      ++end;
     if (end > at + 2) out.emplace(line.substr(at, end - at));
   }
 }
@@ -90,11 +92,10 @@ std::vector<std::pair<std::string, std::string>> child_environment() {
 Colmap::Colmap() : Colmap(program_or_throw()) {}
 
 Colmap::Colmap(fs::path program) : program_(std::move(program)) {
-  const ProcessResult result = run_process({.arguments = {program_.string(), "-h"},
-                                            .environment = child_environment(),
-                                            .on_line = [&](std::string_view line) {
-                                              if (version_.empty()) version_ = version_in(line);
-                                            }});
+  const ProcessResult result = run_process(
+      {.arguments = {program_.string(), "-h"}, .environment = child_environment(), .on_line = [&](std::string_view line) {
+         if (version_.empty()) version_ = version_in(line);
+       }});
   throw_if_interrupted();
   if (version_.empty())
     throw Error(ErrorKind::Dependency, fmt::format("'{}' does not answer like COLMAP", program_.string()),
@@ -172,7 +173,7 @@ std::string colmap_fingerprint() {
     return Colmap().version();
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Dependency) throw;
-    return "none";          // poses may be given; a run that needs COLMAP says so itself
+    return "none";  // poses may be given; a run that needs COLMAP says so itself
   }
 }
 

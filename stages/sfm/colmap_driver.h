@@ -1,6 +1,6 @@
 // COLMAP as a child process: found through $VITRINE_COLMAP or PATH, run without a shell or a display. Options changed names
-// between versions, so every option is a word of ours with a row of alternatives, and `colmap <command> -h` decides which one this program has.
-// Neither exit codes nor progress lines are trusted: callers look at the files that a command should have left.
+// between versions, so every option is a word of ours with a row of alternatives, and `colmap <command> -h` decides which one
+// this program has. Neither exit codes nor progress lines are trusted: callers look at the files that a command should have left.
 #pragma once
 
 #include <functional>
@@ -19,13 +19,13 @@ namespace vitrine {
 struct ColmapSetting {
   std::string word;
   std::string value;
-  bool required = true;            // false: left out where this version has no such option
+  bool required = true;  // false: left out where this version has no such option
 };
 
 struct ColmapCommand {
-  std::string command;             // "feature_extractor"
+  std::string command;  // "feature_extractor"
   std::vector<ColmapSetting> settings;
-  fs::path working_folder = {};    // paths in settings may be relative to it
+  fs::path working_folder = {};  // paths in settings may be relative to it
   fs::path log = {};
   std::function<void(std::string_view)> on_line = {};
 };
@@ -37,7 +37,7 @@ class Colmap {
   explicit Colmap(fs::path program);
 
   const fs::path& program() const { return program_; }
-  const std::string& version() const { return version_; }            // "3.8"
+  const std::string& version() const { return version_; }  // "3.8"
   // The option's name in this version, e.g. "--SiftExtraction.use_gpu"; nullopt when the help shows none of the alternatives.
   std::optional<std::string> option(const std::string& command, const std::string& word);
   // The full argument list; throws Error{Dependency} that names a missing required option and the version.

@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr uint64_t kPairBase = 2147483647;      // pair_id = kPairBase * smaller id + larger id
+constexpr uint64_t kPairBase = 2147483647;  // pair_id = kPairBase * smaller id + larger id
 
 class Statement {
  public:
@@ -40,7 +40,10 @@ class Statement {
  private:
   [[noreturn]] void fail() const {
     throw Error(ErrorKind::Dependency, "COLMAP's database cannot be read",
-                {.where = path_.string(), .why = sqlite3_errmsg(db_), .hint = "run again; if it stays, look at the COLMAP log", .code = "SFM_DATABASE"});
+                {.where = path_.string(),
+                 .why = sqlite3_errmsg(db_),
+                 .hint = "run again; if it stays, look at the COLMAP log",
+                 .code = "SFM_DATABASE"});
   }
   sqlite3* db_;
   const fs::path& path_;
@@ -55,7 +58,8 @@ ColmapDatabase::ColmapDatabase(const fs::path& path) : path_(path) {
   if (sqlite3_open_v2(path.c_str(), &handle_, SQLITE_OPEN_READWRITE, nullptr) != SQLITE_OK) {
     const std::string why = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
-    throw Error(ErrorKind::Dependency, "COLMAP's database cannot be opened", {.where = path.string(), .why = why, .code = "SFM_DATABASE"});
+    throw Error(ErrorKind::Dependency, "COLMAP's database cannot be opened",
+                {.where = path.string(), .why = why, .code = "SFM_DATABASE"});
   }
   try {
     for (const char* table : {"cameras", "images", "keypoints", "descriptors", "matches", "two_view_geometries"})
@@ -110,9 +114,10 @@ void ColmapDatabase::renumber_by_name() {
 
 std::vector<PhotoFeatures> ColmapDatabase::features() const {
   std::vector<PhotoFeatures> out;
-  Statement s(handle_, path_,
-              "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, i.camera_id FROM images i "
-              "LEFT JOIN keypoints k ON k.image_id = i.image_id LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.name");
+  Statement s(
+      handle_, path_,
+      "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, i.camera_id FROM images i "
+      "LEFT JOIN keypoints k ON k.image_id = i.image_id LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.name");
   while (s.step()) {
     PhotoFeatures f;
     f.image_id = static_cast<uint32_t>(s.integer(0));
@@ -122,14 +127,15 @@ std::vector<PhotoFeatures> ColmapDatabase::features() const {
     const size_t columns = static_cast<size_t>(s.integer(3));
     const auto [keypoints, keypoint_bytes] = s.blob(4);
     const auto [descriptors, descriptor_bytes] = s.blob(7);
-    const bool sound = f.count == 0 || (columns >= 2 && keypoint_bytes == f.count * columns * sizeof(float) &&
-                                        static_cast<size_t>(s.integer(5)) == f.count && s.integer(6) == int64_t(kDescriptorBytes) &&
-                                        descriptor_bytes == f.count * kDescriptorBytes);
+    const bool sound =
+        f.count == 0 ||
+        (columns >= 2 && keypoint_bytes == f.count * columns * sizeof(float) && static_cast<size_t>(s.integer(5)) == f.count &&
+         s.integer(6) == int64_t(kDescriptorBytes) && descriptor_bytes == f.count * kDescriptorBytes);
     if (!sound)
       throw Error(ErrorKind::Dependency, "COLMAP's features have an unexpected layout",
                   {.where = path_.string(),
-                   .why = fmt::format("{}: {} keypoints of {} columns in {} bytes, {} bytes of descriptors", f.name, f.count, columns,
-                                      keypoint_bytes, descriptor_bytes),
+                   .why = fmt::format("{}: {} keypoints of {} columns in {} bytes, {} bytes of descriptors", f.name, f.count,
+                                      columns, keypoint_bytes, descriptor_bytes),
                    .code = "SFM_DATABASE"});
     if (f.count > 0) {
       std::vector<float> rows(f.count * columns);
@@ -149,7 +155,8 @@ std::vector<VerifiedPair> ColmapDatabase::verified_pairs() const {
   Statement s(handle_, path_, "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
   while (s.step()) {
     const uint64_t pair = static_cast<uint64_t>(s.integer(0));
-    out.push_back({static_cast<uint32_t>(pair / kPairBase), static_cast<uint32_t>(pair % kPairBase), static_cast<size_t>(s.integer(1))});
+    out.push_back(
+        {static_cast<uint32_t>(pair / kPairBase), static_cast<uint32_t>(pair % kPairBase), static_cast<size_t>(s.integer(1))});
   }
   return out;
 }
@@ -162,8 +169,9 @@ void ColmapDatabase::take_geometries(const fs::path& other) {
     s.bind(1, other.string());
     s.step();
   }
-  execute("BEGIN; INSERT INTO matches SELECT * FROM part.matches; "
-          "INSERT INTO two_view_geometries SELECT * FROM part.two_view_geometries; COMMIT; DETACH DATABASE part;");
+  execute(
+      "BEGIN; INSERT INTO matches SELECT * FROM part.matches; "
+      "INSERT INTO two_view_geometries SELECT * FROM part.two_view_geometries; COMMIT; DETACH DATABASE part;");
 }
 
 }  // namespace vitrine

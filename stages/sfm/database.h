@@ -16,12 +16,12 @@ struct PhotoFeatures {
   uint32_t image_id = 0, camera_id = 0;
   std::string name;
   size_t count = 0;
-  std::vector<float> xy;                    // [count * 2], pixels of the photo, centres at .5
-  std::vector<uint8_t> descriptors;         // [count * 128]
+  std::vector<float> xy;             // [count * 2], pixels of the photo, centres at .5
+  std::vector<uint8_t> descriptors;  // [count * 128]
 };
 
 struct VerifiedPair {
-  uint32_t image_a = 0, image_b = 0;        // image ids, a < b
+  uint32_t image_a = 0, image_b = 0;  // image ids, a < b
   size_t inliers = 0;
 };
 
@@ -40,7 +40,7 @@ class ColmapDatabase {
   // Sorted by name. Photos without features are there with count 0.
   std::vector<PhotoFeatures> features() const;
   std::vector<VerifiedPair> verified_pairs() const;
-  void drop_descriptors();                  // in a copy for verification, which needs keypoints only
+  void drop_descriptors();  // in a copy for verification, which needs keypoints only
   // Copies matches and two-view geometries of another database with the same images.
   void take_geometries(const fs::path& other);
 

@@ -28,10 +28,12 @@ std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& phot
   std::map<std::string, std::vector<size_t>> by_key;
   for (size_t i = 0; i < photos.size(); ++i) {
     const SfmPhoto& p = photos[i];
-    std::string key = fmt::format("{}x{} {} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-", p.camera);
+    std::string key =
+        fmt::format("{}x{} {} {}", p.width, p.height, p.focal_px ? fmt::format("{:.3f}", *p.focal_px) : "-", p.camera);
     if (known != nullptr) {
-      const auto image = std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
-      if (image == known->images.end()) continue;                // photos without a pose take no part
+      const auto image =
+          std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == p.name; });
+      if (image == known->images.end()) continue;  // photos without a pose take no part
       key = fmt::format("camera {}", image->camera_id);
     }
     by_key[key].push_back(i);
@@ -84,7 +86,9 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
   const fs::path pictures = desc.work_folder / "pictures";
   make_folders(pictures);
   for (size_t i = 0; i < desc.photos.size(); ++i) link_or_copy(desc.photos[i].picture, pictures / safe_name(i));
-  colmap.run({.command = "database_creator", .settings = {{"database", database.string()}}, .working_folder = desc.work_folder,
+  colmap.run({.command = "database_creator",
+              .settings = {{"database", database.string()}},
+              .working_folder = desc.work_folder,
               .log = desc.work_folder / "colmap.log"});
   const bool frames = ColmapDatabase(database).has_frames();
   size_t done = 0;
@@ -97,7 +101,8 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
     write_file(list, names);
     std::string model = config.camera_model, params = first.focal_px ? prior_params(model, first) : "";
     if (known != nullptr) {
-      const auto image = std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == first.name; });
+      const auto image =
+          std::find_if(known->images.begin(), known->images.end(), [&](const ColmapImage& m) { return m.name == first.name; });
       const ColmapCamera& camera = *known->find_camera(image->camera_id);
       model = colmap_camera_type(camera.model_id)->name;
       params = params_text(camera);
@@ -120,7 +125,8 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
                          if (line.find("Processed file") == std::string_view::npos) return;
                          ++done;
                          if (desc.progress)
-                           desc.progress(double(done) / double(desc.photos.size()), fmt::format("features {}/{}", done, desc.photos.size()));
+                           desc.progress(double(done) / double(desc.photos.size()),
+                                         fmt::format("features {}/{}", done, desc.photos.size()));
                        }};
     if (config.max_image_size > 0) call.settings.push_back({"extract_max_size", std::to_string(config.max_image_size)});
     if (!params.empty()) call.settings.push_back({"camera_params", params});
@@ -135,9 +141,9 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::vector<PackedDescriptors> packed(features.size());
   parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
   const std::vector<PhotoPair> pairs = candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit,
-                                                                   .window = config.window,
-                                                                   .retrieved = config.retrieved,
-                                                                   .seed = static_cast<uint64_t>(config.seed)});
+                                                                  .window = config.window,
+                                                                  .retrieved = config.retrieved,
+                                                                  .seed = static_cast<uint64_t>(config.seed)});
   const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
   std::vector<std::vector<Match>> matches(pairs.size());
   std::atomic<size_t> done{0};
@@ -158,7 +164,8 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::vector<PhotoPair> kept_pairs;
   std::vector<std::vector<Match>> kept;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const std::optional<size_t> a = index_of_safe_name(features[pairs[i].first].name), b = index_of_safe_name(features[pairs[i].second].name);
+    const std::optional<size_t> a = index_of_safe_name(features[pairs[i].first].name),
+                                b = index_of_safe_name(features[pairs[i].second].name);
     VITRINE_CHECK(a && b && *a < desc.photos.size() && *b < desc.photos.size(), "a name in the database is not ours");
     counts.per_photo[*a] += matches[i].size();
     counts.per_photo[*b] += matches[i].size();
@@ -188,7 +195,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
     write_match_list(list, chunk_pairs, chunk_matches);
     const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
     fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
-    Colmap own = colmap;                                          // the help cache is not shared between threads
+    Colmap own = colmap;  // the help cache is not shared between threads
     own.run({.command = "matches_importer",
              .settings = {{"database", part.string()},
                           {"match_list", list.string()},
@@ -200,11 +207,12 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
              .working_folder = desc.work_folder,
              .log = desc.work_folder / fmt::format("verify_{}.log", c)});
     const std::lock_guard lock(reporting);
-    target.take_geometries(part);                                 // rows are keyed by pair: the order of arrival leaves no trace
+    target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
     fs::remove(part);
     ++verified;
     if (desc.progress)
-      desc.progress(double(verified) / double(chunks), fmt::format("pairs verified {}/{}", verified * kept_pairs.size() / chunks, kept_pairs.size()));
+      desc.progress(double(verified) / double(chunks),
+                    fmt::format("pairs verified {}/{}", verified * kept_pairs.size() / chunks, kept_pairs.size()));
   });
   if (desc.timing) desc.timing("verify", timer.seconds());
   return counts;

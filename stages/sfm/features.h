@@ -7,7 +7,7 @@
 namespace vitrine {
 
 // Names inside the database are plain numbers: spaces and letters outside ASCII break COLMAP's list files.
-std::string safe_name(size_t index);                             // "000012.png"
+std::string safe_name(size_t index);  // "000012.png"
 std::optional<size_t> index_of_safe_name(const std::string& name);
 
 struct FeatureEffort {
@@ -17,7 +17,7 @@ struct FeatureEffort {
 
 struct MatchCounts {
   size_t compared = 0, matched = 0;
-  std::vector<size_t> per_photo;                                 // matches over all pairs
+  std::vector<size_t> per_photo;  // matches over all pairs
 };
 
 // Links the pictures into work/pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.

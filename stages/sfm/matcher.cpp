@@ -16,24 +16,27 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kPanelColumns = 256;          // 32 KiB of bytes: half to two thirds of an L1 cache
-constexpr size_t kRowTile = 6;                 // 6 x 4 accumulators of 32 registers; row counts are padded to it
+constexpr size_t kPanelColumns = 256;  // 32 KiB of bytes: half to two thirds of an L1 cache
+constexpr size_t kRowTile = 6;         // 6 x 4 accumulators of 32 registers; row counts are padded to it
 constexpr size_t kAvx2RowTile = 4;
 
 size_t rounded_up(size_t n, size_t step) { return (n + step - 1) / step * step; }
 
 // Lane-wise running best two of one row (or of 16 columns): values and the index of the best.
-template <size_t Lanes> struct alignas(64) TopTwo {
+template <size_t Lanes>
+struct alignas(64) TopTwo {
   int32_t best[Lanes], second[Lanes], index[Lanes];
 };
 
 // What both kernels fill. Rows keep one lane per column residue (mod Lanes) until the end; columns are lanes by themselves.
-template <size_t Lanes> struct Tables {
-  std::vector<TopTwo<Lanes>> rows;             // [padded rows]
-  std::vector<TopTwo<Lanes>> columns;          // [padded columns / Lanes]
+template <size_t Lanes>
+struct Tables {
+  std::vector<TopTwo<Lanes>> rows;     // [padded rows]
+  std::vector<TopTwo<Lanes>> columns;  // [padded columns / Lanes]
 };
 
-template <size_t Lanes> void reset(std::vector<TopTwo<Lanes>>& tops, size_t n) {
+template <size_t Lanes>
+void reset(std::vector<TopTwo<Lanes>>& tops, size_t n) {
   TopTwo<Lanes> empty;
   std::fill_n(empty.best, Lanes, -1);
   std::fill_n(empty.second, Lanes, -1);
@@ -88,7 +91,8 @@ VITRINE_VNNI void run_vnni(const KernelDesc& d, Tables<16>& t) {
         }
         for (size_t v = 0; v < 4; ++v) {
           TopTwo<16>& column = t.columns[c0 / 16 + v];
-          __m512i best = _mm512_load_si512(column.best), second = _mm512_load_si512(column.second), index = _mm512_load_si512(column.index);
+          __m512i best = _mm512_load_si512(column.best), second = _mm512_load_si512(column.second),
+                  index = _mm512_load_si512(column.index);
           for (size_t r = 0; r < kRowTile; ++r) {
             const __m512i row_index = _mm512_set1_epi32(static_cast<int>(r0 + r));
             // Padding rows must not win a column: their products count as -1.
@@ -101,7 +105,8 @@ VITRINE_VNNI void run_vnni(const KernelDesc& d, Tables<16>& t) {
         }
         for (size_t r = 0; r < kRowTile; ++r) {
           TopTwo<16>& top = t.rows[r0 + r];
-          __m512i best = _mm512_load_si512(top.best), second = _mm512_load_si512(top.second), index = _mm512_load_si512(top.index);
+          __m512i best = _mm512_load_si512(top.best), second = _mm512_load_si512(top.second),
+                  index = _mm512_load_si512(top.index);
           for (size_t v = 0; v < 4; ++v) {
             const __m512i column_index = _mm512_add_epi32(lane, _mm512_set1_epi32(static_cast<int>(c0 + 16 * v)));
             const __mmask16 real = _mm512_cmplt_epi32_mask(column_index, _mm512_set1_epi32(static_cast<int>(d.columns)));
@@ -128,7 +133,7 @@ void run_avx2(const KernelDesc& d, Tables<8>& t) {
   const int16_t* rows = static_cast<const int16_t*>(d.row_data);
   const int16_t* panels = static_cast<const int16_t*>(d.panel_data);
   const __m256i lane = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-  constexpr size_t kPanel = kPanelColumns / 2;                             // twice the bytes per value
+  constexpr size_t kPanel = kPanelColumns / 2;  // twice the bytes per value
   for (size_t panel = 0; panel < d.padded_columns; panel += kPanel) {
     const size_t panel_end = std::min(panel + kPanel, d.padded_columns);
     for (size_t r0 = 0; r0 < d.padded_rows; r0 += kAvx2RowTile) {
@@ -181,7 +186,8 @@ struct Candidate {
   int32_t best = -1, second = -1, index = -1;
 };
 
-template <size_t Lanes> Candidate reduced(const TopTwo<Lanes>& top) {
+template <size_t Lanes>
+Candidate reduced(const TopTwo<Lanes>& top) {
   Candidate c;
   for (size_t l = 0; l < Lanes; ++l) {
     const bool better = top.best[l] > c.best || (top.best[l] == c.best && top.best[l] >= 0 && top.index[l] < c.index);
@@ -204,7 +210,8 @@ int32_t accepted(const Candidate& c, const MatchRules& rules) {
   return c.index;
 }
 
-template <size_t Lanes> std::vector<Match> matches_of(const Tables<Lanes>& t, size_t rows, size_t columns, const MatchRules& rules) {
+template <size_t Lanes>
+std::vector<Match> matches_of(const Tables<Lanes>& t, size_t rows, size_t columns, const MatchRules& rules) {
   std::vector<int32_t> back(columns, -1);
   for (size_t c = 0; c < columns; ++c) {
     const TopTwo<Lanes>& group = t.columns[c / Lanes];
@@ -231,7 +238,8 @@ bool available(MatchKernel kernel) {
 PackedDescriptors::PackedDescriptors(std::span<const uint8_t> descriptors, MatchKernel kernel) {
   VITRINE_CHECK(descriptors.size() % kDescriptorBytes == 0, "{} bytes are no whole descriptors", descriptors.size());
   count_ = descriptors.size() / kDescriptorBytes;
-  kernel_ = kernel == MatchKernel::Automatic ? (available(MatchKernel::Avx512Vnni) ? MatchKernel::Avx512Vnni : MatchKernel::Avx2) : kernel;
+  kernel_ = kernel == MatchKernel::Automatic ? (available(MatchKernel::Avx512Vnni) ? MatchKernel::Avx512Vnni : MatchKernel::Avx2)
+                                             : kernel;
   VITRINE_CHECK(available(kernel_), "this machine has no AVX-512 VNNI");
   if (kernel_ == MatchKernel::Avx512Vnni) {
     padded_ = rounded_up(count_, 64);

@@ -2,9 +2,9 @@
 // the n1 x n2 inner products are formed block by block, and only the best two of every row and column survive a block.
 //
 // Rules as in COLMAP's brute-force matcher, so that its thresholds keep their meaning: descriptors have length 512, the
-// distance is the angle  d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= max_distance, d1 < max_ratio * d2 (d2 = second best,
-// pi/2 when there is none), for the row and for the column, and both name each other (cross-check). Ties go to the lower index.
-// All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give the same matches, bit by bit.
+// distance is the angle  d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= max_distance, d1 < max_ratio * d2 (d2 =
+// second best, pi/2 when there is none), for the row and for the column, and both name each other (cross-check). Ties go to the
+// lower index. All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give the same matches, bit by bit.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace vitrine {
 inline constexpr size_t kDescriptorBytes = 128;
 
 struct Match {
-  uint32_t a = 0, b = 0;                     // indices of descriptors in photo a and photo b
+  uint32_t a = 0, b = 0;  // indices of descriptors in photo a and photo b
   bool operator==(const Match&) const = default;
 };
 
 struct MatchRules {
-  double max_ratio = 0.8;                    // of angles: best / second best
-  double max_distance = 0.7;                 // radians
+  double max_ratio = 0.8;     // of angles: best / second best
+  double max_distance = 0.7;  // radians
   bool cross_check = true;
 };
 
 enum class MatchKernel { Automatic, Avx2, Avx512Vnni };
-bool available(MatchKernel kernel);          // on this machine
+bool available(MatchKernel kernel);  // on this machine
 
 // Descriptors laid out for the kernels. Build once per photo, use for every pair.
 class PackedDescriptors {
@@ -38,12 +38,12 @@ class PackedDescriptors {
 
  private:
   friend std::vector<Match> match(const PackedDescriptors&, const PackedDescriptors&, const MatchRules&);
-  size_t count_ = 0, padded_ = 0;            // padded to whole panels with zero descriptors
+  size_t count_ = 0, padded_ = 0;  // padded to whole panels with zero descriptors
   MatchKernel kernel_ = MatchKernel::Avx2;
-  std::vector<int8_t> signed_rows_;          // VNNI: descriptor - 128, row by row
-  std::vector<uint8_t> panels_;              // VNNI: [vector of 16][32 quads][16 columns][4 bytes]
-  std::vector<int32_t> offsets_;             // VNNI: 128 * sum of a column's bytes, undoes the -128 of the rows
-  std::vector<int16_t> rows16_, panels16_;   // AVX2: rows, and [vector of 8][64 pairs][8 columns][2 values]
+  std::vector<int8_t> signed_rows_;         // VNNI: descriptor - 128, row by row
+  std::vector<uint8_t> panels_;             // VNNI: [vector of 16][32 quads][16 columns][4 bytes]
+  std::vector<int32_t> offsets_;            // VNNI: 128 * sum of a column's bytes, undoes the -128 of the rows
+  std::vector<int16_t> rows16_, panels16_;  // AVX2: rows, and [vector of 8][64 pairs][8 columns][2 values]
 };
 
 // Matches in the order of `a`. Both must have been packed for the same kernel.

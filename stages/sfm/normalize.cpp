@@ -16,7 +16,7 @@ namespace {
 constexpr double kParallel = 0.9;
 // Plane of the cameras: thickness over width below which a ring is flat enough to know better than the cameras' own level.
 constexpr double kFlatRing = 0.03;
-constexpr double kRingTilt = 0.966;              // cos 15 degrees: beyond this the plane is not the ring's, but a staircase or a slope
+constexpr double kRingTilt = 0.966;  // cos 15 degrees: beyond this the plane is not the ring's, but a staircase or a slope
 
 Eigen::Vector3d eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d ours(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -45,7 +45,7 @@ Cameras cameras_of(const ColmapModel& model) {
 }
 
 struct Spread {
-  Eigen::Vector3d values;                        // standard deviations, ascending
+  Eigen::Vector3d values;  // standard deviations, ascending
   Eigen::Matrix3d directions;
 };
 
@@ -67,8 +67,8 @@ double median_zdepth(const ColmapModel& model) {
   return depths[depths.size() / 2];
 }
 
-// Everyone looks the same way, and either the tops of the pictures point everywhere, or the cameras cover an area (not a line) as wide as
-// the scene is far: a flight over ground, not a walk along a wall.
+// Everyone looks the same way, and either the tops of the pictures point everywhere, or the cameras cover an area (not a line) as
+// wide as the scene is far: a flight over ground, not a walk along a wall.
 bool looks_straight_down(const ColmapModel& model, const Cameras& c) {
   if (length(c.mean_forward) < kParallel) return false;
   if (length(c.mean_up) < 0.7) return true;
@@ -82,7 +82,7 @@ std::optional<Vec3d> up_from_right_vectors(const Cameras& c) {
   std::vector<double> weight(c.right.size(), 1.0);
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   constexpr int kRounds = 10;
-  constexpr double kLevelSigma = 0.05;           // about 3 degrees of roll is how people hold cameras
+  constexpr double kLevelSigma = 0.05;  // about 3 degrees of roll is how people hold cameras
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
     double total = 0;
@@ -108,15 +108,16 @@ Orientation scene_up(const ColmapModel& model, const std::string& method) {
   const Cameras c = cameras_of(model);
   const auto unit_or_z = [](const Vec3d& v) { return length(v) > 1e-6 ? normalized(v) : Vec3d{0, 0, 1}; };
   if (method == "nadir" || (method == "auto" && looks_straight_down(model, c))) return {unit_or_z(-c.mean_forward), "nadir"};
-  if (method == "mean up") return {unit_or_z(c.mean_up), "mean up"};
+  if (method == "mean") return {unit_or_z(c.mean_up), "mean"};
   const std::optional<Vec3d> level = up_from_right_vectors(c);
-  const Orientation coarse = level ? Orientation{*level, "right vectors"} : Orientation{unit_or_z(c.mean_up), "mean up"};
-  if (method == "right vectors") return coarse;
+  const Orientation coarse = level ? Orientation{*level, "level"} : Orientation{unit_or_z(c.mean_up), "mean"};
+  if (method == "level") return coarse;
   const Spread s = spread_of(c.centres, c.centroid);
   Vec3d normal = ours(s.directions.col(0));
   if (dot(normal, coarse.up) < 0) normal = -normal;
-  const bool ring = c.centres.size() >= 6 && s.values(0) < kFlatRing * s.values(1) && s.values(1) > 0.3 * s.values(2) && dot(normal, coarse.up) > kRingTilt;
-  if (method == "ring plane" || (method == "auto" && ring)) return {normal, "ring plane"};
+  const bool ring = c.centres.size() >= 6 && s.values(0) < kFlatRing * s.values(1) && s.values(1) > 0.3 * s.values(2) &&
+                    dot(normal, coarse.up) > kRingTilt;
+  if (method == "ring" || (method == "auto" && ring)) return {normal, "ring"};
   return coarse;
 }
 

@@ -8,15 +8,16 @@
 namespace vitrine {
 
 struct Orientation {
-  Vec3d up;                    // unit, in the frame of the model
-  std::string method;          // "right vectors", "ring plane", "mean up", "nadir"
+  Vec3d up;            // unit, in the frame of the model
+  std::string method;  // "level", "ring", "mean", "nadir"
 };
 
 // Photos are upright (EXIF applied), so people hold cameras level: the right vectors x_i of the cameras are horizontal and
-//   up = argmin sum_i w_i (x_i . up)^2       (smallest eigenvector, re-weighted against tilted shots; sign from the mean up vector).
+//   up = argmin sum_i w_i (x_i . up)^2       (smallest eigenvector, re-weighted against tilted shots; sign from the mean up
+//   vector).
 // When all cameras look the same way this is one direction short, and the mean up vector decides. Cameras in a flat ring
-// around the scene refine it with the normal of their plane. Views straight down (drones) have no up of their own: up = -mean forward.
-// `method`: "auto", or one of the four to insist.
+// around the scene refine it with the normal of their plane. Views straight down (drones) have no up of their own: up = -mean
+// forward. `method`: "auto", or one of the four to insist.
 Orientation scene_up(const ColmapModel& model, const std::string& method = "auto");
 Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation);
 

@@ -12,9 +12,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kWords = 64;                  // of the vocabulary: 64 x 128 floats describe a photo
-constexpr size_t kSamplesPerPhoto = 200;       // for learning the vocabulary
-constexpr size_t kDescribedPerPhoto = 2000;    // the first, coarsest features: VLAD needs no more
+constexpr size_t kWords = 64;                // of the vocabulary: 64 x 128 floats describe a photo
+constexpr size_t kSamplesPerPhoto = 200;     // for learning the vocabulary
+constexpr size_t kDescribedPerPhoto = 2000;  // the first, coarsest features: VLAD needs no more
 constexpr int kLearningRounds = 8;
 
 using Word = std::array<float, kDescriptorBytes>;

@@ -38,9 +38,8 @@ class KdTree {
     const Vec3d size = box.high - box.low;
     const uint8_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const size_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + long(begin), order_.begin() + long(middle), order_.begin() + long(end), [&](uint32_t a, uint32_t b) {
-      return std::pair(points_[a][axis], a) < std::pair(points_[b][axis], b);
-    });
+    std::nth_element(order_.begin() + long(begin), order_.begin() + long(middle), order_.begin() + long(end),
+                     [&](uint32_t a, uint32_t b) { return std::pair(points_[a][axis], a) < std::pair(points_[b][axis], b); });
     axis_[middle] = axis;
     build(begin, middle);
     build(middle + 1, end);
@@ -103,7 +102,8 @@ ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPo
       return model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id != p.id;
     });
     if (!keep(p)) {
-      for (const ColmapTrackElement& t : p.track) model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id = kNoPoint3D;
+      for (const ColmapTrackElement& t : p.track)
+        model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id = kNoPoint3D;
       continue;
     }
     const uint64_t id = kept.size() + 1;
@@ -111,7 +111,7 @@ ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPo
       ColmapImage& image = model.images[image_at.at(t.image_id)];
       std::vector<uint32_t>& index = new_index[image_at.at(t.image_id)];
       index.resize(image.points.size(), kGone);
-      index[t.point2d_index] = 0;                                     // marked; numbered below
+      index[t.point2d_index] = 0;  // marked; numbered below
     }
     p.id = id;
     kept.push_back(std::move(p));

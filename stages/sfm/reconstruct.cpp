@@ -18,9 +18,10 @@ struct Rung {
   std::string what;
   bool relaxed_mapper = false, more_features = false;
 };
-const Rung kLadder[] = {{.what = "standard"},
-                        {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
-                        {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
+const Rung kLadder[] = {
+    {.what = "standard"},
+    {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
+    {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
 
 std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
   std::vector<ColmapSetting> s{{"map_threads", "1"},
@@ -119,8 +120,8 @@ ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& pho
 void mark_registered(Reconstruction& r) {
   std::map<std::string, size_t> observations;
   for (const ColmapImage& image : r.model.images)
-    observations[image.name] = static_cast<size_t>(
-        std::count_if(image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
+    observations[image.name] = static_cast<size_t>(std::count_if(
+        image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
   for (PhotoReport& p : r.photos) {
     const auto found = observations.find(p.name);
     p.registered = found != observations.end();
@@ -132,7 +133,9 @@ void mark_registered(Reconstruction& r) {
 ReconstructDesc with_progress_in(const ReconstructDesc& desc, double low, double high) {
   ReconstructDesc out = desc;
   if (desc.progress)
-    out.progress = [report = desc.progress, low, high](double fraction, const std::string& text) { report(low + (high - low) * fraction, text); };
+    out.progress = [report = desc.progress, low, high](double fraction, const std::string& text) {
+      report(low + (high - low) * fraction, text);
+    };
   return out;
 }
 
@@ -163,7 +166,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
   for (size_t r = 0; r < rungs; ++r) {
     const Rung& rung = kLadder[r];
     if (r > 0)
-      log_warning("sfm: {} of {} photos registered; attempt {}: {}", best.model.images.size(), desc.photos.size(), r + 1, rung.what);
+      log_warning("sfm: {} of {} photos registered; attempt {}: {}", best.model.images.size(), desc.photos.size(), r + 1,
+                  rung.what);
     if (r == 0 || rung.more_features) {
       database = desc.work_folder / fmt::format("attempt_{}.db", r);
       const FeatureEffort effort{.max_features = config.max_features * (rung.more_features ? 2 : 1),
@@ -173,8 +177,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     Reconstruction now;
     survey(desc, database, counts, now);
     now.attempts = best.attempts;
-    Attempt attempt{.what = rung.what};
-    if (now.pairs_verified > 0) {                                  // the mapper aborts on an empty graph
+    Attempt attempt{.what = rung.what, .model_sizes = {}};
+    if (now.pairs_verified > 0) {  // the mapper aborts on an empty graph
       const fs::path models = desc.work_folder / fmt::format("models_{}", r);
       make_folders(models);
       std::vector<ColmapSetting> settings = mapper_settings(config, rung);
@@ -191,7 +195,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
                     if (line.find("Registering image") == std::string_view::npos) return;
                     seen = std::min(seen + 1, desc.photos.size());
                     if (desc.progress)
-                      desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()), fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
+                      desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()),
+                                    fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
                   }});
       if (desc.timing) desc.timing("map", timer.seconds());
       std::vector<ColmapModel> found = models_in(models);
@@ -224,7 +229,7 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
   ColmapModel start;
   std::map<std::string, const ColmapImage*> pose_of;
   for (const ColmapImage& image : poses.images) pose_of[image.name] = &image;
-  std::map<uint32_t, uint32_t> database_camera;                    // our camera id -> the database's
+  std::map<uint32_t, uint32_t> database_camera;  // our camera id -> the database's
   for (const PhotoFeatures& f : ColmapDatabase(database).features()) {
     const std::optional<size_t> i = index_of_safe_name(f.name);
     if (!i || *i >= desc.photos.size() || !pose_of.contains(desc.photos[*i].name)) continue;
@@ -271,7 +276,8 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
   } else {
     out.model = poses;
   }
-  out.attempts.push_back({.what = "given poses", .model_sizes = {out.model.images.size()}, .registered = out.model.images.size()});
+  out.attempts.push_back(
+      {.what = "given poses", .model_sizes = {out.model.images.size()}, .registered = out.model.images.size()});
   mark_registered(out);
   return out;
 }

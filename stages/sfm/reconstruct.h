@@ -1,4 +1,5 @@
-// Photos -> COLMAP model: features (COLMAP's SIFT), matches (ours), two-view geometry and mapping (COLMAP's), each step reproducible:
+// Photos -> COLMAP model: features (COLMAP's SIFT), matches (ours), two-view geometry and mapping (COLMAP's), each step
+// reproducible:
 //
 //   extraction   any number of threads; image ids are put in name order afterwards
 //   matching     integer arithmetic, pairs in parallel (matcher.h)
@@ -22,37 +23,37 @@ namespace vitrine {
 struct SfmConfig;
 
 struct SfmPhoto {
-  std::string name;                       // what the model calls it
-  fs::path picture;                       // 8-bit file for feature extraction
+  std::string name;  // what the model calls it
+  fs::path picture;  // 8-bit file for feature extraction
   int width = 0, height = 0;
-  std::optional<double> focal_px;         // prior
-  std::string camera;                     // maker and model; photos of one camera, size and focal length share intrinsics
+  std::optional<double> focal_px;  // prior
+  std::string camera;              // maker and model; photos of one camera, size and focal length share intrinsics
 };
 
 // What is known about a photo after the attempts.
 struct PhotoReport {
   std::string name;
-  size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;   // verified matches over all pairs
+  size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
   bool registered = false;
 };
 
 struct Attempt {
-  std::string what;                       // "standard", "relaxed mapper", ...
-  std::vector<size_t> model_sizes;        // registered photos of every model, largest first
+  std::string what;                 // "standard", "relaxed mapper", ...
+  std::vector<size_t> model_sizes;  // registered photos of every model, largest first
   size_t registered = 0;
 };
 
 struct Reconstruction {
-  ColmapModel model;                      // image names are photo names; ids 1..n in name order
-  std::vector<PhotoReport> photos;        // in the order given
+  ColmapModel model;                // image names are photo names; ids 1..n in name order
+  std::vector<PhotoReport> photos;  // in the order given
   std::vector<Attempt> attempts;
-  std::vector<size_t> groups;             // sizes of groups connected by verified pairs, largest first
+  std::vector<size_t> groups;  // sizes of groups connected by verified pairs, largest first
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
 };
 
 struct ReconstructDesc {
-  std::vector<SfmPhoto> photos;           // sorted by name
-  fs::path work_folder;                   // emptied first
+  std::vector<SfmPhoto> photos;  // sorted by name
+  fs::path work_folder;          // emptied first
   int threads = 1;
   std::function<void(double fraction, const std::string& text)> progress;
   std::function<void(const std::string& name, double seconds)> timing;

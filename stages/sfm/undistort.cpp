@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInvisible = 0.01;      // px: a hundredth of a pixel is below the noise of SfM
+constexpr double kInvisible = 0.01;  // px: a hundredth of a pixel is below the noise of SfM
 
 Vec2d landing(const ColmapCamera& camera, const Intrinsics& pinhole, const Vec2d& pixel) {
   const std::optional<Vec2d> d = unproject(camera, pixel);
@@ -55,7 +55,8 @@ Undistortion undistortion(const ColmapCamera& camera) {
   if (2 * (x1 - x0) < pinhole.width || 2 * (y1 - y0) < pinhole.height)
     throw Error(ErrorKind::Input, "the lens distortion is implausible",
                 {.where = fmt::format("camera {}", camera.id),
-                 .why = fmt::format("undistorted, a photo of {} x {} pixels would keep {} x {}", pinhole.width, pinhole.height, x1 - x0, y1 - y0),
+                 .why = fmt::format("undistorted, a photo of {} x {} pixels would keep {} x {}", pinhole.width, pinhole.height,
+                                    x1 - x0, y1 - y0),
                  .hint = "--set sfm.camera_model=SIMPLE_PINHOLE",
                  .code = "SFM_BAD_DISTORTION"});
   u.target = {x1 - x0, y1 - y0, pinhole.fx, pinhole.fy, pinhole.cx - x0, pinhole.cy - y0};
@@ -63,8 +64,8 @@ Undistortion undistortion(const ColmapCamera& camera) {
 }
 
 ImageF undistorted(const ImageF& linear, const Undistortion& u) {
-  VITRINE_CHECK(linear.width() == int(u.source.width) && linear.height() == int(u.source.height), "picture {} x {} for a camera of {} x {}",
-                linear.width(), linear.height(), u.source.width, u.source.height);
+  VITRINE_CHECK(linear.width() == int(u.source.width) && linear.height() == int(u.source.height),
+                "picture {} x {} for a camera of {} x {}", linear.width(), linear.height(), u.source.width, u.source.height);
   if (u.identity) return linear;
   ImageF out(u.target.width, u.target.height, linear.channels());
   for (int y = 0; y < out.height(); ++y)
@@ -84,11 +85,13 @@ std::optional<Vec2d> undistorted(const Vec2d& pixel, const Undistortion& u) {
 }
 
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera) {
-  VITRINE_CHECK(per_camera.size() == model.cameras.size(), "{} undistortions for {} cameras", per_camera.size(), model.cameras.size());
+  VITRINE_CHECK(per_camera.size() == model.cameras.size(), "{} undistortions for {} cameras", per_camera.size(),
+                model.cameras.size());
   ColmapModel out = model;
   for (size_t c = 0; c < out.cameras.size(); ++c) out.cameras[c] = colmap_pinhole(model.cameras[c].id, per_camera[c].target);
   for (ColmapImage& image : out.images) {
-    const auto camera = std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) { return c.id == image.camera_id; });
+    const auto camera =
+        std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) { return c.id == image.camera_id; });
     const Undistortion& u = per_camera[static_cast<size_t>(camera - model.cameras.begin())];
     for (ColmapPoint2D& p : image.points) {
       if (p.point3d_id == kNoPoint3D) continue;

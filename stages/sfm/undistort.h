@@ -12,7 +12,7 @@ namespace vitrine {
 struct Undistortion {
   ColmapCamera source;
   Intrinsics target;
-  bool identity = false;       // nothing moves by more than kInvisible pixels: pictures are copied
+  bool identity = false;  // nothing moves by more than kInvisible pixels: pictures are copied
 };
 
 // Throws Error{Input} for a lens that folds over inside the frame, or leaves less than a quarter of it.

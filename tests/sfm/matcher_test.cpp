@@ -32,10 +32,10 @@ std::vector<uint8_t> random_descriptors(size_t n, uint64_t seed) {
 std::vector<uint8_t> noisy_copy(const std::vector<uint8_t>& a, size_t n, uint64_t seed) {
   const size_t have = a.size() / kDescriptorBytes;
   std::vector<uint8_t> out = random_descriptors(n, seed + 1);
-  for (size_t i = 0; i < n; i += 2) {                       // every second one is a noisy copy of some descriptor of a
+  for (size_t i = 0; i < n; i += 2) {  // every second one is a noisy copy of some descriptor of a
     Rng rng(seed, i);
     const size_t from = rng.below(static_cast<uint32_t>(have));
-    const int amplitude = 1 + int(rng.below(60));           // from clear matches to failures of the ratio test
+    const int amplitude = 1 + int(rng.below(60));  // from clear matches to failures of the ratio test
     for (size_t k = 0; k < kDescriptorBytes; ++k) {
       const int value = int(a[from * kDescriptorBytes + k]) + int(rng.below(uint32_t(2 * amplitude + 1))) - amplitude;
       out[i * kDescriptorBytes + k] = static_cast<uint8_t>(std::clamp(value, 0, 255));
@@ -51,7 +51,8 @@ std::vector<int> best_neighbours(const std::vector<uint8_t>& a, const std::vecto
     double best = 1e9, second = std::numbers::pi / 2;
     for (size_t j = 0; j < nb; ++j) {
       double product = 0;
-      for (size_t k = 0; k < kDescriptorBytes; ++k) product += double(a[i * kDescriptorBytes + k]) * double(b[j * kDescriptorBytes + k]);
+      for (size_t k = 0; k < kDescriptorBytes; ++k)
+        product += double(a[i * kDescriptorBytes + k]) * double(b[j * kDescriptorBytes + k]);
       const double angle = std::acos(std::min(1.0, product / (512.0 * 512.0)));
       if (j == 0) {
         best = angle, out[i] = 0;
@@ -83,7 +84,8 @@ std::vector<MatchKernel> kernels() {
 }
 
 TEST(Matcher, FindsWhatTheRuleInDoublesFinds) {
-  const std::pair<size_t, size_t> sizes[] = {{1, 1}, {1, 2}, {2, 1}, {5, 7}, {16, 64}, {65, 63}, {130, 301}, {257, 260}, {600, 333}};
+  const std::pair<size_t, size_t> sizes[] = {{1, 1},   {1, 2},     {2, 1},     {5, 7},    {16, 64},
+                                             {65, 63}, {130, 301}, {257, 260}, {600, 333}};
   size_t found = 0;
   for (const auto& [na, nb] : sizes) {
     const std::vector<uint8_t> a = random_descriptors(na, na * 1000 + nb), b = noisy_copy(a, nb, na + nb);
@@ -95,12 +97,12 @@ TEST(Matcher, FindsWhatTheRuleInDoublesFinds) {
         EXPECT_EQ(match(PackedDescriptors(a, kernel), PackedDescriptors(b, kernel), rules), expected) << na << " x " << nb;
     }
   }
-  EXPECT_GT(found, 200u);                                   // the sets do hold matches
+  EXPECT_GT(found, 200u);  // the sets do hold matches
 }
 
 TEST(Matcher, ExtremeBytesDoNotOverflow) {
   std::vector<uint8_t> a(3 * kDescriptorBytes, 0), b(2 * kDescriptorBytes, 0);
-  std::fill_n(a.begin(), kDescriptorBytes, uint8_t(255));   // product with itself: 128 * 255^2, far over 512^2
+  std::fill_n(a.begin(), kDescriptorBytes, uint8_t(255));  // product with itself: 128 * 255^2, far over 512^2
   std::fill_n(b.begin(), kDescriptorBytes, uint8_t(255));
   a[kDescriptorBytes] = 255;
   for (const MatchKernel kernel : kernels())
@@ -128,7 +130,8 @@ TEST(Matcher, PrintsItsSpeedOnAPairOf4300Features) {
       m = match(pa, pb);
       best = std::min(best, cpu_seconds() - before);
     }
-    std::cout << (kernel == MatchKernel::Avx2 ? "AVX2 " : "AVX-512 VNNI ") << best * 1e3 << " ms of one core, " << m.size() << " matches\n";
+    std::cout << (kernel == MatchKernel::Avx2 ? "AVX2 " : "AVX-512 VNNI ") << best * 1e3 << " ms of one core, " << m.size()
+              << " matches\n";
     if (first.empty()) first = m;
     EXPECT_EQ(m, first);
     EXPECT_GT(m.size(), 500u);

@@ -1,0 +1,22 @@
+// Says why a capture has no usable model, with the figures that show it and what to try: Error{SfmFailed}, exit code 4.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "stages/sfm/reconstruct.h"
+
+namespace vitrine {
+
+struct SfmConfig;
+
+// Why this photo is not in the model: "few features (37)", "no photo matches it", ...; empty when it is registered.
+std::string reason_left_out(const PhotoReport& photo, const SfmConfig& config);
+// nullopt-like: empty `code` = the model is good enough. `evidence` is a path for the reader (the report in the scratch folder).
+struct Diagnosis {
+  std::string code, message, why, hint;
+};
+Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config);
+[[noreturn]] void throw_diagnosis(const Diagnosis& d, const std::filesystem::path& where);
+
+}  // namespace vitrine

@@ -1,0 +1,286 @@
+#include "stages/sfm/given_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/camera/view_set.h"
+#include "stages/sfm/point_filter.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kTinySkew = 1e-3;  // of the focal length: a third of a pixel over 640
+
+std::string lower(std::string s) {
+  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
+
+// Name of a pose -> index of the photo it means. Tries the strictest rule first; a key that two photos share decides nothing.
+class PhotoFinder {
+ public:
+  explicit PhotoFinder(std::span<const Photo> photos) {
+    for (size_t i = 0; i < photos.size(); ++i) {
+      const fs::path name(photos[i].name), source(photos[i].source);
+      note(0, photos[i].name, i);
+      note(1, photos[i].source, i);
+      note(2, lower(name.filename().string()), i);
+      note(3, lower(source.filename().string()), i);
+      note(4, lower(photos[i].stem), i);
+      note(5, lower(name.stem().string()), i);
+    }
+  }
+  std::optional<size_t> operator()(const std::string& pose_name) const {
+    const fs::path path(pose_name);
+    const std::string file = lower(path.filename().string());
+    const std::string tries[kRules] = {pose_name, pose_name, file, file, lower(pose_name), lower(path.stem().string())};
+    for (size_t rule = 0; rule < kRules; ++rule) {
+      const auto found = keys_[rule].find(tries[rule]);
+      if (found != keys_[rule].end() && found->second) return found->second;
+    }
+    // transforms.json of the Blender kind has no extension.
+    const auto bare = keys_[5].find(file);
+    return bare != keys_[5].end() ? bare->second : std::nullopt;
+  }
+
+ private:
+  static constexpr size_t kRules = 6;
+  void note(size_t rule, const std::string& key, size_t photo) {
+    const auto [at, fresh] = keys_[rule].emplace(key, photo);
+    if (!fresh && at->second != photo) at->second = std::nullopt;
+  }
+  std::map<std::string, std::optional<size_t>> keys_[kRules];
+};
+
+bool in_order_fx_fy_cx_cy(int model_id) {
+  const std::string_view name = colmap_camera_type(model_id)->name;
+  return name == "PINHOLE" || name == "OPENCV";
+}
+
+// Pixels of a picture resized by (sx, sy). A single focal length cannot be stretched: the mean of both factors is exact to the
+// rounding of the size.
+ColmapCamera resized(ColmapCamera camera, int width, int height) {
+  const double sx = double(width) / double(camera.width), sy = double(height) / double(camera.height);
+  if (in_order_fx_fy_cx_cy(camera.model_id)) {
+    camera.params[0] *= sx, camera.params[1] *= sy, camera.params[2] *= sx, camera.params[3] *= sy;
+  } else {
+    camera.params[0] *= 0.5 * (sx + sy), camera.params[1] *= sx, camera.params[2] *= sy;
+  }
+  camera.width = static_cast<uint64_t>(width);
+  camera.height = static_cast<uint64_t>(height);
+  return camera;
+}
+
+std::vector<fs::path> matrix_files(const fs::path& folder) {
+  std::vector<fs::path> out;
+  if (!fs::is_directory(folder)) return out;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && (entry.path().extension() == ".txt" || entry.path().extension() == ".P"))
+      out.push_back(entry.path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// "00006_P.txt" -> "00006": what the file shares with the name of its photo.
+std::string matrix_key(const fs::path& file) {
+  std::string stem = file.stem().string();
+  for (const char* suffix : {"_P", "_p", ".P", "_proj"})
+    if (stem.size() > std::string_view(suffix).size() && stem.ends_with(suffix))
+      return stem.substr(0, stem.size() - std::string_view(suffix).size());
+  return stem;
+}
+
+ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Photo> photos, double given_scale) {
+  ColmapModel model;
+  struct Row {
+    size_t photo;
+    Decomposed d;
+  };
+  std::vector<Row> rows;
+  for (const fs::path& file : files) {
+    std::istringstream text(read_file(file));
+    double p[12];
+    int n = 0;
+    while (n < 12 && text >> p[n]) ++n;
+    if (n < 12)
+      throw Error(ErrorKind::Input, "a projection matrix has too few numbers",
+                  {.where = file.string(),
+                   .why = fmt::format("{} of 12 numbers", n),
+                   .hint = "write 3 rows of 4 numbers",
+                   .code = "POSES_BAD_MATRIX"});
+    const std::string key = matrix_key(file);
+    std::optional<size_t> photo;
+    bool unique = true;
+    for (size_t i = 0; i < photos.size(); ++i) {
+      const std::string name = fs::path(photos[i].name).filename().string();
+      // The key, and then no further digit: "0001" must not mean "00012".
+      if (!name.starts_with(key) || (name.size() > key.size() && std::isdigit(static_cast<unsigned char>(name[key.size()]))))
+        continue;
+      unique &= !photo.has_value();
+      photo = i;
+    }
+    if (!photo || !unique) {
+      log_warning("sfm: {} names {} photo; it is left out", file.string(), photo ? "more than one" : "no");
+      continue;
+    }
+    rows.push_back({*photo, decomposed_projection(p, file)});
+  }
+  double scale = given_scale;
+  if (scale <= 0 && !rows.empty()) {
+    // Matrices often belong to larger originals: of 1, 1/2, .. 1/8 and the ingest's own reduction, take what centres the
+    // principal point.
+    double best = 1e300;
+    for (int n = 1; n <= 8; ++n) {
+      double miss = 0;
+      for (const Row& r : rows) {
+        const Photo& photo = photos[r.photo];
+        const double s = double(photo.width) / std::max(1, photo.original_width) / n;
+        miss += std::hypot(s * r.d.cx / photo.width - 0.5, s * r.d.cy / photo.height - 0.5) / double(rows.size());
+      }
+      if (miss < best) best = miss, scale = 1.0 / n;
+    }
+    log_info(
+        "sfm: projection matrices scaled by {:.4g} (principal points {:.1f} % of the size off the centre); --set sfm.pose_scale "
+        "overrides",
+        scale, 100 * best);
+  }
+  for (const Row& r : rows) {
+    const Photo& photo = photos[r.photo];
+    const double sx = scale * photo.width / std::max(1, photo.original_width),
+                 sy = scale * photo.height / std::max(1, photo.original_height);
+    const uint32_t id = static_cast<uint32_t>(r.photo) + 1;
+    model.cameras.push_back(colmap_pinhole(id, {photo.width, photo.height, sx * r.d.fx, sy * r.d.fy, sx * r.d.cx, sy * r.d.cy}));
+    model.images.push_back({.id = id,
+                            .rotation = quaternion(r.d.cam_from_world.rotation),
+                            .translation = r.d.cam_from_world.translation,
+                            .camera_id = id,
+                            .name = photo.name,
+                            .points = {}});
+  }
+  return model;
+}
+
+// Keeps images that are photos, renames them, scales cameras and observations to the ingested size.
+ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
+  const PhotoFinder find(photos);
+  std::set<size_t> taken;
+  std::vector<ColmapImage> images;
+  std::map<std::pair<uint32_t, std::pair<int, int>>, uint32_t> camera_ids;  // (source camera, ingested size) -> new id
+  std::vector<ColmapCamera> cameras;
+  std::set<uint32_t> kept_ids;
+  for (ColmapImage& image : model.images) {
+    const std::optional<size_t> photo = find(image.name);
+    if (!photo || !taken.insert(*photo).second) continue;
+    const Photo& p = photos[*photo];
+    const ColmapCamera& camera = *model.find_camera(image.camera_id);
+    const double aspect = double(camera.width) / double(camera.height) * p.height / p.width;
+    constexpr double kAspectSlack = 0.02;
+    if (std::abs(aspect - 1) > kAspectSlack)
+      throw Error(ErrorKind::Input, "given poses and photos differ in shape",
+                  {.where = image.name,
+                   .why = fmt::format("the pose is for {} x {} pixels, the photo is {} x {}", camera.width, camera.height,
+                                      p.width, p.height),
+                   .hint = "give the photos that the poses were made with (not cropped, not turned)",
+                   .code = "POSES_SIZE"});
+    const auto [at, fresh] =
+        camera_ids.emplace(std::pair(image.camera_id, std::pair(p.width, p.height)), static_cast<uint32_t>(cameras.size()) + 1);
+    if (fresh) {
+      cameras.push_back(resized(camera, p.width, p.height));
+      cameras.back().id = at->second;
+    }
+    const double sx = double(p.width) / double(camera.width), sy = double(p.height) / double(camera.height);
+    for (ColmapPoint2D& q : image.points) q.x *= sx, q.y *= sy;
+    image.name = p.name;
+    image.camera_id = at->second;
+    kept_ids.insert(image.id);
+    images.push_back(std::move(image));
+  }
+  model.images = std::move(images);
+  model.cameras = std::move(cameras);
+  for (ColmapPoint3D& p : model.points)
+    std::erase_if(p.track, [&](const ColmapTrackElement& t) { return !kept_ids.contains(t.image_id); });
+  return compacted(std::move(model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
+}
+
+}  // namespace
+
+Decomposed decomposed_projection(const double (&p)[12], const fs::path& where) {
+  // Rows of M = K R up to a factor: m3 = r3, m2 = fy r2 + cy r3, m1 = fx r1 + skew r2 + cx r3.
+  Vec3d m1{p[0], p[1], p[2]}, m2{p[4], p[5], p[6]}, m3{p[8], p[9], p[10]};
+  Vec3d t{p[3], p[7], p[11]};
+  double factor = length(m3);
+  const auto fail = [&](const std::string& why) -> void {
+    throw Error(
+        ErrorKind::Input, "a projection matrix is no pinhole camera",
+        {.where = where.string(), .why = why, .hint = "give matrices P = K [R | t] in pixels", .code = "POSES_BAD_MATRIX"});
+  };
+  if (!(factor > 0) || !std::isfinite(factor)) fail("its third row has no direction");
+  if (dot(cross(m1, m2), m3) < 0) factor = -factor;  // P and -P are the same camera; the rotation must not mirror
+  m1 = m1 / factor, m2 = m2 / factor, m3 = m3 / factor, t = t / factor;
+  Decomposed d;
+  const Vec3d r3 = m3;
+  d.cy = dot(m2, r3);
+  d.fy = length(m2 - d.cy * r3);
+  if (!(d.fy > 1e-9)) fail("its rows are linearly dependent");
+  const Vec3d r2 = (m2 - d.cy * r3) / d.fy;
+  d.cx = dot(m1, r3);
+  const double skew = dot(m1, r2);
+  d.fx = length(m1 - d.cx * r3 - skew * r2);
+  if (!(d.fx > 1e-9)) fail("its rows are linearly dependent");
+  const Vec3d r1 = (m1 - d.cx * r3 - skew * r2) / d.fx;
+  if (std::abs(skew) > kTinySkew * d.fx)
+    fail(fmt::format("its pixels are sheared: skew {:.4g} for a focal length of {:.4g}", skew, d.fx));
+  d.cam_from_world.rotation = transposed(Mat3d{r1, r2, r3});
+  const double z = t.z, y = (t.y - d.cy * z) / d.fy, x = (t.x - d.cx * z - skew * y) / d.fx;
+  d.cam_from_world.translation = {x, y, z};
+  return d;
+}
+
+ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
+  ColmapModel model;
+  if (fs::is_regular_file(path)) {
+    model = on_photos(read_transforms_model(path), photos);
+  } else if (const auto folder = find_colmap_model(path)) {
+    model = on_photos(read_colmap_model(*folder), photos);
+  } else if (fs::is_regular_file(path / "transforms.json")) {
+    model = on_photos(read_transforms_model(path / "transforms.json"), photos);
+  } else {
+    std::vector<fs::path> files = matrix_files(path / "P");
+    if (files.empty()) files = matrix_files(path);
+    if (files.empty())
+      throw Error(
+          ErrorKind::Input, "no camera poses found",
+          {.where = path.string(),
+           .why = "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
+           .hint = "give one of these with --poses",
+           .code = "POSES_MISSING"});
+    model = read_matrices(files, photos, matrix_scale);
+  }
+  if (model.images.size() < 2)
+    throw Error(ErrorKind::Input, "the given poses do not belong to these photos",
+                {.where = path.string(),
+                 .why = fmt::format("{} of {} photos have a pose of their name", model.images.size(), photos.size()),
+                 .hint = "names in the poses must be names of photos",
+                 .code = "POSES_DO_NOT_MATCH"});
+  // Ids in name order, as everywhere in this stage.
+  std::map<uint32_t, uint32_t> new_id;
+  std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+  for (ColmapImage& image : model.images) {
+    const uint32_t id = static_cast<uint32_t>(new_id.size()) + 1;
+    new_id[image.id] = id;
+    image.id = id;
+  }
+  for (ColmapPoint3D& p : model.points)
+    for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
+  check_colmap_model(model, path);
+  return model;
+}
+
+}  // namespace vitrine

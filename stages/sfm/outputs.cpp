@@ -1,0 +1,137 @@
+#include "stages/sfm/outputs.h"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <mutex>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "stages/sfm/diagnosis.h"
+#include "stages/sfm/sfm.h"
+
+namespace vitrine {
+
+namespace {
+
+bool is_png(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".png";
+}
+
+void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion& u) {
+  const fs::path linear_to = desc.output / "linear" / (photo.stem + ".exr"), ldr_to = desc.output / "images" / photo.name;
+  const fs::path linear_from = ingested_linear_path(desc.ingest, photo), ldr_from = ingested_ldr_path(desc.ingest, photo);
+  make_folders(linear_to.parent_path());
+  make_folders(ldr_to.parent_path());
+  if (u.identity) {
+    // Nothing to resample: the ingested bytes are the undistorted picture.
+    link_or_copy(linear_from, linear_to);
+    if (is_png(photo.name)) {
+      link_or_copy(ldr_from, ldr_to);
+      return;
+    }
+    write_ldr(ldr_to, srgb8_from_linear(read_exr_rgb(linear_from)), desc.jpeg_quality);
+    return;
+  }
+  const ImageF linear = read_exr_rgb(linear_from);
+  if (linear.width() != int(u.source.width) || linear.height() != int(u.source.height))
+    throw Error(ErrorKind::Input, "a photo's size changed since it was ingested",
+                {.where = linear_from.string(),
+                 .why = fmt::format("{} x {} pixels, its camera has {} x {}", linear.width(), linear.height(), u.source.width,
+                                    u.source.height),
+                 .hint = "run ingest again",
+                 .code = "SFM_PHOTO_SIZE"});
+  const ImageF straight = undistorted(linear, u);
+  write_exr_rgb(linear_to, straight);
+  write_ldr(ldr_to, srgb8_from_linear(straight), desc.jpeg_quality);
+}
+
+nlohmann::json camera_json(const ColmapCamera& c) {
+  const ColmapCameraType* type = colmap_camera_type(c.model_id);
+  return {{"id", c.id},
+          {"model", type ? std::string(type->name) : std::to_string(c.model_id)},
+          {"width", c.width},
+          {"height", c.height},
+          {"params", c.params}};
+}
+
+}  // namespace
+
+void write_pictures(const PicturesDesc& desc) {
+  std::map<std::string, const Photo*> photo_of;
+  for (const Photo& p : desc.photos) photo_of[p.name] = &p;
+  std::map<uint32_t, const Undistortion*> undistortion_of;
+  for (size_t c = 0; c < desc.undistortions.size(); ++c) undistortion_of[desc.model->cameras[c].id] = &desc.undistortions[c];
+  size_t done = 0;
+  std::mutex reporting;
+  parallel_for(desc.model->images.size(), 1, [&](size_t i) {
+    throw_if_interrupted();
+    const ColmapImage& image = desc.model->images[i];
+    write_one(desc, *photo_of.at(image.name), *undistortion_of.at(image.camera_id));
+    const std::lock_guard lock(reporting);
+    ++done;
+    if (desc.progress) desc.progress(done);
+  });
+}
+
+void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
+  const Reconstruction& r = *desc.reconstruction;
+  nlohmann::json j;
+  j["colmap"] = desc.colmap;
+  j["pairs"] = {{"compared", r.pairs_compared}, {"matched", r.pairs_matched}, {"verified", r.pairs_verified}};
+  j["connected_groups"] = r.groups;
+  for (const Attempt& a : r.attempts)
+    j["attempts"].push_back({{"what", a.what}, {"registered", a.registered}, {"model_sizes", a.model_sizes}});
+  size_t registered = 0;
+  j["photos"] = nlohmann::json::array();
+  for (const PhotoReport& p : r.photos) {
+    registered += p.registered;
+    nlohmann::json row{{"name", p.name},
+                       {"features", p.features},
+                       {"matches", p.matches},
+                       {"verified_matches", p.verified},
+                       {"neighbours", p.neighbours},
+                       {"registered", p.registered},
+                       {"observations", p.observations}};
+    if (!p.registered) row["reason"] = reason_left_out(p, *desc.config);
+    j["photos"].push_back(std::move(row));
+  }
+  j["registered"] = registered;
+  j["photo_count"] = r.photos.size();
+  if (!desc.code.empty()) j["failed"] = desc.code;
+  if (desc.final_model != nullptr) {
+    const ColmapModel& m = *desc.final_model;
+    double error = 0;
+    size_t observations = 0;
+    for (const ColmapPoint3D& p : m.points) {
+      error += p.error_px * double(p.track.size());
+      observations += p.track.size();
+    }
+    j["points"] = {{"triangulated", desc.points.before},
+                   {"large_error", desc.points.large_error},
+                   {"few_views", desc.points.few_views},
+                   {"behind_a_camera", desc.points.behind},
+                   {"small_angle", desc.points.small_angle},
+                   {"lonely", desc.points.lonely},
+                   {"kept", m.points.size()},
+                   {"observations", observations}};
+    j["mean_reprojection_error_px"] = observations > 0 ? error / double(observations) : 0;
+    j["up"] = {{"method", desc.orientation.method},
+               {"in_colmap_frame", {desc.orientation.up.x, desc.orientation.up.y, desc.orientation.up.z}}};
+    for (size_t c = 0; c < desc.undistortions.size(); ++c)
+      j["cameras"].push_back({{"photographed", camera_json(desc.undistortions[c].source)},
+                              {"undistorted", camera_json(m.cameras[c])},
+                              {"resampled", !desc.undistortions[c].identity}});
+  }
+  write_file(path, j.dump(2) + "\n");
+}
+
+}  // namespace vitrine

@@ -1,0 +1,214 @@
+#include "stages/sfm/sfm.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/timer.h"
+#include "core/camera/photo_list.h"
+#include "core/camera/scene_info.h"
+#include "core/camera/view_set.h"
+#include "stages/sfm/colmap_driver.h"
+#include "stages/sfm/diagnosis.h"
+#include "stages/sfm/given_poses.h"
+#include "stages/sfm/outputs.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kReconstructShare = 0.85;  // of the progress bar; the rest is undistortion
+constexpr size_t kPointsWorthKeeping = 50;  // given models with fewer points get them triangulated anew
+
+std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo>& photos) {
+  std::vector<SfmPhoto> out;
+  for (const Photo& p : photos)
+    out.push_back({.name = p.name,
+                   .picture = ingested_ldr_path(ingest, p),
+                   .width = p.width,
+                   .height = p.height,
+                   .focal_px = p.focal_px,
+                   .camera = p.camera});
+  return out;
+}
+
+// A given model with points needs no COLMAP at all.
+Reconstruction complete_as_given(ColmapModel model, const std::vector<Photo>& photos) {
+  Reconstruction r;
+  for (const Photo& p : photos) r.photos.push_back({.name = p.name});
+  for (const ColmapImage& image : model.images)
+    for (PhotoReport& p : r.photos)
+      if (p.name == image.name) {
+        p.registered = true;
+        p.observations = static_cast<size_t>(std::count_if(image.points.begin(), image.points.end(),
+                                                           [](const ColmapPoint2D& q) { return q.point3d_id != kNoPoint3D; }));
+      }
+  r.attempts.push_back({.what = "given model", .model_sizes = {model.images.size()}, .registered = model.images.size()});
+  r.model = std::move(model);
+  return r;
+}
+
+struct Solved {
+  Reconstruction reconstruction;
+  std::string colmap = "none";
+};
+
+Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
+  const ReconstructDesc desc{.photos = sfm_photos(ingest, photos),
+                             .work_folder = context.scratch() / "colmap",
+                             .threads = context.threads(),
+                             .progress =
+                                 [&](double fraction, const std::string& text) {
+                                   context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
+                                 },
+                             .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
+  const std::optional<fs::path> poses = context.optional_input("poses");
+  if (poses) {
+    ColmapModel given = read_given_poses(*poses, photos, config.pose_scale);
+    log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
+    if (given.points.size() >= kPointsWorthKeeping) return {complete_as_given(std::move(given), photos)};
+    Colmap colmap;
+    return {triangulate(colmap, config, desc, given), colmap.version()};
+  }
+  Colmap colmap;
+  log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
+  return {reconstruct(colmap, config, desc), colmap.version()};
+}
+
+void run(const SfmConfig& config, StageContext& context) {
+  const fs::path ingest = context.input("ingest"), output = context.output();
+  const std::vector<Photo> photos = read_photo_list(ingest);
+  const Solved s = solved(config, context, ingest, photos);
+  const Reconstruction& r = s.reconstruction;
+  const Diagnosis diagnosis = diagnosed(r, config);
+  if (!diagnosis.code.empty()) {
+    // The output vanishes with the failure; the scratch folder stays, and with it the evidence.
+    const fs::path evidence = context.scratch() / "report.json";
+    ReportDesc report;
+    report.reconstruction = &r;
+    report.config = &config;
+    report.colmap = s.colmap;
+    report.code = diagnosis.code;
+    write_sfm_report(evidence, report);
+    throw_diagnosis(diagnosis, evidence);
+  }
+  for (const PhotoReport& p : r.photos)
+    if (!p.registered) context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
+  if (!r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
+    context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
+                                                   r.attempts.back().model_sizes.size(), r.model.images.size()));
+
+  FilterCounts counts;
+  const ColmapModel kept = filtered(r.model, config.points, counts);
+  std::vector<Undistortion> undistortions;
+  for (const ColmapCamera& camera : kept.cameras) undistortions.push_back(undistortion(camera));
+  Timer timer;
+  write_pictures({.ingest = ingest,
+                  .output = output,
+                  .photos = photos,
+                  .model = &kept,
+                  .undistortions = undistortions,
+                  .jpeg_quality = config.jpeg_quality,
+                  .progress = [&](size_t done) {
+                    context.progress(
+                        {.fraction = kReconstructShare + (1 - kReconstructShare) * double(done) / double(kept.images.size()),
+                         .text = fmt::format("undistorted {}/{}", done, kept.images.size()),
+                         .values = {}});
+                  }});
+  context.timing("undistort", timer.seconds());
+  ColmapModel model = undistorted(kept, undistortions);
+  const Orientation orientation = scene_up(model, config.up);
+  SceneInfo scene;
+  scene.scene_from_colmap = scene_from_colmap(model, orientation);
+  transform_world(model, scene.scene_from_colmap);
+  for (const ColmapPoint3D& p : model.points) scene.bounds.extend(p.position);
+
+  const fs::path sparse = output / "sparse" / "0";
+  make_folders(sparse);
+  make_folders(output / "sfm");
+  write_colmap_model(sparse, model, ColmapFormat::Binary);
+  write_colmap_model(sparse, model, ColmapFormat::Text);
+  write_scene_info(output / "scene.json", scene);
+  Gains gains;
+  for (const ColmapImage& image : model.images) gains[image.name] = {1, 1, 1};
+  write_gains(output / "sfm" / "gains.json", gains);
+  write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
+  write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
+                                                    .config = &config,
+                                                    .colmap = s.colmap,
+                                                    .final_model = &model,
+                                                    .undistortions = undistortions,
+                                                    .orientation = orientation,
+                                                    .points = counts});
+  double error = 0, observations = 0;
+  for (const ColmapPoint3D& p : model.points) {
+    error += p.error_px * double(p.track.size());
+    observations += double(p.track.size());
+  }
+  context.metric("photos", double(photos.size()));
+  context.metric("registered", double(model.images.size()));
+  context.metric("points", double(model.points.size()));
+  context.metric("reprojection_px", observations > 0 ? error / observations : 0);
+  context.summary(fmt::format("registered {}/{}, {} points, {:.2f} px", model.images.size(), photos.size(), model.points.size(),
+                              observations > 0 ? error / observations : 0));
+}
+
+std::string problem(const SfmConfig& c) {
+  if (c.retry_below < c.min_registered) return "sfm.retry_below must not be below sfm.min_registered";
+  return {};
+}
+
+}  // namespace
+
+void describe(Describer& d, SfmFilterConfig& c) {
+  d.option("max_error_px", c.max_error_px, "Largest mean reprojection error of a point, in pixels.").range(0.1, 100);
+  d.option("min_angle_deg", c.min_angle_deg, "Smallest angle between two rays to a point, in degrees.").range(0, 45);
+  d.option("min_views", c.min_views, "Fewest photos that see a point.").range(2, 100);
+  d.option("outlier_sigma", c.outlier_sigma,
+           "Points farther from their neighbours than this many deviations leave; 0 = keep all.")
+      .range(0, 100);
+}
+
+void describe(Describer& d, SfmConfig& c) {
+  d.option("max_image_size", c.max_image_size, "Longest side at which features are found; 0 = as ingested.").range(0, 20000);
+  d.option("max_features", c.max_features, "Most features of a photo.").range(100, 100000);
+  d.option("peak_threshold", c.peak_threshold, "SIFT contrast threshold; lower finds more and weaker features.")
+      .range(0.0001, 0.1);
+  d.option("camera_model", c.camera_model, "Lens model to solve for.")
+      .choices({"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"});
+  d.option("max_ratio", c.max_ratio, "A match's angle over that of the second best; lower is stricter.").range(0.1, 1);
+  d.option("max_distance", c.max_distance, "Largest angle between two matching descriptors, in radians.").range(0.1, 1.6);
+  d.option("min_matches", c.min_matches, "Pairs of photos with fewer matches are left out.").range(8, 1000);
+  d.option("exhaustive_limit", c.exhaustive_limit, "Up to this many photos all pairs are compared.").range(0, 2000);
+  d.option("window", c.window, "Above the limit: neighbours compared in name order.").range(1, 1000);
+  d.option("retrieved", c.retrieved, "Above the limit: photos of similar appearance compared with each photo.").range(0, 1000);
+  d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
+  d.option("retry_below", c.retry_below, "Share of registered photos below which the ladder is climbed.").range(0, 1);
+  d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
+  d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
+  d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
+      .choices({"auto", "level", "ring", "mean", "nadir"});
+  d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
+      .range(0, 100);
+  d.option("jpeg_quality", c.jpeg_quality, "Quality of undistorted photos with JPEG names.").range(50, 100);
+  d.group("points", c.points, "Which triangulated points are kept.");
+}
+
+Stage sfm_stage() {
+  StageInfo info{.name = "sfm",
+                 .version = 1,
+                 .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
+                 .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
+                            {.name = "poses",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices"}}};
+  return make_stage<SfmConfig>(
+      std::move(info), run,
+      [] {
+        return std::map<std::string, std::string>{{"colmap", colmap_fingerprint()}};
+      },
+      problem);
+}
+
+}  // namespace vitrine
