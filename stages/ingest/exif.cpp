@@ -101,19 +101,24 @@ Exif parse_exif(std::string_view block) {
 }
 
 std::optional<Focal> focal_of(const Exif& exif, int width, int height) {
-  const double longest = std::max(width, height);
+  const double longest = std::max(width, height), shortest = std::min(width, height);
+  // The camera's own picture, before anyone cropped or resized it. A crop that keeps one side whole is recognised, since the
+  // other side shrinks more.
+  const bool size_written = exif.pixel_x > 0 && exif.pixel_y > 0;
+  const double camera_longest = size_written ? std::max(exif.pixel_x, exif.pixel_y) : longest;
+  const double camera_shortest = size_written ? std::min(exif.pixel_x, exif.pixel_y) : shortest;
+  const double scale = std::max(longest / camera_longest, shortest / camera_shortest);
   // From a fisheye of 10 mm to a telescope: outside of it the field was filled with nonsense.
   const auto plausible = [&](double px) { return px > 0.25 * longest && px < 40 * longest; };
   if (exif.focal_35mm) {
     constexpr double kFilmDiagonalMm = 43.2666153;  // 36 mm x 24 mm
-    const double px = *exif.focal_35mm * std::hypot(width, height) / kFilmDiagonalMm;
+    const double px = *exif.focal_35mm * std::hypot(camera_longest, camera_shortest) / kFilmDiagonalMm * scale;
     if (plausible(px)) return Focal{px, "exif FocalLengthIn35mmFilm"};
   }
   if (exif.focal_mm && exif.pixels_per_mm) {
-    const double written_side = std::max(exif.pixel_x, exif.pixel_y);
-    const double sensor_mm = (written_side > 0 ? written_side : longest) / *exif.pixels_per_mm;
-    // Sensors are between a phone's front camera and a large-format back; resized files with unscaled fields fall outside.
-    const double px = *exif.focal_mm * *exif.pixels_per_mm * (written_side > 0 ? longest / written_side : 1);
+    // Sensors are between a phone's front camera and a large-format back; nonsense in the fields falls outside.
+    const double sensor_mm = camera_longest / *exif.pixels_per_mm;
+    const double px = *exif.focal_mm * *exif.pixels_per_mm * scale;
     if (sensor_mm > 2 && sensor_mm < 130 && plausible(px)) return Focal{px, "exif FocalLength and FocalPlaneXResolution"};
   }
   return std::nullopt;

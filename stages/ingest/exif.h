@@ -25,8 +25,8 @@ struct Focal {
   std::string source;  // the EXIF fields it comes from
 };
 // Focal length in pixels of a photo of width x height. The 35 mm equivalent compares diagonals (CIPA DCG-001):
-// f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm, scaled when the photo was resized since EXIF was
-// written. nullopt when unknown or not plausible.
+// f = f35 hypot(w, h) / 43.27 mm. Otherwise f = focal_mm * pixels_per_mm. Both at the size that EXIF names, then scaled to
+// this one; a crop that keeps one side whole is recognised. nullopt when unknown or not plausible.
 std::optional<Focal> focal_of(const Exif& exif, int width, int height);
 
 // EV at ISO 100: log2(N^2 / t) - log2(S / 100). Two photos whose EV differs by 1 differ by a factor of 2 in scene radiance per

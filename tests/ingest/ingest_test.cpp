@@ -128,7 +128,8 @@ TEST(Exif, FocalFromTheFocalPlaneFollowsAResize) {
   const ingest::Exif exif = ingest::parse_exif(block);
   const double full = 18 * (5184000.0 / 878) / 25.4;
   EXPECT_NEAR(ingest::focal_of(exif, 5184, 3456)->px, full, 1e-6);
-  EXPECT_NEAR(ingest::focal_of(exif, 1000, 667)->px, full * 1000 / 5184, 1e-6);
+  EXPECT_NEAR(ingest::focal_of(exif, 1000, 667)->px, full * 1000 / 5184, 1) << "667 is rounded up";
+  EXPECT_NEAR(ingest::focal_of(exif, 1000, 1000)->px, full * 1000 / 3456, 1e-6) << "cropped to a square, then reduced";
   EXPECT_EQ(ingest::focal_of(exif, 1000, 667)->source, "exif FocalLength and FocalPlaneXResolution");
 }
 
