@@ -43,6 +43,7 @@ const std::map<std::string, std::vector<std::string>, std::less<>>& alternatives
       {"map_init_min_inliers", {"--Mapper.init_min_num_inliers"}},
       {"map_init_min_angle", {"--Mapper.init_min_tri_angle"}},
       {"map_pose_min_inliers", {"--Mapper.abs_pose_min_num_inliers"}},
+      {"map_min_focal_ratio", {"--Mapper.min_focal_length_ratio"}},
       {"map_min_angle", {"--Mapper.filter_min_tri_angle"}},
       {"map_refine_focal", {"--Mapper.ba_refine_focal_length"}},
       {"map_refine_extra", {"--Mapper.ba_refine_extra_params"}},

@@ -1,12 +1,15 @@
 #include "stages/sfm/reconstruct.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/timer.h"
 #include "stages/sfm/features.h"
+#include "stages/sfm/point_filter.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -23,10 +26,14 @@ const Rung kLadder[] = {
     {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
     {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
 
+// Focal length over longest side: 0.3 is 118 degrees across. Wider "lenses" are how a wrong pose explains away its errors.
+constexpr double kMinFocalRatio = 0.3;
+
 std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
   std::vector<ColmapSetting> s{{"map_threads", "1"},
                                {"map_refine_principal", "0", false},
                                {"map_min_model_size", "3", false},
+                               {"map_min_focal_ratio", fmt::format("{}", kMinFocalRatio), false},
                                {"seed", std::to_string(config.seed), false}};
   if (rung.relaxed_mapper) {
     s.push_back({"map_init_min_inliers", "50"});
@@ -117,15 +124,41 @@ ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& pho
   return model;
 }
 
+size_t observations_of(const ColmapImage& image) {
+  return static_cast<size_t>(
+      std::count_if(image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
+}
+
 void mark_registered(Reconstruction& r) {
   std::map<std::string, size_t> observations;
-  for (const ColmapImage& image : r.model.images)
-    observations[image.name] = static_cast<size_t>(std::count_if(
-        image.points.begin(), image.points.end(), [](const ColmapPoint2D& p) { return p.point3d_id != kNoPoint3D; }));
+  for (const ColmapImage& image : r.model.images) observations[image.name] = observations_of(image);
   for (PhotoReport& p : r.photos) {
     const auto found = observations.find(p.name);
     p.registered = found != observations.end();
-    p.observations = p.registered ? found->second : 0;
+    if (p.registered) p.observations = found->second;
+  }
+}
+
+// Takes out photos whose pose hangs on fewer than `least` points, until all that stay have enough; says so in the reports.
+void drop_weak_photos(Reconstruction& r, size_t least) {
+  while (true) {
+    std::set<uint32_t> weak;
+    for (const ColmapImage& image : r.model.images) {
+      const size_t have = observations_of(image);
+      if (have >= least) continue;
+      weak.insert(image.id);
+      for (PhotoReport& p : r.photos)
+        if (p.name == image.name) p.weak_points = have;
+    }
+    if (weak.empty()) return;
+    std::erase_if(r.model.images, [&](const ColmapImage& image) { return weak.contains(image.id); });
+    for (ColmapPoint3D& p : r.model.points)
+      std::erase_if(p.track, [&](const ColmapTrackElement& t) { return weak.contains(t.image_id); });
+    r.model = compacted(std::move(r.model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
+    std::erase_if(r.model.cameras, [&](const ColmapCamera& camera) {
+      return std::none_of(r.model.images.begin(), r.model.images.end(),
+                          [&](const ColmapImage& image) { return image.camera_id == camera.id; });
+    });
   }
 }
 
@@ -203,6 +236,7 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
       for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
       if (!found.empty()) now.model = with_photo_names(std::move(found[0]), desc.photos);
     }
+    drop_weak_photos(now, static_cast<size_t>(config.min_observations));
     attempt.registered = now.model.images.size();
     now.attempts.push_back(attempt);
     mark_registered(now);

@@ -35,7 +35,7 @@ std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo
 // A given model with points needs no COLMAP at all.
 Reconstruction complete_as_given(ColmapModel model, const std::vector<Photo>& photos) {
   Reconstruction r;
-  for (const Photo& p : photos) r.photos.push_back({.name = p.name});
+  for (const Photo& p : photos) r.photos.emplace_back().name = p.name;
   for (const ColmapImage& image : model.images)
     for (PhotoReport& p : r.photos)
       if (p.name == image.name) {
@@ -185,6 +185,8 @@ void describe(Describer& d, SfmConfig& c) {
   d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
   d.option("retry_below", c.retry_below, "Share of registered photos below which the ladder is climbed.").range(0, 1);
   d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
+  d.option("min_observations", c.min_observations, "A photo whose pose hangs on fewer points than this does not count.")
+      .range(3, 10000);
   d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
   d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
       .choices({"auto", "level", "ring", "mean", "nadir"});
