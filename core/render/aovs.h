@@ -16,26 +16,26 @@ struct AovRow {
   Aov id;
   std::string_view name;
   int width;
-  bool feature;            // constant over a surfel's fragments: blended by the inner loop
+  bool feature;  // constant over a surfel's fragments: blended by the inner loop
 };
 
 inline constexpr size_t kAovCount = 10;
 inline constexpr std::array<AovRow, kAovCount> kAovs{{
-    {Aov::Color, "color", 3, true},                     // linear radiance, SH evaluated along the view direction
-    {Aov::Normal, "normal", 3, true},                   // world space, faces the camera, not normalised
+    {Aov::Color, "color", 3, true},    // linear radiance, SH evaluated along the view direction
+    {Aov::Normal, "normal", 3, true},  // world space, faces the camera, not normalised
     {Aov::F0, "f0", 3, true},
     {Aov::Roughness, "roughness", 1, true},
     {Aov::SpecularWeight, "specular_weight", 1, true},
     {Aov::Transmission, "transmission", 1, true},
-    {Aov::ZDepth, "zdepth", 1, false},                  // sum of w_i z_i: divide by alpha for the mean depth
-    {Aov::Alpha, "alpha", 1, false},                    // 1 - final transmittance
-    {Aov::MedianZ, "median_z", 1, false},               // z where the transmittance falls through one half
-    {Aov::Distortion, "distortion", 1, false},          // 2DGS depth distortion, per pixel
+    {Aov::ZDepth, "zdepth", 1, false},          // sum of w_i z_i: divide by alpha for the mean depth
+    {Aov::Alpha, "alpha", 1, false},            // 1 - final transmittance
+    {Aov::MedianZ, "median_z", 1, false},       // z where the transmittance falls through one half
+    {Aov::Distortion, "distortion", 1, false},  // 2DGS depth distortion, per pixel
 }};
 constexpr const AovRow& row(Aov a) { return kAovs[static_cast<size_t>(a)]; }
 
 // Which channels a pass asks for: the whole table, or the first features only (an opaque scene has no materials to blend).
-enum class FeatureSet : unsigned char { ColorOnly = 3, Surface = 6, Material = 12 };   // value = number of feature channels
+enum class FeatureSet : unsigned char { ColorOnly = 3, Surface = 6, Material = 12 };  // value = number of feature channels
 constexpr size_t feature_count(FeatureSet s) { return static_cast<size_t>(s); }
 
 }  // namespace vitrine

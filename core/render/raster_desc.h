@@ -1,6 +1,7 @@
 // What to rasterise, and the buffers that come out. Planar images: channel c of pixel (x, y) is at [(c * h + y) * w + x].
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -14,17 +15,20 @@ struct RasterDesc {
   Intrinsics intrinsics;
   Rigid cam_from_world;
   FeatureSet features = FeatureSet::Surface;
-  int sh_degree = 3;                     // used for colour; at most the layer's
-  float near_z = 0.01f, far_z = 100.f;   // scene units; near culls, both define the distortion's depth mapping
-  Vec3f background{0, 0, 0};             // linear; blended behind the colour channels
-  bool low_pass = true;                  // screen-space low-pass (algorithms 1.4); off only to compare with the ray tracer
-  bool distortion = false;               // compute the distortion channel
+  int sh_degree = 3;                    // used for colour; at most the layer's
+  float near_z = 0.01f, far_z = 100.f;  // scene units; near culls, both define the distortion's depth mapping
+  Vec3f background{0, 0, 0};            // linear; blended behind the colour channels
+  bool low_pass = true;                 // screen-space low-pass (algorithms 1.4); off only to compare with the ray tracer
+  bool distortion = false;              // compute the distortion channel
 };
+
+// Whether a pass with `desc` fills this channel.
+bool produces(const RasterDesc& desc, Aov aov);
 
 // One image per AOV that the desc asked for; others are empty.
 struct RasterImages {
   int width = 0, height = 0;
-  std::array<std::vector<float>, kAovCount> planes;      // [width(aov) * h * w]
+  std::array<std::vector<float>, kAovCount> planes;  // [width(aov) * h * w]
   std::span<float> plane(Aov a) { return planes[static_cast<size_t>(a)]; }
   std::span<const float> plane(Aov a) const { return planes[static_cast<size_t>(a)]; }
   // Sizes the planes for `desc` and sets them to zero.

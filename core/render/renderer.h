@@ -14,14 +14,14 @@ namespace vitrine {
 
 // What a backward pass adds beside the gradients of the layer. Filled per surfel.
 struct SurfelStatistics {
-  std::vector<float> screen_gradient;    // norm of the projected-centre gradient, in units of half the image (2DGS rule)
-  std::vector<float> weight;             // sum over pixels of the blending weight w
-  std::vector<float> error;              // sum over pixels of w * error_image, when an error image was given
+  std::vector<float> screen_gradient;  // norm of the projected-centre gradient, in units of half the image (2DGS rule)
+  std::vector<float> weight;           // sum over pixels of the blending weight w
+  std::vector<float> error;            // sum over pixels of w * error_image, when an error image was given
 };
 
 struct BackwardInput {
-  const RasterImages* gradients = nullptr;           // dL/d(plane) for every plane the forward pass produced
-  std::span<const float> error_image = {};           // [h, w] or empty
+  const RasterImages* gradients = nullptr;  // dL/d(plane); an empty plane counts as zero and costs nothing
+  std::span<const float> error_image = {};  // [h, w] or empty
 };
 
 class Renderer {
@@ -37,6 +37,11 @@ class Renderer {
 };
 
 enum class Backend { Reference, Cpu };
-std::unique_ptr<Renderer> make_renderer(Backend backend);
+// Instruction set of Backend::Cpu. Best: the widest that the machine has, unless the environment variable VITRINE_SIMD says
+// "avx2" or "avx512".
+enum class Simd { Best, Avx2, Avx512 };
+bool machine_has(Simd simd);
+// Throws Error{Device} when the machine lacks `simd`.
+std::unique_ptr<Renderer> make_renderer(Backend backend, Simd simd = Simd::Best);
 
 }  // namespace vitrine

@@ -1,0 +1,21 @@
+// The passes for AVX512: pass_*.h compiled with this file's flags (core/render/CMakeLists.txt), in namespace vitrine::avx512.
+#include "core/render/cpu/raster_pass.h"
+#include "core/render/cpu/simd_avx512.h"
+#include "core/render/kernels/blend.h"
+#include "core/render/kernels/project.h"
+#include "core/render/kernels/shade.h"
+#include "core/render/kernels/splat_weight.h"
+
+#define VITRINE_SIMD avx512
+#include "core/render/cpu/pass_math.h"
+// The order of these follows from use.
+#include "core/render/cpu/pass_backward.h"
+#include "core/render/cpu/pass_forward.h"
+#include "core/render/cpu/pass_lists.h"
+#include "core/render/cpu/pass_project.h"
+
+namespace vitrine::cpu {
+
+const PassTable& avx512_passes() { return avx512::pass_table("cpu-avx512"); }
+
+}  // namespace vitrine::cpu

@@ -1,0 +1,297 @@
+// Sixteen surfels at a time: raw values -> screen records and bounds, and back from the records' sums to raw gradients
+// (README 1, 4, 8). The formulas are the kernels'; this file gathers, bounds and scatters.
+
+namespace vitrine::VITRINE_SIMD {
+
+struct LaneValues {  // raw values of sixteen surfels
+  SurfelGeometry<F16> geometry;
+  F16 opacity;
+  F16 sh[3 * kMaxShCoefficients];
+  F16 material[kMaterialWidth];
+};
+
+struct LaneIndices {
+  I16 by1, by2, by3, by4, by_rest;
+};
+
+inline F16 sigmoid_of(F16 x) { return F16(1.f) / (F16(1.f) + exp(-x)); }
+
+inline LaneValues load_values(const LayerPointers& layer, const PassView& view, const LaneIndices& at) {
+  LaneValues s;
+  s.geometry.mean = {gather(layer.mean, at.by3), gather(layer.mean + 1, at.by3), gather(layer.mean + 2, at.by3)};
+  s.geometry.rotation = {gather(layer.rotation, at.by4), gather(layer.rotation + 1, at.by4), gather(layer.rotation + 2, at.by4),
+                         gather(layer.rotation + 3, at.by4)};
+  s.geometry.log_su = gather(layer.log_scale, at.by2);
+  s.geometry.log_sv = gather(layer.log_scale + 1, at.by2);
+  s.opacity = gather(layer.opacity, at.by1);
+  for (int c = 0; c < 3; ++c) s.sh[c] = gather(layer.sh_dc + c, at.by3);
+  const int rest = 3 * (static_cast<int>(sh_coefficient_count(view.sh_degree)) - 1);
+  for (int c = 0; c < rest; ++c) s.sh[3 + c] = gather(layer.sh_rest + c, at.by_rest);
+  if (view.features == static_cast<int>(kMaxFeatures)) {
+    for (int c = 0; c < 3; ++c) s.material[c] = gather(layer.material[0] + c, at.by3);
+    for (int m = 1; m < 4; ++m) s.material[2 + m] = gather(layer.material[m], at.by1);
+  }
+  return s;
+}
+
+inline Camera<F16> lane_camera(const PassView& v) {
+  const float* r = v.rotation;
+  return {F16(v.fx),
+          F16(v.fy),
+          F16(v.cx),
+          F16(v.cy),
+          Mat3<F16>{{F16(r[0]), F16(r[1]), F16(r[2])}, {F16(r[3]), F16(r[4]), F16(r[5])}, {F16(r[6]), F16(r[7]), F16(r[8])}},
+          {F16(v.translation[0]), F16(v.translation[1]), F16(v.translation[2])},
+          {F16(v.eye[0]), F16(v.eye[1]), F16(v.eye[2])}};
+}
+
+// Sigma of the ellipse rho3d <= cut: (cut/k) (P + (cut/k) (P h)(P h)^T), P = (M^T M)^-1, k = 1 - cut |W|^2 / z0^2, with P and P h
+// written through the columns A, B and W = (a_u.z, a_v.z), in which nothing cancels. k > 0: all of it is in front of the eye.
+struct LaneBounds {
+  F16 ex, ey, inv_yy, inv_xx, shear_xy, shear_yx, disc_r2, z_low, z_high, half_x, half_y, cut;
+  M16 is_ellipse;
+};
+
+inline constexpr float kCutSlack = 1.0005f;  // the cut is compared with rounded values
+inline constexpr float kThinnest = 1e-4f;    // px^2 added to Sigma: keeps the test of needle-thin ellipses safe
+
+inline LaneBounds lane_bounds(const Projection<F16>& p, F16 opacity, F16 near_z, bool low_pass) {
+  LaneBounds b;
+  const F16 one(1.f), z0 = p.map.z0, wu = p.a_u.z, wv = p.a_v.z, inv_z2 = one / (z0 * z0);
+  b.cut = max(F16(2.f) * log_of(max(opacity, F16(1e-30f)) * F16(255.f)), F16(0.f)) * F16(kCutSlack) + F16(1e-3f);
+  const F16 w2 = wu * wu + wv * wv, k = one - b.cut * w2 * inv_z2;
+  const F16 depth_reach = sqrt(b.cut * w2);
+  b.z_low = max(z0 - depth_reach, near_z);
+  b.z_high = z0 + depth_reach;
+  b.is_ellipse = (k > F16(1e-3f)) & (z0 - depth_reach > near_z);
+  const F16 beta = b.cut / k;
+  const F16 pxx = (p.Au * p.Au + p.Av * p.Av) * inv_z2, pxy = (p.Au * p.Bu + p.Av * p.Bv) * inv_z2,
+            pyy = (p.Bu * p.Bu + p.Bv * p.Bv) * inv_z2;
+  const F16 hx = -(p.Au * wu + p.Av * wv) * inv_z2, hy = -(p.Bu * wu + p.Bv * wv) * inv_z2;
+  b.ex = p.map.cx + beta * hx;
+  b.ey = p.map.cy + beta * hy;
+  const F16 thin(kThinnest);
+  const F16 sxx = beta * (pxx + beta * hx * hx), sxy = beta * (pxy + beta * hx * hy), syy = beta * (pyy + beta * hy * hy);
+  const F16 root = p.det * inv_z2;
+  const F16 det = beta * beta * root * root / k + thin * (sxx + syy) + thin * thin;
+  const F16 txx = sxx + thin, tyy = syy + thin;
+  b.inv_yy = one / tyy;
+  b.inv_xx = tyy / det;
+  b.shear_xy = sxy / tyy;
+  b.shear_yx = sxy / txx;
+  b.half_x = sqrt(txx);
+  b.half_y = sqrt(tyy);
+  b.disc_r2 = low_pass ? b.cut * F16(0.5f) : F16(-1.f);
+  return b;
+}
+
+struct Box {
+  float x_lo, x_hi, y_lo, y_hi;
+  void add(float x, float y) {
+    x_lo = x < x_lo ? x : x_lo;
+    x_hi = x > x_hi ? x : x_hi;
+    y_lo = y < y_lo ? y : y_lo;
+    y_hi = y > y_hi ? y : y_hi;
+  }
+};
+
+struct ScreenColumns {
+  float Au, Av, Bu, Bv, wu, wv, cx, cy, z0;
+};
+
+// A surfel that reaches past the near plane: box of the projection of an octagon around its disc, clipped at the plane.
+inline Box clipped_box(const ScreenColumns& s, float radius, float near_z) {
+  constexpr int kCorners = 8;
+  constexpr float kOctagon = 1.0823922f;  // circumscribed: 1 / cos(pi/8)
+  constexpr float kCos[kCorners] = {1.f, 0.70710678f, 0.f, -0.70710678f, -1.f, -0.70710678f, 0.f, 0.70710678f};
+  Box box{1e30f, -1e30f, 1e30f, -1e30f};
+  float u[kCorners], v[kCorners], z[kCorners];
+  for (int i = 0; i < kCorners; ++i) {
+    u[i] = radius * kOctagon * kCos[i];
+    v[i] = radius * kOctagon * kCos[(i + 6) % kCorners];
+    z[i] = s.z0 + s.wu * u[i] + s.wv * v[i];
+  }
+  const auto add = [&](float pu, float pv, float pz) {
+    box.add(s.cx + (s.Au * pu + s.Av * pv) / pz, s.cy + (s.Bu * pu + s.Bv * pv) / pz);
+  };
+  for (int i = 0; i < kCorners; ++i) {
+    const int j = (i + 1) % kCorners;
+    if (z[i] >= near_z) add(u[i], v[i], z[i]);
+    if ((z[i] >= near_z) != (z[j] >= near_z)) {
+      const float t = (near_z - z[i]) / (z[j] - z[i]);
+      add(u[i] + t * (u[j] - u[i]), v[i] + t * (v[j] - v[i]), near_z);
+    }
+  }
+  return box;
+}
+
+// First and last pixel whose centre lies in [lo, hi]; empty (first > last) outside the image.
+inline void pixel_range(float lo, float hi, int size, int16_t& first, int16_t& last) {
+  const float a = lo - 0.5f, b = hi - 0.5f;
+  first = static_cast<int16_t>(a <= 0.f ? 0.f : a >= float(size) ? float(size) : __builtin_ceilf(a));
+  last = static_cast<int16_t>(b < 0.f ? -1.f : b >= float(size - 1) ? float(size - 1) : __builtin_floorf(b));
+}
+
+template <int N>
+struct LaneTable {  // N vectors seen lane by lane
+  alignas(64) float rows[N][kLanes];
+  void set(int row, F16 v) { store(rows[row], v); }
+};
+
+inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view, uint32_t first, uint32_t count,
+                                RasterSplat* splats, SplatBounds* bounds) {
+  const Camera<F16> camera = lane_camera(view);
+  const bool low_pass = view.low_pass < float(kNoLowPass);
+  uint32_t written = 0;
+  for (uint32_t begin = 0; begin < count; begin += kLanes) {
+    const int at = static_cast<int>(first + begin), end = static_cast<int>(first + count) - 1;
+    const LaneIndices index{lane_indices(at, end, 1), lane_indices(at, end, 2), lane_indices(at, end, 3),
+                            lane_indices(at, end, 4), lane_indices(at, end, layer.sh_rest_width)};
+    const LaneValues s = load_values(layer, view, index);
+    const Projection<F16> p = project(s.geometry, camera);
+    const F16 opacity = sigmoid_of(s.opacity), near_z(view.near_z);
+    const LaneBounds b = lane_bounds(p, opacity, near_z, low_pass);
+    const uint32_t left = count - begin;
+    uint32_t visible = bits(is_visible(p, opacity, near_z)) & (left >= kLanes ? 0xffffu : (1u << left) - 1u);
+    if (visible == 0) continue;
+    const ShColour<F16> colour = sh_colour(view.sh_degree, s.geometry.mean, camera.eye, s.sh);
+
+    LaneTable<24> splat;
+    const F16 constants[12] = {p.map.cx,  p.map.cy, p.map.z0, p.map.m00, p.map.m01,         p.map.m10,
+                               p.map.m11, p.map.h0, p.map.h1, opacity,   near_z / p.map.z0, F16(view.low_pass)};
+    for (int k = 0; k < 12; ++k) splat.set(k, constants[k]);
+    for (int c = 0; c < 3; ++c) {
+      splat.set(12 + static_cast<int>(kColourAt) + c, colour.value[static_cast<size_t>(c)]);
+      splat.set(12 + static_cast<int>(kNormalAt) + c, p.normal[static_cast<size_t>(c)]);
+    }
+    for (int c = 0; c < static_cast<int>(kMaterialWidth); ++c) {
+      splat.set(12 + static_cast<int>(kMaterialAt) + c,
+                view.features == static_cast<int>(kMaxFeatures) ? sigmoid_of(s.material[c]) : F16(0.f));
+    }
+    LaneTable<19> bound;
+    const F16 limits[19] = {b.ex,     b.ey,  b.inv_yy, b.inv_xx, b.shear_xy, b.shear_yx, b.disc_r2, b.z_low, b.z_high, b.half_x,
+                            b.half_y, b.cut, p.Au,     p.Av,     p.Bu,       p.Bv,       p.a_u.z,   p.a_v.z, F16(0.f)};
+    for (int k = 0; k < 19; ++k) bound.set(k, limits[k]);
+    const uint32_t ellipses = bits(b.is_ellipse);
+    for (; visible != 0; visible &= visible - 1) {
+      const int lane = __builtin_ctz(visible);
+      const auto value = [&](int row) { return splat.rows[row][lane]; };
+      const auto limit = [&](int row) { return bound.rows[row][lane]; };
+      SplatBounds& to = bounds[written];
+      to.cx = value(0);
+      to.cy = value(1);
+      to.z0 = value(2);
+      to.h0 = value(7);
+      to.h1 = value(8);
+      to.ex = limit(0);
+      to.ey = limit(1);
+      to.disc_r2 = limit(6);
+      to.z_low = limit(7);
+      to.z_high = limit(8);
+      Box box;
+      if (ellipses >> lane & 1u) {
+        to.inv_yy = limit(2);
+        to.inv_xx = limit(3);
+        to.shear_xy = limit(4);
+        to.shear_yx = limit(5);
+        box = {to.ex - limit(9), to.ex + limit(9), to.ey - limit(10), to.ey + limit(10)};
+      } else {
+        to.ex = to.ey = to.inv_yy = to.inv_xx = to.shear_xy = to.shear_yx = 0.f;  // every block of the box is hit
+        const ScreenColumns columns{limit(12), limit(13), limit(14), limit(15), limit(16),
+                                    limit(17), value(0),  value(1),  value(2)};
+        box = clipped_box(columns, __builtin_sqrtf(limit(11)), view.near_z);
+      }
+      if (low_pass) {
+        const float r = __builtin_sqrtf(to.disc_r2);
+        box.add(to.cx - r, to.cy - r);
+        box.add(to.cx + r, to.cy + r);
+      }
+      pixel_range(box.x_lo, box.x_hi, view.width, to.x_first, to.x_last);
+      pixel_range(box.y_lo, box.y_hi, view.height, to.y_first, to.y_last);
+      if (to.x_first > to.x_last || to.y_first > to.y_last) continue;
+      float* record = reinterpret_cast<float*>(splats + written);
+      for (int k = 0; k < 24; ++k) record[k] = value(k);
+      splats[written].id = first + begin + static_cast<uint32_t>(lane);
+      ++written;
+    }
+  }
+  return written;
+}
+
+// dL/d(raw values) of up to sixteen surfels from the records of their tiles, added in tile order.
+inline void surfel_gradients(const PassView& view, const GradientTask& task) {
+  alignas(64) float sums[kLanes][kRecordFloats];
+  alignas(64) uint32_t ids[kLanes];
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    const uint32_t source = i < task.count ? i : task.count - 1;
+    F16 low(0.f), high(0.f);
+    for (uint32_t r = task.record_begin[source]; r < task.record_begin[source + 1]; ++r) {
+      const float* record = task.records + static_cast<size_t>(task.record_index[r]) * kRecordFloats;
+      low += load(record);
+      high += load(record + kLanes);
+    }
+    store(sums[i], low);
+    store(sums[i] + kLanes, high);
+    ids[i] = task.splats[task.order[source]].id;
+  }
+  const I16 lane = lane_indices(0, kLanes - 1, static_cast<int>(kRecordFloats));
+  const auto sum = [&](int k) { return gather(sums[0] + k, lane); };
+  const LaneIndices index{load_indices(ids, 1), load_indices(ids, 2), load_indices(ids, 3), load_indices(ids, 4),
+                          load_indices(ids, task.values->sh_rest_width)};
+  const Camera<F16> camera = lane_camera(view);
+  const LaneValues s = load_values(*task.values, view, index);
+  const Projection<F16> p = project(s.geometry, camera);
+  const F16 opacity = sigmoid_of(s.opacity);
+  const ShColour<F16> colour = sh_colour(view.sh_degree, s.geometry.mean, camera.eye, s.sh);
+  SplatMoments<F16> m;
+  m.num_u = sum(16), m.num_v = sum(17), m.den = sum(18);
+  m.num_u_x = sum(20), m.num_v_x = sum(21), m.den_x = sum(22), m.disc_x = sum(23);
+  m.num_u_y = sum(24), m.num_v_y = sum(25), m.den_y = sum(26), m.disc_y = sum(27);
+  m.weight = sum(28), m.z0 = sum(29);
+  const SplatGrad<F16> splat = splat_grad(m, p.map, opacity);
+  const bool normals = view.features >= static_cast<int>(kNormalAt + 3);
+  const F16 zero(0.f);
+  const Vec3<F16> grad_normal = normals ? Vec3<F16>{sum(3), sum(4), sum(5)} : Vec3<F16>{zero, zero, zero};
+  const ProjectionGrad<F16> g = project_vjp(s.geometry, camera, p, splat.map, grad_normal);
+  F16 grad_sh[3 * kMaxShCoefficients];
+  const Vec3<F16> grad_direction = sh_colour_vjp(view.sh_degree, colour, s.sh, Vec3<F16>{sum(0), sum(1), sum(2)}, grad_sh);
+  const Vec3<F16> grad_mean = g.surfel.mean + grad_direction;
+
+  const auto scatter = [&](float* to, int stride, int component, const F16& v) {
+    alignas(64) float lanes[kLanes];
+    store(lanes, v);
+    for (uint32_t i = 0; i < task.count; ++i)
+      to[static_cast<size_t>(ids[i]) * static_cast<size_t>(stride) + component] += lanes[i];
+  };
+  const LayerPointers& out = *task.grad;
+  for (int c = 0; c < 3; ++c) scatter(out.mean, 3, c, grad_mean[static_cast<size_t>(c)]);
+  scatter(out.rotation, 4, 0, g.surfel.rotation.w);
+  scatter(out.rotation, 4, 1, g.surfel.rotation.x);
+  scatter(out.rotation, 4, 2, g.surfel.rotation.y);
+  scatter(out.rotation, 4, 3, g.surfel.rotation.z);
+  scatter(out.log_scale, 2, 0, g.surfel.log_su);
+  scatter(out.log_scale, 2, 1, g.surfel.log_sv);
+  scatter(out.opacity, 1, 0, splat.raw_opacity);
+  for (int c = 0; c < 3; ++c) scatter(out.sh_dc, 3, c, grad_sh[c]);
+  const int rest = 3 * (static_cast<int>(sh_coefficient_count(view.sh_degree)) - 1);
+  for (int c = 0; c < rest; ++c) scatter(out.sh_rest, out.sh_rest_width, c, grad_sh[3 + c]);
+  if (view.features == static_cast<int>(kMaxFeatures)) {
+    for (int c = 0; c < static_cast<int>(kMaterialWidth); ++c) {
+      const F16 a = sigmoid_of(s.material[c]), grad = sum(static_cast<int>(kMaterialAt) + c) * a * (F16(1.f) - a);
+      c < 3 ? scatter(out.material[0], 3, c, grad) : scatter(out.material[c - 2], 1, 0, grad);
+    }
+  }
+  if (task.screen_gradient == nullptr) return;
+  const F16 gx = g.screen_x * F16(0.5f * float(view.width)), gy = g.screen_y * F16(0.5f * float(view.height));
+  scatter(task.screen_gradient, 1, 0, sqrt(gx * gx + gy * gy));
+  scatter(task.weight, 1, 0, sum(kWeightColumn));
+  scatter(task.error, 1, 0, sum(kErrorColumn));
+}
+
+inline const PassTable& pass_table(const char* tag) {
+  static const PassTable table{tag,          sizeof(PendingFragment), sizeof(PendingGradient), project_surfels,
+                               forward_tile, backward_tile,           surfel_gradients};
+  return table;
+}
+
+}  // namespace vitrine::VITRINE_SIMD

@@ -1,0 +1,24 @@
+// The few operations that scalars and SIMD vectors spell differently. A SIMD type brings its own overloads (found by ADL):
+// select(mask, a, b), gaussian(rho), reciprocal(x).
+#pragma once
+
+#include <cmath>
+
+namespace vitrine {
+
+template <class T>
+T select(bool condition, const T& a, const T& b) {
+  return condition ? a : b;
+}
+// exp(-rho/2)
+template <class T>
+T gaussian(const T& rho) {
+  using std::exp;
+  return exp(T(-0.5) * rho);
+}
+template <class T>
+T reciprocal(const T& x) {
+  return T(1) / x;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,26 @@
+#include "core/render/raster_desc.h"
+
+namespace vitrine {
+
+bool produces(const RasterDesc& desc, Aov aov) {
+  if (aov == Aov::Distortion) return desc.distortion;
+  if (!row(aov).feature) return true;
+  size_t end = 0;
+  for (const AovRow& r : kAovs) {
+    if (r.feature) end += static_cast<size_t>(r.width);
+    if (r.id == aov) break;
+  }
+  return end <= feature_count(desc.features);
+}
+
+void RasterImages::reset(const RasterDesc& desc) {
+  width = desc.intrinsics.width;
+  height = desc.intrinsics.height;
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  for (const AovRow& r : kAovs) {
+    auto& plane = planes[static_cast<size_t>(r.id)];
+    plane.assign(produces(desc, r.id) ? static_cast<size_t>(r.width) * pixels : 0, 0.f);
+  }
+}
+
+}  // namespace vitrine
