@@ -21,6 +21,7 @@ CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   cli.section("configuration");
   cli.values("config", 'c', "FILE", a.configs, "YAML file with options; later files win.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "One option; wins over files.");
+  cli.values("set-from", 0, "ORIGIN|OPTION=VALUE", a.sets_from, "One option, with the place it was given in for messages and the manifest.");
   cli.flag("force", 0, a.force, "Compute even if the result is in the store.");
   cli.section("machine");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. The result does not depend on it.");
@@ -83,6 +84,13 @@ void apply_stage_config(const StageArguments& arguments, const StageInfo& info, 
     const YamlNode* section = file.root.find(info.name);
     const bool by_stage = section != nullptr && options.find(info.name) == nullptr;
     apply_yaml(file, by_stage ? *section : file.root, options, {.shown = by_stage ? info.name : std::string()}, errors);
+  }
+  for (const std::string& word : arguments.sets_from) {
+    const size_t bar = word.find('|');
+    if (bar == std::string::npos)
+      errors.add("--set-from", fmt::format("expected ORIGIN|path=value, got \"{}\"", word));
+    else
+      apply_set(std::string_view(word).substr(bar + 1), options, word.substr(0, bar), errors);
   }
   for (const std::string& word : arguments.sets) apply_set(word, options, "--set", errors);
   errors.throw_if_any(fmt::format("vitrine-{} --help lists every option", info.name));

@@ -12,7 +12,7 @@ namespace vitrine {
 struct StageArguments {
   std::vector<std::string> inputs;  // NAME=PATH
   std::string output, store;
-  std::vector<std::string> configs, sets;
+  std::vector<std::string> configs, sets, sets_from;
   int threads = 0;
   std::string max_memory;
   bool force = false, print_key = false, describe = false, help = false, version = false;
@@ -24,7 +24,7 @@ StageArguments parse_stage_arguments(const StageInfo& info, const std::vector<st
 std::string stage_help(const StageInfo& info, const OptionTable& options);
 // What `--describe` prints, one JSON object: all that the pipeline knows of a stage.
 std::string stage_description(const StageInfo& info, const OptionTable& options);
-// Config files in order, then --set. A file is a map of the stage's options, or of stages (then this stage's part is read).
+// Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's part is read).
 void apply_stage_config(const StageArguments& arguments, const StageInfo& info, OptionTable& options);
 
 }  // namespace vitrine

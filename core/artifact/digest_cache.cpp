@@ -37,7 +37,9 @@ void DigestCache::load() {
 }
 
 DigestCache::~DigestCache() {
-  if (!changed_ || file_.empty()) return;
+  std::error_code ec;
+  // A plan that only looks must not create the store.
+  if (!changed_ || file_.empty() || !fs::is_directory(file_.parent_path(), ec)) return;
   std::string text;
   for (const auto& [stamp, digest] : known_)
     text += fmt::format("{} {} {} {}\n", std::get<0>(stamp), std::get<1>(stamp), std::get<2>(stamp), digest);

@@ -1,0 +1,18 @@
+// The commands of `vitrine`. Each takes the words behind its name and returns the exit code; failures are Errors.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace vitrine {
+
+using Words = std::vector<std::string>;
+
+int run_command(const Words& words);
+int status_command(const Words& words);
+int explain_command(const Words& words);
+int doctor_command(const Words& words);
+int config_command(const Words& words);
+int cache_command(const Words& words);
+
+}  // namespace vitrine

@@ -1,0 +1,124 @@
+#include "pipeline/graph.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/process.h"
+#include "core/config/text.h"
+
+namespace vitrine {
+
+using nlohmann::json;
+
+namespace {
+
+StageNode describe_stage(const fs::path& executable, const std::string& name) {
+  std::error_code ec;
+  if (!fs::exists(executable, ec))
+    throw Error(ErrorKind::Dependency, fmt::format("the program of stage '{}' is missing", name),
+                {.where = executable.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
+  StageNode node;
+  const ProcessResult r = run_process({.arguments = {executable.string(), "--describe"},
+                                       .on_line = [&](std::string_view line) { node.description += std::string(line) + "\n"; }});
+  const json d = json::parse(node.description, nullptr, false);
+  if (!r.ok() || !d.is_object() || d.value("format", 0) != 1)
+    throw Error(ErrorKind::Dependency, fmt::format("the program of stage '{}' does not describe itself", name),
+                {.where = executable.string(),
+                 .why = r.tail,
+                 .hint = "build all of vitrine from the same sources",
+                 .code = "STAGE_BROKEN"});
+  node.name = d.at("name");
+  node.summary = d.at("summary");
+  node.version = d.at("version");
+  node.executable = executable;
+  for (const json& i : d.at("inputs")) node.inputs.push_back({i.at("name"), i.at("artifact"), i.at("optional"), i.at("doc")});
+  return node;
+}
+
+}  // namespace
+
+const StageNode& Graph::at(std::string_view name) const {
+  std::vector<std::string> names;
+  for (const StageNode& n : nodes) {
+    if (n.name == name) return n;
+    names.push_back(n.name);
+  }
+  const std::string near = nearest_word(name, names);
+  throw Error(
+      ErrorKind::Usage,
+      fmt::format("there is no stage '{}'{}", name, near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)),
+      {.why = fmt::format("the stages are: {}", fmt::join(names, " ")), .code = "NO_SUCH_STAGE"});
+}
+
+std::set<std::string> Graph::ancestors(const StageNode& node) const {
+  std::set<std::string> found;
+  for (const NodeInput& input : node.inputs) {
+    if (!input.artifact) continue;
+    for (const StageNode& n : nodes) {
+      if (n.name != input.name) continue;
+      found.insert(n.name);
+      found.merge(ancestors(n));
+    }
+  }
+  return found;
+}
+
+std::set<std::string> Graph::descendants(const StageNode& node) const {
+  std::set<std::string> found;
+  for (const StageNode& n : nodes)
+    if (ancestors(n).contains(node.name)) found.insert(n.name);
+  return found;
+}
+
+std::vector<NodeInput> Graph::outside_inputs() const {
+  std::vector<NodeInput> all;
+  for (const StageNode& n : nodes)
+    for (const NodeInput& input : n.inputs) {
+      const bool known = std::any_of(all.begin(), all.end(), [&](const NodeInput& i) { return i.name == input.name; });
+      if (!input.artifact && !known) all.push_back(input);
+    }
+  return all;
+}
+
+fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+fs::path stage_folder() {
+  const char* chosen = std::getenv("VITRINE_STAGE_DIR");
+  return chosen != nullptr && *chosen != 0 ? fs::path(chosen) : own_folder();
+}
+
+Graph load_graph(const fs::path& folder) {
+  const fs::path list = folder / "vitrine.stages";
+  std::error_code ec;
+  if (!fs::exists(list, ec))
+    throw Error(ErrorKind::Dependency, "the list of stages is missing",
+                {.where = list.string(),
+                 .hint = "run vitrine from its build or installation folder, or set VITRINE_STAGE_DIR",
+                 .code = "STAGE_MISSING"});
+  std::istringstream lines(read_file(list));
+  std::vector<StageNode> waiting;
+  for (std::string name; lines >> name;) waiting.push_back(describe_stage(folder / ("vitrine-" + name), name));
+  // Topological order; among the ready ones the order of the list.
+  Graph graph;
+  const auto placed = [&](const std::string& name) {
+    return std::any_of(graph.nodes.begin(), graph.nodes.end(), [&](const StageNode& n) { return n.name == name; });
+  };
+  while (!waiting.empty()) {
+    const auto ready = std::find_if(waiting.begin(), waiting.end(), [&](const StageNode& n) {
+      return std::all_of(n.inputs.begin(), n.inputs.end(), [&](const NodeInput& i) { return !i.artifact || placed(i.name); });
+    });
+    if (ready == waiting.end())
+      throw Error(ErrorKind::Dependency,
+                  fmt::format("stage '{}' reads from a stage that is not there, or from itself", waiting[0].name),
+                  {.where = list.string(), .code = "STAGE_BROKEN"});
+    graph.nodes.push_back(std::move(*ready));
+    waiting.erase(ready);
+  }
+  return graph;
+}
+
+}  // namespace vitrine

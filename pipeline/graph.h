@@ -1,0 +1,44 @@
+// The stages and how they feed each other. All of it is learned from the executables beside `vitrine`: the file `vitrine.stages`
+// lists their names, `vitrine-<name> --describe` prints inputs, version and options. No stage is linked, none is named here.
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/file.h"
+
+namespace vitrine {
+
+struct NodeInput {
+  std::string name;
+  bool artifact = true, optional = false;
+  std::string doc;
+};
+
+struct StageNode {
+  std::string name, summary;
+  int version = 1;
+  fs::path executable;
+  std::vector<NodeInput> inputs;
+  std::string description;  // the JSON of --describe: its options are read from it
+};
+
+class Graph {
+ public:
+  std::vector<StageNode> nodes;  // every stage after those it reads from
+
+  const StageNode& at(std::string_view name) const;                // Error{Usage} with a suggestion
+  std::set<std::string> ancestors(const StageNode& node) const;    // without itself
+  std::set<std::string> descendants(const StageNode& node) const;  // without itself
+  // Names of inputs that come from outside (photos, truth), in order of first use.
+  std::vector<NodeInput> outside_inputs() const;
+};
+
+// $VITRINE_STAGE_DIR, else the folder of this executable.
+fs::path stage_folder();
+fs::path own_folder();
+Graph load_graph(const fs::path& folder);
+
+}  // namespace vitrine

@@ -1,0 +1,78 @@
+#include "pipeline/project.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/config/reference.h"
+
+namespace vitrine {
+
+bool is_project(const fs::path& folder) {
+  std::error_code ec;
+  return fs::is_regular_file(folder / "vitrine.yaml", ec);
+}
+
+fs::path default_project(const fs::path& photos) {
+  fs::path folder = fs::absolute(photos).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::string name = folder.filename().string();
+  if ((name == "images" || name == "photos") && folder.has_parent_path()) name = folder.parent_path().filename().string();
+  return fs::current_path() / (name + "-vitrine");
+}
+
+void write_project_settings(const fs::path& project, const Settings& settings) {
+  OptionTable kept;
+  std::vector<std::string> texts;
+  for (const Option& o : settings.options.table.options) {
+    const bool always = o.path == "version" || o.path == "preset" || o.path == "input.photos";
+    if (!always && !settings.from_command.contains(o.path)) continue;
+    kept.options.push_back(o);
+  }
+  write_file(project / "vitrine.yaml",
+             "# Settings of this folder, read by `vitrine run`; edit freely. `vitrine config reference` lists all options,\n"
+             "# `vitrine config show --origin` says where each value comes from.\n" +
+                 yaml_text(kept));
+}
+
+ProjectLock::ProjectLock(const fs::path& project) {
+  const fs::path file = project / ".lock";
+  fd_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw_write_error(file, errno);
+  char owner[256] = {};
+  if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    const int saved = errno;
+    const ssize_t n = pread(fd_, owner, sizeof owner - 1, 0);
+    close(fd_);
+    if (saved != EWOULDBLOCK)
+      throw Error(ErrorKind::Resource, "cannot lock the output folder",
+                  {.where = file.string(), .why = std::strerror(saved), .code = "NO_LOCKS"});
+    throw Error(ErrorKind::Locked, "another run works in this folder",
+                {.where = project.string(),
+                 .why = n > 0 ? std::string("it is ") + owner : std::string("it has just started"),
+                 .hint = "wait for it, stop it, or choose another folder with -o",
+                 .code = "LOCKED"});
+  }
+  if (pread(fd_, owner, sizeof owner - 1, 0) > 0) log_info("note: taking over the folder from a run that was killed ({})", owner);
+  char host[128] = "unknown host";
+  gethostname(host, sizeof host - 1);
+  const std::string mine = fmt::format("process {} on {}", getpid(), host);
+  if (ftruncate(fd_, 0) != 0 || pwrite(fd_, mine.data(), mine.size(), 0) < 0) {
+    const int saved = errno;
+    close(fd_);
+    throw_write_error(file, saved);
+  }
+}
+
+ProjectLock::~ProjectLock() {
+  // An empty file means "ended in order". It is not removed: another process may be waiting on this very inode.
+  if (ftruncate(fd_, 0) == 0) fsync(fd_);
+  close(fd_);
+}
+
+}  // namespace vitrine

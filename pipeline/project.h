@@ -1,0 +1,29 @@
+// The output folder of a run: what stands in it (README), its settings file, and the lock that one run at a time holds.
+#pragma once
+
+#include <string>
+
+#include "pipeline/settings.h"
+
+namespace vitrine {
+
+bool is_project(const fs::path& folder);  // made by an earlier run: it has vitrine.yaml
+// The folder for `vitrine run PHOTOS` without -o.
+fs::path default_project(const fs::path& photos);
+// Writes PROJECT/vitrine.yaml: the photos, the preset and everything given on the command line.
+void write_project_settings(const fs::path& project, const Settings& settings);
+
+// Held while a run works in the folder, released by the system however the process ends. Error{Locked} with the owner's pid and
+// host when another run holds it. A lock left behind by a killed run is taken over with a note.
+class ProjectLock {
+ public:
+  explicit ProjectLock(const fs::path& project);
+  ~ProjectLock();
+  ProjectLock(const ProjectLock&) = delete;
+  ProjectLock& operator=(const ProjectLock&) = delete;
+
+ private:
+  int fd_ = -1;
+};
+
+}  // namespace vitrine

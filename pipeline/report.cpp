@@ -1,0 +1,203 @@
+#include "pipeline/report.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/terminal.h"
+#include "core/config/reference.h"
+
+namespace vitrine {
+
+using json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int kEventsVersion = 1, kRunFormat = 1;
+constexpr double kLinePeriod = 10;  // seconds between plain progress lines
+constexpr size_t kColumns = 80;
+
+std::string coloured(std::string_view text, const char* code) {
+  return colour_wanted(1) ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+}
+
+// Padded by columns, not bytes: summaries hold names in any script.
+std::string padded(std::string_view text, size_t width) {
+  std::string cut = cut_to_columns(text, width);
+  size_t columns = 0;
+  for (char c : cut) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  return cut + std::string(width - columns, ' ');
+}
+
+}  // namespace
+
+std::string utc_now() {
+  const auto now = std::chrono::system_clock::now();
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+void Report::open() {
+  started_ = utc_now();
+  events_.open(desc_.project / "events.jsonl", std::ios::app);
+  log_.open(desc_.project / "log.txt", std::ios::app);
+  if (!events_ || !log_)
+    throw Error(ErrorKind::Resource, "cannot write into the output folder",
+                {.where = desc_.project.string(), .hint = "choose a folder you can write to with -o", .code = "NOT_WRITABLE"});
+  record("run_start", {{"version", VITRINE_VERSION}, {"command", desc_.command}, {"project", desc_.project.string()}});
+}
+
+void Report::line(std::string_view text) {
+  if (log_.is_open()) log_ << text << '\n' << std::flush;
+  if (desc_.json || desc_.quiet) return;
+  clear_status_line();
+  fmt::print("{}\n", text);
+  std::fflush(stdout);
+}
+
+void Report::record(std::string_view type, json fields) {
+  json out = {{"v", kEventsVersion}, {"type", type}, {"time", utc_now()}};
+  out.update(fields);
+  const std::string text = out.dump(-1, ' ', false, json::error_handler_t::replace);
+  if (events_.is_open()) events_ << text << '\n' << std::flush;
+  if (desc_.json) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+  }
+}
+
+std::string Report::prefix() const {
+  return fmt::format("[{}/{}] {:<10}", number_, count_, stages_.empty() ? "" : stages_.back().name);
+}
+
+void Report::stage_begins(size_t number, size_t count, const Step& step) {
+  number_ = number;
+  count_ = count;
+  error_record_.clear();
+  last_line_s_ = clock_.seconds();
+  StageRecord r;
+  r.name = step.node->name;
+  r.version = step.node->version;
+  r.state = "running";
+  r.why = step.why;
+  r.key = step.key;
+  stages_.push_back(std::move(r));
+  if (!to_be_run(step.state)) return;
+  if (!desc_.json && !desc_.quiet && desc_.show_progress) draw_status_line(fmt::format("{} {}", prefix(), step.why));
+}
+
+void Report::stage_line(std::string_view text) {
+  const nlohmann::json event = text.starts_with("{\"v\"") ? nlohmann::json::parse(text, nullptr, false) : nlohmann::json();
+  if (!event.is_object() || !event.contains("type")) {
+    if (log_.is_open()) log_ << text << '\n' << std::flush;
+    if (desc_.quiet || desc_.json) return;
+    clear_status_line();
+    fmt::print("       {}\n", text);
+    std::fflush(stdout);
+    return;
+  }
+  if (events_.is_open()) events_ << text << '\n' << std::flush;
+  if (desc_.json) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+  }
+  const std::string type = event.at("type");
+  StageRecord& r = stages_.back();
+  if (type == "progress") {
+    progress(event);
+  } else if (type == "warning") {
+    r.warnings.push_back(event.value("text", ""));
+    line(fmt::format("       {} {}", coloured("warning:", "33"), event.value("text", "")));
+  } else if (type == "error") {
+    error_record_ = std::string(text);
+  } else if (type == "stage_end") {
+    r.seconds = event.value("seconds", 0.0);
+    r.cpu_seconds = event.value("cpu_seconds", 0.0);
+    r.peak_rss_bytes = event.value("peak_rss_bytes", size_t{0});
+    r.key = event.value("key", "");
+  }
+}
+
+void Report::progress(const nlohmann::json& event) {
+  if (desc_.json || desc_.quiet || !desc_.show_progress) return;
+  const double fraction = event.value("fraction", nlohmann::json(0.0)).is_number() ? event["fraction"].get<double>() : 0.0;
+  const std::string eta = event.contains("eta_s") && event["eta_s"].is_number()
+                              ? "  ETA " + duration_text(event["eta_s"].get<double>())
+                              : std::string();
+  const std::string text = event.value("text", "");
+  if (is_terminal(2)) {
+    draw_status_line(fmt::format("{} {} {:3.0f} %{}  {}", prefix(), bar_text(fraction, 12), 100 * fraction, eta, text));
+  } else if (clock_.seconds() - last_line_s_ >= kLinePeriod) {
+    last_line_s_ = clock_.seconds();
+    fmt::print("{} {:3.0f} %{}  {}\n", prefix(), 100 * fraction, eta, text);
+    std::fflush(stdout);
+  }
+}
+
+void Report::stage_ends(const Manifest& manifest, StepState how) {
+  StageRecord& r = stages_.back();
+  const bool computed = to_be_run(how);
+  r.state = computed ? "ran" : std::string(name(how));
+  r.key = manifest.key;
+  r.content_digest = manifest.content_digest;
+  r.summary = manifest.summary;
+  r.metrics = manifest.metrics;
+  r.warnings.clear();
+  for (const ManifestWarning& w : manifest.warnings) r.warnings.push_back(w.text);
+  const std::string time = computed ? duration_text(r.seconds) : "";
+  const size_t fixed = prefix().size() + 1 + 12 + 8;
+  line(fmt::format("{} {}{:>11}   {}", prefix(), padded(manifest.summary, kColumns - fixed), time,
+                   computed ? coloured("ok", "32") : std::string(name(how))));
+}
+
+void Report::stage_failed(const Error& error) {
+  stages_.back().state = "failed";
+  clear_status_line();
+  line(fmt::format("{} {}  {}", prefix(), coloured("FAILED", "31"), error.detail().code));
+  if (log_.is_open()) log_ << "error: " << error.what() << '\n' << std::flush;
+}
+
+void Report::finish(const Settings& settings, int exit_code) {
+  record("run_end", {{"ok", exit_code == 0}, {"exit", exit_code}, {"seconds", clock_.seconds()}});
+  char host[128] = "";
+  gethostname(host, sizeof host - 1);
+  json run = {{"format", kRunFormat},     {"vitrine", VITRINE_VERSION},
+              {"command", desc_.command}, {"started", started_},
+              {"finished", utc_now()},    {"seconds", clock_.seconds()},
+              {"exit", exit_code},        {"machine", {{"host", host}, {"threads", hardware_threads()}}}};
+  run["stages"] = json::array();
+  for (const StageRecord& s : stages_) {
+    json one = {{"name", s.name},
+                {"version", s.version},
+                {"state", s.state},
+                {"why", s.why},
+                {"key", s.key},
+                {"content_digest", s.content_digest},
+                {"summary", s.summary},
+                {"seconds", s.seconds},
+                {"cpu_seconds", s.cpu_seconds},
+                {"peak_rss_bytes", s.peak_rss_bytes}};
+    one["metrics"] = json::object();
+    for (const auto& [name, value] : s.metrics) one["metrics"][name] = std::isfinite(value) ? json(value) : json(nullptr);
+    one["warnings"] = s.warnings;
+    run["stages"].push_back(std::move(one));
+  }
+  run["options"] = json::object();
+  for (const Option& o : settings.options.table.options) run["options"][o.path] = {{"value", o.text()}, {"origin", o.origin}};
+  run["licence"] = "Apache-2.0; vitrine-mesh (CGAL) and vitrine-sfm (Ceres with SuiteSparse) are GPL-3.0-or-later as a whole";
+  write_file(desc_.project / "run.json", run.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  write_file(desc_.project / "config.resolved.yaml",
+             "# Every value of the last run and where it came from; can be given back with -c.\n" +
+                 yaml_text(settings.options.table, {.origins = true}));
+}
+
+}  // namespace vitrine

@@ -1,0 +1,198 @@
+// vitrine run PHOTOS|PROJECT
+#include <algorithm>
+#include <iostream>
+
+#include "core/artifact/current.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/process.h"
+#include "core/base/terminal.h"
+#include "core/config/cli.h"
+#include "pipeline/commands.h"
+#include "pipeline/project.h"
+#include "pipeline/runner.h"
+
+namespace vitrine {
+
+namespace {
+
+struct RunArguments {
+  std::string what, output, preset, poses, truth, max_memory, log_format = "text";
+  std::vector<std::string> configs, sets;
+  Selection selection;
+  int threads = 0, max_gaussians = 0;
+  bool dry_run = false, no_progress = false, quiet = false, verbose = false, help = false;
+};
+
+CommandLine run_command_line(RunArguments& a) {
+  CommandLine cli("vitrine run", "PHOTOS|PROJECT [-o DIR] [options]",
+                  "Photos in, scene out. PHOTOS is a folder of photos; PROJECT is the output folder of an earlier run, which "
+                  "remembers its photos "
+                  "and settings. Stages whose inputs and options did not change are not computed again.");
+  cli.section("what");
+  cli.value("output", 'o', "DIR", a.output, "Output folder; default: a folder named after the photos.");
+  cli.value("preset", 0, "NAME", a.preset, "Quality: preview, standard or high.");
+  cli.values("config", 'c', "FILE", a.configs, "YAML file with options; later files win.");
+  cli.values("set", 0, "STAGE.OPTION=VALUE", a.sets, "One option; wins over files.");
+  cli.value("poses", 0, "PATH", a.poses, "Known camera poses: a COLMAP model or a transforms.json.");
+  cli.value("truth", 0, "DIR", a.truth,
+            "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
+  cli.section("which stages");
+  cli.value("from", 0, "STAGE", a.selection.from, "Leave the stages before this one as they are.");
+  cli.value("to", 0, "STAGE", a.selection.to, "Stop after this stage.");
+  cli.value("only", 0, "STAGE", a.selection.only, "Only this stage.");
+  cli.flag("force", 0, a.selection.force, "Compute the chosen stages even if nothing changed.");
+  cli.flag("dry-run", 'n', a.dry_run, "Say what would be done, and why; do nothing.");
+  cli.section("machine");
+  cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Results do not depend on it.");
+  cli.value("max-memory", 0, "SIZE", a.max_memory, "Memory to stay below: 4GiB, 80%.");
+  cli.value("max-gaussians", 0, "N", a.max_gaussians, 1, "Most Gaussians (the option max_gaussians of the stage that has it).");
+  cli.section("reports");
+  cli.value("log-format", 0, "text|json", a.log_format, "json: one record per line on stdout.");
+  cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
+  cli.flag("quiet", 'q', a.quiet, "Errors only.");
+  cli.flag("verbose", 'v', a.verbose, "More detail.");
+  cli.flag("help", 'h', a.help, "Print this text.");
+  return cli;
+}
+
+struct Target {
+  fs::path project;
+  std::string photos;  // empty: those that the project remembers
+};
+
+Target target_of(const RunArguments& a) {
+  const fs::path what = fs::absolute(a.what).lexically_normal();
+  std::error_code ec;
+  if (!fs::exists(what, ec))
+    throw Error(ErrorKind::Input, "there is no such folder",
+                {.where = what.string(),
+                 .hint = "give a folder of photos, or the output folder of an earlier run",
+                 .code = "MISSING_INPUT"});
+  if (is_project(what)) {
+    if (!a.output.empty() && fs::absolute(a.output).lexically_normal() != what)
+      throw Error(ErrorKind::Usage, "this is the output folder of an earlier run: it cannot have another one",
+                  {.where = what.string(), .hint = "leave out -o, or give the folder of photos", .code = "USAGE"});
+    return {what, {}};
+  }
+  const fs::path project = a.output.empty() ? default_project(what) : fs::absolute(a.output).lexically_normal();
+  const fs::path inside = project.lexically_relative(what);
+  if (fs::is_directory(what, ec) && !inside.empty() && *inside.begin() != "..")
+    throw Error(ErrorKind::Usage, "the output folder lies inside the folder of photos",
+                {.where = project.string(), .hint = "choose another one with -o", .code = "USAGE"});
+  return {project, what.string()};
+}
+
+SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Settings& settings) {
+  SettingsDesc desc{.project = target.project, .configs = a.configs, .sets = a.sets};
+  const auto flag = [&](const std::string& path, const std::string& value, const std::string& origin) {
+    if (value.empty()) return;
+    if (settings.options.table.find(path) == nullptr)
+      throw Error(ErrorKind::Usage,
+                  fmt::format("{} is of no use here: no stage reads '{}'", origin, path.substr(path.find('.') + 1)),
+                  {.code = "USAGE"});
+    desc.flags.push_back({path, value, origin});
+  };
+  flag("preset", a.preset, "--preset");
+  flag("input.photos", target.photos, "command line");
+  flag("input.poses", a.poses, "--poses");
+  flag("input.truth", a.truth, "--truth");
+  if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
+  flag("limits.memory", a.max_memory, "--max-memory");
+  if (a.max_gaussians > 0) {
+    const auto& all = settings.options.table.options;
+    const auto option = std::find_if(all.begin(), all.end(), [](const Option& o) { return o.path.ends_with(".max_gaussians"); });
+    if (option == all.end())
+      throw Error(ErrorKind::Usage, "--max-gaussians is of no use here: no stage has the option", {.code = "USAGE"});
+    flag(option->path, std::to_string(a.max_gaussians), "--max-gaussians");
+  }
+  return desc;
+}
+
+void find_truth(Settings& settings) {
+  Option* truth = settings.options.table.find("input.truth");
+  const Option* photos = settings.options.table.find("input.photos");
+  if (truth == nullptr || photos == nullptr || !truth->text().empty() || photos->text().empty()) return;
+  const fs::path beside = (fs::path(photos->text()) / "..").lexically_normal() / "truth";
+  std::error_code ec;
+  if (fs::is_directory(beside, ec)) truth->assign(beside.string(), "found beside the photos");
+}
+
+int dry_run(Planner& planner, const fs::path& project) {
+  int to_run = 0;
+  for (const Step& step : planner.all()) {
+    if (step.state == StepState::Skipped) continue;
+    const bool run = to_be_run(step.state);
+    to_run += run;
+    fmt::print("{:<5} {:<10} {}\n", run ? "run" : "keep", step.node->name,
+               run ? "because " + step.why : std::string(name(step.state)));
+    for (size_t i = 1; i < step.changes.size(); ++i) fmt::print("      {:<10} and {}\n", "", step.changes[i]);
+  }
+  if (to_run == 0) fmt::print("everything up to date in {}\n", project.string());
+  return 0;
+}
+
+}  // namespace
+
+int run_command(const Words& words) {
+  RunArguments a;
+  const CommandLine cli = run_command_line(a);
+  const Words rest = cli.parse(words);
+  if (a.help) {
+    std::cout << cli.help(
+        "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses, 5 quality\n"
+        "gate, 6 memory or disk, 7 missing program, 8 device, 9 folder in use, 10 diverged,\n"
+        "75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
+    return 0;
+  }
+  if (rest.size() != 1)
+    throw Error(ErrorKind::Usage, rest.empty() ? "which photos?" : fmt::format("unexpected argument \"{}\"", rest[1]),
+                {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
+  if (a.log_format != "text" && a.log_format != "json")
+    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format), {.code = "USAGE"});
+  a.what = rest[0];
+  set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
+  const Target target = target_of(a);
+  const Graph graph = load_graph(stage_folder());
+  Settings settings(graph);
+  settings.load(settings_desc(a, target, settings));
+  find_truth(settings);
+  Planner planner(graph, settings, target.project, a.selection);
+  if (a.dry_run) return dry_run(planner, target.project);
+
+  make_folders(store_of(target.project));
+  const ProjectLock lock(target.project);
+  Words command = {"vitrine", "run"};
+  command.insert(command.end(), words.begin(), words.end());
+  Report report({.project = target.project,
+                 .json = a.log_format == "json",
+                 .quiet = a.quiet,
+                 .show_progress = !a.no_progress,
+                 .command = command});
+  report.open();
+  if (!is_project(target.project))
+    write_project_settings(target.project, settings);
+  else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),
+                       [](const std::string& p) { return p != "input.photos" && !p.starts_with("limits."); }))
+    report.line("note: options on the command line hold for this run; to keep them, write them into vitrine.yaml");
+  const Timer clock;
+  try {
+    const int computed = run_stages(planner, settings, target.project, report,
+                                    {.threads = std::stoi(settings.text("limits.threads")),
+                                     .memory = settings.text("limits.memory"),
+                                     .verbose = a.verbose,
+                                     .quiet = a.quiet});
+    report.line(computed == 0 ? fmt::format("everything up to date in {}", target.project.string())
+                              : fmt::format("done in {}: {}", duration_text(clock.seconds()), target.project.string()));
+  } catch (const Error& e) {
+    report.finish(settings, exit_code(e.kind()));
+    if (e.kind() == ErrorKind::Interrupted || e.kind() == ErrorKind::Preempted)
+      throw Error(e.kind(), "stopped; what was finished and the last checkpoint are kept",
+                  {.hint = "continue with: " + join_command(command), .code = e.detail().code});
+    throw;
+  }
+  report.finish(settings, 0);
+  return 0;
+}
+
+}  // namespace vitrine

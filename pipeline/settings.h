@@ -1,0 +1,54 @@
+// All settings of a run in one table, filled layer by layer; every value remembers where it came from:
+//   built-in defaults < preset < ~/.config/vitrine/config.yaml < PROJECT/vitrine.yaml < PROJECT/stages/<stage>.yaml
+//   < -c FILE (left to right) < $VITRINE_SET < flags and --set
+// Paths of the table: preset, input.<name>, limits.<name>, <stage>.<option>.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/config/schema.h"
+#include "core/config/yaml.h"
+#include "pipeline/graph.h"
+
+namespace vitrine {
+
+struct FlagValue {
+  std::string path, value, origin;  // "input.poses", "poses/", "--poses"
+};
+
+struct SettingsDesc {
+  fs::path project = {};                  // empty: no project yet
+  std::vector<std::string> configs = {};  // -c
+  std::vector<FlagValue> flags = {};      // --preset, --poses, ...
+  std::vector<std::string> sets = {};     // --set
+};
+
+class Settings {
+ public:
+  explicit Settings(const Graph& graph);
+  // Error{Usage} with all complaints of all layers.
+  void load(const SettingsDesc& desc);
+
+  OwnedOptions options;
+  std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
+
+  std::string text(std::string_view path) const;  // of an option that exists
+  // `--set-from ORIGIN|option=value` for every option of the stage that is not at its default.
+  std::vector<std::string> stage_arguments(const StageNode& node) const;
+
+ private:
+  // Relative paths of input.* given by this layer start at `base`.
+  void anchor_paths(const std::vector<std::string>& before, const fs::path& base);
+  std::vector<std::string> input_texts() const;
+  void apply_file(const fs::path& path, const std::string& shown, const std::string& prefix, const std::string& origin,
+                  ConfigErrors& errors);
+  void apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors);
+};
+
+// Folders that may hold pipelines/*.yaml: $VITRINE_CONFIG_DIR, the source tree's configs, the installed share.
+fs::path config_folder();
+std::vector<std::string> preset_names();
+
+}  // namespace vitrine
