@@ -7,12 +7,13 @@
 #include "core/render/kernels/splat_weight.h"
 
 #define VITRINE_SIMD avx512
-#include "core/render/cpu/pass_math.h"
-// The order of these follows from use.
+// clang-format off: each file uses the ones before it
 #include "core/render/cpu/pass_backward.h"
 #include "core/render/cpu/pass_forward.h"
 #include "core/render/cpu/pass_lists.h"
+#include "core/render/cpu/pass_math.h"
 #include "core/render/cpu/pass_project.h"
+// clang-format on
 
 namespace vitrine::cpu {
 
