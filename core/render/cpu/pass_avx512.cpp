@@ -7,11 +7,12 @@
 #include "core/render/kernels/splat_weight.h"
 
 #define VITRINE_SIMD avx512
-// clang-format off: each file uses the ones before it
-#include "core/render/cpu/pass_backward.h"
-#include "core/render/cpu/pass_forward.h"
-#include "core/render/cpu/pass_lists.h"
+// Each file uses the ones before it.
+// clang-format off
 #include "core/render/cpu/pass_math.h"
+#include "core/render/cpu/pass_lists.h"
+#include "core/render/cpu/pass_forward.h"
+#include "core/render/cpu/pass_backward.h"
 #include "core/render/cpu/pass_project.h"
 // clang-format on
 
