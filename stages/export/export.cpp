@@ -1,0 +1,62 @@
+#include "stages/export/export.h"
+
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/process.h"
+#include "stages/export/formats/format.h"
+
+namespace vitrine {
+void describe(Describer& d, ExportConfig& c) {
+  std::vector<std::string> names;
+  for (const ExportFormat& f : export_formats()) names.emplace_back(f.name);
+  d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.").choices(names);
+}
+
+std::string problem(const ExportConfig& config) {
+  std::set<std::string_view> seen;
+  for (const std::string& name : config.formats)
+    if (!seen.insert(name).second) return "formats: '" + name + "' is listed twice";
+  return {};
+}
+
+void run_export(const ExportConfig& config, StageContext& context) {
+  ExportSource source(context.input("sfm"), context.input("optimize"), context.input("mesh"));
+  const fs::path folder = context.output() / "export";
+  make_folders(folder);
+  nlohmann::ordered_json written = nlohmann::ordered_json::array();
+  size_t count = 0;
+  for (const std::string& name : config.formats) {
+    throw_if_interrupted();
+    context.progress({.fraction = double(written.size()) / double(config.formats.size()), .text = name, .values = {}});
+    const ExportFormat* known = find_export_format(name);
+    VITRINE_CHECK(known, "'{}' passed the list of choices", name);
+    const ExportFormat& format = *known;
+    const std::vector<std::string> files = format.write(source, folder);
+    count += files.size();
+    written.push_back({{"format", format.name},
+                       {"summary", format.summary},
+                       {"holds", format.holds},
+                       {"loses", format.loses},
+                       {"files", files}});
+  }
+  write_file(folder / "formats.json", written.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  context.metric("files", double(count));
+  context.summary(fmt::format("{} files in {} formats", count, config.formats.size()));
+}
+
+Stage export_stage() {
+  StageInfo info;
+  info.name = "export";
+  info.version = 1;
+  info.summary = "writes the scene in other programs' formats";
+  info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
+                 {.name = "optimize", .doc = "the trained surfels"},
+                 {.name = "mesh", .doc = "the mesh"}};
+  return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,43 @@
+// colmap: undistorted photos and the sparse model in the layout that trainers and multi-view stereo programs read: images/ and
+// sparse/0/ (binary and text). The frame is the scene's (up = +z, ring radius 1); scene.json holds the way back.
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/camera/colmap_model.h"
+#include "stages/export/formats/format.h"
+
+namespace vitrine {
+namespace {
+
+std::vector<std::string> write(ExportSource& source, const fs::path& folder) {
+  const fs::path sparse = source.sfm() / "sparse" / "0";
+  std::vector<std::string> files;
+  const auto copy = [&](const fs::path& from, const std::string& name) {
+    if (!fs::is_regular_file(from))
+      throw Error(ErrorKind::Input, "a file of the reconstruction is missing",
+                  {.where = from.string(), .hint = "run the sfm stage again", .code = "EXPORT_MISSING_FILE"});
+    files.push_back("colmap/" + name);
+    link_or_copy(from, folder / files.back());
+  };
+  for (const ColmapImage& image : read_colmap_model(sparse, ColmapFormat::Binary).images)
+    copy(source.sfm() / "images" / image.name, "images/" + image.name);
+  for (const char* part : {"cameras", "images", "points3D"})
+    for (const char* extension : {".bin", ".txt"})
+      copy(sparse / (std::string(part) + extension), std::string("sparse/0/") + part + extension);
+  copy(source.sfm() / "scene.json", "scene.json");
+  return files;
+}
+
+}  // namespace
+
+ExportFormat colmap_format() {
+  return {
+      .name = "colmap",
+      .summary = "undistorted photos and sparse model, ready for other trainers",
+      .holds =
+          "8-bit undistorted photos, pinhole cameras, poses, sparse points with tracks, binary and text; scene.json leads back "
+          "to COLMAP's own frame",
+      .loses = "linear photos, gains per view, everything that was trained",
+      .write = write};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,61 @@
+#include "stages/export/formats/gaussian_ply.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "core/base/file.h"
+#include "core/math/rigid.h"
+
+namespace vitrine {
+
+static_assert(std::endian::native == std::endian::little, "the writer copies floats as they are");
+
+void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& layer, const GaussianPlyDesc& desc) {
+  const size_t rest = layer.width(Attribute::ShRest) / 3;  // coefficients per channel above the DC
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  for (const std::string& c : desc.comments) header += "comment " + c + "\n";
+  header += fmt::format("element vertex {}\n", layer.size());
+  size_t properties = 0;
+  const auto property = [&](const std::string& name) {
+    header += "property float " + name + "\n";
+    ++properties;
+  };
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"}) property(name);
+  for (size_t i = 0; i < 3 * rest; ++i) property(fmt::format("f_rest_{}", i));
+  property("opacity");
+  for (size_t i = 0; i < (desc.third_scale ? 3u : 2u); ++i) property(fmt::format("scale_{}", i));
+  for (size_t i = 0; i < 4; ++i) property(fmt::format("rot_{}", i));
+  header += "end_header\n";
+
+  std::string bytes = header;
+  bytes.resize(header.size() + layer.size() * properties * sizeof(float));
+  char* out = bytes.data() + header.size();
+  const auto put = [&](float v) {
+    std::memcpy(out, &v, sizeof v);
+    out += sizeof v;
+  };
+  const auto put_all = [&](const float* v, size_t n) {
+    for (size_t i = 0; i < n; ++i) put(v[i]);
+  };
+  std::vector<float> sh(3 * (rest + 1));
+  for (size_t i = 0; i < layer.size(); ++i) {
+    put_all(layer.at(Attribute::Mean, i), 3);
+    const float* q = layer.at(Attribute::Rotation, i);
+    const Vec3f normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})) * Vec3f{0, 0, 1};
+    for (size_t c = 0; c < 3; ++c) put(desc.disk_normals ? normal[c] : 0.f);
+    std::memcpy(sh.data(), layer.at(Attribute::ShDc, i), 3 * sizeof(float));
+    if (rest > 0) std::memcpy(sh.data() + 3, layer.at(Attribute::ShRest, i), 3 * rest * sizeof(float));
+    if (desc.convert_color) desc.convert_color(sh);
+    put_all(sh.data(), 3);
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t k = 1; k <= rest; ++k) put(sh[3 * k + c]);
+    put(*layer.at(Attribute::Opacity, i));
+    put_all(layer.at(Attribute::LogScale, i), 2);
+    if (desc.third_scale) put(std::log(kFlatScale));
+    put_all(q, 4);
+  }
+  write_file(path, bytes);
+}
+
+}  // namespace vitrine

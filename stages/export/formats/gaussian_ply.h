@@ -1,0 +1,29 @@
+// The PLY dialect of Gaussian splatting, shared by ply-2dgs and ply-3dgs. Binary little endian, all properties float:
+//   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3
+// f_rest is channel-major (all red coefficients, then green, then blue; 3k = 0, 9, 24 or 45 for degree 0 to 3), opacity is a
+// logit, scales are natural logarithms, rot is a quaternion w x y z. Readers show the colour 0.5 + 0.28209479 f_dc.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+struct GaussianPlyDesc {
+  std::vector<std::string> comments;  // header lines, without the word "comment"
+  bool disk_normals = false;          // nx ny nz = third column of the rotation; else 0
+  bool third_scale = false;           // write scale_2 = log(kFlatScale)
+  // Colour of one surfel, coefficient-major [k][rgb], DC first: may be changed in place before it is written.
+  std::function<void(std::span<float> sh)> convert_color = {};
+};
+
+constexpr float kFlatScale = 1e-6f;  // scene units: flat for every viewer, and its square is still a float
+
+void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& layer, const GaussianPlyDesc& desc);
+
+}  // namespace vitrine

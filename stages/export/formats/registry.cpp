@@ -1,0 +1,44 @@
+#include <algorithm>
+
+#include "core/mesh/mesh_io.h"
+#include "core/scene/scene_io.h"
+#include "stages/export/formats/format.h"
+
+// The export formats: one line per format; ply_2dgs lives in ply_2dgs.cpp, and so on.
+#define VITRINE_EXPORT_FORMATS(FORMAT) \
+  FORMAT(ply_2dgs)                     \
+  FORMAT(ply_3dgs)                     \
+  FORMAT(colmap)                       \
+  FORMAT(mesh_ply)                     \
+  FORMAT(mesh_obj)
+
+namespace vitrine {
+
+#define VITRINE_DECLARE(format) ExportFormat format##_format();
+VITRINE_EXPORT_FORMATS(VITRINE_DECLARE)
+#undef VITRINE_DECLARE
+
+std::span<const ExportFormat> export_formats() {
+#define VITRINE_CALL(format) format##_format(),
+  static const ExportFormat formats[] = {VITRINE_EXPORT_FORMATS(VITRINE_CALL)};
+#undef VITRINE_CALL
+  return formats;
+}
+
+const ExportFormat* find_export_format(std::string_view name) {
+  const auto formats = export_formats();
+  const auto it = std::find_if(formats.begin(), formats.end(), [&](const ExportFormat& f) { return f.name == name; });
+  return it == formats.end() ? nullptr : &*it;
+}
+
+const SplatLayer& ExportSource::diffuse() {
+  if (!diffuse_) diffuse_ = read_layer(optimize_ / "gaussians" / "diffuse.ply");
+  return *diffuse_;
+}
+
+const TriMesh& ExportSource::mesh() {
+  if (!mesh_) mesh_ = read_mesh_ply(mesh_folder_ / "mesh" / "mesh.ply");
+  return *mesh_;
+}
+
+}  // namespace vitrine
