@@ -8,8 +8,10 @@
 #include "core/camera/photo_list.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
+#include "core/image/exr.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
+#include "stages/sfm/gains/gains.h"
 #include "stages/sfm/given_poses.h"
 #include "stages/sfm/outputs.h"
 
@@ -75,6 +77,29 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
   return {reconstruct(colmap, config, desc), colmap.version()};
 }
 
+// What exposure and white balance did to each photo, from the colours of the tracks in the undistorted photos.
+Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext& context) {
+  const std::vector<GainSample> samples = track_samples(model, [&](const ColmapImage& image) {
+    return read_exr_rgb(output / "linear" / fs::path(image.name).replace_extension(".exr"));
+  });
+  const GainSolution solution = solve_gains(model.images.size(), model.points.size(), samples);
+  Gains gains;
+  double low = 1, high = 1;
+  for (size_t v = 0; v < model.images.size(); ++v) {
+    const Vec3d& gain = gains[model.images[v].name] = solution.gains[v];
+    low = std::min({low, gain.x, gain.y, gain.z});
+    high = std::max({high, gain.x, gain.y, gain.z});
+  }
+  for (uint32_t v : solution.undetermined)
+    context.warning("SFM_GAIN_UNKNOWN",
+                    fmt::format("{}: too few track colours to tell its exposure; it is taken as average", model.images[v].name));
+  if (solution.fixed_exposure) log_info("sfm: the photos agree in exposure and white balance: all gains are 1");
+  context.metric("gain_lowest", low);
+  context.metric("gain_highest", high);
+  context.metric("gain_spread", solution.spread);
+  return gains;
+}
+
 void run(const SfmConfig& config, StageContext& context) {
   const fs::path ingest = context.input("ingest"), output = context.output();
   const std::vector<Photo> photos = read_photo_list(ingest);
@@ -129,9 +154,9 @@ void run(const SfmConfig& config, StageContext& context) {
   write_colmap_model(sparse, model, ColmapFormat::Binary);
   write_colmap_model(sparse, model, ColmapFormat::Text);
   write_scene_info(output / "scene.json", scene);
-  Gains gains;
-  for (const ColmapImage& image : model.images) gains[image.name] = {1, 1, 1};
-  write_gains(output / "sfm" / "gains.json", gains);
+  timer.restart();
+  write_gains(output / "sfm" / "gains.json", photo_gains(model, output, context));
+  context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
                                                     .config = &config,
