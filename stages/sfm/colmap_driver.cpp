@@ -131,6 +131,7 @@ std::optional<std::string> Colmap::option(const std::string& command, const std:
 }
 
 std::vector<std::string> Colmap::arguments(const ColmapCommand& call) {
+  options_of(call.command);  // a command that this version lacks is an error even without settings
   std::vector<std::string> out{program_.string(), call.command};
   for (const ColmapSetting& s : call.settings) {
     const std::optional<std::string> name = option(call.command, s.word);

@@ -1,0 +1,74 @@
+#include "stages/sfm/diagnosis.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "stages/sfm/sfm.h"
+
+namespace vitrine {
+namespace {
+
+Reconstruction capture(size_t photos, size_t features, size_t registered, std::vector<size_t> groups) {
+  Reconstruction r;
+  for (size_t i = 0; i < photos; ++i) {
+    PhotoReport p;
+    p.name = fmt::format("p{}.jpg", i);
+    p.features = features;
+    p.matches = 100, p.verified = 80, p.neighbours = 2;
+    p.registered = i < registered;
+    r.photos.push_back(p);
+  }
+  r.model.images.resize(registered);
+  r.groups = std::move(groups);
+  r.pairs_compared = 45, r.pairs_matched = 30, r.pairs_verified = 25;
+  return r;
+}
+
+TEST(Diagnosis, AcceptsEnoughPhotos) {
+  EXPECT_EQ(diagnosed(capture(10, 3000, 6, {10}), {}).code, "");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 5, {10}), {}).code, "SFM_TOO_FEW_REGISTERED");
+  EXPECT_EQ(diagnosed(capture(3, 3000, 2, {3}), {}).code, "SFM_TOO_FEW_REGISTERED");  // two views are no model
+}
+
+TEST(Diagnosis, NamesTheCause) {
+  EXPECT_EQ(diagnosed(capture(10, 40, 0, {10}), {}).code, "SFM_TOO_FEW_FEATURES");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 0, {4, 4, 2}), {}).code, "SFM_NO_OVERLAP");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 0, {10}), {}).code, "SFM_NO_MODEL");
+}
+
+TEST(Diagnosis, SuspectsReflectionsWhenMatchesDisagree) {
+  Reconstruction r = capture(10, 3000, 4, {10});
+  EXPECT_EQ(diagnosed(r, {}).why.find("polished"), std::string::npos);
+  r.pairs_verified = 5;
+  EXPECT_NE(diagnosed(r, {}).why.find("polished"), std::string::npos);
+}
+
+TEST(Diagnosis, IsExitCode4WithCauseEvidenceAndWhatToTry) {
+  Reconstruction r = capture(10, 3000, 4, {10});
+  r.photos[7].weak_points = 31;
+  r.photos[8].features = 12;
+  try {
+    throw_diagnosis(diagnosed(r, {}), "scratch/report.json");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(exit_code(e.kind()), 4);
+    EXPECT_EQ(
+        std::string(e.what()),
+        "4 of 10 photos have poses (40 %, need 60 % and at least 3)\n"
+        "  where  scratch/report.json\n"
+        "  why    median 3000 features a photo; of 45 pairs compared 30 had at least 15 matches and 25 agree on a camera motion\n"
+        "         p4.jpg (80 verified matches with 2 photos, too few with known points)\n"
+        "         p5.jpg (80 verified matches with 2 photos, too few with known points)\n"
+        "         p6.jpg (80 verified matches with 2 photos, too few with known points)\n"
+        "         p7.jpg (its pose would hang on 31 points only)\n"
+        "         p8.jpg (12 features: blurred, dark or without texture)\n"
+        "         p9.jpg (80 verified matches with 2 photos, too few with known points)\n"
+        "  try    1. add photos between those with a pose and those without\n"
+        "         2. put a printed pattern under the object, keep the surroundings in the picture\n"
+        "         3. supply poses: --poses transforms.json, or a COLMAP model\n"
+        "         4. accept fewer: --set sfm.min_registered=0.3");
+  }
+}
+
+}  // namespace
+}  // namespace vitrine

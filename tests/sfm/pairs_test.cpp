@@ -1,0 +1,75 @@
+#include "stages/sfm/pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+#include "stages/sfm/matcher.h"
+
+namespace vitrine {
+namespace {
+
+// `places` places, photographed in turn: photo i shows place i % places, so neighbours in name order never overlap.
+std::vector<PhotoFeatures> photos_of_places(size_t n, size_t places) {
+  std::vector<PhotoFeatures> out(n);
+  for (size_t i = 0; i < n; ++i) {
+    constexpr size_t kFeatures = 60;
+    out[i].count = kFeatures;
+    out[i].descriptors.resize(kFeatures * kDescriptorBytes);
+    for (size_t f = 0; f < kFeatures; ++f) {
+      Rng shape(11, mix64(i % places, f)), noise(12, mix64(i, f));
+      for (size_t k = 0; k < kDescriptorBytes; ++k) {
+        const uint32_t base = shape.below(10) < 3 ? shape.below(140) : shape.below(12);
+        out[i].descriptors[f * kDescriptorBytes + k] = static_cast<uint8_t>(base + noise.below(15));
+      }
+    }
+  }
+  return out;
+}
+
+TEST(CandidatePairs, AreAllPairsOfASmallSet) {
+  EXPECT_EQ(candidate_pairs(photos_of_places(12, 3), {}).size(), 66u);
+  EXPECT_TRUE(candidate_pairs(photos_of_places(1, 1), {}).empty());
+}
+
+TEST(CandidatePairs, AboveTheLimitHoldSequenceLoopsAndLookAlikes) {
+  const std::vector<PhotoFeatures> photos = photos_of_places(60, 12);
+  const PairRules rules{.exhaustive_limit = 30, .window = 3, .retrieved = 4};
+  const std::vector<PhotoPair> pairs = candidate_pairs(photos, rules);
+  const std::set<PhotoPair> set(pairs.begin(), pairs.end());
+  EXPECT_EQ(set.size(), pairs.size());
+  EXPECT_LT(pairs.size(), 60u * 59u / 4u);
+  for (uint32_t a = 0; a < 60; ++a) {
+    for (uint32_t step : {1u, 2u, 3u, 6u, 12u, 24u}) {
+      if (a + step < 60) {
+        EXPECT_TRUE(set.contains({a, a + step})) << a << " + " << step;
+      }
+    }
+  }
+  // Each photo's four look-alikes are exactly the four others of its place.
+  const auto nearest = nearest_by_appearance(photos, 4, 0);
+  for (uint32_t a = 0; a < 60; ++a)
+    for (uint32_t b : nearest[a]) EXPECT_EQ(a % 12, b % 12);
+}
+
+TEST(CandidatePairs, DoNotDependOnThreads) {
+  const std::vector<PhotoFeatures> photos = photos_of_places(40, 7);
+  const PairRules rules{.exhaustive_limit = 10, .window = 2, .retrieved = 5, .seed = 3};
+  set_thread_limit(1);
+  const std::vector<PhotoPair> one = candidate_pairs(photos, rules);
+  set_thread_limit(2);
+  EXPECT_EQ(candidate_pairs(photos, rules), one);
+  set_thread_limit(0);
+}
+
+TEST(CandidatePairs, SurvivePhotosWithoutFeatures) {
+  std::vector<PhotoFeatures> photos = photos_of_places(12, 3);
+  photos[4] = {};
+  EXPECT_GE(candidate_pairs(photos, {.exhaustive_limit = 5, .window = 1, .retrieved = 2}).size(), 11u);
+  EXPECT_GE(candidate_pairs(std::vector<PhotoFeatures>(9), {.exhaustive_limit = 5, .window = 1, .retrieved = 2}).size(), 8u);
+}
+
+}  // namespace
+}  // namespace vitrine
