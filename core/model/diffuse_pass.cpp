@@ -17,9 +17,12 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   frame.grad_diffuse.reset(desc);
 }
 
-void DiffusePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
+void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   const auto grad_color = frame.grad_diffuse.plane(Aov::Color);
   for (size_t i = 0; i < grad_color.size(); ++i) grad_color[i] += frame.grad_linear[i];
+  // The renderer adds to what it finds, and what it finds is the last picture.
+  for (auto* values : {&frame.statistics.screen_gradient, &frame.statistics.weight, &frame.statistics.error})
+    values->assign(scene.diffuse.size(), 0.f);
   renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad.diffuse, &frame.statistics);
 }
 

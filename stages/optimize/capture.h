@@ -1,0 +1,43 @@
+// The photos as training sees them: display-referred, at full, half and quarter size (reduced in linear light).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/camera/view_set.h"
+#include "core/image/image.h"
+
+namespace vitrine {
+
+inline constexpr size_t kLevels = 3;  // full, half, quarter
+
+struct PhotoLevel {
+  View view;                   // intrinsics at this size
+  std::vector<uint16_t> srgb;  // [3,h,w], 65535 = 1
+};
+
+struct Photo {
+  std::array<PhotoLevel, kLevels> levels;
+  const std::string& name() const { return levels[0].view.name; }
+};
+
+struct Capture {
+  ViewSet view_set;
+  std::vector<Photo> photos;             // in the order of view_set.views
+  std::vector<uint32_t> train, heldout;  // indices into photos
+  size_t largest_pixel_count = 0;
+  size_t memory_bytes = 0;  // of the pyramids
+};
+
+// Pyramid of one photo. `linear` has the size of the view's intrinsics.
+Photo make_photo(const View& view, const ImageF& linear, int max_side);
+// Planar [3,h,w] floats of a level.
+void decode(const PhotoLevel& level, std::vector<float>& srgb);
+
+Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every);
+// Bytes that load_capture() will hold, from the intrinsics alone.
+size_t pyramid_bytes(const ViewSet& view_set, int max_side);
+
+}  // namespace vitrine

@@ -1,0 +1,37 @@
+#include "stages/optimize/checkpoint.h"
+
+#include "core/base/file.h"
+#include "core/base/hash.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr std::string_view kMagic = "vitrine-checkpoint 1\n";
+constexpr size_t kDigestSize = 32;
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Trainer& trainer) {
+  ArchiveWriter archive;
+  trainer.save(archive);
+  write_file(path, std::string(kMagic) + digest_bytes(archive.bytes()).hex() + archive.bytes());
+}
+
+bool load_checkpoint(const std::filesystem::path& path, Trainer& trainer) {
+  if (!std::filesystem::exists(path)) return false;
+  const std::string bytes = read_file(path);
+  const auto damaged = [&](std::string why) {
+    return Error(ErrorKind::Input, "a checkpoint cannot be used",
+                 {.where = path.string(), .why = std::move(why), .hint = "delete it to start over", .code = "BAD_CHECKPOINT"});
+  };
+  if (!bytes.starts_with(kMagic) || bytes.size() < kMagic.size() + kDigestSize) throw damaged("it has another format");
+  const std::string_view state = std::string_view(bytes).substr(kMagic.size() + kDigestSize);
+  if (digest_bytes(state).hex() != std::string_view(bytes).substr(kMagic.size(), kDigestSize))
+    throw damaged("its digest does not match");
+  ArchiveReader archive(state);
+  trainer.load(archive);
+  return true;
+}
+
+}  // namespace vitrine

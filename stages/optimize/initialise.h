@@ -1,0 +1,15 @@
+// The surfels that training starts from: one on every sparse point, facing the cameras that saw it, and more along the rays
+// of pixels, because sparse points keep away from what has no texture and from the far background.
+#pragma once
+
+#include <cstdint>
+
+#include "core/scene/layers.h"
+#include "stages/optimize/capture.h"
+#include "stages/optimize/optimize.h"
+
+namespace vitrine {
+
+SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels);
+
+}  // namespace vitrine

@@ -1,0 +1,129 @@
+#include "stages/optimize/optimize.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/base/timer.h"
+#include "core/scene/scene_io.h"
+#include "stages/optimize/capture.h"
+#include "stages/optimize/checkpoint.h"
+#include "stages/optimize/initialise.h"
+#include "stages/optimize/outputs.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kFewestSurfels = 2000;  // fewer are no scene
+
+// Measured floats: parameters, gradient and two moments of a surfel (4 x 28 at degree 1), statistics, projected surfel and
+// its tile entries; channels, gradients and loss maps of a pixel.
+constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
+
+// As many surfels as options and memory allow; fewer than asked for is said aloud.
+size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, StageContext& context) {
+  const auto wanted = static_cast<size_t>(config.max_gaussians);
+  const size_t limit = context.max_memory_bytes();
+  if (limit == 0) return wanted;
+  const size_t fixed = kBytesOfProgram + capture.memory_bytes + kBytesPerPixel * capture.largest_pixel_count;
+  const size_t possible = limit > fixed ? (limit - fixed) / kBytesPerSurfel : 0;
+  if (possible >= wanted) return wanted;
+  if (possible < std::min(kFewestSurfels, wanted))
+    throw Error(ErrorKind::Resource, "the photos do not fit into the memory limit",
+                {.where = fmt::format("limit {} MiB", limit >> 20),
+                 .why = fmt::format("photos and pictures need {} MiB before the first surfel", fixed >> 20),
+                 .hint = "raise --max-memory or --set optimize.resolution.max_side=640",
+                 .code = "OUT_OF_MEMORY"});
+  context.warning("FEWER_SURFELS",
+                  fmt::format("the memory limit of {} MiB allows {} surfels instead of {}", limit >> 20, possible, wanted));
+  return possible;
+}
+
+// Trains from the newest checkpoint, or from the start when there is none that can be used.
+std::unique_ptr<Trainer> make_trainer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels,
+                                      const SplatLayer& initial, const fs::path& checkpoint, StageContext& context) {
+  auto trainer = std::make_unique<Trainer>(config, capture, max_surfels, initial);
+  try {
+    if (load_checkpoint(checkpoint, *trainer)) log_info("continues at step {}", trainer->step_index());
+    return trainer;
+  } catch (const Error& error) {
+    context.warning("CHECKPOINT_IGNORED", error.what());
+    return std::make_unique<Trainer>(config, capture, max_surfels, initial);
+  }
+}
+
+void report_progress(const Trainer& trainer, int iterations, StageContext& context) {
+  const double step = double(trainer.step_index()), surfels = double(trainer.scene().diffuse.size());
+  context.progress({.fraction = step / iterations,
+                    .text = fmt::format("step {}/{}  loss {:.4f}  {:.0f}k surfels", trainer.step_index(), iterations,
+                                        trainer.recent_loss(), surfels / 1000),
+                    .values = {{"step", step}, {"loss", trainer.recent_loss()}, {"surfels", surfels}}});
+}
+
+void train(const OptimizeConfig& config, const Capture& capture, Trainer& trainer, const fs::path& checkpoint,
+           const fs::path& previews, StageContext& context) {
+  const uint32_t shown = capture.heldout.empty() ? capture.train.front() : capture.heldout[capture.heldout.size() / 2];
+  const uint64_t first_step = trainer.step_index();
+  const Timer timer;
+  const auto due = [&](int period) { return period > 0 && trainer.step_index() % static_cast<uint64_t>(period) == 0; };
+  while (!trainer.finished()) {
+    if (interrupt_signal() != 0) {
+      write_checkpoint(checkpoint, trainer);
+      log_info("checkpoint saved (step {})", trainer.step_index());
+      throw_if_interrupted();
+    }
+    trainer.step();
+    if (trainer.finished() || due(config.preview_every))
+      write_preview(previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture, shown);
+    if (trainer.finished() || due(config.checkpoint_every)) write_checkpoint(checkpoint, trainer);
+    report_progress(trainer, config.iterations, context);
+  }
+  if (trainer.step_index() > first_step)
+    context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
+}
+
+double mean_psnr(const std::vector<PhotoQuality>& photos) {
+  double sum = 0;
+  for (const PhotoQuality& q : photos) sum += q.psnr;
+  return photos.empty() ? 0 : sum / double(photos.size());
+}
+
+}  // namespace
+
+void run_optimize(const OptimizeConfig& config, StageContext& context) {
+  set_thread_limit(context.threads());
+  const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
+  const size_t max_surfels = affordable_surfels(config, capture, context);
+  const SplatLayer initial = initial_layer(config, capture, max_surfels);
+  log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
+           capture.heldout.size(), initial.size(), max_surfels);
+
+  const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
+  const auto trainer = make_trainer(config, capture, max_surfels, initial, checkpoint, context);
+  train(config, capture, *trainer, checkpoint, previews, context);
+
+  RunReport report{.initial_surfels = initial.size(), .max_surfels = max_surfels, .heldout = {}};
+  report.heldout = measure(*trainer, capture, capture.heldout);
+  write_layer(context.output() / "gaussians/diffuse.ply", trainer->scene().diffuse);
+  write_views(context.output() / "optimize/views.json", config, capture);
+  write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
+  // Previews wait in the scratch folder, so that those from before an interruption are kept.
+  for (const auto& file : fs::directory_iterator(previews))
+    link_or_copy(file.path(), context.output() / "optimize/previews" / file.path().filename());
+
+  const double surfels = double(trainer->scene().diffuse.size());
+  context.metric("surfels", surfels);
+  context.metric("loss", trainer->epochs().empty() ? trainer->recent_loss() : trainer->epochs().back().loss);
+  std::string text = fmt::format("{:.0f}k surfels", surfels / 1000);
+  if (!report.heldout.empty()) {
+    context.metric("heldout_psnr", mean_psnr(report.heldout));
+    text += fmt::format(", held-out PSNR {:.2f} dB", mean_psnr(report.heldout));
+  }
+  context.summary(text);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,49 @@
+// The optimize stage: surfels of the diffuse layer, trained on the photos of an sfm artifact through the rasteriser.
+//   reads   sfm (linear/*.exr, sparse/0, gains)
+//   writes  gaussians/diffuse.ply, optimize/{views.json,report.json,previews/*.png}
+// Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
+#pragma once
+
+#include <string>
+
+#include "core/loss/loss_set.h"
+#include "core/optim/densify.h"
+#include "core/optim/rates.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct ResolutionConfig {
+  int max_side = 1280;
+  double quarter_until = 0.12, half_until = 0.45;
+};
+
+struct InitialConfig {
+  int frustum_points = 20000;
+  double far_factor = 2.0;
+  double opacity = 0.3;
+  double scale = 0.7;
+};
+
+struct OptimizeConfig {
+  int iterations = 6000;
+  int max_gaussians = 100000;
+  int sh_degree = 1;
+  double sh_from = 0.15;
+  std::string backend = "cpu";
+  int seed = 1;
+  int holdout_every = 8;
+  int preview_every = 1000;
+  int checkpoint_every = 250;
+  ResolutionConfig resolution;
+  InitialConfig initial;
+  RatesConfig rates;
+  DensifyConfig densify;
+  LossSet loss;
+};
+void describe(Describer& d, OptimizeConfig& c);
+
+void run_optimize(const OptimizeConfig& config, StageContext& context);
+Stage optimize_stage();
+
+}  // namespace vitrine

@@ -1,0 +1,96 @@
+#include "stages/optimize/outputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/file.h"
+#include "core/base/process.h"
+#include "core/image/ldr.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Six digits: enough for people, and no noise of the last bits.
+double rounded(double value) { return std::isfinite(value) ? std::stod(fmt::format("{:.6g}", value)) : 0.0; }
+
+uint8_t byte_of(float value) { return static_cast<uint8_t>(std::lround(255.f * std::clamp(value, 0.f, 1.f))); }
+
+}  // namespace
+
+void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture) {
+  Json json{{"holdout_every", config.holdout_every}, {"max_side", config.resolution.max_side}};
+  json["train"] = Json::array();
+  json["heldout"] = Json::array();
+  for (uint32_t i : capture.train) json["train"].push_back(capture.photos[i].name());
+  for (uint32_t i : capture.heldout) json["heldout"].push_back(capture.photos[i].name());
+  write_file(path, json.dump(2) + "\n");
+}
+
+void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo) {
+  Frame frame;
+  trainer.picture(photo, frame);
+  std::vector<float> target;
+  decode(capture.photos[photo].levels[0], target);
+  const Intrinsics& k = frame.view->intrinsics;
+  const size_t pixels = frame.pixel_count();
+  const auto normal = frame.diffuse.plane(Aov::Normal);
+  Image8 image(3 * k.width, k.height, 3);
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+      for (size_t c = 0; c < 3; ++c) {
+        image.at(x, y, int(c)) = byte_of(target[c * pixels + i]);
+        image.at(k.width + x, y, int(c)) = byte_of(frame.srgb[c * pixels + i]);
+        image.at(2 * k.width + x, y, int(c)) = byte_of(0.5f + 0.5f * normal[c * pixels + i]);
+      }
+    }
+  write_ldr(path, image);
+}
+
+std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, std::span<const uint32_t> photos) {
+  std::vector<PhotoQuality> result;
+  Frame frame;
+  std::vector<float> target;
+  for (uint32_t photo : photos) {
+    throw_if_interrupted();
+    trainer.picture(photo, frame);
+    decode(capture.photos[photo].levels[0], target);
+    double sum = 0;
+    for (size_t i = 0; i < target.size(); ++i) sum += (double(frame.srgb[i]) - target[i]) * (double(frame.srgb[i]) - target[i]);
+    result.push_back({photo, sum > 0 ? -10 * std::log10(sum / double(target.size())) : 99});
+  }
+  return result;
+}
+
+void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
+                  const RunReport& report) {
+  Json json{{"iterations", trainer.step_index()},
+            {"surfels", trainer.scene().diffuse.size()},
+            {"initial_surfels", report.initial_surfels},
+            {"max_surfels", report.max_surfels},
+            {"sh_degree", config.sh_degree},
+            {"train_photos", capture.train.size()},
+            {"heldout_photos", capture.heldout.size()},
+            {"skipped_gradients", trainer.counts().skipped_gradients},
+            {"relocated", trainer.counts().relocated},
+            {"added", trainer.counts().added},
+            {"removed", trainer.counts().removed}};
+  json["epochs"] = Json::array();
+  for (const EpochRecord& e : trainer.epochs())
+    json["epochs"].push_back({{"step", e.step}, {"surfels", e.surfels}, {"loss", rounded(e.loss)}, {"l1", rounded(e.l1)}});
+  json["heldout"] = Json::array();
+  double sum = 0;
+  for (const PhotoQuality& q : report.heldout) {
+    json["heldout"].push_back({{"name", capture.photos[q.photo].name()}, {"psnr", rounded(q.psnr)}});
+    sum += q.psnr;
+  }
+  if (!report.heldout.empty()) json["heldout_psnr"] = rounded(sum / double(report.heldout.size()));
+  write_file(path, json.dump(2) + "\n");
+}
+
+}  // namespace vitrine

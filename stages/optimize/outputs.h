@@ -1,0 +1,28 @@
+// What the stage leaves behind beside the surfels: which photos were held out, how training went, preview pictures.
+#pragma once
+
+#include <filesystem>
+
+#include "stages/optimize/trainer.h"
+
+namespace vitrine {
+
+void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture);
+// Photo, picture and normals of one photo side by side.
+void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo);
+
+struct PhotoQuality {
+  uint32_t photo;
+  double psnr;
+};
+// Every photo of `photos` against its picture, full training size.
+std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, std::span<const uint32_t> photos);
+
+struct RunReport {
+  size_t initial_surfels = 0, max_surfels = 0;
+  std::vector<PhotoQuality> heldout;
+};
+void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
+                  const RunReport& report);
+
+}  // namespace vitrine

@@ -1,0 +1,295 @@
+#include "stages/optimize/optimize.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "core/base/hash.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/scene/scene_io.h"
+#include "stages/optimize/checkpoint.h"
+#include "stages/optimize/initialise.h"
+#include "stages/optimize/neighbours.h"
+#include "tests/optimize/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using testing::write_tiny_sfm;
+
+struct Stopped {};
+
+// The stage's world in a test: three folders, and a hook after every step.
+class TestContext final : public StageContext {
+ public:
+  TestContext(fs::path sfm, fs::path work) : sfm_(std::move(sfm)), output_(work / "output"), scratch_(work / "scratch") {
+    make_folders(output_);
+    make_folders(scratch_);
+  }
+  fs::path input(std::string_view name) const override {
+    EXPECT_EQ(name, "sfm");
+    return sfm_;
+  }
+  std::optional<fs::path> optional_input(std::string_view) const override { return std::nullopt; }
+  const fs::path& output() const override { return output_; }
+  const fs::path& scratch() const override { return scratch_; }
+  int threads() const override { return thread_count; }
+  size_t max_memory_bytes() const override { return memory; }
+  void progress(const Progress& p) override {
+    last_progress = p;
+    if (after_step) after_step(int(p.values.at("step")));
+  }
+  void metric(std::string_view name, double value) override { metrics[std::string(name)] = value; }
+  void warning(std::string_view code, std::string_view) override { warnings.emplace_back(code); }
+  void summary(std::string_view text) override { summary_text = text; }
+  void timing(std::string_view, double) override {}
+
+  int thread_count = 2;
+  size_t memory = 0;
+  std::function<void(int)> after_step;
+  Progress last_progress;
+  std::map<std::string, double> metrics;
+  std::vector<std::string> warnings;
+  std::string summary_text;
+
+ private:
+  fs::path sfm_, output_, scratch_;
+};
+
+void shorten(OptimizeConfig& config, int iterations) {
+  config.iterations = iterations;
+  config.max_gaussians = 700;
+  config.initial.frustum_points = 300;
+  config.densify.every = 10;
+  config.preview_every = 20;
+  config.checkpoint_every = 7;
+}
+
+class OptimizeStage : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder("optimize-test");
+    write_tiny_sfm(sfm());
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+    set_thread_limit(0);
+  }
+  static fs::path sfm() { return folder_->path() / "sfm"; }
+  static fs::path work(const std::string& name) { return folder_->path() / name; }
+
+ private:
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* OptimizeStage::folder_ = nullptr;
+
+TEST_F(OptimizeStage, LearnsTheTinySceneAndWritesItsFiles) {
+  OptimizeConfig config;
+  shorten(config, 300);
+  config.holdout_every = 4;
+  TestContext context(sfm(), work("learn"));
+  run_optimize(config, context);
+  TestContext untrained(sfm(), work("untrained"));
+  OptimizeConfig one_step;
+  shorten(one_step, 1);
+  one_step.holdout_every = 4;
+  run_optimize(one_step, untrained);
+  EXPECT_GT(context.metrics.at("heldout_psnr"), 18.5);  // seen 19.5
+  EXPECT_GT(context.metrics.at("heldout_psnr"), untrained.metrics.at("heldout_psnr") + 4) << untrained.metrics.at("heldout_psnr");
+  EXPECT_EQ(context.last_progress.fraction, 1);
+  EXPECT_NE(context.summary_text.find("PSNR"), std::string::npos);
+  const SplatLayer layer = read_layer(context.output() / "gaussians/diffuse.ply");
+  EXPECT_LE(layer.size(), 700u);
+  EXPECT_EQ(double(layer.size()), context.metrics.at("surfels"));
+  const auto views = nlohmann::json::parse(read_file(context.output() / "optimize/views.json"));
+  EXPECT_EQ(views["heldout"], nlohmann::json({"view_00.png", "view_04.png", "view_08.png"}));
+  EXPECT_EQ(views["train"].size(), 6u);
+  const auto report = nlohmann::json::parse(read_file(context.output() / "optimize/report.json"));
+  EXPECT_EQ(report["iterations"], 300);
+  EXPECT_LT(report["epochs"].back()["l1"].get<double>(), 0.5 * report["epochs"][0]["l1"].get<double>());
+  EXPECT_TRUE(fs::exists(context.output() / "optimize/previews/step_000300.png"));
+}
+
+TEST_F(OptimizeStage, SameBytesForAnyNumberOfThreads) {
+  Digest digests[3];
+  const int threads[] = {1, 2, 5};
+  for (int k = 0; k < 3; ++k) {
+    OptimizeConfig config;
+    shorten(config, 40);
+    TestContext context(sfm(), work(fmt::format("threads{}", k)));
+    context.thread_count = threads[k];
+    run_optimize(config, context);
+    digests[k] = digest_folder(context.output());
+  }
+  EXPECT_EQ(digests[0], digests[1]);
+  EXPECT_EQ(digests[0], digests[2]);
+}
+
+TEST_F(OptimizeStage, KilledAtAnyStepItEndsWithTheSameBytes) {
+  OptimizeConfig config;
+  shorten(config, 45);
+  TestContext whole(sfm(), work("whole"));
+  run_optimize(config, whole);
+  TestContext killed(sfm(), work("killed"));
+  for (int stop : {3, 12, 13, 30, 44}) {
+    killed.after_step = [stop](int step) {
+      if (step == stop) throw Stopped{};
+    };
+    EXPECT_THROW(run_optimize(config, killed), Stopped);
+  }
+  killed.after_step = nullptr;
+  run_optimize(config, killed);
+  EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  EXPECT_TRUE(killed.warnings.empty());
+}
+
+TEST_F(OptimizeStage, ASignalSavesTheStateAndEndsWithItsExitCode) {
+  OptimizeConfig config;
+  shorten(config, 40);
+  config.checkpoint_every = 0;
+  TestContext context(sfm(), work("signal"));
+  EXPECT_EXIT(
+      {
+        install_interrupt_handlers();
+        context.after_step = [](int step) {
+          if (step == 23) std::raise(SIGINT);
+        };
+        int code = 0;
+        try {
+          run_optimize(config, context);
+        } catch (const Error& e) {
+          code = exit_code(e.kind());
+        }
+        _exit(code);
+      },
+      ::testing::ExitedWithCode(130), "");
+  int first_step = 0;
+  context.after_step = [&](int step) { first_step = first_step ? first_step : step; };
+  run_optimize(config, context);
+  EXPECT_EQ(first_step, 24);
+}
+
+TEST_F(OptimizeStage, ADamagedCheckpointIsReportedAndTrainingStartsOver) {
+  OptimizeConfig config;
+  shorten(config, 20);
+  TestContext context(sfm(), work("damaged"));
+  run_optimize(config, context);
+  const Digest whole = digest_folder(context.output());
+  const fs::path checkpoint = context.scratch() / "checkpoint.bin";
+  std::string bytes = read_file(checkpoint);
+  bytes[bytes.size() / 2] ^= 1;
+  for (const std::string& damaged : {bytes, bytes.substr(0, 1000), bytes.substr(0, 10), std::string()}) {
+    write_file(checkpoint, damaged);
+    context.warnings.clear();
+    run_optimize(config, context);
+    EXPECT_EQ(context.warnings, std::vector<std::string>{"CHECKPOINT_IGNORED"});
+    EXPECT_EQ(digest_folder(context.output()), whole);
+  }
+}
+
+TEST_F(OptimizeStage, LittleMemoryMeansFewerSurfelsOrAClearError) {
+  OptimizeConfig config;
+  shorten(config, 3);
+  config.max_gaussians = 50000;
+  TestContext context(sfm(), work("memory"));
+  context.memory = size_t(160) << 20;
+  run_optimize(config, context);
+  EXPECT_EQ(context.warnings, std::vector<std::string>{"FEWER_SURFELS"});
+  context.memory = size_t(50) << 20;
+  try {
+    run_optimize(config, context);
+    FAIL() << "50 MiB are not enough";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Resource);
+    EXPECT_FALSE(e.detail().hint.empty());
+  }
+}
+
+TEST_F(OptimizeStage, MissingPhotoAndWrongSizeAreErrorsWithTheFile) {
+  OptimizeConfig config;
+  shorten(config, 3);
+  const fs::path broken = work("broken_sfm");
+  write_tiny_sfm(broken, 4);
+  write_exr_rgb(broken / "linear/view_02.exr", ImageF(20, 20, 3, 0.5f));
+  TestContext context(broken, work("broken"));
+  try {
+    run_optimize(config, context);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_NE(e.detail().where.find("view_02.exr"), std::string::npos);
+  }
+  fs::remove(broken / "linear/view_02.exr");
+  EXPECT_THROW(run_optimize(config, context), Error);
+}
+
+TEST_F(OptimizeStage, WithoutTrainingPhotosItSaysSo) {
+  OptimizeConfig config;
+  shorten(config, 3);
+  config.holdout_every = 1;
+  TestContext context(sfm(), work("none"));
+  EXPECT_THROW(run_optimize(config, context), Error);
+}
+
+TEST_F(OptimizeStage, ClassicAndFixedLayersLearnToo) {
+  for (const char* strategy : {"classic", "none"}) {
+    OptimizeConfig config;
+    shorten(config, 150);
+    config.densify.strategy = strategy;
+    TestContext context(sfm(), work(strategy));
+    run_optimize(config, context);
+    EXPECT_GT(context.metrics.at("heldout_psnr"), 17) << strategy;
+  }
+}
+
+TEST_F(OptimizeStage, SurfelsThatVanishEndAsDiverged) {
+  OptimizeConfig config;
+  shorten(config, 30);
+  config.rates.rate[size_t(Attribute::Mean)] = std::numeric_limits<float>::quiet_NaN();
+  TestContext context(sfm(), work("diverged"));
+  try {
+    run_optimize(config, context);
+    FAIL() << "positions that are not numbers must end the run";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Diverged);
+  }
+}
+
+TEST(InitialLayer, FacesTheCamerasAndStaysBelowItsShare) {
+  TemporaryFolder folder;
+  write_tiny_sfm(folder.path(), 6);
+  const Capture capture = load_capture(folder.path(), 0, 0);
+  OptimizeConfig config;
+  config.initial.frustum_points = 500;
+  const SplatLayer layer = initial_layer(config, capture, 600);
+  EXPECT_EQ(layer.size(), 420u);
+  size_t facing = 0;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* q = layer.at(Attribute::Rotation, i);
+    facing += rotation_matrix(Quatf{q[0], q[1], q[2], q[3]}).c2.z > 0;  // all cameras are above
+  }
+  EXPECT_GT(facing, layer.size() * 9 / 10);
+}
+
+TEST(Neighbours, SpacingMatchesAllPairs) {
+  Rng rng(3);
+  std::vector<Vec3f> points(700);
+  for (Vec3f& p : points) p = {rng.normal(), rng.normal(), 0.01f * rng.normal()};
+  points[5] = points[6] = points[7];
+  const std::vector<float> spacing = neighbour_spacing(points);
+  for (size_t i = 0; i < points.size(); ++i) {
+    std::vector<double> squared;
+    for (size_t j = 0; j < points.size(); ++j)
+      if (j != i) squared.push_back(squared_length(points[j] - points[i]));
+    std::partial_sort(squared.begin(), squared.begin() + 3, squared.end());
+    EXPECT_NEAR(spacing[i], std::sqrt((squared[0] + squared[1] + squared[2]) / 3), 1e-5);
+  }
+  EXPECT_EQ(neighbour_spacing(std::vector<Vec3f>{{1, 2, 3}})[0], 0);
+  EXPECT_TRUE(neighbour_spacing({}).empty());
+}
+
+}  // namespace
+}  // namespace vitrine

@@ -1,0 +1,117 @@
+// A known scene of surfels (a chequered floor and a coloured ball) that our own renderer photographs, written as an sfm
+// artifact: truth to train against, small enough for a test.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/file.h"
+#include "core/base/rng.h"
+#include "core/camera/colmap_model.h"
+#include "core/camera/scene_info.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/render/renderer.h"
+#include "core/scene/activation.h"
+
+namespace vitrine::testing {
+
+inline void add_surfel(SplatLayer& layer, Vec3d position, Vec3d normal, double scale, Vec3f color) {
+  const size_t i = layer.size();
+  layer.resize(i + 1);
+  const Vec3d n = normalized(normal), helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  const Vec3d u = normalized(cross(helper, n));
+  const Quatd q = quaternion(Mat3d{u, cross(n, u), n});
+  const double rotation[] = {q.w, q.x, q.y, q.z};
+  for (size_t c = 0; c < 4; ++c) layer.at(Attribute::Rotation, i)[c] = float(rotation[c]);
+  for (size_t c = 0; c < 3; ++c) {
+    layer.at(Attribute::Mean, i)[c] = float(position[c]);
+    layer.at(Attribute::ShDc, i)[c] = (color[c] - 0.5f) / kShDc;
+  }
+  for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] = float(std::log(scale));
+  *layer.at(Attribute::Opacity, i) = logit(0.95f);
+}
+
+inline SplatLayer tiny_scene() {
+  SplatLayer layer(LayerKind::Diffuse, 0, 0);
+  for (int y = -8; y <= 8; ++y)
+    for (int x = -8; x <= 8; ++x) {
+      const bool dark = (x / 2 + y / 2) % 2 == 0;
+      add_surfel(layer, {0.1 * x, 0.1 * y, -0.3}, {0, 0, 1}, 0.06, dark ? Vec3f{0.05f, 0.1f, 0.3f} : Vec3f{0.7f, 0.6f, 0.4f});
+    }
+  constexpr int kBall = 150;
+  for (int i = 0; i < kBall; ++i) {  // Fibonacci points
+    const double z = 1 - 2 * (i + 0.5) / kBall, angle = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
+    const Vec3d n{r * std::cos(angle), r * std::sin(angle), z};
+    add_surfel(layer, 0.25 * n, n, 0.03, {float(0.5 + 0.4 * n.x), float(0.5 + 0.4 * n.y), float(0.4 + 0.3 * n.z)});
+  }
+  return layer;
+}
+
+inline std::vector<View> ring_of_views(int count, int width, int height) {
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * i / count, height_above = 0.35 + 0.25 * (i % 3);
+    const Vec3d eye{std::cos(angle), std::sin(angle), height_above}, forward = normalized(-eye);
+    const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), down = cross(forward, right);
+    View view;
+    view.name = fmt::format("view_{:02}.png", i);
+    view.intrinsics = {width, height, 0.9 * width, 0.9 * width, 0.5 * width, 0.5 * height};
+    view.cam_from_world = inverse(Rigid{Mat3d{right, down, forward}, eye});
+    view.gain = i % 2 ? Vec3d{1.1, 1.0, 0.9} : Vec3d{1 / 1.1, 1.0, 1 / 0.9};
+    views.push_back(view);
+  }
+  return views;
+}
+
+// sparse/0, scene.json, sfm/gains.json and linear/*.exr of the tiny scene. Sparse points: every third surfel, with noise.
+inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36) {
+  const SplatLayer scene = tiny_scene();
+  const std::vector<View> views = ring_of_views(view_count, width, height);
+  const auto renderer = make_renderer(Backend::Cpu);
+  ColmapModel model;
+  Gains gains;
+  for (size_t v = 0; v < views.size(); ++v) {
+    RasterDesc desc;
+    desc.intrinsics = views[v].intrinsics;
+    desc.cam_from_world = views[v].cam_from_world;
+    desc.sh_degree = 0;
+    RasterImages images;
+    renderer->forward(scene, desc, images);
+    ImageF photo(width, height, 3);
+    const size_t pixels = photo.pixel_count();
+    for (size_t i = 0; i < pixels; ++i)
+      for (size_t c = 0; c < 3; ++c) photo.data()[3 * i + c] = float(views[v].gain[c]) * images.plane(Aov::Color)[c * pixels + i];
+    write_exr_rgb(linear_image_path(folder, views[v]), photo);
+    const Intrinsics& k = views[v].intrinsics;
+    const auto id = static_cast<uint32_t>(v + 1);
+    model.cameras.push_back({id, 1, uint64_t(width), uint64_t(height), {k.fx, k.fy, k.cx, k.cy}});
+    model.images.push_back(
+        {id, quaternion(views[v].cam_from_world.rotation), views[v].cam_from_world.translation, id, views[v].name, {}});
+    gains[views[v].name] = views[v].gain;
+  }
+  Rng rng(5);
+  for (size_t i = 0; i < scene.size(); i += 3) {
+    const float* mean = scene.at(Attribute::Mean, i);
+    ColmapPoint3D point;
+    point.id = i + 1;
+    for (size_t c = 0; c < 3; ++c) {
+      point.position[c] = mean[c] + 0.01 * rng.normal();
+      point.srgb[c] = static_cast<uint8_t>(100 + rng.below(60));
+    }
+    for (ColmapImage& image : model.images) {
+      const Vec3d p = image.cam_from_world() * point.position;
+      const Intrinsics& k = views[image.id - 1].intrinsics;
+      const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
+      if (x < 0 || y < 0 || x >= k.width || y >= k.height) continue;
+      point.track.push_back({image.id, static_cast<uint32_t>(image.points.size())});
+      image.points.push_back({x, y, point.id});
+    }
+    model.points.push_back(point);
+  }
+  write_colmap_model(folder / "sparse/0", model, ColmapFormat::Binary);
+  write_gains(folder / "sfm/gains.json", gains);
+  write_scene_info(folder / "scene.json", {});
+}
+
+}  // namespace vitrine::testing
