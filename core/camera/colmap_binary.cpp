@@ -27,6 +27,13 @@ class Reader {
     at_ += sizeof(T);
     return v;
   }
+  // Items that lie in the file as they lie in memory.
+  template <class T>
+  void fill(std::vector<T>& items, const char* what) {
+    require(items.size() * sizeof(T), what);
+    if (!items.empty()) std::memcpy(items.data(), bytes_.data() + at_, items.size() * sizeof(T));
+    at_ += items.size() * sizeof(T);
+  }
   // A count of items of at least `item_bytes` each, which must fit into the rest of the file.
   size_t count(size_t item_bytes, const char* what) {
     const auto n = value<uint64_t>(what);
@@ -64,6 +71,10 @@ template <class T>
 void append(std::string& out, const T& value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
+template <class T>
+void append_all(std::string& out, const std::vector<T>& items) {
+  out.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
+}
 
 }  // namespace
 
@@ -77,7 +88,7 @@ std::vector<ColmapCamera> cameras_from_binary(std::string_view bytes) {
     c.width = in.value<uint64_t>("a camera width");
     c.height = in.value<uint64_t>("a camera height");
     c.params.resize(type.parameter_count);
-    for (double& p : c.params) p = in.value<double>("camera parameters");
+    in.fill(c.params, "camera parameters");
   }
   in.expect_end();
   return cameras;
@@ -95,7 +106,7 @@ std::vector<ColmapImage> images_from_binary(std::string_view bytes) {
     image.camera_id = in.value<uint32_t>("a camera id");
     image.name = in.zero_terminated("image name");
     image.points.resize(in.count(24, "2D points"));
-    for (ColmapPoint2D& p : image.points) p = in.value<ColmapPoint2D>("2D points");
+    in.fill(image.points, "2D points");
   }
   in.expect_end();
   return images;
@@ -111,7 +122,7 @@ std::vector<ColmapPoint3D> points_from_binary(std::string_view bytes) {
     p.srgb = in.value<std::array<uint8_t, 3>>("a point colour");
     p.error_px = in.value<double>("a point error");
     p.track.resize(in.count(8, "track elements"));
-    for (ColmapTrackElement& e : p.track) e = in.value<ColmapTrackElement>("a track");
+    in.fill(p.track, "a track");
   }
   in.expect_end();
   return points;
@@ -125,7 +136,7 @@ std::string binary_of(const std::vector<ColmapCamera>& cameras) {
     append<int32_t>(out, c.model_id);
     append<uint64_t>(out, c.width);
     append<uint64_t>(out, c.height);
-    for (double p : c.params) append(out, p);
+    append_all(out, c.params);
   }
   return out;
 }
@@ -141,7 +152,7 @@ std::string binary_of(const std::vector<ColmapImage>& images) {
     append<uint32_t>(out, image.camera_id);
     out.append(image.name).push_back('\0');
     append<uint64_t>(out, image.points.size());
-    for (const ColmapPoint2D& p : image.points) append(out, p);
+    append_all(out, image.points);
   }
   return out;
 }
@@ -155,7 +166,7 @@ std::string binary_of(const std::vector<ColmapPoint3D>& points) {
     append(out, p.srgb);
     append(out, p.error_px);
     append<uint64_t>(out, p.track.size());
-    for (const ColmapTrackElement& e : p.track) append(out, e);
+    append_all(out, p.track);
   }
   return out;
 }

@@ -77,6 +77,11 @@ void sort_and_require_unique_ids(std::vector<T>& items, const fs::path& where, c
 
 template <class T, class Id>
 const T* find_by_id(const std::vector<T>& items, Id id) {
+  // Ids mostly count up without gaps: then the place is known.
+  if (!items.empty() && id >= items.front().id && id - items.front().id < items.size()) {
+    const T& guess = items[static_cast<size_t>(id - items.front().id)];
+    if (guess.id == id) return &guess;
+  }
   const auto it = std::lower_bound(items.begin(), items.end(), id, [](const T& item, Id wanted) { return item.id < wanted; });
   return it != items.end() && it->id == id ? &*it : nullptr;
 }

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/process.h"
 #include "tests/camera/tiny_model.h"
 
 namespace vitrine {
@@ -153,6 +154,32 @@ TEST(ColmapModel, FlippedBytesNeverCrash) {
     }
     EXPECT_GT(reported, 100u);
     EXPECT_EQ(read_colmap_model(folder.path(), format), tiny_model());
+  }
+}
+
+TEST(ColmapModel, IsReadByColmapAsWritten) {
+  if (!find_program("colmap")) GTEST_SKIP() << "colmap is not installed";
+  const ColmapModel model = tiny_model();
+  TemporaryFolder ours, theirs;
+  write_colmap_model(ours.path(), model, ColmapFormat::Binary);
+  const ProcessResult result = run_process({.arguments = {"colmap", "model_converter", "--input_path", ours.path().string(),
+                                                          "--output_path", theirs.path().string(), "--output_type", "TXT"},
+                                            .environment = {{"QT_QPA_PLATFORM", "offscreen"}}});
+  ASSERT_TRUE(result.ok()) << result.tail;
+  const ColmapModel back = read_colmap_model(theirs.path(), ColmapFormat::Text);
+  EXPECT_EQ(back.cameras, model.cameras);
+  ASSERT_EQ(back.images.size(), model.images.size());
+  for (size_t i = 0; i < back.images.size(); ++i) {
+    EXPECT_EQ(back.images[i].name, model.images[i].name);
+    EXPECT_EQ(back.images[i].points, model.images[i].points);
+    EXPECT_NEAR(back.images[i].rotation.x, model.images[i].rotation.x, 1e-12);
+    EXPECT_EQ(back.images[i].translation, model.images[i].translation);
+  }
+  ASSERT_EQ(back.points.size(), model.points.size());
+  for (size_t k = 0; k < back.points.size(); ++k) {
+    EXPECT_EQ(back.points[k].position, model.points[k].position);
+    EXPECT_EQ(back.points[k].srgb, model.points[k].srgb);
+    EXPECT_EQ(back.points[k].track, model.points[k].track);
   }
 }
 
