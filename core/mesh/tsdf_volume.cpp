@@ -104,6 +104,7 @@ size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants
           weight *= (k.truncation + sdf) / (k.truncation - k.voxel);
         }
         const int v = base + i;
+        if (!(weight > 0.f)) continue;
         const float total = block.weight[v] + weight;
         block.distance[v] += (sample - block.distance[v]) * (weight / total);
         block.weight[v] = std::min(total, k.cap);

@@ -1,0 +1,33 @@
+// From a rendered view to what the volume fuses: one depth per pixel, its weight, its colour (algorithms 6.3).
+//   depth   blended mean where it agrees with the median (a smooth surface), else the median (an edge: the mean would float
+//           between two surfaces); none where alpha < min_alpha
+//   weight  alpha max(0, N.v)^2 / z^2 where alpha > weight_alpha: near and frontal views know best
+#pragma once
+
+#include <vector>
+
+#include "core/mesh/tsdf_volume.h"
+#include "core/render/raster_desc.h"
+
+namespace vitrine {
+
+struct DepthMapDesc {
+  float min_alpha = 0.5f;
+  float weight_alpha = 0.7f;
+  float mean_median_tolerance = 0;  // scene units; 2 voxels
+};
+
+struct DepthMap {
+  Intrinsics intrinsics;
+  Rigid cam_from_world;
+  std::vector<float> zdepth, weight;  // [h,w]
+  std::vector<float> color;           // [3,h,w] linear, not premultiplied
+  double valid_fraction = 0;          // of the pixels: with a depth and a weight
+  DepthView view() const { return {intrinsics, cam_from_world, zdepth, weight, color}; }
+};
+
+// `images` must hold color, normal, zdepth, alpha and median_z of this view on a black background.
+DepthMap depth_map(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
+                   const DepthMapDesc& desc);
+
+}  // namespace vitrine

@@ -1,0 +1,268 @@
+#include "stages/mesh/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/timer.h"
+#include "core/camera/view_set.h"
+#include "core/mesh/clean_openmesh.h"
+#include "core/mesh/iso_surface.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_report.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/mesh/repair_cgal.h"
+#include "core/render/renderer.h"
+#include "core/scene/scene_io.h"
+#include "stages/mesh/depth_map.h"
+#include "stages/mesh/fusion.h"
+#include "stages/mesh/training_views.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
+
+Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+Json json_of(const MeshReport& r) {
+  return {{"faces", r.faces},
+          {"vertices", r.vertices},
+          {"edges", r.edges},
+          {"manifold_edges", r.manifold_edges},
+          {"boundary_edges", r.boundary_edges},
+          {"nonmanifold_edges", r.nonmanifold_edges},
+          {"boundary_loops", r.boundary_loops},
+          {"components", r.components},
+          {"largest_component_faces", r.largest_component},
+          {"degenerate_faces", r.degenerate_faces},
+          {"euler", r.euler},
+          {"closed", r.closed()},
+          {"area", r.area},
+          {"volume", r.volume},
+          {"bounds", {{"low", json_of(r.bounds.low)}, {"high", json_of(r.bounds.high)}}}};
+}
+
+Json json_of(const RepairReport& r) {
+  return {{"duplicate_vertices", r.duplicate_vertices},
+          {"dropped_faces", r.dropped_faces},
+          {"flipped_components", r.flipped_components},
+          {"intersecting_faces", r.intersecting_faces},
+          {"filled_holes", r.filled_holes},
+          {"filled_faces", r.filled_faces}};
+}
+
+Error nothing_left(std::string why) {
+  return Error(ErrorKind::Input, "there is no surface to mesh",
+               {.why = std::move(why),
+                .hint = "look at optimize/previews; a larger region or a lower clean.min_component may help",
+                .code = "NO_SURFACE"});
+}
+
+// Rendered depth of the training views.
+class RenderedDepth {
+ public:
+  RenderedDepth(const MeshConfig& config, const SplatLayer& layer, const std::vector<View>& views)
+      : config_(config), layer_(layer), views_(views), renderer_(make_renderer(backend_of(config))) {}
+
+  DepthMap operator()(size_t i, double voxel) {
+    const View& v = views_[i];
+    renderer_->forward(layer_,
+                       {.intrinsics = v.intrinsics,
+                        .cam_from_world = v.cam_from_world,
+                        .features = FeatureSet::Surface,
+                        .sh_degree = layer_.sh_degree()},
+                       images_);
+    return depth_map(images_, v.intrinsics, v.cam_from_world,
+                     {.min_alpha = float(config_.fusion.min_alpha),
+                      .weight_alpha = float(config_.fusion.weight_alpha),
+                      .mean_median_tolerance = float(config_.fusion.mean_median_voxels * voxel)});
+  }
+
+ private:
+  const MeshConfig& config_;
+  const SplatLayer& layer_;
+  const std::vector<View>& views_;
+  std::unique_ptr<Renderer> renderer_;
+  RasterImages images_;
+};
+
+TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& context, Json& report) {
+  const MeshCleanConfig& clean = config.clean;
+  const auto step = [&](double fraction, std::string text) {
+    context.progress({.fraction = fraction, .text = std::move(text), .values = {}});
+  };
+  step(0.62, "components");
+  TriMesh mesh = without_small_components(raw, {.min_fraction = clean.min_component, .keep_largest = clean.keep_components});
+  if (mesh.faces.empty()) throw nothing_left("every component is smaller than clean.min_component");
+  step(0.65, fmt::format("repair of {} faces", mesh.faces.size()));
+  const RepairDesc repair{.max_hole_edges = static_cast<size_t>(clean.fill_holes)};
+  RepairReport first, second;
+  mesh = repaired(mesh, repair, &first);
+  step(0.8, "smoothing");
+  taubin_smooth(mesh, {.iterations = clean.smooth_iterations});
+  if (mesh.faces.size() > static_cast<size_t>(config.faces)) {
+    step(0.82, fmt::format("decimation of {} faces to {}", mesh.faces.size(), config.faces));
+    mesh = decimated(mesh, {.target_faces = static_cast<size_t>(config.faces)});
+  }
+  step(0.95, "final repair");           // smoothing and collapses may have folded the surface
+  mesh.normals = vertex_normals(mesh);  // keeps the sides
+  mesh = repaired(mesh, repair, &second);
+  mesh = without_small_components(mesh, {.min_fraction = clean.min_component, .keep_largest = clean.keep_components});
+  mesh.normals = vertex_normals(mesh);
+  report["repair"] = json_of(first);
+  report["final_repair"] = json_of(second);
+  return mesh;
+}
+
+void run_mesh(const MeshConfig& config, StageContext& context) {
+  const Timer clock;
+  const ViewSet set = load_view_set(context.input("sfm"));
+  const std::vector<View> views = training_views(set, context.input("optimize"), config.max_side);
+  const SplatLayer layer = read_layer(context.input("optimize") / "gaussians" / "diffuse.ply");
+  const Region region = scene_region(set, config.region);
+  const double wanted_voxel = config.voxel > 0 ? config.voxel : region.extent() / config.resolution;
+  log_info("mesh: {} capture, region {:.3f} x {:.3f} x {:.3f} (scene radius 1), voxel {:.5f} = 1/{:.0f} of its longest side",
+           region.convergent ? "convergent" : "wide", region.box.high.x - region.box.low.x, region.box.high.y - region.box.low.y,
+           region.box.high.z - region.box.low.z, wanted_voxel, region.extent() / wanted_voxel);
+
+  RenderedDepth rendered(config, layer, views);
+  FusionReport fusion;
+  const FusionDesc fusion_desc{.volume = {.bounds = region.box,
+                                          .voxel = wanted_voxel,
+                                          .truncation_voxels = config.fusion.truncation_voxels,
+                                          .free_space_weight = config.fusion.free_space_weight,
+                                          .weight_cap = config.fusion.weight_cap,
+                                          .discontinuity_truncations = config.fusion.discontinuity},
+                               .max_bytes = static_cast<size_t>(config.fusion.memory_mb) << 20,
+                               .min_valid_fraction = config.fusion.min_valid};
+  if (context.max_memory_bytes() > 0 && context.max_memory_bytes() < 2 * fusion_desc.max_bytes)
+    throw Error(ErrorKind::Resource, "the memory limit is too low for the volume",
+                {.why = fmt::format("fusion.memory_mb {} needs about twice that", config.fusion.memory_mb),
+                 .hint = fmt::format("--set mesh.fusion.memory_mb={}", std::max<size_t>(64, context.max_memory_bytes() >> 22)),
+                 .code = "OUT_OF_MEMORY"});
+  TriMesh raw;
+  {
+    const TsdfVolume volume = fuse_views(
+        views.size(), [&](size_t i, double voxel) { return rendered(i, voxel); }, fusion_desc,
+        [&](double f) {
+          context.progress({.fraction = 0.55 * f, .text = f < 0.5 ? "finding the surface" : "fusing depth", .values = {}});
+        },
+        fusion);
+    context.timing("fusion", clock.seconds());
+    if (fusion.voxel > wanted_voxel)
+      context.warning("VOXEL_ENLARGED", fmt::format("voxel {:.5f} instead of {:.5f}, to stay below fusion.memory_mb = {}",
+                                                    fusion.voxel, wanted_voxel, config.fusion.memory_mb));
+    context.progress({.fraction = 0.56, .text = fmt::format("marching cubes over {} blocks", fusion.blocks), .values = {}});
+    raw = iso_surface(volume);
+  }
+  if (raw.faces.empty()) throw nothing_left("the fused field has no zero level inside the region");
+  make_folders(context.output() / "mesh");
+  write_mesh_ply(context.output() / "mesh" / "mesh_raw.ply", raw);
+
+  Json skipped = Json::array();
+  for (size_t i : fusion.skipped_views) skipped.push_back(views[i].name);
+  Json report{{"region",
+               {{"kind", config.region.box.empty() ? (region.convergent ? "convergent" : "wide") : "given"},
+                {"low", json_of(region.box.low)},
+                {"high", json_of(region.box.high)},
+                {"sparse_points", region.points}}},
+              {"voxel", fusion.voxel},
+              {"voxels_along_region", region.extent() / fusion.voxel},
+              {"truncation", fusion.voxel * config.fusion.truncation_voxels},
+              {"views", views.size() - fusion.skipped_views.size()},
+              {"skipped_views", skipped},
+              {"blocks", fusion.blocks},
+              {"volume_bytes", fusion.bytes},
+              {"voxel_updates", fusion.updates},
+              {"raw", json_of(mesh_report(raw))}};
+  const TriMesh mesh = cleaned(raw, config, context, report);
+  if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
+  write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
+  const MeshReport final_report = mesh_report(mesh);
+  report["mesh"] = json_of(final_report);
+  report["mesh"]["self_intersections"] = self_intersection_count(mesh);
+  write_file(context.output() / "mesh" / "report.json", report.dump(2) + "\n");
+
+  context.timing("mesh", clock.seconds());
+  context.metric("faces", static_cast<double>(final_report.faces));
+  context.metric("components", static_cast<double>(final_report.components));
+  context.metric("voxel", fusion.voxel);
+  if (!fusion.skipped_views.empty())
+    context.warning("VIEWS_SKIPPED",
+                    fmt::format("{} of {} views show too little surface", fusion.skipped_views.size(), views.size()));
+  context.summary(fmt::format("TSDF voxel {:.4f} (1/{:.0f} of the region)  {}k faces  {} component{}", fusion.voxel,
+                              region.extent() / fusion.voxel, (final_report.faces + 500) / 1000, final_report.components,
+                              final_report.components == 1 ? "" : "s"));
+}
+
+}  // namespace
+
+void describe(Describer& d, RegionDesc& c) {
+  d.option("reach_rel", c.reach_rel,
+           "Cameras that look at one place: sparse points count up to this times the median camera distance from it.")
+      .range(0.05, 100);
+  d.option("percentile", c.percentile, "Share of the sparse points that may lie outside on each side.").range(0, 0.4);
+  d.option("margin", c.margin, "Added on each side, relative to the longest side.").range(0, 2);
+  d.option("box", c.box,
+           "The region itself: x0 y0 z0 x1 y1 z1 in the scene frame; empty = found from cameras and sparse points.");
+}
+
+void describe(Describer& d, MeshFusionConfig& c) {
+  d.option("truncation_voxels", c.truncation_voxels, "Half width of the band around the surface that is stored, in voxels.")
+      .range(1.5, 32);
+  d.option("free_space_weight", c.free_space_weight,
+           "Weight of a sample in front of the band, which carves what floats there; 0 = no carving.")
+      .range(0, 10);
+  d.option("weight_cap", c.weight_cap, "Largest weight a voxel can gather.").range(0.1, 1e6);
+  d.option("discontinuity", c.discontinuity,
+           "A depth sample whose neighbours differ by more than so many truncations is no surface.")
+      .range(0.1, 1e6);
+  d.option("min_alpha", c.min_alpha, "Pixels below this alpha have no depth.").range(0.01, 1);
+  d.option("weight_alpha", c.weight_alpha, "Pixels below this alpha are not fused.").range(0.01, 1);
+  d.option("mean_median_voxels", c.mean_median_voxels, "Mean depth where it is this close to the median depth, else the median.")
+      .range(0, 1e6);
+  d.option("min_valid", c.min_valid, "Views with a smaller share of usable pixels are skipped.").range(0, 1);
+  d.option("memory_mb", c.memory_mb, "Memory of the volume in MiB; the voxel grows when it would not fit.").range(1, 1 << 20);
+}
+
+void describe(Describer& d, MeshCleanConfig& c) {
+  d.option("min_component", c.min_component, "Connected pieces with a smaller share of the faces are removed.").range(0, 1);
+  d.option("keep_components", c.keep_components, "Keep at most so many pieces, the largest; 0 = no limit.").range(0, 1e9);
+  d.option("smooth_iterations", c.smooth_iterations, "Rounds of Taubin smoothing.").range(0, 1000);
+  d.option("fill_holes", c.fill_holes, "Holes of at most so many edges are closed; 0 = none.").range(0, 100000);
+}
+
+void describe(Describer& d, MeshConfig& c) {
+  d.option("resolution", c.resolution, "Voxels along the longest side of the region.").range(8, 4096);
+  d.option("voxel", c.voxel, "Edge of a voxel in scene units (the cameras' ring has radius 1); 0 = from the resolution.")
+      .range(0, 10);
+  d.option("faces", c.faces, "mesh.ply has at most about so many triangles.").range(4, 100000000);
+  d.option("max_side", c.max_side, "Longest side of the rendered depth maps in pixels; 0 = as the layer was trained.")
+      .range(0, 16384);
+  d.option("backend", c.backend, "Rasteriser that renders the depth maps.").choices({"cpu", "reference"});
+  d.group("region", c.region, "Where the mesh is made.");
+  d.group("fusion", c.fusion, "How depth maps become a distance field.");
+  d.group("clean", c.clean, "What happens to the raw surface.");
+}
+
+Stage mesh_stage() {
+  return make_stage<MeshConfig>(
+      {.name = "mesh",
+       .version = 1,
+       .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
+       .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
+                  {.name = "optimize", .doc = "The diffuse layer and its training views."}}},
+      run_mesh, [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
+      });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,51 @@
+// Mesh: the diffuse layer's rendered depth becomes a triangle mesh. TSDF fusion of every training view, marching cubes
+// (mesh/mesh_raw.ply), then components, repair, smoothing, decimation (mesh/mesh.ply) and mesh/report.json. README.md teaches
+// the options.
+//
+// Version history: 1 = first.
+#pragma once
+
+#include <string>
+
+#include "stages/mesh/region.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct MeshFusionConfig {
+  double truncation_voxels = 4;
+  double free_space_weight = 0.2;
+  double weight_cap = 64;
+  double discontinuity = 3;
+  double min_alpha = 0.5;
+  double weight_alpha = 0.7;
+  double mean_median_voxels = 2;
+  double min_valid = 0.05;
+  int memory_mb = 1024;
+};
+void describe(Describer& d, MeshFusionConfig& c);
+
+struct MeshCleanConfig {
+  double min_component = 0.005;
+  int keep_components = 0;
+  int smooth_iterations = 5;
+  int fill_holes = 64;
+};
+void describe(Describer& d, MeshCleanConfig& c);
+void describe(Describer& d, RegionDesc& c);
+
+struct MeshConfig {
+  int resolution = 384;
+  double voxel = 0;
+  int faces = 200000;
+  int max_side = 0;
+  std::string backend = "cpu";
+  RegionDesc region;
+  MeshFusionConfig fusion;
+  MeshCleanConfig clean;
+};
+void describe(Describer& d, MeshConfig& c);
+
+Stage mesh_stage();
+
+}  // namespace vitrine

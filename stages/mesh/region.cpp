@@ -1,0 +1,112 @@
+#include "stages/mesh/region.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kMaxAimAngleDeg = 25;  // median angle between optical axis and the direction to the focus
+constexpr double kMinSpread = 0.02;     // least eigenvalue of mean(I - d d^T): 0 for parallel axes, 2/3 all around
+constexpr size_t kMinPoints = 20;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Smallest eigenvalue of a symmetric 3x3 matrix (trigonometric solution of the characteristic cubic).
+double least_eigenvalue(const Mat3d& a) {
+  const double mean = (a(0, 0) + a(1, 1) + a(2, 2)) / 3;
+  Mat3d b = a;
+  double squares = 0;
+  for (size_t i = 0; i < 3; ++i) b(i, i) -= mean;
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j) squares += b(i, j) * b(i, j);
+  const double p = std::sqrt(squares / 6);
+  if (!(p > 0)) return mean;
+  const double r = std::clamp(determinant(b) / (2 * p * p * p), -1.0, 1.0);
+  return mean + 2 * p * std::cos(std::acos(r) / 3 + 2 * M_PI / 3);
+}
+
+// Solves sum (I - d d^T) (x - c) = 0 over the cameras; false when the axes are (nearly) parallel.
+bool find_focus(const ViewSet& set, Region& region) {
+  Mat3d a{};
+  Vec3d b{};
+  const double share = 1.0 / static_cast<double>(set.views.size());
+  for (const View& v : set.views) {
+    const Vec3d d = transposed_times(v.cam_from_world.rotation, Vec3d{0, 0, 1}), c = v.centre_in_world();
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) {
+        const double m = share * ((i == j ? 1.0 : 0.0) - d[i] * d[j]);
+        a(i, j) += m;
+        b[i] += m * c[j];
+      }
+  }
+  if (least_eigenvalue(a) < kMinSpread) return false;
+  const double det = determinant(a);  // Cramer's rule
+  for (size_t i = 0; i < 3; ++i) {
+    Mat3d replaced = a;
+    replaced.column(i) = b;
+    region.focus[i] = determinant(replaced) / det;
+  }
+  std::vector<double> angles, distances;
+  for (const View& v : set.views) {
+    const Vec3d p = v.cam_from_world * region.focus;
+    angles.push_back(std::atan2(std::hypot(p.x, p.y), p.z) * 180 / M_PI);
+    distances.push_back(length(p));
+  }
+  region.camera_distance = median(distances);
+  return median(angles) < kMaxAimAngleDeg;
+}
+
+}  // namespace
+
+double Region::extent() const {
+  const Vec3d side = box.high - box.low;
+  return std::max({side.x, side.y, side.z});
+}
+
+Region scene_region(const ViewSet& set, const RegionDesc& desc) {
+  Region region;
+  if (set.views.empty()) throw Error(ErrorKind::Input, "the sfm artifact has no views", {.code = "NO_VIEWS"});
+  region.convergent = find_focus(set, region);
+  if (!desc.box.empty()) {
+    const auto& b = desc.box;
+    if (b.size() != 6 || !(b[0] < b[3]) || !(b[1] < b[4]) || !(b[2] < b[5]))
+      throw Error(
+          ErrorKind::Usage, "mesh.region.box is no box",
+          {.where = "mesh.region.box", .why = "it takes x0 y0 z0 x1 y1 z1 with x0 < x1, y0 < y1, z0 < z1", .code = "BAD_BOX"});
+    region.box.low = {b[0], b[1], b[2]};
+    region.box.high = {b[3], b[4], b[5]};
+    return region;
+  }
+  const double reach = region.convergent ? desc.reach_rel * region.camera_distance : INFINITY;
+  std::vector<Vec3d> inside;
+  for (const ScenePoint& p : set.points)
+    if (length(p.position - region.focus) < reach || !region.convergent) inside.push_back(p.position);
+  if (inside.size() < kMinPoints)
+    throw Error(ErrorKind::Input, "too few sparse points to find the region of the mesh",
+                {.why = fmt::format("{} points{}", inside.size(), region.convergent ? " near what the cameras look at" : ""),
+                 .hint = "give the region: --set mesh.region.box=[x0,y0,z0,x1,y1,z1]",
+                 .code = "NO_REGION"});
+  region.points = inside.size();
+  for (size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> x;
+    for (const Vec3d& p : inside) x.push_back(p[axis]);
+    std::sort(x.begin(), x.end());
+    const size_t cut = static_cast<size_t>(desc.percentile * static_cast<double>(x.size()));
+    region.box.low[axis] = x[cut];
+    region.box.high[axis] = x[x.size() - 1 - cut];
+  }
+  const double margin = desc.margin * region.extent();
+  region.box.low = region.box.low - Vec3d{margin, margin, margin};
+  region.box.high = region.box.high + Vec3d{margin, margin, margin};
+  return region;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,32 @@
+// Where the mesh is made: a box around what the photographs are about. Two kinds of capture are told apart by their cameras:
+//   convergent   they look at one place (object on a table): the box holds the sparse points nearer to that place than the
+//                cameras are, so a room's far walls do not cost resolution while table and objects stay
+//   wide         they look along or outwards (street, room, flight): the box holds all sparse points but the outliers
+#pragma once
+
+#include <vector>
+
+#include "core/camera/view.h"
+
+namespace vitrine {
+
+struct RegionDesc {
+  double reach_rel = 1.0;    // convergent: points nearer to the focus than this times the median camera distance
+  double percentile = 0.01;  // of the points, left outside on each side
+  double margin = 0.05;      // added on each side, of the longest side
+  std::vector<double> box;   // x0 y0 z0 x1 y1 z1 in the scene frame; replaces all of the above when given
+};
+
+struct Region {
+  Bounds3 box;
+  bool convergent = false;
+  Vec3d focus{};               // least-squares nearest point to the optical axes
+  double camera_distance = 0;  // median, to the focus
+  size_t points = 0;           // sparse points that shaped the box
+  double extent() const;       // longest side
+};
+
+// Throws Error{Input} when there are too few sparse points to tell, and Error{Usage} for a box that is none.
+Region scene_region(const ViewSet& set, const RegionDesc& desc);
+
+}  // namespace vitrine
