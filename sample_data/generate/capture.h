@@ -1,0 +1,23 @@
+// Pictures of a scene: radiance through a pixel filter, the first surface at the pixel centres, and the sensor behind it.
+#pragma once
+
+#include "core/image/image.h"
+#include "sample_data/generate/integrator.h"
+
+namespace vitrine::generate {
+
+// Tent filter of radius one pixel; `key` separates the random numbers of views and lightings.
+ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, const View& view, int samples, uint64_t key);
+
+struct SurfacePictures {  // one sample at every pixel centre; 0 where nothing was hit
+  ImageF zdepth;          // [h,w,1] first surface, the glass counts
+  ImageF normal;          // [h,w,3] world, facing the camera, first surface
+  ImageF albedo;          // [h,w,3] first surface that is not glass; 0 for metal and mirrors
+  Image8 object, transparent, specular;
+};
+SurfacePictures first_surface(const RayScene& rays, const View& view);
+
+// Clipping at 1, shot and read noise, sRGB, 8 bit.
+Image8 developed(const ImageF& radiance, const SensorDesc& sensor, uint64_t key);
+
+}  // namespace vitrine::generate

@@ -1,0 +1,44 @@
+// How surfaces answer to light: diffuse (Lambert), metal (GGX microfacets, one Fresnel colour), mirror, thin glass, and
+// emitters. Directions point away from the surface, cosines are against the unit normal n on the side of wo.
+//   metal: f = F D G2 / (4 cos_i cos_o), Smith heights correlated, alpha = roughness^2 (Heitz 2014, 2018)
+//   glass: a sheet without thickness; r = 2R/(1+R) sums both faces of a real pane, 1 - r goes straight through
+#pragma once
+
+#include "core/math/vec.h"
+#include "sample_data/generate/texture.h"
+
+namespace vitrine::generate {
+
+enum class MaterialKind { Diffuse, Metal, Mirror, ThinGlass, Emitter };
+
+struct Material {
+  MaterialKind kind = MaterialKind::Diffuse;
+  Texture albedo = {};               // Diffuse
+  Vec3f reflectance{1, 1, 1};        // Metal, Mirror: at normal incidence
+  float roughness = 0;               // Metal: perceptual, alpha = roughness^2
+  float index_of_refraction = 1.5f;  // ThinGlass
+};
+
+float sheet_reflectance(float index_of_refraction, float cos_theta);
+Vec3f schlick_fresnel(const Vec3f& reflectance, float cos_theta);
+
+struct Frame {  // an orthonormal basis around n (Duff et al. 2017)
+  Vec3f t, b, n;
+  explicit Frame(const Vec3f& normal);
+  Vec3f world(const Vec3f& local) const { return local.x * t + local.y * b + local.z * n; }
+  Vec3f local(const Vec3f& world) const { return {dot(world, t), dot(world, b), dot(world, n)}; }
+};
+
+Vec3f cosine_direction(const Vec2f& u);  // local, pdf = z / pi
+
+struct MetalSample {
+  Vec3f wi;      // local
+  Vec3f weight;  // f cos / pdf; zero when the direction leaves below the surface
+  float pdf = 0;
+};
+// Local directions, z along the normal.
+MetalSample sample_metal(const Material& metal, const Vec3f& wo, const Vec2f& u);
+Vec3f metal_brdf(const Material& metal, const Vec3f& wo, const Vec3f& wi);
+float metal_pdf(const Material& metal, const Vec3f& wo, const Vec3f& wi);
+
+}  // namespace vitrine::generate

@@ -1,0 +1,136 @@
+#include "sample_data/generate/ray_scene.h"
+
+#include <limits>
+
+#include <embree3/rtcore.h>
+
+#include "core/base/error.h"
+
+namespace vitrine::generate {
+namespace {
+
+constexpr float kFar = 1e6f;
+constexpr float kOffset = 2e-5f;  // metres; the scenes are a few metres wide, floats resolve 5e-7 there
+constexpr int kMostPanes = 16;    // on one shadow ray; the fattest case has two
+
+void on_embree_error(void*, RTCError code, const char* text) {
+  throw Error(ErrorKind::Internal, "Embree failed", {.why = text ? text : "", .code = std::to_string(static_cast<int>(code))});
+}
+
+RTCRayHit ray_hit(const Vec3f& o, const Vec3f& d, float near, float far) {
+  RTCRayHit r{};
+  r.ray.org_x = o.x, r.ray.org_y = o.y, r.ray.org_z = o.z;
+  r.ray.dir_x = d.x, r.ray.dir_y = d.y, r.ray.dir_z = d.z;
+  r.ray.tnear = near;
+  r.ray.tfar = far;
+  r.ray.mask = 0xffffffffu;
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return r;
+}
+
+bool intersect(RTCScene tree, RTCRayHit& r) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(tree, &context, &r);
+  return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+}  // namespace
+
+struct RayScene::Trees {
+  RTCDevice device = nullptr;
+  RTCScene opaque = nullptr, glass = nullptr;
+  bool has_glass = false;
+  ~Trees() {
+    if (glass) rtcReleaseScene(glass);
+    if (opaque) rtcReleaseScene(opaque);
+    if (device) rtcReleaseDevice(device);
+  }
+};
+
+RayScene::RayScene(const Scene& scene) : scene_(scene), trees_(std::make_unique<Trees>()) {
+  // One building thread: the shape of the tree, and with it the choice among equal hits, must not depend on the machine.
+  trees_->device = rtcNewDevice("threads=1");
+  if (!trees_->device) throw Error(ErrorKind::Dependency, "Embree has no device on this machine");
+  rtcSetDeviceErrorFunction(trees_->device, on_embree_error, nullptr);
+  for (RTCScene* tree : {&trees_->opaque, &trees_->glass}) {
+    *tree = rtcNewScene(trees_->device);
+    rtcSetSceneFlags(*tree, RTC_SCENE_FLAG_ROBUST);
+  }
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    const TriMesh& mesh = scene.parts[i].shape.mesh;
+    const bool glass = scene.parts[i].material.kind == MaterialKind::ThinGlass;
+    RTCGeometry geometry = rtcNewGeometry(trees_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                  3 * sizeof(float), mesh.positions.size()));
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+      for (size_t c = 0; c < 3; ++c) positions[3 * v + c] = mesh.positions[v][c];
+    auto* faces = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.faces.size()));
+    for (size_t f = 0; f < mesh.faces.size(); ++f)
+      for (size_t c = 0; c < 3; ++c) faces[3 * f + c] = mesh.faces[f][c];
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(glass ? trees_->glass : trees_->opaque, geometry, static_cast<unsigned>(i));
+    rtcReleaseGeometry(geometry);
+    trees_->has_glass |= glass;
+  }
+  rtcCommitScene(trees_->opaque);
+  rtcCommitScene(trees_->glass);
+}
+
+RayScene::~RayScene() = default;
+
+std::optional<Hit> RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass) const {
+  RTCRayHit r = ray_hit(origin, direction, 0, kFar);
+  bool found = intersect(trees_->opaque, r);
+  if (with_glass && trees_->has_glass) {
+    RTCRayHit pane = ray_hit(origin, direction, 0, r.ray.tfar);
+    if (intersect(trees_->glass, pane)) {
+      r = pane;
+      found = true;
+    }
+  }
+  if (!found) return std::nullopt;
+  Hit hit;
+  hit.part_index = r.hit.geomID;
+  hit.part = &scene_.parts[hit.part_index];
+  const Shape& shape = hit.part->shape;
+  hit.vertices = shape.mesh.faces[r.hit.primID];
+  hit.barycentric = {1.0f - r.hit.u - r.hit.v, r.hit.u, r.hit.v};
+  hit.distance = r.ray.tfar;
+  for (size_t c = 0; c < 3; ++c) {
+    const uint32_t v = hit.vertices[c];
+    hit.position += hit.barycentric[c] * shape.mesh.positions[v];
+    hit.normal += hit.barycentric[c] * shape.mesh.normals[v];
+    hit.uv = hit.uv + hit.barycentric[c] * shape.uv[v];
+  }
+  const auto& at = shape.mesh.positions;
+  hit.geometric = normalized(cross(at[hit.vertices[1]] - at[hit.vertices[0]], at[hit.vertices[2]] - at[hit.vertices[0]]));
+  hit.normal = normalized(hit.normal);
+  return hit;
+}
+
+float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay shadow = ray_hit(origin, direction, 0, distance).ray;
+  rtcOccluded1(trees_->opaque, &context, &shadow);
+  if (shadow.tfar < 0) return 0;
+  float passed = 1;
+  if (!with_glass || !trees_->has_glass) return passed;
+  float from = 0;
+  for (int pane = 0; pane < kMostPanes; ++pane) {
+    RTCRayHit r = ray_hit(origin, direction, from, distance);
+    if (!intersect(trees_->glass, r)) break;
+    const Vec3f n = normalized(Vec3f{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z});
+    passed *= 1.0f - sheet_reflectance(scene_.parts[r.hit.geomID].material.index_of_refraction, dot(n, direction));
+    from = r.ray.tfar + kOffset;
+  }
+  return passed;
+}
+
+Vec3f offset_origin(const Hit& hit, const Vec3f& direction) {
+  return hit.position + (dot(hit.geometric, direction) >= 0 ? kOffset : -kOffset) * hit.geometric;
+}
+
+}  // namespace vitrine::generate

@@ -1,0 +1,47 @@
+// Rays against a scene (Embree, single rays). Opaque parts and glass live in two trees: a shadow ray first asks the opaque
+// one whether it is blocked, and only then multiplies the transmittances of the panes on its way; leaving the glass tree out
+// is the scene without its glass.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "sample_data/generate/scene.h"
+
+namespace vitrine::generate {
+
+struct Hit {
+  const Part* part = nullptr;
+  size_t part_index = 0;
+  std::array<uint32_t, 3> vertices{};
+  Vec3f barycentric;  // weights of the three vertices
+  float distance = 0;
+  Vec3f position;
+  Vec3f geometric;  // unit, outwards
+  Vec3f normal;     // interpolated, unit, outwards
+  Vec2f uv;
+  bool glass() const { return part->material.kind == MaterialKind::ThinGlass; }
+};
+
+class RayScene {
+ public:
+  explicit RayScene(const Scene& scene);  // keeps a reference
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+
+  const Scene& scene() const { return scene_; }
+  std::optional<Hit> first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass = true) const;
+  // 0 when something opaque lies within `distance`, else the product of 1 - r over the panes passed.
+  float transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass = true) const;
+
+ private:
+  struct Trees;
+  const Scene& scene_;
+  std::unique_ptr<Trees> trees_;
+};
+
+// Where a ray leaves the surface of `hit` towards `direction` without meeting it again.
+Vec3f offset_origin(const Hit& hit, const Vec3f& direction);
+
+}  // namespace vitrine::generate

@@ -1,0 +1,184 @@
+#include "sample_data/generate/truth.h"
+
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/mesh/mesh_io.h"
+#include "sample_data/generate/capture.h"
+
+namespace vitrine::generate {
+namespace {
+
+// Names of the independent streams of random numbers.
+enum Stream : uint64_t { kPhoto = 1, kSensor = 2, kTransmitted = 3, kRelit = 4 };
+
+Environment planned(const RayScene& rays, Environment environment) {
+  const std::vector<Vec3f>& probes = rays.scene().probes;
+  environment.weigh_sampling([&](const Vec3f& d) {
+    float seen = 0;
+    for (const Vec3f& p : probes) seen += rays.transmittance(p, d, 1e5f) > 0 ? 1.0f : 0.0f;
+    return probes.empty() ? 1.0f : seen / static_cast<float>(probes.size());
+  });
+  return environment;
+}
+
+IrradianceCache solved(const RayScene& rays, const Integrator& integrator, const Integrator::CacheDesc& desc = {}) {
+  IrradianceCache cache(rays.scene());
+  integrator.solve_irradiance(cache, desc);
+  return cache;
+}
+
+// Zeroes the lowest 8 of the 23 mantissa bits: 1.5e-5 relative, and the files compress to half.
+void shorten_mantissas(ImageF& image) {
+  for (float& value : image.data()) value = std::bit_cast<float>((std::bit_cast<uint32_t>(value) + 0x80u) & 0xffffff00u);
+}
+
+View at_size(View view, int divisor) {
+  view.intrinsics = view.intrinsics.scaled_to(view.intrinsics.width / divisor, view.intrinsics.height / divisor);
+  return view;
+}
+
+// The faces whose centre some view sees, itself or through glass: a reconstruction can know no others.
+TriMesh seen_faces(const RayScene& rays, const TriMesh& mesh) {
+  const std::vector<View>& views = rays.scene().views;
+  std::vector<uint8_t> seen(mesh.faces.size());
+  parallel_for(mesh.faces.size(), 256, [&](size_t f) {
+    const auto& [a, b, c] = mesh.faces[f];
+    const Vec3f centre = (1.0f / 3.0f) * (mesh.positions[a] + mesh.positions[b] + mesh.positions[c]);
+    for (const View& view : views) {
+      const Intrinsics& k = view.intrinsics;
+      const Vec3d p = view.cam_from_world * cast<double>(centre);
+      const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
+      if (p.z <= 0 || u < 0 || v < 0 || u >= k.width || v >= k.height) continue;
+      const Vec3f eye = cast<float>(view.centre_in_world());
+      const float distance = length(centre - eye);
+      if (rays.transmittance(eye, (1.0f / distance) * (centre - eye), distance - 1e-3f, false) == 0) continue;
+      seen[f] = 1;
+      break;
+    }
+  });
+  constexpr uint32_t kUnused = 0xffffffffu;
+  std::vector<uint32_t> renamed(mesh.positions.size(), kUnused);
+  TriMesh kept;
+  for (size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (!seen[f]) continue;
+    std::array<uint32_t, 3> face{};
+    for (size_t c = 0; c < 3; ++c) {
+      uint32_t& v = renamed[mesh.faces[f][c]];
+      if (v == kUnused) {
+        v = static_cast<uint32_t>(kept.positions.size());
+        kept.positions.push_back(mesh.positions[mesh.faces[f][c]]);
+      }
+      face[c] = v;
+    }
+    kept.faces.push_back(face);
+  }
+  return kept;
+}
+
+void write_meshes(const RayScene& rays, const fs::path& truth) {
+  TriMesh all, opaque;
+  for (const Part& part : rays.scene().parts) {
+    if (!part.measured) continue;
+    const TriMesh seen = seen_faces(rays, part.shape.mesh);
+    append(all, seen);
+    if (part.material.kind != MaterialKind::ThinGlass) append(opaque, seen);
+  }
+  if (all.faces.empty()) return;
+  write_mesh_ply(truth / "mesh.ply", all);
+  write_mesh_ply(truth / "mesh_opaque.ply", opaque);
+}
+
+void write_environment(const fs::path& path, const Environment& environment) {
+  if (!environment.black())
+    write_exr_rgb(path, environment.map(), ExrPrecision::Half,
+                  {{"vitrine:mapping", "latlong, first row +z, centre +x, u=0.75 is -y"}});
+}
+
+void write_surface(const RayScene& rays, const View& view, const fs::path& truth, bool full, int divisor) {
+  SurfacePictures s = first_surface(rays, view);
+  for (const auto& [name, mask] : {std::pair{"object", &s.object}, {"transparent", &s.transparent}, {"specular", &s.specular}})
+    write_ldr(truth / "mask" / name / (view.stem() + ".png"), *mask);
+  if (full) write_exr_rgb(truth / "albedo" / (view.stem() + ".exr"), s.albedo);
+  if (!full) s = first_surface(rays, at_size(view, divisor));
+  shorten_mantissas(s.zdepth);
+  write_exr(truth / "depth" / (view.stem() + ".exr"), {s.zdepth, {"Z"}, {}}, ExrPrecision::Float);
+  write_exr(truth / "normal" / (view.stem() + ".exr"), {s.normal, {"X", "Y", "Z"}, {}}, ExrPrecision::Half);
+}
+
+bool has_glass(const Scene& scene) {
+  for (const Part& part : scene.parts)
+    if (part.material.kind == MaterialKind::ThinGlass) return true;
+  return false;
+}
+
+}  // namespace
+
+void resize_views(Scene& scene, int width, int height) {
+  for (View& view : scene.views) view.intrinsics = view.intrinsics.scaled_to(width, height);
+}
+
+Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& desc) {
+  const RayScene rays(scene);
+  const Environment environment = planned(rays, scene.environment);
+  const Integrator integrator(rays, {environment, scene.lamps});
+  const IrradianceCache cache = solved(rays, integrator, desc);
+  const ImageF radiance = rendered(integrator, &cache, scene.views[view], samples, mix64(kPhoto, view));
+  return developed(radiance, scene.sensor, mix64(kSensor, view));
+}
+
+void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& desc) {
+  const RayScene rays(scene);
+  const fs::path photos = folder / "photos", truth = folder / "truth";
+  const int samples = desc.samples > 0 ? desc.samples : scene.samples;
+  const int clean_samples = desc.relit_samples > 0 ? desc.relit_samples : 2 * samples;
+  const bool full = desc.full_truth || scene.full_truth;
+  const int half = full ? 1 : 2;
+  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular", "env"})
+    make_folders(truth / sub);
+  if (full) make_folders(truth / "albedo");
+  make_folders(photos);
+  write_transforms_json(truth / "transforms.json", scene.views, "photos");
+  write_meshes(rays, truth);
+  write_environment(truth / "env" / "captured.exr", scene.environment);
+
+  const Environment environment = planned(rays, scene.environment);
+  {
+    const Integrator integrator(rays, {environment, scene.lamps});
+    const IrradianceCache cache = solved(rays, integrator);
+    for (size_t i = 0; i < scene.views.size(); ++i) {
+      const View& view = scene.views[i];
+      log_info("{}: {} ({} samples a pixel)", scene.name, view.name, samples);
+      const ImageF radiance = rendered(integrator, &cache, view, samples, mix64(kPhoto, i));
+      write_ldr(photos / view.name, developed(radiance, scene.sensor, mix64(kSensor, i)), scene.sensor.jpeg_quality);
+      write_surface(rays, view, truth, full, scene.reduced_divisor);
+    }
+  }
+
+  const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, Stream stream) {
+    const IrradianceCache cache = solved(rays, integrator);
+    make_folders(to);
+    for (size_t i = 0; i < scene.views.size(); i += static_cast<size_t>(full ? 1 : every)) {
+      const View view = at_size(scene.views[i], half);
+      write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, clean_samples, mix64(stream, i)));
+      log_info("{}: {}/{}", scene.name, to.filename().string(), view.stem());
+    }
+  };
+  if (has_glass(scene))
+    pictures(Integrator(rays, {environment, scene.lamps, false}), truth / "transmitted", scene.transmitted_every, kTransmitted);
+  for (const NamedEnvironment& other : scene.others) {
+    write_environment(truth / "env" / (other.name + ".exr"), other.environment);
+    const Environment sky = planned(rays, other.environment);
+    pictures(Integrator(rays, {sky, {}}), truth / "relit" / other.name, scene.relit_every, kRelit);
+  }
+}
+
+}  // namespace vitrine::generate

@@ -1,0 +1,25 @@
+// The answers beside the photos (layout: sample_data/README.md). The whole set at photo size with `full`, else reduced:
+// depth and normals at a fraction of the size, transmitted and relit pictures for a few views at half size.
+#pragma once
+
+#include <filesystem>
+
+#include "sample_data/generate/integrator.h"
+#include "sample_data/generate/scene.h"
+
+namespace vitrine::generate {
+
+struct GenerateDesc {
+  bool full_truth = false;
+  int samples = 0;        // 0 = the scene's own number
+  int relit_samples = 0;  // 0 = twice `samples`: there is no sensor noise to hide behind
+};
+
+// Writes photos/ and truth/ into `folder`.
+void generate(const Scene& scene, const std::filesystem::path& folder, const GenerateDesc& desc);
+// One photo as generate() writes it, before the file format's own loss.
+Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& cache = {});
+// Views at another picture size, same field of view.
+void resize_views(Scene& scene, int width, int height);
+
+}  // namespace vitrine::generate
