@@ -236,7 +236,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
       for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
       if (!found.empty()) now.model = with_photo_names(std::move(found[0]), desc.photos);
     }
-    drop_weak_photos(now, static_cast<size_t>(config.min_observations));
+    // A mapper that starts from less has to end with more.
+    drop_weak_photos(now, static_cast<size_t>(config.min_observations) * (rung.relaxed_mapper ? 2 : 1));
     attempt.registered = now.model.images.size();
     now.attempts.push_back(attempt);
     mark_registered(now);

@@ -210,7 +210,8 @@ void describe(Describer& d, SfmConfig& c) {
   d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
   d.option("retry_below", c.retry_below, "Share of registered photos below which the ladder is climbed.").range(0, 1);
   d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
-  d.option("min_observations", c.min_observations, "A photo whose pose hangs on fewer points than this does not count.")
+  d.option("min_observations", c.min_observations,
+           "A photo whose pose hangs on fewer points than this does not count (twice as many after a retry).")
       .range(3, 10000);
   d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
   d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")

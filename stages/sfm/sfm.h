@@ -31,7 +31,7 @@ struct SfmConfig {
   int retries = 2;
   double retry_below = 0.8;
   double min_registered = 0.6;
-  int min_observations = 60;
+  int min_observations = 40;
   int seed = 0;
   std::string up = "auto";
   double pose_scale = 0;
