@@ -1,0 +1,25 @@
+// What a person looks at first: a few views as rows of photo, render, error, normals and depth, with their names and figures.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/image/image.h"
+#include "stages/evaluate/render_view.h"
+
+namespace vitrine {
+
+Image8 image8(const ImageF& srgb);  // clamp and round
+// Mean absolute sRGB difference over the channels; black 0, through violet and orange to white = `white_at` and more.
+Image8 error_picture(const ImageF& srgb, const ImageF& photo_srgb, double white_at);
+Image8 normal_picture(const ImageF& normal);  // rgb = (n + 1) / 2, black = none
+Image8 depth_picture(const ImageF& zdepth);   // near bright; 2nd to 98th percentile; black = none
+
+struct SheetRow {
+  std::string label;  // "IMG_0007  24.31 DB"
+  Image8 photo, render, error, normals, depth;
+};
+// All cells get the size of the first photo, at most `cell_width` wide.
+Image8 contact_sheet(std::span<const SheetRow> rows, int cell_width);
+
+}  // namespace vitrine

@@ -1,0 +1,293 @@
+#include "stages/evaluate/evaluate.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/process.h"
+#include "core/camera/view_set.h"
+#include "core/image/ldr.h"
+#include "core/image/metrics.h"
+#include "core/mesh/mesh_io.h"
+#include "core/scene/scene_io.h"
+#include "stages/evaluate/contact_sheet.h"
+#include "stages/evaluate/regions.h"
+#include "stages/evaluate/render_view.h"
+#include "stages/evaluate/report.h"
+#include "stages/evaluate/surface_error.h"
+#include "stages/evaluate/truth.h"
+
+namespace vitrine {
+namespace {
+
+constexpr int kMeshViewSide = 640;    // visibility needs no more
+constexpr double kRenderShare = 0.8;  // of the progress bar
+
+Backend backend_of(const EvaluateConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
+
+// `count` of [0, n), evenly spread.
+std::vector<size_t> spread(size_t n, size_t count) {
+  std::vector<size_t> picked;
+  const size_t m = std::min(n, count);
+  for (size_t i = 0; i < m; ++i) picked.push_back(i * n / m);
+  return picked;
+}
+
+class Evaluator {
+ public:
+  Evaluator(const EvaluateConfig& config, StageContext& context)
+      : config_(config),
+        context_(context),
+        sfm_(context.input("sfm")),
+        views_(load_view_set(sfm_).views),
+        layer_(read_layer(context.input("optimize") / "gaussians" / "diffuse.ply")),
+        renderer_(make_renderer(backend_of(config))) {
+    result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
+    result_.registered_views = views_.size();
+    result_.surfels = layer_.size();
+    result_.mesh_threshold_rel = config.mesh_threshold_rel;
+    result_.min_region_pixels = config.min_region_pixels;
+    make_folders(context.output() / "eval");
+  }
+
+  void run() {
+    if (const auto folder = context_.optional_input("truth")) open_truth(*folder);
+    score_views();
+    if (truth_) finish_truth();
+    write_file(context_.output() / "eval" / "metrics.json", metrics_json(result_));
+    write_file(context_.output() / "eval" / "per_view.csv", per_view_csv(result_));
+    if (!sheet_.empty())
+      write_ldr(context_.output() / "eval" / "contact_sheet.jpg", contact_sheet(sheet_, config_.sheet_cell_width), 92);
+    report();
+  }
+
+ private:
+  void open_truth(const fs::path& folder) {
+    truth_.emplace(folder, views_);
+    result_.truth.emplace();
+    if (!truth_->has_cameras()) {
+      not_measured("truth.pose", "the truth has no transforms.json; normals, depth and mesh need its cameras as well");
+      return;
+    }
+    std::vector<CameraPair> pairs;
+    for (size_t i = 0; i < views_.size(); ++i)
+      if (truth_->camera(i)) {
+        pairs.push_back({views_[i].cam_from_world, truth_->camera(i)->cam_from_world});
+        paired_.push_back(i);
+      }
+    if (pairs.size() < 2) {
+      not_measured("truth.pose", fmt::format("transforms.json and this run have {} photos in common", pairs.size()));
+      return;
+    }
+    result_.truth->alignment = align_cameras(pairs, truth_->transforms_path().string());
+    result_.truth->poses = pose_errors(pairs, result_.truth->alignment->truth_from_ours);
+  }
+
+  const Similarity* truth_from_ours() const {
+    return result_.truth && result_.truth->alignment ? &result_.truth->alignment->truth_from_ours : nullptr;
+  }
+
+  // Renders each view once; photo figures for the split, surface figures for every view with truth maps.
+  void score_views() {
+    std::vector<std::pair<size_t, bool>> order;
+    for (size_t v : result_.split.heldout) order.emplace_back(v, true);
+    if (config_.score_train_views)
+      for (size_t v : result_.split.train) order.emplace_back(v, false);
+    const bool heldout_exists = !result_.split.heldout.empty();
+    if (!heldout_exists) {
+      not_measured("heldout", "no view was held out from training");
+      if (!config_.score_train_views)
+        for (size_t v : result_.split.train) order.emplace_back(v, false);
+    }
+    const size_t sheet_candidates = heldout_exists ? result_.split.heldout.size() : order.size();
+    const std::vector<size_t> sheet_views = spread(sheet_candidates, size_t(config_.sheet_rows));
+    for (size_t i = 0; i < order.size(); ++i) {
+      throw_if_interrupted();
+      const bool on_sheet = std::find(sheet_views.begin(), sheet_views.end(), i) != sheet_views.end();
+      score_view(order[i].first, order[i].second, on_sheet);
+      context_.progress({.fraction = kRenderShare * double(i + 1) / double(order.size()),
+                         .text = fmt::format("view {}/{}", i + 1, order.size()),
+                         .values = {}});
+    }
+  }
+
+  void score_view(size_t index, bool heldout, bool on_sheet) {
+    const View& view = views_[index];
+    const RenderedView render = rendered_view(*renderer_, layer_, view, result_.split.max_side);
+    const ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
+    ViewScore score{.name = view.name,
+                    .heldout = heldout,
+                    .psnr = psnr(render.srgb, photo),
+                    .ssim = ssim(render.srgb, photo),
+                    .region_psnr = {},
+                    .pose = {},
+                    .normal_mae_deg = {},
+                    .zdepth_rel = {}};
+    if (result_.views.empty()) result_.resolution = render.intrinsics;
+    if (truth_) {
+      const RegionMasks masks = region_masks(*truth_, index, render.intrinsics);
+      score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
+      if (truth_from_ours()) score_surface(index, render, masks, score);
+    }
+    if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
+    if (on_sheet)
+      sheet_.push_back({.label = fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
+                                             heldout ? "" : "  (TRAINING VIEW)"),
+                        .photo = image8(photo),
+                        .render = image8(render.srgb),
+                        .error = error_picture(render.srgb, photo, config_.error_white),
+                        .normals = normal_picture(render.normal_in_world),
+                        .depth = depth_picture(render.zdepth)});
+    result_.views.push_back(std::move(score));
+  }
+
+  void score_surface(size_t index, const RenderedView& render, const RegionMasks& masks, ViewScore& score) {
+    if (const auto it = std::find(paired_.begin(), paired_.end(), index); it != paired_.end())
+      score.pose = result_.truth->poses[size_t(it - paired_.begin())];
+    SurfaceTruth truth;
+    truth.normal = truth_->normal(index, render.intrinsics).value_or(ImageF());
+    truth.zdepth = truth_->zdepth(index, render.intrinsics).value_or(ImageF());
+    if (const auto it = masks.find("transparent"); it != masks.end()) truth.transparent = it->second;
+    if (const auto it = masks.find("object"); it != masks.end()) truth.object = it->second;
+    SurfaceError here;
+    add_surface_error(render, truth, *truth_from_ours(), here);
+    if (!here.normal_deg.empty()) score.normal_mae_deg = mean(here.normal_deg);
+    if (!here.zdepth_rel.empty()) score.zdepth_rel = median(here.zdepth_rel);
+    for (const auto& [all, part] : {std::pair{&surface_.normal_deg, &here.normal_deg},
+                                    {&surface_.zdepth_rel, &here.zdepth_rel},
+                                    {&surface_.object_normal_deg, &here.object_normal_deg}})
+      all->insert(all->end(), part->begin(), part->end());
+  }
+
+  void write_pictures(const View& view, const ImageF& srgb, const ImageF& photo) {
+    const fs::path base = context_.output() / "eval" / view.stem();
+    make_folders(base.parent_path());
+    const auto path = [&](const char* suffix) { return fs::path(base.string() + suffix); };
+    write_ldr(path("_gt.png"), image8(photo));
+    write_ldr(path("_pred.png"), image8(srgb));
+    write_ldr(path("_err.png"), error_picture(srgb, photo, config_.error_white));
+  }
+
+  void finish_truth() {
+    TruthScores& t = *result_.truth;
+    if (!surface_.normal_deg.empty()) {
+      t.normal_mae_deg = mean(surface_.normal_deg);
+      t.normal_median_deg = median(surface_.normal_deg);
+    } else if (t.alignment) {
+      not_measured("truth.normal_mae_deg", "no truth normal covers an opaque pixel of ours");
+    }
+    if (!surface_.object_normal_deg.empty()) t.object_normal_mae_deg = mean(surface_.object_normal_deg);
+    if (!surface_.zdepth_rel.empty())
+      t.zdepth_rel = median(surface_.zdepth_rel);
+    else if (t.alignment)
+      not_measured("truth.depth_rel", "no truth depth covers an opaque pixel of ours");
+    const auto truth_mesh = truth_->mesh_path();
+    if (!truth_mesh) return not_measured("truth.mesh", "the truth has no mesh.ply");
+    if (t.alignment) score_mesh(*truth_mesh);
+  }
+
+  void score_mesh(const fs::path& truth_mesh_path) {
+    const TriMesh truth = checked_truth_mesh(truth_mesh_path);
+    const fs::path with_glass = truth_->folder() / "mesh.ply";
+    const TriMesh first_surface = fs::exists(with_glass) ? checked_truth_mesh(with_glass) : truth;
+    const TriMesh ours = transformed(read_mesh_ply(context_.input("mesh") / "mesh" / "mesh.ply"), *truth_from_ours());
+    const std::vector<size_t> picked = spread(paired_.size(), size_t(config_.mesh_views));
+    const auto view = [&](size_t i) {
+      throw_if_interrupted();
+      context_.progress({.fraction = kRenderShare + (1 - kRenderShare) * double(i) / double(picked.size()),
+                         .text = fmt::format("mesh visibility {}/{}", i + 1, picked.size()),
+                         .values = {}});
+      const size_t index = paired_[picked[i]];
+      const View& camera = *truth_->camera(index);
+      const Intrinsics k = camera.intrinsics.limited_to(kMeshViewSide);
+      return MeshView{k, camera.cam_from_world, truth_->zdepth(index, k).value_or(ImageF()),
+                      truth_->mask(index, MaskClass::Transparent, k).value_or(ImageF())};
+    };
+    MeshErrorDesc desc;
+    desc.samples = size_t(config_.mesh_samples);
+    desc.threshold_rel = config_.mesh_threshold_rel;
+    result_.truth->mesh = mesh_error(ours, truth, first_surface, picked.size(), view, desc);
+    if (result_.truth->mesh->our_samples == 0)
+      not_measured("truth.mesh.accuracy_rel", "no sample of our mesh lies where two views see the truth mesh");
+    if (result_.truth->mesh->truth_samples == 0)
+      not_measured("truth.mesh.completeness_rel", "no sample of the truth mesh is the first surface in two views");
+  }
+
+  static TriMesh checked_truth_mesh(const fs::path& path) {
+    TriMesh mesh = read_mesh_ply(path);
+    if (mesh.faces.empty())
+      throw Error(ErrorKind::Input, "the truth mesh has no triangles", {.where = path.string(), .code = "TRUTH_BAD_MESH"});
+    return mesh;
+  }
+
+  void not_measured(const std::string& key, const std::string& reason) {
+    result_.not_measured[key] = reason;
+    context_.warning("NOT_MEASURED", key + ": " + reason);
+  }
+
+  void report() {
+    std::string summary;
+    if (const auto m = mean_score(result_, true)) {
+      context_.metric("heldout.psnr", m->psnr);
+      context_.metric("heldout.ssim", m->ssim);
+      summary = fmt::format("PSNR {:.2f} dB, SSIM {:.3f} over {} held-out views", m->psnr, m->ssim, m->views);
+    } else if (const auto train = mean_score(result_, false)) {
+      summary = fmt::format("training views only: PSNR {:.2f} dB, SSIM {:.3f}", train->psnr, train->ssim);
+    }
+    if (result_.truth && result_.truth->normal_mae_deg) {
+      context_.metric("truth.normal_mae_deg", *result_.truth->normal_mae_deg);
+      summary += fmt::format(", normals {:.1f} deg", *result_.truth->normal_mae_deg);
+    }
+    if (result_.truth && result_.truth->mesh) {
+      context_.metric("truth.mesh.fscore", result_.truth->mesh->fscore);
+      summary += fmt::format(", F-score {:.3f}", result_.truth->mesh->fscore);
+    }
+    context_.summary(summary);
+  }
+
+  const EvaluateConfig& config_;
+  StageContext& context_;
+  fs::path sfm_;
+  std::vector<View> views_;
+  SplatLayer layer_;
+  std::unique_ptr<Renderer> renderer_;
+  std::optional<Truth> truth_;
+  std::vector<size_t> paired_;  // views with a truth camera
+  SurfaceError surface_;
+  std::vector<SheetRow> sheet_;
+  Evaluation result_;
+};
+
+}  // namespace
+
+void describe(Describer& d, EvaluateConfig& c) {
+  d.option("backend", c.backend, "Renderer: cpu, or reference (slow, double precision).").choices({"cpu", "reference"});
+  d.option("score_train_views", c.score_train_views, "Score the training views too, for reference.");
+  d.option("min_region_pixels", c.min_region_pixels, "A view counts for a region from this many pixels on.").range(1, 1e9);
+  d.option("error_white", c.error_white, "sRGB difference that is white in the error pictures.").range(1e-3, 1);
+  d.option("sheet_rows", c.sheet_rows, "Views on the contact sheet.").range(0, 64);
+  d.option("sheet_cell_width", c.sheet_cell_width, "Width of a picture on the contact sheet, pixels.").range(32, 4096);
+  d.option("write_pictures", c.write_pictures, "Write photo, render and error of every held-out view.");
+  d.option("mesh_samples", c.mesh_samples, "Points spread over each mesh.").range(100, 1e8);
+  d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
+      .range(1e-6, 1);
+  d.option("mesh_views", c.mesh_views, "Views that decide which surface points are visible.").range(2, 100000);
+}
+
+void run_evaluate(const EvaluateConfig& config, StageContext& context) { Evaluator(config, context).run(); }
+
+Stage evaluate_stage() {
+  StageInfo info;
+  info.name = "evaluate";
+  info.version = 1;
+  info.summary = "scores held-out views, and geometry where there is truth";
+  info.inputs = {{.name = "sfm", .doc = "cameras, gains and undistorted photos"},
+                 {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
+                 {.name = "mesh", .doc = "the mesh"},
+                 {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
+  return make_stage<EvaluateConfig>(std::move(info), run_evaluate, [] {
+    return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,29 @@
+// evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
+// normals, depth and mesh against the truth. README.md in this folder defines every figure.
+//   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional truth folder
+//   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png
+// version 1: first.
+#pragma once
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct EvaluateConfig {
+  std::string backend = "cpu";
+  bool score_train_views = true;
+  int min_region_pixels = 64;
+  double error_white = 0.25;
+  int sheet_rows = 4;
+  int sheet_cell_width = 320;
+  bool write_pictures = true;
+  int mesh_samples = 100'000;
+  double mesh_threshold_rel = 0.01;
+  int mesh_views = 64;
+};
+void describe(Describer& d, EvaluateConfig& c);
+
+void run_evaluate(const EvaluateConfig& config, StageContext& context);
+Stage evaluate_stage();
+
+}  // namespace vitrine

@@ -1,0 +1,102 @@
+#include "stages/evaluate/mesh_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_distance.h"
+#include "stages/evaluate/alignment.h"
+#include "stages/evaluate/depth_buffer.h"
+#include "stages/evaluate/surface_error.h"
+
+namespace vitrine {
+namespace {
+
+constexpr size_t kSamplesPerTask = 4096;
+
+Vec3d to_double(const Vec3f& p) { return {p.x, p.y, p.z}; }
+
+bool in_mask(const ImageF& mask, const Projection& p) { return !mask.empty() && mask.at(int(p.x), int(p.y)) > 0; }
+
+struct Distances {
+  double mean_rel = 0, median_rel = 0, within = 0;
+};
+Distances distances_to(const MeshDistance& target, const std::vector<Vec3f>& points, double diagonal, double threshold_rel) {
+  std::vector<double> rel;
+  for (float d : target.distances(points)) rel.push_back(d / diagonal);
+  const auto near = std::count_if(rel.begin(), rel.end(), [&](double d) { return d <= threshold_rel; });
+  return {mean(rel), median(rel), double(near) / double(rel.size())};
+}
+
+}  // namespace
+
+TriMesh transformed(const TriMesh& mesh, const Similarity& new_from_old) {
+  TriMesh out;
+  out.faces = mesh.faces;
+  for (const Vec3f& p : mesh.positions) {
+    const Vec3d q = new_from_old * to_double(p);
+    out.positions.push_back({float(q.x), float(q.y), float(q.z)});
+  }
+  return out;
+}
+
+MeshError mesh_error(const TriMesh& ours, const TriMesh& truth, const TriMesh& first_surface, size_t view_count,
+                     const std::function<MeshView(size_t)>& view, const MeshErrorDesc& desc) {
+  Bounds3 bounds;
+  for (const Vec3f& p : truth.positions) bounds.extend(to_double(p));
+  MeshError result;
+  result.diagonal = bounds.diagonal();
+  const SurfaceSamples our_samples = sample_surface(ours, desc.samples, desc.seed);
+  const SurfaceSamples truth_samples = sample_surface(truth, desc.samples, desc.seed);
+  if (!(result.diagonal > 0) || truth_samples.positions.empty())
+    throw Error(ErrorKind::Input, "the truth mesh has no surface", {.code = "TRUTH_BAD_MESH"});
+
+  struct Votes {
+    uint16_t seen = 0, on_truth = 0;
+  };
+  std::vector<Votes> ours_votes(our_samples.positions.size());
+  std::vector<uint16_t> truth_seen(truth_samples.positions.size());
+  for (size_t v = 0; v < view_count; ++v) {
+    const MeshView mv = view(v);
+    const ImageF our_zdepth = mesh_zdepth(ours, mv.intrinsics, mv.cam_from_world);
+    const ImageF truth_mesh_zdepth = mesh_zdepth(truth, mv.intrinsics, mv.cam_from_world);
+    const ImageF first_zdepth = mv.zdepth.empty() ? mesh_zdepth(first_surface, mv.intrinsics, mv.cam_from_world) : mv.zdepth;
+    parallel_for(ours_votes.size(), kSamplesPerTask, [&](size_t i) {
+      const auto p = project(to_double(our_samples.positions[i]), mv.intrinsics, mv.cam_from_world);
+      if (!p || !agrees_with(our_zdepth, *p, desc.depth_tolerance_rel)) return;
+      ++ours_votes[i].seen;
+      const double z_mesh = truth_mesh_zdepth.at(int(p->x), int(p->y)), z_first = first_zdepth.at(int(p->x), int(p->y));
+      if (z_mesh > 0 && std::abs(z_mesh - z_first) <= desc.depth_tolerance_rel * z_mesh && !in_mask(mv.transparent, *p))
+        ++ours_votes[i].on_truth;
+    });
+    parallel_for(truth_seen.size(), kSamplesPerTask, [&](size_t i) {
+      const auto p = project(to_double(truth_samples.positions[i]), mv.intrinsics, mv.cam_from_world);
+      if (p && !in_mask(mv.transparent, *p) && agrees_with(first_zdepth, *p, desc.depth_tolerance_rel)) ++truth_seen[i];
+    });
+  }
+
+  std::vector<Vec3f> our_points, truth_points;
+  for (size_t i = 0; i < ours_votes.size(); ++i)
+    if (ours_votes[i].on_truth >= desc.min_views && 2 * ours_votes[i].on_truth > ours_votes[i].seen)
+      our_points.push_back(our_samples.positions[i]);
+  for (size_t i = 0; i < truth_seen.size(); ++i)
+    if (truth_seen[i] >= desc.min_views) truth_points.push_back(truth_samples.positions[i]);
+  result.our_samples = our_points.size();
+  result.truth_samples = truth_points.size();
+
+  const Distances accuracy = distances_to(MeshDistance(truth), our_points, result.diagonal, desc.threshold_rel);
+  const Distances completeness = distances_to(MeshDistance(ours), truth_points, result.diagonal, desc.threshold_rel);
+  result.accuracy_rel = accuracy.mean_rel;
+  result.accuracy_median_rel = accuracy.median_rel;
+  result.completeness_rel = completeness.mean_rel;
+  result.completeness_median_rel = completeness.median_rel;
+  result.chamfer_rel = 0.5 * (accuracy.mean_rel + completeness.mean_rel);
+  result.precision = our_points.empty() ? 0 : accuracy.within;
+  result.recall = truth_points.empty() ? 0 : completeness.within;
+  const double sum = result.precision + result.recall;
+  result.fscore = sum > 0 ? 2 * result.precision * result.recall / sum : 0;
+  return result;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,150 @@
+#include "stages/evaluate/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "stages/evaluate/surface_error.h"
+
+namespace vitrine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kRegions[] = {"transparent", "specular", "object", "rest"};
+
+Json definitions(const Evaluation& e) {
+  Json d;
+  d["heldout.psnr"] =
+      "PSNR in dB of sRGB values clipped to [0,1], squared error over pixels and channels of a view, then the mean over the "
+      "views held "
+      "out from training; the render times the view's gain (from the SfM tracks) against the undistorted photo at training "
+      "resolution";
+  d["heldout.ssim"] = "SSIM (11x11 Gaussian window, sigma 1.5, per channel), same pictures, mean over held-out views";
+  d["train"] = "the same two figures over the training views: for reference only, the scene was fitted to them";
+  d["regions.*.psnr"] = fmt::format(
+      "PSNR of the squared error pooled over the region's pixels of a held-out view, mean over views with at least {} such "
+      "pixels; "
+      "rest = neither transparent nor specular",
+      e.min_region_pixels);
+  if (!e.truth) return d;
+  d["truth.pose"] =
+      "after the similarity that best aligns the camera centres: angle between the orientations (median over views), distance of "
+      "the "
+      "centres relative to the ring radius of the truth's cameras (median)";
+  d["truth.normal_mae_deg"] =
+      "mean angle between our blended, normalised normal and the truth's, over all views with a truth map, pixels with our alpha "
+      ">= 1/2, "
+      "a truth normal, and outside the transparent mask";
+  d["truth.depth_rel"] = "median of |z - z_truth| / z_truth over the same pixels";
+  d["truth.mesh"] = fmt::format(
+      "lengths relative to the diagonal of the truth mesh's bounding box. accuracy = mean distance of our samples to the truth "
+      "mesh, "
+      "completeness = mean distance of the truth's samples to our mesh, chamfer = their mean; fscore = harmonic mean of the "
+      "shares within "
+      "{}. A truth sample counts when it is the first surface in at least 2 views, outside the transparent mask. Our sample "
+      "counts when "
+      "at least 2 views that see it, and more than half of all views that see it, show an opaque surface of the truth mesh at "
+      "its pixel",
+      e.mesh_threshold_rel);
+  return d;
+}
+
+Json truth_json(const TruthScores& t) {
+  Json j = Json::object();
+  if (t.alignment) {
+    std::vector<double> rotation, centre;
+    for (const PoseError& p : t.poses) rotation.push_back(p.rotation_deg), centre.push_back(p.centre_rel);
+    j["pose"] = {{"rotation_deg", median(rotation)},
+                 {"rotation_max_deg", *std::max_element(rotation.begin(), rotation.end())},
+                 {"centre_rel", median(centre)},
+                 {"centre_max_rel", *std::max_element(centre.begin(), centre.end())},
+                 {"views", t.poses.size()},
+                 {"views_in_alignment", t.alignment->used},
+                 {"truth_units_per_scene_unit", t.alignment->truth_from_ours.scale}};
+  }
+  if (t.normal_mae_deg) j["normal_mae_deg"] = *t.normal_mae_deg;
+  if (t.normal_median_deg) j["normal_median_deg"] = *t.normal_median_deg;
+  if (t.object_normal_mae_deg) j["normal_object_mae_deg"] = *t.object_normal_mae_deg;
+  if (t.zdepth_rel) j["depth_rel"] = *t.zdepth_rel;
+  if (t.mesh) {
+    const MeshError& m = *t.mesh;
+    Json& mesh = j["mesh"] = Json::object();
+    if (m.our_samples > 0) mesh["accuracy_rel"] = m.accuracy_rel, mesh["accuracy_median_rel"] = m.accuracy_median_rel;
+    if (m.truth_samples > 0 && std::isfinite(m.completeness_rel))
+      mesh["completeness_rel"] = m.completeness_rel, mesh["completeness_median_rel"] = m.completeness_median_rel;
+    if (mesh.contains("accuracy_rel") && mesh.contains("completeness_rel")) mesh["chamfer_rel"] = m.chamfer_rel;
+    mesh["precision"] = m.precision;
+    mesh["recall"] = m.recall;
+    mesh["fscore"] = m.fscore;
+    mesh["samples"] = {{"ours", m.our_samples}, {"truth", m.truth_samples}};
+    mesh["diagonal"] = m.diagonal;
+  }
+  return j;
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout) {
+  std::vector<double> psnr, ssim;
+  for (const ViewScore& v : e.views)
+    if (v.heldout == heldout) psnr.push_back(v.psnr), ssim.push_back(v.ssim);
+  if (psnr.empty()) return std::nullopt;
+  return MeanScore{mean(psnr), mean(ssim), psnr.size()};
+}
+
+std::string metrics_json(const Evaluation& e) {
+  Json j;
+  j["format"] = "vitrine-metrics 1";
+  for (const auto& [key, heldout] : {std::pair{"heldout", true}, {"train", false}})
+    if (const auto m = mean_score(e, heldout)) j[key] = {{"psnr", m->psnr}, {"ssim", m->ssim}, {"views", m->views}};
+  Json regions = Json::object();
+  for (std::string_view region : kRegions) {
+    std::vector<double> psnr;
+    for (const ViewScore& v : e.views)
+      if (const auto it = v.region_psnr.find(std::string(region)); v.heldout && it != v.region_psnr.end())
+        psnr.push_back(it->second);
+    if (!psnr.empty()) regions[std::string(region)] = {{"psnr", mean(psnr)}, {"views", psnr.size()}};
+  }
+  if (!regions.empty()) j["regions"] = regions;
+  if (e.truth) j["truth"] = truth_json(*e.truth);
+  j["resolution"] = {{"width", e.resolution.width}, {"height", e.resolution.height}, {"max_side", e.split.max_side}};
+  j["views"] = {{"registered", e.registered_views},
+                {"train", e.split.train.size()},
+                {"heldout", e.split.heldout.size()},
+                {"holdout_every", e.split.holdout_every}};
+  j["surfels"] = e.surfels;
+  j["definitions"] = definitions(e);
+  if (!e.not_measured.empty()) j["not_measured"] = e.not_measured;
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string per_view_csv(const Evaluation& e) {
+  std::string csv = "name,set,psnr,ssim";
+  for (std::string_view region : kRegions) csv += fmt::format(",psnr_{}", region);
+  csv += ",rotation_deg,centre_rel,normal_mae_deg,depth_rel\n";
+  const auto number = [](std::optional<double> v) {
+    return v && std::isfinite(*v) ? fmt::format(",{:.6g}", *v) : std::string(",");
+  };
+  for (const ViewScore& v : e.views) {
+    csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim);
+    for (std::string_view region : kRegions) {
+      const auto it = v.region_psnr.find(std::string(region));
+      csv += number(it != v.region_psnr.end() ? std::optional(it->second) : std::nullopt);
+    }
+    csv += number(v.pose ? std::optional(v.pose->rotation_deg) : std::nullopt);
+    csv += number(v.pose ? std::optional(v.pose->centre_rel) : std::nullopt);
+    csv += number(v.normal_mae_deg) + number(v.zdepth_rel) + "\n";
+  }
+  return csv;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,53 @@
+// The figures of one evaluation, and their two files: eval/metrics.json (nested; a figure that could not be measured is absent
+// and `not_measured` says why) and eval/per_view.csv.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "stages/evaluate/alignment.h"
+#include "stages/evaluate/mesh_error.h"
+#include "stages/evaluate/view_split.h"
+
+namespace vitrine {
+
+struct ViewScore {
+  std::string name;
+  bool heldout = false;
+  double psnr = 0, ssim = 0;
+  std::map<std::string, double> region_psnr;
+  std::optional<PoseError> pose;
+  std::optional<double> normal_mae_deg, zdepth_rel;
+};
+
+struct TruthScores {
+  std::optional<Alignment> alignment;
+  std::vector<PoseError> poses;
+  std::optional<double> normal_mae_deg, normal_median_deg, object_normal_mae_deg, zdepth_rel;
+  std::optional<MeshError> mesh;
+};
+
+struct Evaluation {
+  ViewSplit split;
+  size_t registered_views = 0, surfels = 0;
+  Intrinsics resolution;         // of the first scored view, as rendered
+  std::vector<ViewScore> views;  // held-out first, then training views
+  std::optional<TruthScores> truth;
+  double mesh_threshold_rel = 0;
+  int min_region_pixels = 0;
+  std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
+};
+
+struct MeanScore {
+  double psnr = 0, ssim = 0;
+  size_t views = 0;
+};
+std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout);
+std::string metrics_json(const Evaluation& e);
+std::string per_view_csv(const Evaluation& e);
+
+}  // namespace vitrine

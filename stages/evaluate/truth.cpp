@@ -1,0 +1,159 @@
+#include "stages/evaluate/truth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+
+namespace vitrine {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMaxAspectError_px = 2;  // rounding of a reduced map; more means another picture
+constexpr int kMaskSubsamples = 3;        // odd: a majority always exists
+constexpr float kMaskLevel = 0.5f;
+
+// "../photos/img_0001" names the view "img_0001", "x/cam0/a" names "cam0/a"; "img_10" is not "0".
+bool names_view(const std::string& truth_stem, const std::string& stem) {
+  if (truth_stem == stem) return true;
+  return truth_stem.size() > stem.size() && truth_stem.ends_with(stem) && truth_stem[truth_stem.size() - stem.size() - 1] == '/';
+}
+
+ImageF channels_of(const ExrImage& exr, std::initializer_list<std::string_view> names, const fs::path& path) {
+  std::vector<int> indices;
+  for (std::string_view n : names) {
+    const auto it = std::find(exr.channels.begin(), exr.channels.end(), n);
+    if (it != exr.channels.end()) indices.push_back(int(it - exr.channels.begin()));
+  }
+  if (indices.size() != names.size() && exr.channels.size() == names.size()) {  // one plain channel set under other names
+    indices.clear();
+    for (size_t i = 0; i < names.size(); ++i) indices.push_back(int(i));
+  }
+  if (indices.size() != names.size()) {
+    std::string wanted, found;
+    for (std::string_view n : names) wanted += (wanted.empty() ? "" : " ") + std::string(n);
+    for (const std::string& n : exr.channels) found += (found.empty() ? "" : " ") + n;
+    throw Error(ErrorKind::Input, "a truth map lacks channels",
+                {.where = path.string(),
+                 .why = "wanted " + wanted + ", found " + found,
+                 .hint = "write depth as channel Z and normals as X Y Z",
+                 .code = "TRUTH_BAD_MAP"});
+  }
+  ImageF out(exr.pixels.width(), exr.pixels.height(), int(indices.size()));
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x)
+      for (size_t c = 0; c < indices.size(); ++c) {
+        const float v = exr.pixels.at(x, y, indices[c]);
+        out.at(x, y, int(c)) = std::isfinite(v) ? v : 0.f;  // renderers write infinity for the sky
+      }
+  return out;
+}
+
+}  // namespace
+
+Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::move(folder)) {
+  if (!fs::is_directory(folder_))
+    throw Error(ErrorKind::Input, "the truth is not a folder", {.where = folder_.string(), .code = "TRUTH_NOT_A_FOLDER"});
+  cameras_.resize(views.size());
+  for (const View& v : views) stems_.push_back(v.stem());
+  has_transforms_ = fs::exists(transforms_path());
+  if (!has_transforms_) return;
+  for (const View& t : read_transforms_json(transforms_path())) {
+    const std::string stem = t.stem();
+    for (size_t i = 0; i < views.size(); ++i)
+      if (!cameras_[i] && names_view(stem, stems_[i])) cameras_[i] = t;
+  }
+  for (size_t i = 0; i < cameras_.size(); ++i)
+    if (cameras_[i] && (cameras_[i]->intrinsics.width <= 0 || cameras_[i]->intrinsics.height <= 0))
+      throw Error(ErrorKind::Input, "a truth camera has no picture size",
+                  {.where = transforms_path().string(),
+                   .why = "frame " + cameras_[i]->name,
+                   .hint = "give w and h",
+                   .code = "TRUTH_BAD_CAMERA"});
+}
+
+size_t Truth::matched_cameras() const {
+  return size_t(std::count_if(cameras_.begin(), cameras_.end(), [](const auto& c) { return c.has_value(); }));
+}
+
+bool Truth::has_maps(std::string_view kind) const {
+  std::error_code ignored;
+  return !fs::is_empty(folder_ / kind, ignored) && !ignored;
+}
+
+std::optional<fs::path> Truth::mesh_path() const {
+  for (const char* file : {"mesh_opaque.ply", "mesh.ply"})
+    if (fs::exists(folder_ / file)) return folder_ / file;
+  return std::nullopt;
+}
+
+Intrinsics Truth::map_intrinsics(size_t view, const Intrinsics& ours, const ImageF& map, const fs::path& path) const {
+  const Intrinsics& camera = cameras_[view] ? cameras_[view]->intrinsics : ours;
+  const double expected_height = double(map.width()) * camera.height / camera.width;
+  if (std::abs(expected_height - map.height()) > kMaxAspectError_px)
+    throw Error(ErrorKind::Input, "a truth map does not have the shape of its photo",
+                {.where = path.string(),
+                 .why = fmt::format("{}x{}, but the camera is {}x{}", map.width(), map.height(), camera.width, camera.height),
+                 .hint = "truth maps may be smaller than the photo, in the same proportions",
+                 .code = "TRUTH_BAD_MAP"});
+  return camera.scaled_to(map.width(), map.height());
+}
+
+ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours) {
+  ImageF out(ours.width, ours.height, map.channels());
+  for (int y = 0; y < ours.height; ++y)
+    for (int x = 0; x < ours.width; ++x) {
+      const Vec3d d = ours.ray(x + 0.5, y + 0.5);
+      const double u = map_intrinsics.fx * d.x + map_intrinsics.cx, v = map_intrinsics.fy * d.y + map_intrinsics.cy;
+      if (!(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
+      for (int c = 0; c < map.channels(); ++c) out.at(x, y, c) = map.at(int(u), int(v), c);
+    }
+  return out;
+}
+
+std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics) const {
+  const fs::path path = folder_ / "depth" / (stems_[view] + ".exr");
+  if (!fs::exists(path)) return std::nullopt;
+  const ImageF map = channels_of(read_exr(path), {"Z"}, path);
+  return sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics);
+}
+
+std::optional<ImageF> Truth::normal(size_t view, const Intrinsics& intrinsics) const {
+  const fs::path path = folder_ / "normal" / (stems_[view] + ".exr");
+  if (!fs::exists(path)) return std::nullopt;
+  const ImageF map = channels_of(read_exr(path), {"X", "Y", "Z"}, path);
+  ImageF out = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      float* n = out.pixel(x, y);
+      const double len = std::sqrt(double(n[0]) * n[0] + double(n[1]) * n[1] + double(n[2]) * n[2]);
+      const double scale = len > 0.5 ? 1 / len : 0;  // a resampled edge can be short; much shorter is no normal
+      for (int c = 0; c < 3; ++c) n[c] = float(n[c] * scale);
+    }
+  return out;
+}
+
+std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& intrinsics) const {
+  const fs::path path = folder_ / "mask" / name(c) / (stems_[view] + ".png");
+  if (!fs::exists(path)) return std::nullopt;
+  const Image8 grey = read_grey8(path);
+  ImageF map(grey.width(), grey.height(), 1);
+  for (size_t i = 0; i < map.data().size(); ++i) map.data()[i] = float(grey.data()[i]) / 255.f;
+  // Area vote: nearest samples on a 3x3 grid inside each of our pixels, so that thin parts survive a coarser render.
+  const Intrinsics fine = intrinsics.scaled_to(intrinsics.width * kMaskSubsamples, intrinsics.height * kMaskSubsamples);
+  const ImageF votes = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), fine);
+  ImageF out(intrinsics.width, intrinsics.height, 1);
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      float sum = 0;
+      for (int j = 0; j < kMaskSubsamples; ++j)
+        for (int i = 0; i < kMaskSubsamples; ++i) sum += votes.at(x * kMaskSubsamples + i, y * kMaskSubsamples + j);
+      out.at(x, y) = sum > kMaskLevel * kMaskSubsamples * kMaskSubsamples ? 1.f : 0.f;
+    }
+  return out;
+}
+
+}  // namespace vitrine

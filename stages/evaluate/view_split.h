@@ -1,0 +1,19 @@
+// optimize/views.json: which views were trained on, which were held out, and how large they were.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/camera/view.h"
+
+namespace vitrine {
+
+struct ViewSplit {
+  int holdout_every = 0;
+  int max_side = 0;                    // longest side in training, pixels; 0 = as the photos
+  std::vector<size_t> train, heldout;  // indices into the views
+};
+// Throws Error{Input} when the file is broken or names a view that the capture does not have.
+ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<View>& views);
+
+}  // namespace vitrine
