@@ -1,5 +1,7 @@
 #include "core/render/raster_desc.h"
 
+#include <algorithm>
+
 namespace vitrine {
 
 bool produces(const RasterDesc& desc, Aov aov) {
@@ -13,14 +15,19 @@ bool produces(const RasterDesc& desc, Aov aov) {
   return end <= feature_count(desc.features);
 }
 
-void RasterImages::reset(const RasterDesc& desc) {
+void RasterImages::resize(const RasterDesc& desc) {
   width = desc.intrinsics.width;
   height = desc.intrinsics.height;
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   for (const AovRow& r : kAovs) {
     auto& plane = planes[static_cast<size_t>(r.id)];
-    plane.assign(produces(desc, r.id) ? static_cast<size_t>(r.width) * pixels : 0, 0.f);
+    plane.resize(produces(desc, r.id) ? static_cast<size_t>(r.width) * pixels : 0);
   }
+}
+
+void RasterImages::reset(const RasterDesc& desc) {
+  resize(desc);
+  for (auto& plane : planes) std::fill(plane.begin(), plane.end(), 0.f);
 }
 
 }  // namespace vitrine

@@ -31,7 +31,9 @@ struct RasterImages {
   std::array<std::vector<float>, kAovCount> planes;  // [width(aov) * h * w]
   std::span<float> plane(Aov a) { return planes[static_cast<size_t>(a)]; }
   std::span<const float> plane(Aov a) const { return planes[static_cast<size_t>(a)]; }
-  // Sizes the planes for `desc` and sets them to zero.
+  // Sizes the planes for `desc`; the values are whatever they were (zero when new).
+  void resize(const RasterDesc& desc);
+  // The same, and sets all to zero.
   void reset(const RasterDesc& desc);
 };
 

@@ -3,6 +3,7 @@
 // exact depth order per pixel, ties by surfel index. README.md in this folder teaches the mathematics.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,14 @@ struct BackwardInput {
   std::span<const float> error_image = {};  // [h, w] or empty
 };
 
+// Work of the last forward(). A fragment is one pixel of one surfel with alpha >= 1/255 that was evaluated.
+struct RasterCounts {
+  uint64_t surfels = 0;    // visible
+  uint64_t instances = 0;  // (tile, surfel) pairs
+  uint64_t fragments = 0;
+  uint64_t lanes = 0;  // pixels evaluated to find the fragments
+};
+
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -31,6 +40,7 @@ class Renderer {
   virtual void forward(const SplatLayer& layer, const RasterDesc& desc, RasterImages& out) = 0;
   // Adds gradients of the last forward() to `grad` (same shape as the layer, raw values) and, if given, to `statistics`.
   virtual void backward(const BackwardInput& input, SplatLayer& grad, SurfelStatistics* statistics) = 0;
+  virtual RasterCounts counts() const = 0;
   virtual std::string_view name() const = 0;
   // Goes into cache keys: results of different tags may differ in the last bits ("reference", "cpu-avx2", "cpu-avx512").
   virtual std::string_view numerics_tag() const = 0;

@@ -31,6 +31,7 @@ struct ThreadScratch {
 struct TileLists {  // what forward keeps of a tile
   std::vector<ListEntry> entries;
   std::array<uint32_t, kBlocks + 1> offset{};
+  std::array<uint32_t, 2> fragments{};
 };
 
 template <class Layer>
@@ -79,6 +80,7 @@ class CpuRenderer final : public Renderer {
 
   void forward(const SplatLayer& layer, const RasterDesc& desc, RasterImages& out) override;
   void backward(const BackwardInput& input, SplatLayer& grad, SurfelStatistics* statistics) override;
+  RasterCounts counts() const override;
   std::string_view name() const override { return "cpu"; }
   std::string_view numerics_tag() const override { return passes_.tag; }
 
@@ -149,7 +151,7 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
   const size_t tiles = binning_.tile_count();
   lists_.resize(tiles);
   kept_.resize(tiles * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels()));
-  out.reset(desc);
+  out.resize(desc);
   parallel_for(tiles, 1, [&](size_t tile) {
     ThreadScratch& scratch = thread_scratch();
     TileTask task = tile_task(tile, scratch, passes_.forward_slot_bytes);
@@ -159,8 +161,10 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
     task.lists = scratch.lists.data();
     task.list_offset = offset.data();
     task.list_size = size.data();
-    passes_.forward_tile(view_, task);
     TileLists& keep = lists_[tile];
+    keep.fragments = {};
+    task.fragments = keep.fragments.data();
+    passes_.forward_tile(view_, task);
     keep.entries.clear();
     for (size_t b = 0; b < kBlocks; ++b) {
       keep.offset[b] = static_cast<uint32_t>(keep.entries.size());
@@ -171,39 +175,61 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
   });
 }
 
+RasterCounts CpuRenderer::counts() const {
+  RasterCounts c;
+  if (layer_ == nullptr) return c;
+  c.surfels = visible_.size();
+  c.instances = binning_.instance_count();
+  for (const TileLists& tile : lists_) {
+    c.fragments += tile.fragments[0];
+    c.lanes += static_cast<uint64_t>(tile.fragments[1]) * kLanes;
+  }
+  return c;
+}
+
 // Blocks -> rows of the image planes, background behind the colour.
 void CpuRenderer::write_tile(const TileTask& task, RasterImages& out) const {
   const size_t width = static_cast<size_t>(view_.width), stride = width * static_cast<size_t>(view_.height);
   const size_t features = static_cast<size_t>(view_.features), channels = static_cast<size_t>(view_.kept_channels());
   const float k = distortion_scale(view_.near_z, view_.far_z);
   std::array<float*, kMaxFeatures> planes{};
+  const std::array<float*, 3> geometric{out.plane(Aov::ZDepth).data(), out.plane(Aov::Alpha).data(),
+                                        out.plane(Aov::MedianZ).data()};
+  float* distortion = out.plane(Aov::Distortion).data();
   size_t feature = 0;
   for (const AovRow& r : kAovs)
     for (size_t c = 0; r.feature && feature < features && c < static_cast<size_t>(r.width); ++c)
       planes[feature++] = out.plane(r.id).data() + c * stride;
-  for (size_t block = 0; block < kBlocks; ++block) {
+  const auto write_block = [&](size_t block, size_t x, size_t y, size_t columns, size_t rows) {
     const float* kept = task.kept + block * channels * kLanes;
     const float* alpha = kept + (features + 1) * kLanes;
-    const size_t x = static_cast<size_t>(task.x0) + block % kBlockSide * kBlockSide;
-    for (size_t r = 0; r < kBlockSide; ++r) {
-      const size_t y = static_cast<size_t>(task.y0) + block / kBlockSide * kBlockSide + r;
-      if (y >= static_cast<size_t>(view_.height) || x >= width) continue;
-      const size_t columns = std::min<size_t>(kBlockSide, width - x), lane = r * kBlockSide, to = y * width + x;
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t lane = r * kBlockSide, to = (y + r) * width + x;
       const auto copy = [&](float* plane, size_t channel) {
-        std::memcpy(plane + to, kept + channel * kLanes + lane, columns * sizeof(float));
+        for (size_t i = 0; i < columns; ++i) plane[to + i] = kept[channel * kLanes + lane + i];
       };
-      for (size_t c = 0; c < features; ++c) copy(planes[c], c);
       for (size_t c = 0; c < 3; ++c)
-        for (size_t i = 0; i < columns; ++i) planes[c][to + i] += (1.f - alpha[lane + i]) * view_.background[c];
-      copy(out.plane(Aov::ZDepth).data(), features);
-      copy(out.plane(Aov::Alpha).data(), features + 1);
-      copy(out.plane(Aov::MedianZ).data(), features + 2);
+        for (size_t i = 0; i < columns; ++i)
+          planes[c][to + i] = kept[c * kLanes + lane + i] + (1.f - alpha[lane + i]) * view_.background[c];
+      for (size_t c = 3; c < features; ++c) copy(planes[c], c);
+      for (size_t c = 0; c < geometric.size(); ++c) copy(geometric[c], features + c);
       for (size_t i = 0; desc_.distortion && i < columns; ++i) {
         const float a = alpha[lane + i], q1 = kept[(features + 3) * kLanes + lane + i],
                     q2 = kept[(features + 4) * kLanes + lane + i];
-        out.plane(Aov::Distortion)[to + i] = k * k * std::max(0.f, a * q2 - q1 * q1);
+        distortion[to + i] = k * k * std::max(0.f, a * q2 - q1 * q1);
       }
     }
+  };
+  for (size_t block = 0; block < kBlocks; ++block) {
+    const size_t x = static_cast<size_t>(task.x0) + block % kBlockSide * kBlockSide;
+    const size_t y = static_cast<size_t>(task.y0) + block / kBlockSide * kBlockSide;
+    const size_t height = static_cast<size_t>(view_.height);
+    if (x >= width || y >= height) continue;
+    // Constant sizes for nearly all blocks: the copies become single instructions.
+    if (x + kBlockSide <= width && y + kBlockSide <= height)
+      write_block(block, x, y, kBlockSide, kBlockSide);
+    else
+      write_block(block, x, y, std::min<size_t>(kBlockSide, width - x), std::min<size_t>(kBlockSide, height - y));
   }
 }
 

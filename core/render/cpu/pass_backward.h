@@ -9,7 +9,7 @@ struct alignas(64) PendingGradient : PendingFragment {
   F16 front;       // sum of w V in front of it
   uint32_t local;  // index within the tile: where its record is
 
-  F16 contribution() const { return blend_weight(alpha, transmittance) * value; }
+  VITRINE_INLINE F16 contribution() const { return blend_weight(alpha, transmittance) * value; }
 };
 
 template <int F>
@@ -84,14 +84,14 @@ struct BackwardBlock {
   F16 row_y;                 // pixel centre's row relative to the tile
   F16 transmittance, front;  // of all final fragments
 
-  F16 value_of(const PendingGradient& p) const {
+  VITRINE_INLINE F16 value_of(const PendingGradient& p) const {
     F16 value = g.weight + p.z * g.zdepth;
     for (int c = 0; c < F; ++c) value += F16(p.splat->features[c]) * g.features[c];
     if constexpr (kDistortion) value += g.spread * g.sums.weight_slope(reciprocal(p.z) - g.pivot);
     return value;
   }
 
-  void finish(const PendingGradient& p, const F16& contribution) {
+  VITRINE_INLINE void finish(const PendingGradient& p, const F16& contribution) {
     const F16 w = blend_weight(p.alpha, p.transmittance);
     const F16 behind = g.total - p.front - contribution;
     const F16 grad_alpha = blend_vjp(p.transmittance, p.value, behind, reciprocal(p.transparency));
@@ -108,7 +108,7 @@ struct BackwardBlock {
 
   // Sums over the sixteen pixels. Features: broadcasting each pixel's weight against its row of gradients needs no shuffles.
   // Moments: columns first, then rows, four quantities at a time.
-  void add_to_record(const SampleGrad<F16>& s, const F16& w, float* record) const {
+  VITRINE_INLINE void add_to_record(const SampleGrad<F16>& s, const F16& w, float* record) const {
     alignas(64) float weight[kLanes];
     store(weight, w);
     F16 sum[4];

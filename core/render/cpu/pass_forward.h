@@ -33,13 +33,13 @@ struct alignas(64) PendingFragment {
 };
 
 // Lanes in which `a` lies in front of `b`: by (z, id).
-inline M16 in_front(const PendingFragment& a, const PendingFragment& b) {
+VITRINE_INLINE M16 in_front(const PendingFragment& a, const PendingFragment& b) {
   const F16* limit = a.id < b.id ? &b.z : &b.z_below;
   return a.z <= *limit;
 }
 
 // A new fragment meets a pending one: each dims the other where it lies in front of it.
-inline void settle_pair(PendingFragment& a, PendingFragment& b) {
+VITRINE_INLINE void settle_pair(PendingFragment& a, PendingFragment& b) {
   const M16 a_first = in_front(a, b);
   a.transmittance = select(a_first, a.transmittance, a.transmittance * b.transparency);
   b.transmittance = select(a_first, b.transmittance * a.transparency, b.transmittance);
@@ -71,7 +71,7 @@ struct ForwardBlock {
   F16 zdepth, alpha, median_z, q1, q2, pivot;
   F16 transmittance;  // of all final fragments
 
-  void finish(PendingFragment& p) {
+  VITRINE_INLINE void finish(const PendingFragment& p) {
     const F16 w = blend_weight(p.alpha, p.transmittance);
     for (int c = 0; c < F; ++c) features[c] += w * F16(p.splat->features[c]);
     zdepth += w * p.z;
@@ -95,6 +95,7 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   const uint32_t size = task.list_size[block];
   PendingSet<PendingFragment> pending(task.slots, task.pending, size);
   if (kDistortion && size > 0) out.pivot = F16(1.f / list[0].z_min);
+  uint32_t fragments = 0, vectors = 0;
   for (uint32_t e = 0; e < size; ++e) {
     const ListEntry& entry = list[e];
     for (uint32_t i = 0; i < pending.size;) {
@@ -109,7 +110,10 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
     if (!any(out.transmittance >= F16(float(kMinTransmittance)))) break;
     const RasterSplat& splat = task.local[entry.local];
     const SplatSample<F16> sample = splat_sample(splat.constants, place.px, place.py);
-    if (!any(sample.counts)) continue;
+    const uint32_t hits = bits(sample.counts);
+    ++vectors;
+    fragments += static_cast<uint32_t>(__builtin_popcount(hits));
+    if (hits == 0) continue;
     PendingFragment& fragment = pending.free_slot();
     fragment.alpha = sample.alpha;
     fragment.transparency = F16(1.f) - sample.alpha;
@@ -124,6 +128,8 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   }
   for (uint32_t i = 0; i < pending.size; ++i) out.finish(pending[i]);
 
+  task.fragments[0] += fragments;
+  task.fragments[1] += vectors;
   float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;
   for (int c = 0; c < F; ++c) store(kept + c * kLanes, out.features[c]);
   store(kept + F * kLanes, out.zdepth);

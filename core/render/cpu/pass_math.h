@@ -3,7 +3,7 @@
 
 namespace vitrine::VITRINE_SIMD {
 
-inline F16 exp2_of(F16 x) {
+VITRINE_INLINE F16 exp2_of(F16 x) {
   x = min(max(x, F16(-126.f)), F16(126.f));
   const F16 whole = round_nearest(x), f = x - whole;
   F16 p(1.33908634e-3f);
@@ -15,10 +15,10 @@ inline F16 exp2_of(F16 x) {
   return scale_by_power(p, whole);
 }
 inline constexpr float kLog2E = 1.44269504f;
-inline F16 exp(F16 x) { return exp2_of(x * F16(kLog2E)); }
-inline F16 gaussian(F16 rho) { return exp2_of(rho * F16(-0.5f * kLog2E)); }
+VITRINE_INLINE F16 exp(F16 x) { return exp2_of(x * F16(kLog2E)); }
+VITRINE_INLINE F16 gaussian(F16 rho) { return exp2_of(rho * F16(-0.5f * kLog2E)); }
 // Natural logarithm of positive normal values.
-inline F16 log_of(F16 x) {
+VITRINE_INLINE F16 log_of(F16 x) {
   const F16 m = mantissa(x) - F16(1.5f);
   F16 p(2.98087652e-2f);
   p = p * m + F16(-5.54352845e-2f);
@@ -28,6 +28,6 @@ inline F16 log_of(F16 x) {
   p = p * m + F16(4.05456972e-1f);
   return p + exponent(x) * F16(0.693147181f);
 }
-inline F16 clamp(F16 x, F16 low, F16 high) { return min(max(x, low), high); }
+VITRINE_INLINE F16 clamp(F16 x, F16 low, F16 high) { return min(max(x, low), high); }
 
 }  // namespace vitrine::VITRINE_SIMD

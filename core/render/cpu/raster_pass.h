@@ -71,7 +71,8 @@ struct TileTask {
   uint32_t* list_offset;  // [kBlocks + 1]: begin of each list in `lists`
   uint32_t* list_size;    // [kBlocks]
   unsigned char* slots;   // [count] of the pass's own slot type
-  uint32_t* pending;      // [2 * count]
+  uint32_t* fragments;    // [2] out: fragments, vectors evaluated
+  uint32_t* pending;      // [count]
 };
 
 struct TileGradients {

@@ -4,6 +4,8 @@
 #include <immintrin.h>
 #include <stdint.h>
 
+#include "core/render/kernels/scalar_ops.h"
+
 namespace vitrine::avx2 {
 
 struct M16 {
@@ -15,11 +17,11 @@ struct M16 {
     return {_mm256_xor_ps(a, ones), _mm256_xor_ps(b, ones)};
   }
 };
-inline uint32_t bits(M16 m) {
+VITRINE_INLINE uint32_t bits(M16 m) {
   return static_cast<uint32_t>(_mm256_movemask_ps(m.a)) | static_cast<uint32_t>(_mm256_movemask_ps(m.b)) << 8;
 }
-inline bool any(M16 m) { return _mm256_movemask_ps(_mm256_or_ps(m.a, m.b)) != 0; }
-inline M16 mask_from_bits(uint32_t b) {
+VITRINE_INLINE bool any(M16 m) { return _mm256_movemask_ps(_mm256_or_ps(m.a, m.b)) != 0; }
+VITRINE_INLINE M16 mask_from_bits(uint32_t b) {
   const __m256i low = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128), high = _mm256_slli_epi32(low, 8);
   const __m256i all = _mm256_set1_epi32(static_cast<int>(b));
   return {_mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(all, low), low)),
@@ -45,52 +47,54 @@ struct F16 {
   friend M16 operator>=(F16 x, F16 y) { return {_mm256_cmp_ps(x.a, y.a, _CMP_GE_OQ), _mm256_cmp_ps(x.b, y.b, _CMP_GE_OQ)}; }
   friend M16 operator==(F16 x, F16 y) { return {_mm256_cmp_ps(x.a, y.a, _CMP_EQ_OQ), _mm256_cmp_ps(x.b, y.b, _CMP_EQ_OQ)}; }
 };
-inline F16 load(const float* p) { return {_mm256_load_ps(p), _mm256_load_ps(p + 8)}; }
-inline void store(float* p, F16 x) {
+VITRINE_INLINE F16 load(const float* p) { return {_mm256_load_ps(p), _mm256_load_ps(p + 8)}; }
+VITRINE_INLINE void store(float* p, F16 x) {
   _mm256_store_ps(p, x.a);
   _mm256_store_ps(p + 8, x.b);
 }
 struct I16 {
   __m256i a, b;
 };
-inline F16 gather(const float* base, I16 i) { return {_mm256_i32gather_ps(base, i.a, 4), _mm256_i32gather_ps(base, i.b, 4)}; }
-inline F16 iota() { return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)}; }
-inline F16 select(M16 m, F16 x, F16 y) { return {_mm256_blendv_ps(y.a, x.a, m.a), _mm256_blendv_ps(y.b, x.b, m.b)}; }
-inline F16 min(F16 x, F16 y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
-inline F16 max(F16 x, F16 y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
-inline F16 sqrt(F16 x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
-inline F16 reciprocal(F16 x) {
+VITRINE_INLINE F16 gather(const float* base, I16 i) {
+  return {_mm256_i32gather_ps(base, i.a, 4), _mm256_i32gather_ps(base, i.b, 4)};
+}
+VITRINE_INLINE F16 iota() { return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)}; }
+VITRINE_INLINE F16 select(M16 m, F16 x, F16 y) { return {_mm256_blendv_ps(y.a, x.a, m.a), _mm256_blendv_ps(y.b, x.b, m.b)}; }
+VITRINE_INLINE F16 min(F16 x, F16 y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
+VITRINE_INLINE F16 max(F16 x, F16 y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
+VITRINE_INLINE F16 sqrt(F16 x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
+VITRINE_INLINE F16 reciprocal(F16 x) {
   const F16 r{_mm256_rcp_ps(x.a), _mm256_rcp_ps(x.b)};
   return r * (F16(2.f) - x * r);
 }
-inline F16 next_below(F16 x) {
+VITRINE_INLINE F16 next_below(F16 x) {
   const __m256i one = _mm256_set1_epi32(1);
   return {_mm256_castsi256_ps(_mm256_sub_epi32(_mm256_castps_si256(x.a), one)),
           _mm256_castsi256_ps(_mm256_sub_epi32(_mm256_castps_si256(x.b), one))};
 }
-inline F16 round_nearest(F16 x) {
+VITRINE_INLINE F16 round_nearest(F16 x) {
   constexpr int kMode = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
   return {_mm256_round_ps(x.a, kMode), _mm256_round_ps(x.b, kMode)};
 }
-inline __m256 power_of_two(__m256 e) {
+VITRINE_INLINE __m256 power_of_two(__m256 e) {
   return _mm256_castsi256_ps(_mm256_slli_epi32(_mm256_add_epi32(_mm256_cvtps_epi32(e), _mm256_set1_epi32(127)), 23));
 }
-inline F16 scale_by_power(F16 x, F16 e) { return x * F16(power_of_two(e.a), power_of_two(e.b)); }
-inline __m256 exponent8(__m256 x) {
+VITRINE_INLINE F16 scale_by_power(F16 x, F16 e) { return x * F16(power_of_two(e.a), power_of_two(e.b)); }
+VITRINE_INLINE __m256 exponent8(__m256 x) {
   return _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_srli_epi32(_mm256_castps_si256(x), 23), _mm256_set1_epi32(127)));
 }
-inline F16 exponent(F16 x) { return {exponent8(x.a), exponent8(x.b)}; }
-inline __m256 mantissa8(__m256 x) {
+VITRINE_INLINE F16 exponent(F16 x) { return {exponent8(x.a), exponent8(x.b)}; }
+VITRINE_INLINE __m256 mantissa8(__m256 x) {
   const __m256 fraction = _mm256_and_ps(x, _mm256_castsi256_ps(_mm256_set1_epi32(0x007fffff)));
   return _mm256_or_ps(fraction, _mm256_set1_ps(1.f));
 }
-inline F16 mantissa(F16 x) { return {mantissa8(x.a), mantissa8(x.b)}; }
-inline F16 absolute(F16 x) {
+VITRINE_INLINE F16 mantissa(F16 x) { return {mantissa8(x.a), mantissa8(x.b)}; }
+VITRINE_INLINE F16 absolute(F16 x) {
   const __m256 keep = _mm256_castsi256_ps(_mm256_set1_epi32(0x7fffffff));
   return {_mm256_and_ps(x.a, keep), _mm256_and_ps(x.b, keep)};
 }
 
-inline void columns_of8(__m256 a, __m256 b, __m256 c, __m256 d, __m256 out[4]) {
+VITRINE_INLINE void columns_of8(__m256 a, __m256 b, __m256 c, __m256 d, __m256 out[4]) {
   const __m256d t0 = _mm256_castps_pd(_mm256_unpacklo_ps(a, b)), t1 = _mm256_castps_pd(_mm256_unpackhi_ps(a, b));
   const __m256d t2 = _mm256_castps_pd(_mm256_unpacklo_ps(c, d)), t3 = _mm256_castps_pd(_mm256_unpackhi_ps(c, d));
   out[0] = _mm256_castpd_ps(_mm256_unpacklo_pd(t0, t2));
@@ -98,28 +102,28 @@ inline void columns_of8(__m256 a, __m256 b, __m256 c, __m256 d, __m256 out[4]) {
   out[2] = _mm256_castpd_ps(_mm256_unpacklo_pd(t1, t3));
   out[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(t1, t3));
 }
-inline void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
+VITRINE_INLINE void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   __m256 low[4], high[4];
   columns_of8(a.a, b.a, c.a, d.a, low);
   columns_of8(a.b, b.b, c.b, d.b, high);
   for (int j = 0; j < 4; ++j) out[j] = F16(low[j], high[j]);
 }
-inline F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
+VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   const __m256 sa = a.a + a.b, sb = b.a + b.b, sc = c.a + c.b, sd = d.a + d.b;
   return {_mm256_permute2f128_ps(sa, sb, 0x20) + _mm256_permute2f128_ps(sa, sb, 0x31),
           _mm256_permute2f128_ps(sc, sd, 0x20) + _mm256_permute2f128_ps(sc, sd, 0x31)};
 }
-inline I16 lane_indices(int first, int last, int stride) {
+VITRINE_INLINE I16 lane_indices(int first, int last, int stride) {
   const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), end = _mm256_set1_epi32(last), s = _mm256_set1_epi32(stride);
   const __m256i i = _mm256_add_epi32(_mm256_set1_epi32(first), lane), j = _mm256_add_epi32(i, _mm256_set1_epi32(8));
   return {_mm256_mullo_epi32(_mm256_min_epi32(i, end), s), _mm256_mullo_epi32(_mm256_min_epi32(j, end), s)};
 }
-inline I16 load_indices(const uint32_t* p, int stride) {
+VITRINE_INLINE I16 load_indices(const uint32_t* p, int stride) {
   const __m256i s = _mm256_set1_epi32(stride);
   return {_mm256_mullo_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)), s),
           _mm256_mullo_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p + 8)), s)};
 }
-inline I16 shifted(I16 x, int by) {
+VITRINE_INLINE I16 shifted(I16 x, int by) {
   const __m256i s = _mm256_set1_epi32(by);
   return {_mm256_add_epi32(x.a, s), _mm256_add_epi32(x.b, s)};
 }

@@ -5,6 +5,8 @@
 #include <immintrin.h>
 #include <stdint.h>
 
+#include "core/render/kernels/scalar_ops.h"
+
 namespace vitrine::avx512 {
 
 struct M16 {
@@ -13,9 +15,9 @@ struct M16 {
   friend M16 operator|(M16 a, M16 b) { return {static_cast<__mmask16>(a.m | b.m)}; }
   M16 operator~() const { return {static_cast<__mmask16>(~m)}; }
 };
-inline bool any(M16 a) { return a.m != 0; }
-inline uint32_t bits(M16 a) { return a.m; }
-inline M16 mask_from_bits(uint32_t b) { return {static_cast<__mmask16>(b)}; }
+VITRINE_INLINE bool any(M16 a) { return a.m != 0; }
+VITRINE_INLINE uint32_t bits(M16 a) { return a.m; }
+VITRINE_INLINE M16 mask_from_bits(uint32_t b) { return {static_cast<__mmask16>(b)}; }
 
 struct F16 {
   __m512 v;
@@ -36,32 +38,32 @@ struct F16 {
   friend M16 operator>=(F16 a, F16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
   friend M16 operator==(F16 a, F16 b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ)}; }
 };
-inline F16 load(const float* p) { return _mm512_load_ps(p); }
-inline void store(float* p, F16 a) { _mm512_store_ps(p, a.v); }
-inline F16 gather(const float* base, __m512i index) { return _mm512_i32gather_ps(index, base, 4); }
-inline F16 iota() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
-inline F16 select(M16 m, F16 a, F16 b) { return _mm512_mask_blend_ps(m.m, b.v, a.v); }
-inline F16 min(F16 a, F16 b) { return _mm512_min_ps(a.v, b.v); }
-inline F16 max(F16 a, F16 b) { return _mm512_max_ps(a.v, b.v); }
-inline F16 sqrt(F16 a) { return _mm512_sqrt_ps(a.v); }
+VITRINE_INLINE F16 load(const float* p) { return _mm512_load_ps(p); }
+VITRINE_INLINE void store(float* p, F16 a) { _mm512_store_ps(p, a.v); }
+VITRINE_INLINE F16 gather(const float* base, __m512i index) { return _mm512_i32gather_ps(index, base, 4); }
+VITRINE_INLINE F16 iota() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
+VITRINE_INLINE F16 select(M16 m, F16 a, F16 b) { return _mm512_mask_blend_ps(m.m, b.v, a.v); }
+VITRINE_INLINE F16 min(F16 a, F16 b) { return _mm512_min_ps(a.v, b.v); }
+VITRINE_INLINE F16 max(F16 a, F16 b) { return _mm512_max_ps(a.v, b.v); }
+VITRINE_INLINE F16 sqrt(F16 a) { return _mm512_sqrt_ps(a.v); }
 // rcp14 and one Newton step: 1 ulp or so.
-inline F16 reciprocal(F16 a) {
+VITRINE_INLINE F16 reciprocal(F16 a) {
   const F16 r = _mm512_rcp14_ps(a.v);
   return r * (F16(2.f) - a * r);
 }
-inline F16 next_below(F16 a) {  // of positive finite values
+VITRINE_INLINE F16 next_below(F16 a) {  // of positive finite values
   return _mm512_castsi512_ps(_mm512_sub_epi32(_mm512_castps_si512(a.v), _mm512_set1_epi32(1)));
 }
-inline F16 round_nearest(F16 a) { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC); }
-inline F16 scale_by_power(F16 a, F16 e) { return _mm512_scalef_ps(a.v, e.v); }  // a 2^e, e integral
-inline F16 exponent(F16 a) { return _mm512_getexp_ps(a.v); }
-inline F16 mantissa(F16 a) { return _mm512_getmant_ps(a.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_src); }
+VITRINE_INLINE F16 round_nearest(F16 a) { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC); }
+VITRINE_INLINE F16 scale_by_power(F16 a, F16 e) { return _mm512_scalef_ps(a.v, e.v); }  // a 2^e, e integral
+VITRINE_INLINE F16 exponent(F16 a) { return _mm512_getexp_ps(a.v); }
+VITRINE_INLINE F16 mantissa(F16 a) { return _mm512_getmant_ps(a.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_src); }
 // Lane by lane: |a| with the sign bit cleared.
-inline F16 absolute(F16 a) { return _mm512_abs_ps(a.v); }
+VITRINE_INLINE F16 absolute(F16 a) { return _mm512_abs_ps(a.v); }
 
 // A register is four rows of four columns. Turns four registers (one quantity each) into four (one column each), rows kept:
 // out[j] row r = (a, b, c, d) at row r, column j.
-inline void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
+VITRINE_INLINE void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   const __m512d t0 = _mm512_castps_pd(_mm512_unpacklo_ps(a.v, b.v)), t1 = _mm512_castps_pd(_mm512_unpackhi_ps(a.v, b.v));
   const __m512d t2 = _mm512_castps_pd(_mm512_unpacklo_ps(c.v, d.v)), t3 = _mm512_castps_pd(_mm512_unpackhi_ps(c.v, d.v));
   out[0] = _mm512_castpd_ps(_mm512_unpacklo_pd(t0, t2));
@@ -70,20 +72,20 @@ inline void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   out[3] = _mm512_castpd_ps(_mm512_unpackhi_pd(t1, t3));
 }
 // Row k of the result is the sum over the rows of argument k.
-inline F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
+VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   const __m512 ab = _mm512_shuffle_f32x4(a.v, b.v, 0x44) + _mm512_shuffle_f32x4(a.v, b.v, 0xEE);
   const __m512 cd = _mm512_shuffle_f32x4(c.v, d.v, 0x44) + _mm512_shuffle_f32x4(c.v, d.v, 0xEE);
   return _mm512_shuffle_f32x4(ab, cd, 0x88) + _mm512_shuffle_f32x4(ab, cd, 0xDD);
 }
 using I16 = __m512i;
-inline I16 lane_indices(int first, int last, int stride) {  // stride * min(first + lane, last)
+VITRINE_INLINE I16 lane_indices(int first, int last, int stride) {  // stride * min(first + lane, last)
   const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m512i i = _mm512_min_epi32(_mm512_add_epi32(_mm512_set1_epi32(first), lane), _mm512_set1_epi32(last));
   return _mm512_mullo_epi32(i, _mm512_set1_epi32(stride));
 }
-inline I16 load_indices(const uint32_t* p, int stride) {
+VITRINE_INLINE I16 load_indices(const uint32_t* p, int stride) {
   return _mm512_mullo_epi32(_mm512_loadu_si512(p), _mm512_set1_epi32(stride));
 }
-inline I16 shifted(I16 a, int by) { return _mm512_add_epi32(a, _mm512_set1_epi32(by)); }
+VITRINE_INLINE I16 shifted(I16 a, int by) { return _mm512_add_epi32(a, _mm512_set1_epi32(by)); }
 
 }  // namespace vitrine::avx512

@@ -13,7 +13,7 @@
 namespace vitrine {
 
 template <class T>
-T blend_weight(const T& alpha, const T& transmittance) {
+VITRINE_INLINE T blend_weight(const T& alpha, const T& transmittance) {
   return select(transmittance >= T(kMinTransmittance), alpha * transmittance, T(0));
 }
 
@@ -40,7 +40,7 @@ struct DistortionSums {
 // L = sum_j w_j V_j with w_j = alpha_j prod_{front}(1 - alpha): dL/d alpha_i = T_i V_i - (sum_{j behind i} w_j V_j)/(1 -
 // alpha_i), nothing where the fragment was not blended.
 template <class T>
-T blend_vjp(const T& transmittance, const T& value, const T& behind, const T& inv_transparency) {
+VITRINE_INLINE T blend_vjp(const T& transmittance, const T& value, const T& behind, const T& inv_transparency) {
   return select(transmittance >= T(kMinTransmittance), transmittance * value - behind * inv_transparency, T(0));
 }
 

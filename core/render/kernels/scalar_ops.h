@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+// The per-fragment kernels return structs of SIMD registers: out of line they would travel through memory.
+#define VITRINE_INLINE inline __attribute__((always_inline))
+
 namespace vitrine {
 
 template <class T>

@@ -35,7 +35,7 @@ struct SplatConstants {
 };
 
 template <class T, class P>
-SplatSample<T> splat_sample(const SplatConstants<P>& s, const T& px, const T& py) {
+VITRINE_INLINE SplatSample<T> splat_sample(const SplatConstants<P>& s, const T& px, const T& py) {
   SplatSample<T> f;
   f.dx = px - T(s.map.cx);
   f.dy = py - T(s.map.cy);
@@ -64,7 +64,7 @@ struct SampleGrad {
 };
 
 template <class T>
-SampleGrad<T> splat_sample_vjp(const SplatSample<T>& f, const T& grad_alpha, const T& grad_z) {
+VITRINE_INLINE SampleGrad<T> splat_sample_vjp(const SplatSample<T>& f, const T& grad_alpha, const T& grad_z) {
   SampleGrad<T> g;
   const T zero(0);
   g.weight = select(f.free & f.counts, f.alpha * grad_alpha, zero);

@@ -43,7 +43,11 @@ class ReferenceRenderer final : public Renderer {
       surfels_.push_back(screen_surfel(values_[i], view_));
     }
     out.reset(desc);
+    counts_ = {};
+    for (const auto& s : surfels_) counts_.surfels += s.visible;
     for_each_pixel([&](size_t at) {
+      counts_.fragments += fragments_.size();
+      counts_.lanes += counts_.surfels;
       const PixelValues<double> pixel = blend_pixel(surfels_, fragments_, view_, background_);
       visit_planes(pixel, out, desc_, at, [](double value, float& plane) { plane = static_cast<float>(value); });
     });
@@ -74,6 +78,7 @@ class ReferenceRenderer final : public Renderer {
     }
   }
 
+  RasterCounts counts() const override { return counts_; }
   std::string_view name() const override { return "reference"; }
   std::string_view numerics_tag() const override { return "reference"; }
 
@@ -89,6 +94,7 @@ class ReferenceRenderer final : public Renderer {
 
   const SplatLayer* layer_ = nullptr;
   RasterDesc desc_;
+  RasterCounts counts_;
   SceneCamera<double> view_;
   Vec3d background_;
   std::vector<SurfelValues<double>> values_;
