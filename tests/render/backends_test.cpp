@@ -59,19 +59,19 @@ TEST_P(Backends, AgreesWithTheReferenceOnEveryTinyScene) {
       ASSERT_EQ(e.size(), a.size());
       double worst = 0;
       for (size_t i = 0; i < e.size(); ++i) worst = std::max(worst, double(std::abs(e[i] - a[i])));
-      EXPECT_LT(worst, 5e-5) << r.name;
+      EXPECT_LT(worst, 2e-5) << r.name;
       worst_image = std::max(worst_image, worst);
     }
     for (const AttributeRow& r : kAttributes) {
       const auto e = expected.grad.values(r.id), a = actual.grad.values(r.id);
       if (e.empty()) continue;
-      const GradTolerance tolerance{.relative_l2 = 5e-4, .bias = 5e-4, .row_width = scene.layer.width(r.id)};
+      const GradTolerance tolerance{.relative_l2 = 5e-5, .bias = 5e-5, .row_width = scene.layer.width(r.id)};
       const GradReport report = expect_grad_close(std::vector<float>(a.begin(), a.end()), std::vector<float>(e.begin(), e.end()),
                                                   tolerance, scene.name + " " + std::string(r.name));
       worst_grad = std::max(worst_grad, report.relative_l2);
     }
     const auto statistic = [&](const std::vector<float>& a, const std::vector<float>& e, const char* what) {
-      worst_statistic = std::max(worst_statistic, expect_grad_close(a, e, {.relative_l2 = 5e-4, .bias = 5e-4}, what).relative_l2);
+      worst_statistic = std::max(worst_statistic, expect_grad_close(a, e, {.relative_l2 = 5e-5, .bias = 5e-5}, what).relative_l2);
     };
     statistic(actual.statistics.weight, expected.statistics.weight, "weight");
     statistic(actual.statistics.error, expected.statistics.error, "error");
