@@ -30,7 +30,7 @@ inline bool to_be_run(StepState s) { return s != StepState::Cached && s != StepS
 struct Step {
   const StageNode* node = nullptr;
   StepState state = StepState::Missing;
-  std::string why = {};                        // one line; for Stale the first changes
+  std::string why = {};                   // one line; for Stale the first changes
   std::vector<std::string> changes = {};  // all changed terms, in words
   std::string key = {};                   // empty while Waiting
   KeyTerms terms = {};

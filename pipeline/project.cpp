@@ -7,11 +7,17 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/artifact/current.h"
 #include "core/base/error.h"
+#include "core/base/hash.h"
 #include "core/base/log.h"
 #include "core/config/reference.h"
 
 namespace vitrine {
+
+namespace {
+fs::path written_settings(const fs::path& project) { return store_of(project) / "settings.digest"; }
+}  // namespace
 
 bool is_project(const fs::path& folder) {
   std::error_code ec;
@@ -28,16 +34,23 @@ fs::path default_project(const fs::path& photos) {
 
 void write_project_settings(const fs::path& project, const Settings& settings) {
   OptionTable kept;
-  std::vector<std::string> texts;
   for (const Option& o : settings.options.table.options) {
     const bool always = o.path == "version" || o.path == "preset" || o.path == "input.photos";
     if (!always && !settings.from_command.contains(o.path)) continue;
     kept.options.push_back(o);
   }
-  write_file(project / "vitrine.yaml",
-             "# Settings of this folder, read by `vitrine run`; edit freely. `vitrine config reference` lists all options,\n"
-             "# `vitrine config show --origin` says where each value comes from.\n" +
-                 yaml_text(kept));
+  const std::string text =
+      "# Settings of this folder, read by `vitrine run`; edit freely. `vitrine config reference` lists all options,\n"
+      "# `vitrine config show --origin` says where each value comes from.\n" +
+      yaml_text(kept);
+  write_file(project / "vitrine.yaml", text);
+  write_file(written_settings(project), digest_bytes(text).hex());
+}
+
+bool settings_untouched(const fs::path& project) {
+  std::error_code ec;
+  if (!fs::exists(written_settings(project), ec) || !is_project(project)) return false;
+  return read_file(written_settings(project)) == digest_bytes(read_file(project / "vitrine.yaml")).hex();
 }
 
 ProjectLock::ProjectLock(const fs::path& project) {

@@ -12,6 +12,9 @@ bool is_project(const fs::path& folder);  // made by an earlier run: it has vitr
 fs::path default_project(const fs::path& photos);
 // Writes PROJECT/vitrine.yaml: the photos, the preset and everything given on the command line.
 void write_project_settings(const fs::path& project, const Settings& settings);
+// Whether vitrine.yaml is as write_project_settings left it. As long as it is, `vitrine run PHOTOS -o PROJECT` sets the project
+// up anew; once somebody has edited it, it is a layer of settings that no command touches.
+bool settings_untouched(const fs::path& project);
 
 // Held while a run works in the folder, released by the system however the process ends. Error{Locked} with the owner's pid and
 // host when another run holds it. A lock left behind by a killed run is taken over with a note.

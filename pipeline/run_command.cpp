@@ -59,6 +59,7 @@ CommandLine run_command_line(RunArguments& a) {
 struct Target {
   fs::path project;
   std::string photos;  // empty: those that the project remembers
+  bool fresh = true;   // the command sets the project up; else its settings are a layer below
 };
 
 Target target_of(const RunArguments& a) {
@@ -73,18 +74,18 @@ Target target_of(const RunArguments& a) {
     if (!a.output.empty() && fs::absolute(a.output).lexically_normal() != what)
       throw Error(ErrorKind::Usage, "this is the output folder of an earlier run: it cannot have another one",
                   {.where = what.string(), .hint = "leave out -o, or give the folder of photos", .code = "USAGE"});
-    return {what, {}};
+    return {what, {}, false};
   }
   const fs::path project = a.output.empty() ? default_project(what) : fs::absolute(a.output).lexically_normal();
   const fs::path inside = project.lexically_relative(what);
   if (fs::is_directory(what, ec) && !inside.empty() && *inside.begin() != "..")
     throw Error(ErrorKind::Usage, "the output folder lies inside the folder of photos",
                 {.where = project.string(), .hint = "choose another one with -o", .code = "USAGE"});
-  return {project, what.string()};
+  return {project, what.string(), !is_project(project) || settings_untouched(project)};
 }
 
 SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Settings& settings) {
-  SettingsDesc desc{.project = target.project, .configs = a.configs, .sets = a.sets};
+  SettingsDesc desc{.project = target.project, .read_project = !target.fresh, .configs = a.configs, .sets = a.sets};
   const auto flag = [&](const std::string& path, const std::string& value, const std::string& origin) {
     if (value.empty()) return;
     if (settings.options.table.find(path) == nullptr)
@@ -170,7 +171,7 @@ int run_command(const Words& words) {
                  .show_progress = !a.no_progress,
                  .command = command});
   report.open();
-  if (!is_project(target.project))
+  if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),
                        [](const std::string& p) { return p != "input.photos" && !p.starts_with("limits."); }))

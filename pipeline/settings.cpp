@@ -132,7 +132,8 @@ void Settings::apply_preset(const std::string& name, const std::string& where, C
 void Settings::load(const SettingsDesc& desc) {
   std::vector<LayerFile> files;
   if (const auto user = user_config()) files.push_back({*user, {}});
-  if (!desc.project.empty() && is_there(desc.project / "vitrine.yaml")) files.push_back({desc.project / "vitrine.yaml", {}});
+  if (desc.read_project && !desc.project.empty() && is_there(desc.project / "vitrine.yaml"))
+    files.push_back({desc.project / "vitrine.yaml", {}});
   if (!desc.project.empty() && is_there(desc.project / "stages")) {
     std::vector<fs::path> found;
     for (const auto& e : fs::directory_iterator(desc.project / "stages"))

@@ -20,6 +20,7 @@ struct FlagValue {
 
 struct SettingsDesc {
   fs::path project = {};                  // empty: no project yet
+  bool read_project = true;               // false: its vitrine.yaml is about to be written
   std::vector<std::string> configs = {};  // -c
   std::vector<FlagValue> flags = {};      // --preset, --poses, ...
   std::vector<std::string> sets = {};     // --set

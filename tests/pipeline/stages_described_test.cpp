@@ -1,0 +1,101 @@
+// Rules that hold for every real stage, read from what its executable says of itself.
+#include <cctype>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/process.h"
+#include "core/config/apply.h"
+#include "pipeline/settings.h"
+
+namespace vitrine {
+namespace {
+
+const Graph& graph() {
+  unsetenv("VITRINE_STAGE_DIR");
+  unsetenv("VITRINE_CONFIG_DIR");
+  static const Graph instance = load_graph(VITRINE_BIN_DIR);
+  return instance;
+}
+
+std::string output_of(const std::vector<std::string>& arguments) {
+  std::string text;
+  const ProcessResult r =
+      run_process({.arguments = arguments, .on_line = [&](std::string_view line) { text += std::string(line) + "\n"; }});
+  EXPECT_TRUE(r.ok()) << join_command(arguments) << "\n" << text;
+  return text;
+}
+
+TEST(Stages, StandInAnOrderThatCanRun) {
+  std::set<std::string> done;
+  for (const StageNode& n : graph().nodes) {
+    for (const NodeInput& i : n.inputs) EXPECT_TRUE(!i.artifact || done.contains(i.name)) << n.name << " reads " << i.name;
+    done.insert(n.name);
+  }
+}
+
+TEST(Stages, DocumentEveryOptionAndInput) {
+  for (const StageNode& n : graph().nodes) {
+    EXPECT_FALSE(n.summary.empty()) << n.name;
+    EXPECT_GE(n.version, 1);
+    for (const NodeInput& i : n.inputs) EXPECT_FALSE(i.doc.empty()) << n.name << "." << i.name;
+    OwnedOptions options;
+    options.add_json(n.description, n.name);
+    for (const Option& o : options.table.options) {
+      EXPECT_GE(o.doc.size(), 12u) << o.path << " needs a sentence";
+      EXPECT_TRUE(o.doc.empty() || o.doc.back() == '.' || o.doc.back() == ')') << o.path << ": a sentence ends with a full stop";
+      for (char c : o.path) EXPECT_TRUE(std::islower(c) || std::isdigit(c) || c == '_' || c == '.') << o.path;
+      const bool number = o.type() == "int" || o.type() == "float" || o.type() == "float list";
+      if (number) EXPECT_TRUE(o.low.has_value() && o.high.has_value()) << o.path << " needs a range";
+    }
+    for (const OptionGroup& g : options.table.groups) EXPECT_FALSE(g.doc.empty()) << g.path;
+  }
+}
+
+TEST(Stages, DefaultsObeyTheirOwnRules) {
+  for (const StageNode& n : graph().nodes) {
+    OwnedOptions options;
+    options.add_json(n.description, n.name);
+    for (Option& o : options.table.options) {
+      const auto broken = o.try_assign(o.default_text, "default");
+      EXPECT_FALSE(broken) << o.path << " " << broken.value_or("");
+    }
+  }
+}
+
+TEST(Stages, HelpFitsEightyColumnsAndListsEveryOption) {
+  for (const StageNode& n : graph().nodes) {
+    const std::string help = output_of({n.executable.string(), "--help"});
+    EXPECT_TRUE(help.starts_with(fmt::format("usage: vitrine-{} ", n.name)));
+    for (size_t at = 0, end; (end = help.find('\n', at)) != std::string::npos; at = end + 1)
+      EXPECT_LE(end - at, 80u) << n.name << ": " << help.substr(at, end - at);
+    OwnedOptions options;
+    options.add_json(n.description, "");
+    for (const Option& o : options.table.options)
+      EXPECT_NE(help.find("  " + o.path + ":"), std::string::npos) << n.name << "." << o.path;
+  }
+}
+
+TEST(Stages, ReferenceFilesAreUpToDate) {
+  for (const StageNode& n : graph().nodes) {
+    const fs::path file = fs::path(VITRINE_SOURCE_DIR) / "configs/reference" / (n.name + ".yaml");
+    ASSERT_TRUE(fs::exists(file)) << file << " is missing: build the target `reference`";
+    EXPECT_EQ(read_file(file), output_of({std::string(VITRINE_BIN_DIR) + "/vitrine", "config", "reference", n.name}))
+        << file << " is out of date: build the target `reference` and commit it";
+  }
+}
+
+TEST(Presets, AreReadWithoutComplaint) {
+  const std::vector<std::string> presets = preset_names();
+  for (const char* wanted : {"preview", "standard", "high"})
+    EXPECT_NE(std::find(presets.begin(), presets.end(), wanted), presets.end()) << wanted;
+  for (const std::string& preset : presets) {
+    Settings settings(graph());
+    EXPECT_NO_THROW(settings.load({.flags = {{"preset", preset, "--preset"}}})) << preset;
+    EXPECT_EQ(settings.text("preset"), preset);
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
