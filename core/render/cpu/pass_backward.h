@@ -26,17 +26,15 @@ inline constexpr int kWeightColumn = 12, kErrorColumn = 13;
 
 // A block of an image plane; zero outside the image and for a plane that is not given.
 inline F16 load_block(const PassView& view, const float* plane, int x, int y) {
-  alignas(64) float lanes[kLanes];
   if (plane == nullptr) return F16(0.f);
-  if (x + kBlockSide <= view.width && y + kBlockSide <= view.height) {
-    for (int r = 0; r < kBlockSide; ++r)
-      __builtin_memcpy(lanes + kBlockSide * r, plane + static_cast<size_t>(y + r) * static_cast<size_t>(view.width) + x, 16);
-  } else {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int px = x + lane % kBlockSide, py = y + lane / kBlockSide;
-      const bool inside = px < view.width && py < view.height;
-      lanes[lane] = inside ? plane[static_cast<size_t>(py) * static_cast<size_t>(view.width) + px] : 0.f;
-    }
+  const size_t width = static_cast<size_t>(view.width);
+  if (x + kBlockSide <= view.width && y + kBlockSide <= view.height)
+    return load_rows(plane + static_cast<size_t>(y) * width + x, width);
+  alignas(64) float lanes[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int px = x + lane % kBlockSide, py = y + lane / kBlockSide;
+    const bool inside = px < view.width && py < view.height;
+    lanes[lane] = inside ? plane[static_cast<size_t>(py) * width + px] : 0.f;
   }
   return load(lanes);
 }
@@ -47,19 +45,18 @@ void load_gradients(const PassView& view, const TileTask& task, const TileGradie
   const float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;
   out.total = F16(0.f);
   out.weight = load_block(view, g.alpha, x, y);
-  alignas(64) float lanes[kLanes];
+  F16 columns[kLanes];
   for (int c = 0; c < F; ++c) {
-    out.features[c] = load_block(view, g.planes[c], x, y);
+    columns[c] = out.features[c] = load_block(view, g.planes[c], x, y);
     if (c < 3) out.weight -= F16(view.background[c]) * out.features[c];
     out.total += out.features[c] * load(kept + c * kLanes);
-    store(lanes, out.features[c]);
-    for (int lane = 0; lane < kLanes; ++lane) out.by_lane[lane][c] = lanes[lane];
   }
-  for (int lane = 0; lane < kLanes; ++lane)
-    for (int c = F; c < kLanes; ++c) out.by_lane[lane][c] = c == kWeightColumn ? 1.f : 0.f;
-  if (g.error != nullptr) {
-    store(lanes, load_block(view, g.error, x, y));
-    for (int lane = 0; lane < kLanes; ++lane) out.by_lane[lane][kErrorColumn] = lanes[lane];
+  columns[kWeightColumn] = F16(1.f);
+  columns[kErrorColumn] = load_block(view, g.error, x, y);
+  for (int c = 0; c < kLanes; c += 4) {
+    F16 pixels[4];
+    columns_of(columns[c], columns[c + 1], columns[c + 2], columns[c + 3], pixels);
+    for (int j = 0; j < 4; ++j) store_rows(out.by_lane[j] + c, 4 * kLanes, pixels[j]);
   }
   out.zdepth = load_block(view, g.zdepth, x, y);
   out.median_z = load_block(view, g.median_z, x, y);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <immintrin.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/render/kernels/scalar_ops.h"
@@ -55,6 +56,13 @@ VITRINE_INLINE void store(float* p, F16 x) {
 struct I16 {
   __m256i a, b;
 };
+VITRINE_INLINE F16 load_rows(const float* p, size_t stride) {
+  return {_mm256_loadu2_m128(p + stride, p), _mm256_loadu2_m128(p + 3 * stride, p + 2 * stride)};
+}
+VITRINE_INLINE void store_rows(float* p, size_t stride, F16 x) {
+  _mm256_storeu2_m128(p + stride, p, x.a);
+  _mm256_storeu2_m128(p + 3 * stride, p + 2 * stride, x.b);
+}
 VITRINE_INLINE F16 gather(const float* base, I16 i) {
   return {_mm256_i32gather_ps(base, i.a, 4), _mm256_i32gather_ps(base, i.b, 4)};
 }

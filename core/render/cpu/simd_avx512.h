@@ -3,6 +3,7 @@
 #pragma once
 
 #include <immintrin.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/render/kernels/scalar_ops.h"
@@ -40,6 +41,18 @@ struct F16 {
 };
 VITRINE_INLINE F16 load(const float* p) { return _mm512_load_ps(p); }
 VITRINE_INLINE void store(float* p, F16 a) { _mm512_store_ps(p, a.v); }
+// Four rows of four floats, `stride` apart.
+VITRINE_INLINE F16 load_rows(const float* p, size_t stride) {
+  const __m512 r0 = _mm512_castps128_ps512(_mm_loadu_ps(p));
+  const __m512 r01 = _mm512_insertf32x4(r0, _mm_loadu_ps(p + stride), 1);
+  return _mm512_insertf32x4(_mm512_insertf32x4(r01, _mm_loadu_ps(p + 2 * stride), 2), _mm_loadu_ps(p + 3 * stride), 3);
+}
+VITRINE_INLINE void store_rows(float* p, size_t stride, F16 a) {
+  _mm_storeu_ps(p, _mm512_castps512_ps128(a.v));
+  _mm_storeu_ps(p + stride, _mm512_extractf32x4_ps(a.v, 1));
+  _mm_storeu_ps(p + 2 * stride, _mm512_extractf32x4_ps(a.v, 2));
+  _mm_storeu_ps(p + 3 * stride, _mm512_extractf32x4_ps(a.v, 3));
+}
 VITRINE_INLINE F16 gather(const float* base, __m512i index) { return _mm512_i32gather_ps(index, base, 4); }
 VITRINE_INLINE F16 iota() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
 VITRINE_INLINE F16 select(M16 m, F16 a, F16 b) { return _mm512_mask_blend_ps(m.m, b.v, a.v); }
