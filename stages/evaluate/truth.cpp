@@ -34,11 +34,11 @@ ImageF channels_of(const ExrImage& exr, std::initializer_list<std::string_view> 
   }
   if (indices.size() != names.size()) {
     std::string wanted, found;
-    for (std::string_view n : names) wanted += (wanted.empty() ? "" : " ") + std::string(n);
-    for (const std::string& n : exr.channels) found += (found.empty() ? "" : " ") + n;
+    for (std::string_view n : names) wanted.append(" ").append(n);
+    for (const std::string& n : exr.channels) found.append(" ").append(n);
     throw Error(ErrorKind::Input, "a truth map lacks channels",
                 {.where = path.string(),
-                 .why = "wanted " + wanted + ", found " + found,
+                 .why = fmt::format("wanted{}, found{}", wanted, found),
                  .hint = "write depth as channel Z and normals as X Y Z",
                  .code = "TRUTH_BAD_MAP"});
   }

@@ -64,7 +64,7 @@ TEST(EvaluateStage, TruthOfTheSameSceneHasSmallErrors) {
   EXPECT_LT(t["pose"]["rotation_deg"].get<double>(), 1e-6);
   EXPECT_LT(t["pose"]["centre_rel"].get<double>(), 1e-9);
   EXPECT_NEAR(t["pose"]["truth_units_per_scene_unit"].get<double>(), 1.7, 1e-9);
-  EXPECT_LT(t["normal_mae_deg"].get<double>(), 5);  // flat surfels on a round ball
+  EXPECT_LT(t["normal_mae_deg"].get<double>(), 3);  // flat surfels on a round ball: seen 1.8
   EXPECT_LT(t["depth_rel"].get<double>(), 0.01);
   EXPECT_GT(t["mesh"]["fscore"].get<double>(), 0.999);
   EXPECT_LT(t["mesh"]["chamfer_rel"].get<double>(), 0.002);

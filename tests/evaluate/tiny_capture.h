@@ -106,7 +106,13 @@ class TinyCapture {
     write_layer(optimize() / "gaussians/diffuse.ply", layer);
     write_split({0}, {1, 2, 3, 4, 5, 6, 7});
     write_mesh_ply(mesh() / "mesh/mesh.ply", sphere_mesh(kRadius));
-    for (const View& v : views) write_exr_rgb(linear_image_path(sfm(), v), photo(v), ExrPrecision::Float);
+    // The reference renderer is slow and every capture is the same: one set of photos serves the whole run.
+    static const std::vector<ImageF> photos = [&] {
+      std::vector<ImageF> made;
+      for (const View& v : views) made.push_back(photo(v));
+      return made;
+    }();
+    for (size_t i = 0; i < views.size(); ++i) write_exr_rgb(linear_image_path(sfm(), views[i]), photos[i], ExrPrecision::Float);
   }
 
   // The scene through the reference renderer, times the gain.
