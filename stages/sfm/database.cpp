@@ -161,6 +161,11 @@ std::vector<VerifiedPair> ColmapDatabase::verified_pairs() const {
   return out;
 }
 
+size_t ColmapDatabase::examined_pairs() const {
+  Statement s(handle_, path_, "SELECT COUNT(*) FROM two_view_geometries");
+  return s.step() ? static_cast<size_t>(s.integer(0)) : 0;
+}
+
 void ColmapDatabase::drop_descriptors() { execute("DELETE FROM descriptors; VACUUM;"); }
 
 void ColmapDatabase::take_geometries(const fs::path& other) {

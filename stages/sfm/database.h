@@ -40,7 +40,8 @@ class ColmapDatabase {
   // Sorted by name. Photos without features are there with count 0.
   std::vector<PhotoFeatures> features() const;
   std::vector<VerifiedPair> verified_pairs() const;
-  void drop_descriptors();  // in a copy for verification, which needs keypoints only
+  size_t examined_pairs() const;  // by the geometric verification, successful or not
+  void drop_descriptors();        // in a copy for verification, which needs keypoints only
   // Copies matches and two-view geometries of another database with the same images.
   void take_geometries(const fs::path& other);
 

@@ -40,6 +40,7 @@ std::string left_out_list(const Reconstruction& r, const SfmConfig& config) {
 
 std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
   if (p.registered) return {};
+  if (p.pose_missing) return "no pose was given for it";
   if (p.weak_points) return fmt::format("its pose would hang on {} points only", *p.weak_points);
   if (p.features < kFewFeatures) return fmt::format("{} features: blurred, dark or without texture", p.features);
   if (p.matches < size_t(config.min_matches)) return fmt::format("{} features, nothing like them in other photos", p.features);

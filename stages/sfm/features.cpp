@@ -70,6 +70,17 @@ void write_match_list(const fs::path& path, std::span<const PhotoPair> pairs, st
   write_file(path, std::string_view(text.data(), text.size()));
 }
 
+// The last lines that COLMAP printed are the best evidence there is.
+[[noreturn]] void throw_colmap_failed(const std::string& command, const std::string& what, const ProcessResult& result) {
+  constexpr size_t kTail = 600;
+  const std::string tail = result.tail.size() > kTail ? result.tail.substr(result.tail.size() - kTail) : result.tail;
+  throw Error(ErrorKind::Dependency, fmt::format("COLMAP's {} {}", command, what),
+              {.where = command,
+               .why = fmt::format("exit code {}, signal {}; it last printed:\n{}", result.exit_code, result.signal, tail),
+               .hint = "look at colmap.log in the scratch folder; 'vitrine doctor' shows which COLMAP is used",
+               .code = "SFM_COLMAP_FAILED"});
+}
+
 }  // namespace
 
 std::string safe_name(size_t index) { return fmt::format("{:06}.png", index); }
@@ -130,7 +141,13 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
                        }};
     if (config.max_image_size > 0) call.settings.push_back({"extract_max_size", std::to_string(config.max_image_size)});
     if (!params.empty()) call.settings.push_back({"camera_params", params});
-    colmap.run(call);
+    const ProcessResult result = colmap.run(call);
+    // An unreadable picture is left out with exit code 0; a group without a single row means that the program itself failed.
+    const std::vector<PhotoFeatures> found = ColmapDatabase(database).features();
+    if (std::none_of(groups[g].begin(), groups[g].end(), [&](size_t i) {
+          return std::any_of(found.begin(), found.end(), [&](const PhotoFeatures& f) { return f.name == safe_name(i); });
+        }))
+      throw_colmap_failed("feature_extractor", "left no features", result);
   }
   if (!frames) ColmapDatabase(database).renumber_by_name();
 }
@@ -196,16 +213,18 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
     const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
     fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
     Colmap own = colmap;  // the help cache is not shared between threads
-    own.run({.command = "matches_importer",
-             .settings = {{"database", part.string()},
-                          {"match_list", list.string()},
-                          {"match_type", "raw"},
-                          {"match_gpu", "0"},
-                          {"match_threads", "1"},
-                          {"verify_min_inliers", std::to_string(config.min_matches), false},
-                          {"seed", std::to_string(config.seed), false}},
-             .working_folder = desc.work_folder,
-             .log = desc.work_folder / fmt::format("verify_{}.log", c)});
+    const ProcessResult result = own.run({.command = "matches_importer",
+                                          .settings = {{"database", part.string()},
+                                                       {"match_list", list.string()},
+                                                       {"match_type", "raw"},
+                                                       {"match_gpu", "0"},
+                                                       {"match_threads", "1"},
+                                                       {"verify_min_inliers", std::to_string(config.min_matches), false},
+                                                       {"seed", std::to_string(config.seed), false}},
+                                          .working_folder = desc.work_folder,
+                                          .log = desc.work_folder / fmt::format("verify_{}.log", c)});
+    if (ColmapDatabase(part).examined_pairs() != chunk_pairs.size())
+      throw_colmap_failed("matches_importer", "did not examine all pairs", result);
     const std::lock_guard lock(reporting);
     target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
     fs::remove(part);

@@ -220,18 +220,19 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
       settings.push_back({"output", models.string()});
       size_t seen = 0;
       Timer timer;
-      colmap.run({.command = "mapper",
-                  .settings = settings,
-                  .working_folder = desc.work_folder,
-                  .log = desc.work_folder / "colmap.log",
-                  .on_line = [&](std::string_view line) {
-                    if (line.find("Registering image") == std::string_view::npos) return;
-                    seen = std::min(seen + 1, desc.photos.size());
-                    if (desc.progress)
-                      desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()),
-                                    fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
-                  }});
+      const ProcessResult result = colmap.run({.command = "mapper",
+                                               .settings = settings,
+                                               .working_folder = desc.work_folder,
+                                               .log = desc.work_folder / "colmap.log",
+                                               .on_line = [&](std::string_view line) {
+                                                 if (line.find("Registering image") == std::string_view::npos) return;
+                                                 seen = std::min(seen + 1, desc.photos.size());
+                                                 if (desc.progress)
+                                                   desc.progress(0.6 + 0.4 * double(seen) / double(desc.photos.size()),
+                                                                 fmt::format("mapping, photo {}/{}", seen, desc.photos.size()));
+                                               }});
       if (desc.timing) desc.timing("map", timer.seconds());
+      if (result.signal != 0) log_warning("sfm: COLMAP's mapper was ended by signal {}; what it left is used", result.signal);
       std::vector<ColmapModel> found = models_in(models);
       for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
       if (!found.empty()) now.model = with_photo_names(std::move(found[0]), desc.photos);

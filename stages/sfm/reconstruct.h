@@ -35,6 +35,7 @@ struct PhotoReport {
   std::string name;
   size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
   bool registered = false;
+  bool pose_missing = false;          // poses were given, but none for this photo
   std::optional<size_t> weak_points;  // the mapper gave it a pose from so few points that it was taken out again
 };
 

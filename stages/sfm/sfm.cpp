@@ -20,6 +20,8 @@ namespace vitrine {
 namespace {
 
 constexpr double kReconstructShare = 0.85;  // of the progress bar; the rest is undistortion
+constexpr size_t kSmallestModel = 3;        // given poses; two views are a guess, not a model
+constexpr size_t kFewPoints = 100;          // below this there is hardly anything to start a scene from
 constexpr size_t kPointsWorthKeeping = 50;  // given models with fewer points get them triangulated anew
 
 std::vector<SfmPhoto> sfm_photos(const fs::path& ingest, const std::vector<Photo>& photos) {
@@ -68,9 +70,22 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
   if (poses) {
     ColmapModel given = read_given_poses(*poses, photos, config.pose_scale);
     log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
-    if (given.points.size() >= kPointsWorthKeeping) return {complete_as_given(std::move(given), photos)};
-    Colmap colmap;
-    return {triangulate(colmap, config, desc, given), colmap.version()};
+    if (given.images.size() < kSmallestModel || double(given.images.size()) < config.min_registered * double(photos.size()))
+      throw Error(ErrorKind::Input, "too few photos have a given pose",
+                  {.where = poses->string(),
+                   .why = fmt::format("{} of {} photos, need {:.0f} % and at least {}", given.images.size(), photos.size(),
+                                      100 * config.min_registered, kSmallestModel),
+                   .hint = "give only the photos that have poses, or --set sfm.min_registered=0.3",
+                   .code = "POSES_TOO_FEW"});
+    Solved s;
+    if (given.points.size() >= kPointsWorthKeeping) {
+      s.reconstruction = complete_as_given(std::move(given), photos);
+    } else {
+      Colmap colmap;
+      s = {triangulate(colmap, config, desc, given), colmap.version()};
+    }
+    for (PhotoReport& p : s.reconstruction.photos) p.pose_missing = !p.registered;
+    return s;
   }
   Colmap colmap;
   log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
@@ -147,6 +162,10 @@ void run(const SfmConfig& config, StageContext& context) {
   scene.scene_from_colmap = scene_from_colmap(model, orientation);
   transform_world(model, scene.scene_from_colmap);
   for (const ColmapPoint3D& p : model.points) scene.bounds.extend(p.position);
+  if (model.points.size() < kFewPoints)
+    context.warning("SFM_FEW_POINTS", fmt::format("only {} scene points were found", model.points.size()));
+  if (model.points.empty())
+    for (const ColmapImage& image : model.images) scene.bounds.extend(inverse(image.cam_from_world()).translation);
 
   const fs::path sparse = output / "sparse" / "0";
   make_folders(sparse);
