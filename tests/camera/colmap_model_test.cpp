@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -125,7 +124,7 @@ TEST(ColmapModel, TruncationAtAnyByteIsAnErrorAndNeverACrash) {
       const fs::path path = folder.path() / (part + extension(format));
       const std::string whole = read_file(path);
       for (size_t length = 0; length < whole.size(); length += 7) {
-        std::ofstream(path, std::ios::binary) << whole.substr(0, length);
+        test::replace_file(path, whole.substr(0, length));
         const bool reported = damage_is_reported(folder.path(), format);
         if (format == ColmapFormat::Binary) {
           EXPECT_TRUE(reported) << path << " cut at " << length;
@@ -147,7 +146,7 @@ TEST(ColmapModel, FlippedBytesNeverCrash) {
       for (size_t i = 0; i < whole.size(); i += 3) {
         std::string bytes = whole;
         bytes[i] = static_cast<char>(bytes[i] ^ (i % 2 ? 0xff : 1 << (i % 8)));
-        std::ofstream(path, std::ios::binary) << bytes;
+        test::replace_file(path, bytes);
         reported += damage_is_reported(folder.path(), format);
       }
       write_file(path, whole);

@@ -2,10 +2,20 @@
 // and non-ASCII letters, images without points, tracks.
 #pragma once
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+
 #include "core/base/rng.h"
 #include "core/camera/colmap_model.h"
 
 namespace vitrine::test {
+
+// A damaged file in place of a good one. Removed first: truncating a file makes some file systems wait for the disk.
+inline void replace_file(const std::filesystem::path& path, const std::string& bytes) {
+  std::filesystem::remove(path);
+  std::ofstream(path, std::ios::binary) << bytes;
+}
 
 inline ColmapModel tiny_model(uint64_t seed = 1, int image_count = 5, int point_count = 12) {
   Rng rng(seed);

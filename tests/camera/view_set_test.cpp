@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -194,11 +193,11 @@ TEST(TransformsJson, TruncatedAndFlippedFilesAreErrors) {
       "images");
   const std::string whole = read_file(path);
   for (size_t i = 0; i + 2 < whole.size(); i += 7) {
-    std::ofstream(path, std::ios::binary) << whole.substr(0, i);
+    test::replace_file(path, whole.substr(0, i));
     EXPECT_NE(why_refused([&] { read_transforms_json(path); }), "") << i;
     std::string bytes = whole;
     bytes[i] = static_cast<char>(bytes[i] ^ 0x15);
-    std::ofstream(path, std::ios::binary) << bytes;
+    test::replace_file(path, bytes);
     why_refused([&] { read_transforms_json(path); });
   }
 }
