@@ -12,6 +12,7 @@ namespace vitrine::cpu {
 namespace {
 
 constexpr size_t kChunk = 2048;  // surfels
+constexpr size_t kPrefetchAhead = 12;              // sorted order jumps about in memory
 constexpr int kDigitBits = 11;
 constexpr uint32_t kDigits = 1u << kDigitBits;
 // Two digits of a positive float: exponent and 14 bits of mantissa. The block lists make the order exact.
@@ -71,6 +72,7 @@ void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds*
     chunk.tiles.clear();
     chunk.count.assign(tiles, 0);
     for (size_t i = begin; i < end; ++i) {
+      if (i + kPrefetchAhead < end) __builtin_prefetch(bounds + order_[i + kPrefetchAhead]);
       const SplatBounds& b = bounds[order_[i]];
       const int tx0 = b.x_first / kTileSide, tx1 = b.x_last / kTileSide, ty0 = b.y_first / kTileSide, ty1 = b.y_last / kTileSide;
       const bool single = tx0 == tx1 && ty0 == ty1;
