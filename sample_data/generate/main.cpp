@@ -21,6 +21,8 @@ int main(int argc, char** argv) {
   app.add_option("scene", scene_name, "one of: " + names)->required();
   app.add_option("-o,--output", folder, "folder for photos/ and truth/")->required();
   app.add_flag("--full-truth", desc.full_truth, "every truth picture at photo size, for every view");
+  std::string only;
+  app.add_option("--only", only, "one step of the three")->check(CLI::IsMember({"geometry", "photos", "relit"}));
   app.add_option("--spp", desc.samples, "samples a pixel (default: the scene's)")->check(CLI::Range(1, 65536));
   app.add_option("--views", views, "only the first N views")->check(CLI::Range(1, 100000));
   app.add_option("--size", size, "WxH instead of the scene's picture size");
@@ -29,6 +31,9 @@ int main(int argc, char** argv) {
   try {
     set_log_console(LogLevel::Info, true);
     set_thread_limit(threads);
+    desc.geometry = only.empty() || only == "geometry";
+    desc.photos = only.empty() || only == "photos";
+    desc.relit = only.empty() || only == "relit";
     Scene scene = scene_named(scene_name);
     if (views > 0 && static_cast<size_t>(views) < scene.views.size()) scene.views.resize(static_cast<size_t>(views));
     if (!size.empty()) {

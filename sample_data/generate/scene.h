@@ -50,6 +50,7 @@ struct Scene {
   int samples = 64;                              // per pixel of a photo; a power of two suits the sampler
   int relit_every = 12, transmitted_every = 12;  // of the views, in the reduced truth
   int reduced_divisor = 4;                       // depth and normals of the reduced truth: photo size divided by this
+  size_t reduced_faces = 60000;                  // of the opaque truth mesh, in the reduced truth
   bool full_truth = false;                       // small scenes always write everything
 };
 

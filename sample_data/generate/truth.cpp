@@ -11,6 +11,7 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
 
@@ -84,20 +85,24 @@ TriMesh seen_faces(const RayScene& rays, const TriMesh& mesh) {
   return kept;
 }
 
-void write_meshes(const RayScene& rays, const fs::path& truth) {
-  TriMesh all, opaque;
+void write_meshes(const RayScene& rays, const fs::path& truth, bool full) {
+  TriMesh glass, opaque;
   for (const Part& part : rays.scene().parts) {
     if (!part.measured) continue;
     const TriMesh seen = seen_faces(rays, part.shape.mesh);
-    append(all, seen);
-    if (part.material.kind != MaterialKind::ThinGlass) append(opaque, seen);
+    append(part.material.kind == MaterialKind::ThinGlass ? glass : opaque, seen);
   }
-  if (all.faces.empty()) return;
-  write_mesh_ply(truth / "mesh.ply", all);
+  if (opaque.faces.empty() && glass.faces.empty()) return;
+  // Flat parts come in the cells of the irradiance cache: most faces go without any loss.
+  if (!full) opaque = decimated(opaque, {.target_faces = rays.scene().reduced_faces, .max_normal_turn_deg = 15});
+  opaque.normals.clear();
   write_mesh_ply(truth / "mesh_opaque.ply", opaque);
+  append(opaque, glass);
+  write_mesh_ply(truth / "mesh.ply", opaque);
 }
 
 void write_environment(const fs::path& path, const Environment& environment) {
+  make_folders(path.parent_path());
   if (!environment.black())
     write_exr_rgb(path, environment.map(), ExrPrecision::Half,
                   {{"vitrine:mapping", "latlong, first row +z, centre +x, u=0.75 is -y"}});
@@ -120,6 +125,17 @@ bool has_glass(const Scene& scene) {
   return false;
 }
 
+void write_geometry(const RayScene& rays, const fs::path& truth, bool full) {
+  const Scene& scene = rays.scene();
+  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular"}) make_folders(truth / sub);
+  if (full) make_folders(truth / "albedo");
+  write_transforms_json(truth / "transforms.json", scene.views, "photos");
+  write_meshes(rays, truth, full);
+  write_environment(truth / "env" / "captured.exr", scene.environment);
+  for (const View& view : scene.views) write_surface(rays, view, truth, full, scene.reduced_divisor);
+  log_info("{}: poses, meshes, depth, normals and masks", scene.name);
+}
+
 }  // namespace
 
 void resize_views(Scene& scene, int width, int height) {
@@ -137,48 +153,40 @@ Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator
 
 void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& desc) {
   const RayScene rays(scene);
-  const fs::path photos = folder / "photos", truth = folder / "truth";
+  const fs::path truth = folder / "truth";
   const int samples = desc.samples > 0 ? desc.samples : scene.samples;
-  const int clean_samples = desc.relit_samples > 0 ? desc.relit_samples : 2 * samples;
   const bool full = desc.full_truth || scene.full_truth;
-  const int half = full ? 1 : 2;
-  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular", "env"})
-    make_folders(truth / sub);
-  if (full) make_folders(truth / "albedo");
-  make_folders(photos);
-  write_transforms_json(truth / "transforms.json", scene.views, "photos");
-  write_meshes(rays, truth);
-  write_environment(truth / "env" / "captured.exr", scene.environment);
-
   const Environment environment = planned(rays, scene.environment);
-  {
+  if (desc.geometry) write_geometry(rays, truth, full);
+  if (desc.photos) {
+    make_folders(folder / "photos");
     const Integrator integrator(rays, {environment, scene.lamps});
     const IrradianceCache cache = solved(rays, integrator);
     for (size_t i = 0; i < scene.views.size(); ++i) {
       const View& view = scene.views[i];
-      log_info("{}: {} ({} samples a pixel)", scene.name, view.name, samples);
       const ImageF radiance = rendered(integrator, &cache, view, samples, mix64(kPhoto, i));
-      write_ldr(photos / view.name, developed(radiance, scene.sensor, mix64(kSensor, i)), scene.sensor.jpeg_quality);
-      write_surface(rays, view, truth, full, scene.reduced_divisor);
+      write_ldr(folder / "photos" / view.name, developed(radiance, scene.sensor, mix64(kSensor, i)), scene.sensor.jpeg_quality);
+      log_info("{}: photos/{}", scene.name, view.name);
     }
   }
-
+  if (!desc.relit) return;
   const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, Stream stream) {
     const IrradianceCache cache = solved(rays, integrator);
     make_folders(to);
     for (size_t i = 0; i < scene.views.size(); i += static_cast<size_t>(full ? 1 : every)) {
-      const View view = at_size(scene.views[i], half);
-      write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, clean_samples, mix64(stream, i)));
+      const View view = at_size(scene.views[i], full ? 1 : 2);
+      // Twice the samples of a photo: there is no sensor noise to hide behind.
+      write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, 2 * samples, mix64(stream, i)));
       log_info("{}: {}/{}", scene.name, to.filename().string(), view.stem());
     }
   };
-  if (has_glass(scene))
-    pictures(Integrator(rays, {environment, scene.lamps, false}), truth / "transmitted", scene.transmitted_every, kTransmitted);
   for (const NamedEnvironment& other : scene.others) {
     write_environment(truth / "env" / (other.name + ".exr"), other.environment);
     const Environment sky = planned(rays, other.environment);
     pictures(Integrator(rays, {sky, {}}), truth / "relit" / other.name, scene.relit_every, kRelit);
   }
+  if (has_glass(scene))
+    pictures(Integrator(rays, {environment, scene.lamps, false}), truth / "transmitted", scene.transmitted_every, kTransmitted);
 }
 
 }  // namespace vitrine::generate

@@ -10,12 +10,14 @@
 namespace vitrine::generate {
 
 struct GenerateDesc {
+  bool geometry = true;  // poses, meshes, depth, normals, masks, albedo
+  bool photos = true;
+  bool relit = true;  // the other skies, the pictures under them, and the pictures without glass
   bool full_truth = false;
-  int samples = 0;        // 0 = the scene's own number
-  int relit_samples = 0;  // 0 = twice `samples`: there is no sensor noise to hide behind
+  int samples = 0;  // 0 = the scene's own number
 };
 
-// Writes photos/ and truth/ into `folder`.
+// Writes photos/ and truth/ into `folder`; files that are there already are replaced, no file is removed.
 void generate(const Scene& scene, const std::filesystem::path& folder, const GenerateDesc& desc);
 // One photo as generate() writes it, before the file format's own loss.
 Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator::CacheDesc& cache = {});
