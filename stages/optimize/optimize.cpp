@@ -111,6 +111,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   write_layer(context.output() / "gaussians/diffuse.ply", trainer->scene().diffuse);
   write_views(context.output() / "optimize/views.json", config, capture);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
+  make_folders(previews);
   // Previews wait in the scratch folder, so that those from before an interruption are kept.
   for (const auto& file : fs::directory_iterator(previews))
     link_or_copy(file.path(), context.output() / "optimize/previews" / file.path().filename());
