@@ -22,7 +22,7 @@ struct DensifyConfig {
   double from = 0.05, until = 0.7;  // parts of the run
   double growth = 1.1;
   double dead_opacity = 0.01;
-  double error_share = 0.5;
+  double error_share = 1;
   double jitter = 0.5;
   double noise = 0.2;
   double gradient_threshold = 2e-4;  // classic only, and the two below

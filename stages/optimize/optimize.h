@@ -22,7 +22,7 @@ struct InitialConfig {
   int frustum_points = 20000;
   double far_factor = 2.0;
   double opacity = 0.3;
-  double scale = 0.7;
+  double scale = 1.0;
 };
 
 struct OptimizeConfig {

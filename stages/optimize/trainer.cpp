@@ -107,11 +107,12 @@ double Trainer::descend(const PhotoLevel& photo) {
   counts_.skipped_gradients += skipped;
   bad_streak_ = active == 0 || double(skipped) > kBadShare * double(active) ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)
-    throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
-                {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
-                 .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", skipped, active, bad_streak_),
-                 .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
-                 .code = "GRADIENTS_NOT_FINITE"});
+    throw Error(
+        ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
+        {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
+         .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", skipped, active, bad_streak_),
+         .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
+         .code = "GRADIENTS_NOT_FINITE"});
   accumulator_.add(frame_.statistics);
 
   double l1 = 0;
