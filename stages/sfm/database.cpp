@@ -2,7 +2,10 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <span>
 
 #include "core/base/error.h"
 #include "stages/sfm/matcher.h"
@@ -12,6 +15,16 @@ namespace vitrine {
 namespace {
 
 constexpr uint64_t kPairBase = 2147483647;  // pair_id = kPairBase * smaller id + larger id
+
+// VLFeat (the SIFT inside COLMAP) refuses to describe a keypoint in the last row of its octave and says so to nobody: the
+// descriptor is then whatever the memory held, different from run to run. The octave's row is up to 2.5 sigma of the picture
+// high.
+bool descriptor_is_undefined(std::span<const float> keypoint, double height) {
+  double sigma = 1;
+  if (keypoint.size() >= 6) sigma = std::sqrt(std::abs(double(keypoint[2]) * keypoint[5] - double(keypoint[3]) * keypoint[4]));
+  if (keypoint.size() == 4) sigma = keypoint[2];
+  return height - keypoint[1] < 3 * sigma + 1;
+}
 
 class Statement {
  public:
@@ -114,10 +127,10 @@ void ColmapDatabase::renumber_by_name() {
 
 std::vector<PhotoFeatures> ColmapDatabase::features() const {
   std::vector<PhotoFeatures> out;
-  Statement s(
-      handle_, path_,
-      "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, i.camera_id FROM images i "
-      "LEFT JOIN keypoints k ON k.image_id = i.image_id LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.name");
+  Statement s(handle_, path_,
+              "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, i.camera_id, c.height FROM images i "
+              "LEFT JOIN keypoints k ON k.image_id = i.image_id LEFT JOIN descriptors d ON d.image_id = i.image_id LEFT JOIN "
+              "cameras c ON c.camera_id = i.camera_id ORDER BY i.name");
   while (s.step()) {
     PhotoFeatures f;
     f.image_id = static_cast<uint32_t>(s.integer(0));
@@ -144,6 +157,10 @@ std::vector<PhotoFeatures> ColmapDatabase::features() const {
       for (size_t i = 0; i < f.count; ++i) f.xy[2 * i] = rows[i * columns], f.xy[2 * i + 1] = rows[i * columns + 1];
       f.descriptors.resize(descriptor_bytes);
       std::memcpy(f.descriptors.data(), descriptors, descriptor_bytes);
+      const double height = double(s.integer(9));
+      for (size_t i = 0; i < f.count; ++i)
+        if (descriptor_is_undefined(std::span(rows).subspan(i * columns, columns), height))
+          std::fill_n(f.descriptors.begin() + long(i * kDescriptorBytes), kDescriptorBytes, uint8_t{0});
     }
     out.push_back(std::move(f));
   }

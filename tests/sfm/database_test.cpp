@@ -29,8 +29,8 @@ const char* kSchema =
     "CREATE TABLE two_view_geometries(pair_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data BLOB, config INTEGER);";
 
 // One keypoint at (0.5, 1) with six columns, and one descriptor whose bytes are all `tag`.
-std::string photo(int id, const std::string& name, int tag) {
-  std::string descriptor, floats = "0000003F0000803F";
+std::string photo(int id, const std::string& name, int tag, const std::string& y = "0000803F") {
+  std::string descriptor, floats = "0000003F" + y;
   for (size_t i = 0; i < kDescriptorBytes; ++i) descriptor += fmt::format("{:02X}", tag);
   for (int i = 0; i < 4; ++i) floats += "00000000";
   return fmt::format(
@@ -42,8 +42,8 @@ std::string photo(int id, const std::string& name, int tag) {
 TEST(ColmapDatabase, PutsIdsInTheOrderOfNames) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "db";
-  execute(path, std::string(kSchema) + photo(1, "c", 30) + photo(2, "a", 10) + photo(3, "b", 20) +
-                    "INSERT INTO images VALUES(4,'d',1);");
+  execute(path, std::string(kSchema) + "INSERT INTO cameras VALUES(1,2,150,100,NULL,0);" + photo(1, "c", 30) + photo(2, "a", 10) +
+                    photo(3, "b", 20) + "INSERT INTO images VALUES(4,'d',1);");
   ColmapDatabase db(path);
   EXPECT_FALSE(db.has_frames());
   db.renumber_by_name();
@@ -56,6 +56,19 @@ TEST(ColmapDatabase, PutsIdsInTheOrderOfNames) {
     EXPECT_EQ(f[i].xy, (std::vector<float>{0.5f, 1.f}));
   }
   EXPECT_EQ(f[3].count, 0u);  // an unreadable picture has no features
+}
+
+TEST(ColmapDatabase, BlanksDescriptorsThatTheExtractorLeftUndefined) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "db";
+  // sigma 0 here: the last pixel row of 100. 99.5 = 42C70000, 98.5 = 42C50000 (bytes reversed).
+  execute(path, std::string(kSchema) + "INSERT INTO cameras VALUES(1,2,150,100,NULL,0);" + photo(1, "a", 9, "0000C742") +
+                    photo(2, "b", 9, "0000C542"));
+  const std::vector<PhotoFeatures> f = ColmapDatabase(path).features();
+  EXPECT_EQ(f[0].xy[1], 99.5f);
+  EXPECT_EQ(f[0].descriptors, std::vector<uint8_t>(kDescriptorBytes, 0));
+  EXPECT_EQ(f[1].xy[1], 98.5f);
+  EXPECT_EQ(f[1].descriptors, std::vector<uint8_t>(kDescriptorBytes, 9));
 }
 
 TEST(ColmapDatabase, TakesGeometriesOfAnotherFile) {
