@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/terminal.h"
 #include "core/config/reference.h"
+#include "core/config/text.h"
 
 namespace vitrine {
 
@@ -154,9 +155,12 @@ void Report::stage_ends(const Manifest& manifest, StepState how) {
   r.warnings.clear();
   for (const ManifestWarning& w : manifest.warnings) r.warnings.push_back(w.text);
   const std::string time = computed ? duration_text(r.seconds) : "";
-  const size_t fixed = prefix().size() + 1 + 12 + 8;
-  line(fmt::format("{} {}{:>11}   {}", prefix(), padded(manifest.summary, kColumns - fixed), time,
+  // A summary that is too long for the line goes on below it.
+  const size_t width = kColumns - (prefix().size() + 1 + 12 + 8);
+  const std::vector<std::string> parts = wrapped(manifest.summary, width);
+  line(fmt::format("{} {}{:>11}   {}", prefix(), padded(parts.empty() ? "" : parts[0], width), time,
                    computed ? coloured("ok", "32") : std::string(name(how))));
+  for (size_t i = 1; i < parts.size(); ++i) line(fmt::format("{:{}} {}", "", prefix().size(), parts[i]));
 }
 
 void Report::stage_failed(const Error& error) {

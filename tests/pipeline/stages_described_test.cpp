@@ -1,7 +1,9 @@
 // Rules that hold for every real stage, read from what its executable says of itself.
+#include <algorithm>
 #include <cctype>
 #include <cstdlib>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -46,8 +48,8 @@ TEST(Stages, DocumentEveryOptionAndInput) {
       EXPECT_GE(o.doc.size(), 12u) << o.path << " needs a sentence";
       EXPECT_TRUE(o.doc.empty() || o.doc.back() == '.' || o.doc.back() == ')') << o.path << ": a sentence ends with a full stop";
       for (char c : o.path) EXPECT_TRUE(std::islower(c) || std::isdigit(c) || c == '_' || c == '.') << o.path;
-      const bool number = o.type() == "int" || o.type() == "float" || o.type() == "float list";
-      if (number) EXPECT_TRUE(o.low.has_value() && o.high.has_value()) << o.path << " needs a range";
+      const bool number = o.type() == "int" || o.type() == "float";
+      EXPECT_TRUE(!number || (o.low.has_value() && o.high.has_value())) << o.path << " needs a range";
     }
     for (const OptionGroup& g : options.table.groups) EXPECT_FALSE(g.doc.empty()) << g.path;
   }
