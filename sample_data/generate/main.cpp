@@ -1,40 +1,49 @@
 // vitrine-generate SCENE -o DIR: writes the photos and the truth of one analytic scene.
 #include <cstdio>
-
-#include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/config/cli.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
 
 int main(int argc, char** argv) {
   using namespace vitrine;
   using namespace vitrine::generate;
-  CLI::App app{"Photos and truth of an analytic scene, path traced"};
-  std::string scene_name, folder, size;
+  std::string folder, size, only;
   int views = 0, threads = 0;
+  bool help = false;
   GenerateDesc desc;
   std::string names;
   for (const SceneEntry& entry : scene_list()) names += std::string(names.empty() ? "" : ", ") + entry.name;
-  app.add_option("scene", scene_name, "one of: " + names)->required();
-  app.add_option("-o,--output", folder, "folder for photos/ and truth/")->required();
-  app.add_flag("--full-truth", desc.full_truth, "every truth picture at photo size, for every view");
-  std::string only;
-  app.add_option("--only", only, "one step of the three")->check(CLI::IsMember({"geometry", "photos", "relit"}));
-  app.add_option("--spp", desc.samples, "samples a pixel (default: the scene's)")->check(CLI::Range(1, 65536));
-  app.add_option("--views", views, "only the first N views")->check(CLI::Range(1, 100000));
-  app.add_option("--size", size, "WxH instead of the scene's picture size");
-  app.add_option("-j,--threads", threads, "0 = all")->check(CLI::Range(0, 4096));
-  CLI11_PARSE(app, argc, argv);
+  CommandLine cli("vitrine-generate", "SCENE -o DIR", "Photos and truth of an analytic scene, path traced: " + names + ".");
+  cli.value("output", 'o', "DIR", folder, "Folder for photos/ and truth/.");
+  cli.flag("full-truth", 0, desc.full_truth, "Every truth picture at photo size, for every view.");
+  cli.value("only", 0, "geometry|photos|relit", only, "One step of the three.");
+  cli.value("spp", 0, "N", desc.samples, 1, "Samples of a pixel; the scene's own number when not given.");
+  cli.value("views", 0, "N", views, 1, "Only the first N views.");
+  cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
+  cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
+  cli.flag("help", 'h', help, "Print this text.");
   try {
+    const std::vector<std::string> scenes = cli.parse(std::vector<std::string>(argv + 1, argv + argc));
+    if (help) {
+      std::cout << cli.help();
+      return 0;
+    }
+    if (scenes.size() != 1 || folder.empty())
+      throw Error(ErrorKind::Usage, "a scene and an output folder are needed",
+                  {.hint = "vitrine-generate tiny_room -o DIR; scenes: " + names, .code = "USAGE"});
+    if (!only.empty() && only != "geometry" && only != "photos" && only != "relit")
+      throw Error(ErrorKind::Usage, "--only takes geometry, photos or relit", {.where = only, .code = "USAGE"});
     set_log_console(LogLevel::Info, true);
     set_thread_limit(threads);
     desc.geometry = only.empty() || only == "geometry";
     desc.photos = only.empty() || only == "photos";
     desc.relit = only.empty() || only == "relit";
-    Scene scene = scene_named(scene_name);
+    Scene scene = scene_named(scenes[0]);
     if (views > 0 && static_cast<size_t>(views) < scene.views.size()) scene.views.resize(static_cast<size_t>(views));
     if (!size.empty()) {
       int w = 0, h = 0, end = 0;

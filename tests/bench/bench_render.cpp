@@ -125,8 +125,11 @@ __attribute__((noinline, target("avx512f"))) float fma_avx512(int n) {
   const __m512 b = _mm512_set1_ps(0.999f), c = _mm512_set1_ps(1e-3f);
   for (int i = 0; i < n; ++i)
     for (auto& x : a) x = _mm512_fmadd_ps(x, b, c);
-  float sum = 0;
-  for (auto& x : a) sum += _mm512_reduce_add_ps(x);
+  float lanes[16], sum = 0;
+  for (auto& x : a) {
+    _mm512_storeu_ps(lanes, x);
+    for (float v : lanes) sum += v;
+  }
   return sum;
 }
 __attribute__((noinline)) float fma_avx2(int n) {
