@@ -128,6 +128,9 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   const std::vector<View> views = training_views(set, context.input("optimize"), config.max_side);
   const SplatLayer layer = read_layer(context.input("optimize") / "gaussians" / "diffuse.ply");
   const Region region = scene_region(set, config.region);
+  if (region.points == 0 && config.region.box.empty())
+    context.warning("REGION_FROM_CAMERAS",
+                    "too few sparse points: the region is the cube between the cameras (mesh.region.box sets it)");
   const double wanted_voxel = config.voxel > 0 ? config.voxel : region.extent() / config.resolution;
   log_info("mesh: {} capture, region {:.3f} x {:.3f} x {:.3f} (scene radius 1), voxel {:.5f} = 1/{:.0f} of its longest side",
            region.convergent ? "convergent" : "wide", region.box.high.x - region.box.low.x, region.box.high.y - region.box.low.y,

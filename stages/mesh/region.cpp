@@ -89,9 +89,15 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc) {
   std::vector<Vec3d> inside;
   for (const ScenePoint& p : set.points)
     if (length(p.position - region.focus) < reach || !region.convergent) inside.push_back(p.position);
+  if (inside.size() < kMinPoints && region.convergent) {  // the cameras alone: a cube between them
+    const double half = reach / std::sqrt(3.0);
+    region.box.low = region.focus - Vec3d{half, half, half};
+    region.box.high = region.focus + Vec3d{half, half, half};
+    return region;
+  }
   if (inside.size() < kMinPoints)
     throw Error(ErrorKind::Input, "too few sparse points to find the region of the mesh",
-                {.why = fmt::format("{} points{}", inside.size(), region.convergent ? " near what the cameras look at" : ""),
+                {.why = fmt::format("{} points, and the cameras do not look at one place", inside.size()),
                  .hint = "give the region: --set mesh.region.box=[x0,y0,z0,x1,y1,z1]",
                  .code = "NO_REGION"});
   region.points = inside.size();

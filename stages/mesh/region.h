@@ -1,6 +1,7 @@
 // Where the mesh is made: a box around what the photographs are about. Two kinds of capture are told apart by their cameras:
 //   convergent   they look at one place (object on a table): the box holds the sparse points nearer to that place than the
-//                cameras are, so a room's far walls do not cost resolution while table and objects stay
+//                cameras are, so a room's far walls do not cost resolution while table and objects stay; with fewer than 20
+//                such points, a cube that reaches out to the cameras
 //   wide         they look along or outwards (street, room, flight): the box holds all sparse points but the outliers
 #pragma once
 
@@ -22,7 +23,7 @@ struct Region {
   bool convergent = false;
   Vec3d focus{};               // least-squares nearest point to the optical axes
   double camera_distance = 0;  // median, to the focus
-  size_t points = 0;           // sparse points that shaped the box
+  size_t points = 0;           // sparse points that shaped the box; 0: it comes from the cameras, or was given
   double extent() const;       // longest side
 };
 

@@ -29,9 +29,7 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.option("holdout_every", c.holdout_every, "Every how many photos one is kept from training for the evaluation; 0 = none.")
       .range(0, 100000);
-  d.option("preview_every", c.preview_every, "Steps between two preview pictures; 0 = only the last.")
-      .range(0, 10000000)
-      .affects_output(false);
+  d.option("preview_every", c.preview_every, "Steps between two preview pictures; 0 = only the last.").range(0, 10000000);
   d.option("checkpoint_every", c.checkpoint_every, "Steps between two checkpoints; 0 = only on interruption.")
       .range(0, 10000000)
       .affects_output(false);

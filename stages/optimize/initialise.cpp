@@ -20,6 +20,9 @@ constexpr double kInitialShare = 0.7;
 // A ray farther than this part of the picture's diagonal from every sparse point has no depth to borrow.
 constexpr double kBorrowReach = 0.12;
 constexpr double kFarPercentile = 0.98;
+// Without a single sparse point nothing is known of the depth: log-uniform within this factor of the cameras' radius, which is
+// 1 in the scene frame.
+constexpr double kBlindDepthFactor = 4;
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
 
 struct Seed {
@@ -101,17 +104,20 @@ double borrowed_depth(const std::vector<ProjectedPoint>& points, double x, doubl
   return weights / inverse;
 }
 
-// `count` surfels on rays of the training photos, at the depth of nearby sparse points, else behind all of them.
+// `count` surfels on rays of the training photos, at the depth of nearby sparse points, else behind all of them. A photo without
+// points borrows no depth: it waits for the surfels of the others, unless none has any.
 void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
   const auto seen = projected_points(capture.view_set, capture);
   const size_t views = capture.train.size();
+  const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return seen[v].empty(); });
   for (size_t t = 0; t < views; ++t) {
     const uint32_t v = capture.train[t];
-    if (seen[v].empty()) continue;
+    if (seen[v].empty() && !blind) continue;
     std::vector<double> depths;
     for (const ProjectedPoint& p : seen[v]) depths.push_back(p.z);
     std::sort(depths.begin(), depths.end());
-    const double far_z = config.initial.far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
+    const double far_z =
+        blind ? 0 : config.initial.far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
 
     const PhotoLevel& photo = capture.photos[v].levels[0];
     const Intrinsics& k = photo.view.intrinsics;
@@ -122,7 +128,8 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, si
     for (size_t s = 0; s < share; ++s) {
       Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, mix64(v, s)));
       const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height;
-      const double borrowed = borrowed_depth(seen[v], x, y, reach), z = borrowed > 0 ? borrowed : far_z;
+      const double borrowed = borrowed_depth(seen[v], x, y, reach);
+      const double z = blind ? std::pow(kBlindDepthFactor, 2 * rng.uniform_double() - 1) : borrowed > 0 ? borrowed : far_z;
       const size_t pixel = std::min<size_t>(static_cast<size_t>(y), size_t(k.height) - 1) * size_t(k.width) +
                            std::min<size_t>(static_cast<size_t>(x), size_t(k.width) - 1);
       Seed seed;
@@ -146,8 +153,8 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, s
   add_frustum_points(config, capture, std::min<size_t>(size_t(config.initial.frustum_points), limit - seeds.size()), seeds);
   if (seeds.empty())
     throw Error(ErrorKind::Input, "there is nothing to start from",
-                {.why = "the sfm stage found no sparse point in any training photo",
-                 .hint = "look at sfm/report.json; take photos with more overlap and texture",
+                {.why = "the sfm stage found no sparse point in any training photo, and frustum_points is 0",
+                 .hint = "--set optimize.initial.frustum_points=20000, or photos with more overlap and texture",
                  .code = "NO_SPARSE_POINTS"});
 
   std::vector<Vec3f> positions;

@@ -98,6 +98,8 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   const size_t max_surfels = affordable_surfels(config, capture, context);
+  if (capture.view_set.points.empty())
+    context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
   const SplatLayer initial = initial_layer(config, capture, max_surfels);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);

@@ -230,5 +230,21 @@ TEST(Region, WideCaptureKeepsAllButOutliers) {
   EXPECT_THROW(scene_region(set, {}), Error);
 }
 
+TEST(Region, WithoutPointsItLiesBetweenCamerasThatLookAtOnePlace) {
+  ViewSet set;
+  const Vec3d target{1, 2, 3};
+  for (int i = 0; i < 8; ++i) {
+    View v;
+    v.intrinsics = {100, 100, 100, 100, 50, 50};
+    v.cam_from_world = orbit::looking_at(target + Vec3d{2 * std::cos(0.7 * i), 2 * std::sin(0.7 * i), 0}, target);
+    set.views.push_back(v);
+  }
+  const Region region = scene_region(set, {});
+  EXPECT_TRUE(region.convergent);
+  EXPECT_EQ(region.points, 0u);
+  for (size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR((region.box.low[axis] + region.box.high[axis]) / 2, target[axis], 1e-9);
+  EXPECT_NEAR(length(region.box.high - target), 2, 1e-9);  // its corners are as far away as the cameras
+}
+
 }  // namespace
 }  // namespace vitrine
