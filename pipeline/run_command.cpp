@@ -186,7 +186,11 @@ int run_command(const Words& words) {
     report.line(computed == 0 ? fmt::format("everything up to date in {}", target.project.string())
                               : fmt::format("done in {}: {}", duration_text(clock.seconds()), target.project.string()));
   } catch (const Error& e) {
-    report.finish(settings, exit_code(e.kind()));
+    try {
+      report.finish(settings, exit_code(e.kind()));
+    } catch (const Error& unwritten) {  // a full disk takes the report too; what is told is the failure before it
+      report.line(fmt::format("note: there is no report of this run: {}", unwritten.detail().why));
+    }
     if (e.kind() == ErrorKind::Interrupted || e.kind() == ErrorKind::Preempted)
       throw Error(e.kind(), "stopped; what was finished and the last checkpoint are kept",
                   {.hint = "continue with: " + join_command(command), .code = e.detail().code});

@@ -50,8 +50,6 @@ int run_stages(Planner& planner, const Settings& settings, const fs::path& proje
     report.stage_begins(steps.size() + 1, count, step);
     const StepState how = step.state;
     if (to_be_run(how)) {
-      if (step.state == StepState::Damaged)
-        report.line(fmt::format("       the stored result of '{}' is damaged ({}): computed anew", node.name, step.why));
       try {
         run_stage(planner, step, steps, settings, report, project, desc);
       } catch (const Error& e) {

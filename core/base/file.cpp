@@ -38,7 +38,8 @@ void throw_write_error(const fs::path& path, int errno_value) {
   if (errno_value == ENOSPC || errno_value == EDQUOT) {
     detail.hint = "free some disk space and run the same command again: finished stages are kept";
     detail.code = "DISK_FULL";
-  } else if (errno_value == EROFS || errno_value == EACCES || errno_value == EPERM) {
+  } else if (errno_value == EROFS || errno_value == EACCES || errno_value == EPERM || errno_value == ENOTDIR ||
+             errno_value == EEXIST) {
     detail.hint = "choose an output folder you can write to with -o";
     detail.code = "NOT_WRITABLE";
   }

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -33,6 +34,7 @@ cv::Mat decode(const fs::path& path, int flags) {
   const std::string bytes = read_file(path);
   if (bytes.empty()) bad_image(path, "the file is empty");
   if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by our Error
   cv::Mat mat;
   try {
     mat = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), flags | cv::IMREAD_IGNORE_ORIENTATION);

@@ -95,7 +95,10 @@ void ColmapDatabase::execute(const std::string& sql) const {
   const int code = sqlite3_errcode(handle_);
   const bool no_space = code == SQLITE_FULL || code == SQLITE_IOERR;
   throw Error(no_space ? ErrorKind::Resource : ErrorKind::Dependency, "COLMAP's database cannot be written",
-              {.where = path_.string(), .why = why, .code = "SFM_DATABASE"});
+              {.where = path_.string(),
+               .why = why,
+               .hint = no_space ? "free some disk space and run the same command again" : "run again",
+               .code = no_space ? "DISK_FULL" : "SFM_DATABASE"});
 }
 
 bool ColmapDatabase::has_table(const std::string& name) const {
