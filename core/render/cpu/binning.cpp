@@ -11,8 +11,8 @@ namespace vitrine::cpu {
 
 namespace {
 
-constexpr size_t kChunk = 2048;  // surfels
-constexpr size_t kPrefetchAhead = 12;              // sorted order jumps about in memory
+constexpr size_t kChunk = 2048;        // surfels
+constexpr size_t kPrefetchAhead = 12;  // sorted order jumps about in memory
 constexpr int kDigitBits = 11;
 constexpr uint32_t kDigits = 1u << kDigitBits;
 // Two digits of a positive float: exponent and 14 bits of mantissa. The block lists make the order exact.

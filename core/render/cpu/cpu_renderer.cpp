@@ -25,11 +25,11 @@ struct ThreadScratch {
   Buffer<RasterSplat> local;
   Buffer<ListEntry> lists;
   Buffer<unsigned char> slots;
-  Buffer<uint32_t> pending;
+  Buffer<uint32_t> seen;
 };
 
 struct TileLists {  // what forward keeps of a tile
-  std::vector<ListEntry> entries;
+  std::vector<uint32_t> seen;
   std::array<uint32_t, kBlocks + 1> offset{};
   std::array<uint32_t, 2> fragments{};
 };
@@ -124,8 +124,7 @@ void CpuRenderer::project() {
 TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot_bytes) {
   const uint32_t count = binning_.tile_size(tile);
   scratch.local.resize(count);
-  scratch.slots.resize(static_cast<size_t>(count) * slot_bytes);
-  scratch.pending.resize(count);
+  scratch.slots.resize(static_cast<size_t>(count + 1) * slot_bytes);
   TileTask task{};
   task.x0 = static_cast<int>(tile % static_cast<size_t>(binning_.tiles_x())) * kTileSide;
   task.y0 = static_cast<int>(tile / static_cast<size_t>(binning_.tiles_x())) * kTileSide;
@@ -136,7 +135,6 @@ TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot
   task.kept = kept_.data() + tile * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels());
   task.local = scratch.local.data();
   task.slots = scratch.slots.data();
-  task.pending = scratch.pending.data();
   return task;
 }
 
@@ -156,21 +154,23 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
     ThreadScratch& scratch = thread_scratch();
     TileTask task = tile_task(tile, scratch, passes_.forward_slot_bytes);
     scratch.lists.resize(static_cast<size_t>(task.count) * kBlocks);
+    scratch.seen.resize(static_cast<size_t>(task.count) * kBlocks);
     std::array<uint32_t, kBlocks + 1> offset;
     std::array<uint32_t, kBlocks> size;
     task.lists = scratch.lists.data();
+    task.seen = scratch.seen.data();
     task.list_offset = offset.data();
     task.list_size = size.data();
     TileLists& keep = lists_[tile];
     keep.fragments = {};
     task.fragments = keep.fragments.data();
     passes_.forward_tile(view_, task);
-    keep.entries.clear();
+    keep.seen.clear();
     for (size_t b = 0; b < kBlocks; ++b) {
-      keep.offset[b] = static_cast<uint32_t>(keep.entries.size());
-      keep.entries.insert(keep.entries.end(), task.lists + offset[b], task.lists + offset[b] + size[b]);
+      keep.offset[b] = static_cast<uint32_t>(keep.seen.size());
+      keep.seen.insert(keep.seen.end(), task.seen + offset[b], task.seen + offset[b] + size[b]);
     }
-    keep.offset[kBlocks] = static_cast<uint32_t>(keep.entries.size());
+    keep.offset[kBlocks] = static_cast<uint32_t>(keep.seen.size());
     write_tile(task, out);
   });
 }
@@ -256,7 +256,7 @@ void CpuRenderer::backward(const BackwardInput& input, SplatLayer& grad, SurfelS
   parallel_for(binning_.tile_count(), 1, [&](size_t tile) {
     if (binning_.tile_size(tile) == 0) return;
     TileTask task = tile_task(tile, thread_scratch(), passes_.backward_slot_bytes);
-    task.lists = lists_[tile].entries.data();
+    task.seen = lists_[tile].seen.data();
     task.list_offset = lists_[tile].offset.data();
     TileGradients of_tile = gradients;
     of_tile.records = records_.data() + static_cast<size_t>(binning_.tile_begin(tile)) * kRecordFloats;

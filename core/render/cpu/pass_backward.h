@@ -1,15 +1,16 @@
-// Backward pass of a tile, front to back like the forward pass: "behind = total - in front" (README 7), so that nothing is
-// stored per fragment. What lies in front of a fragment is settled pair by pair as well, when it becomes final.
+// Backward pass of a tile: "behind = total - in front" (README 7). Three walks over the surfels of a block: settle who dims whom,
+// as the forward pass did; sum what lies in front of each fragment, in the same pairs; then the gradients.
 
 namespace vitrine::VITRINE_SIMD {
 
-struct alignas(64) PendingGradient : PendingFragment {
-  SplatSample<F16> sample;
-  F16 value;       // V: what a unit of its weight adds to the loss
-  F16 front;       // sum of w V in front of it
+struct alignas(64) GradientFragment : Fragment {
+  F16 u, v, inv_den;
+  F16 value;         // V: what a unit of its weight adds to the loss
+  F16 contribution;  // w V
+  F16 front;         // sum of w V in front of it
+  F16 sum;           // of w V up to this slot
+  M16 on_plane, counts, free;
   uint32_t local;  // index within the tile: where its record is
-
-  VITRINE_INLINE F16 contribution() const { return blend_weight(alpha, transmittance) * value; }
 };
 
 template <int F>
@@ -79,28 +80,35 @@ struct BackwardBlock {
   float* records;
   float x_origin, y_origin;  // of the block, relative to the tile
   F16 row_y;                 // pixel centre's row relative to the tile
-  F16 transmittance, front;  // of all final fragments
 
-  VITRINE_INLINE F16 value_of(const PendingGradient& p) const {
-    F16 value = g.weight + p.z * g.zdepth;
-    for (int c = 0; c < F; ++c) value += F16(p.splat->features[c]) * g.features[c];
-    if constexpr (kDistortion) value += g.spread * g.sums.weight_slope(reciprocal(p.z) - g.pivot);
+  VITRINE_INLINE F16 value_of(const Fragment& f) const {
+    F16 value = g.weight + f.z * g.zdepth;
+    for (int c = 0; c < F; ++c) value += F16(f.splat->features[c]) * g.features[c];
+    if constexpr (kDistortion) value += g.spread * g.sums.weight_slope(reciprocal(f.z) - g.pivot);
     return value;
   }
 
-  VITRINE_INLINE void finish(const PendingGradient& p, const F16& contribution) {
-    const F16 w = blend_weight(p.alpha, p.transmittance);
-    const F16 behind = g.total - p.front - contribution;
-    const F16 grad_alpha = blend_vjp(p.transmittance, p.value, behind, reciprocal(p.transparency));
-    const M16 is_median = (p.transmittance > F16(float(kMedianTransmittance))) & (p.alpha > F16(0.f)) & (p.z == g.kept_median);
+  VITRINE_INLINE void add_gradient(const GradientFragment& f) const {
+    const F16 w = blend_weight(f.alpha, f.transmittance);
+    const F16 behind = g.total - f.front - f.contribution;
+    const F16 grad_alpha = blend_vjp(f.transmittance, f.value, behind, reciprocal(F16(1.f) - f.alpha));
+    const M16 is_median = (f.transmittance > F16(float(kMedianTransmittance))) & f.counts & (f.z == g.kept_median);
     F16 grad_z = w * g.zdepth + select(is_median, g.median_z, F16(0.f));
     if constexpr (kDistortion) {
-      const F16 inv_z = reciprocal(p.z);
+      const F16 inv_z = reciprocal(f.z);
       grad_z += g.spread * g.sums.depth_slope(w, inv_z - g.pivot, inv_z);
     }
-    add_to_record(splat_sample_vjp(p.sample, grad_alpha, grad_z), w, records + static_cast<size_t>(p.local) * kRecordFloats);
-    front += contribution;
-    transmittance *= p.transparency;
+    SplatSample<F16> sample;
+    sample.u = f.u;
+    sample.v = f.v;
+    sample.inv_den = f.inv_den;
+    sample.rho3d = f.u * f.u + f.v * f.v;
+    sample.alpha = f.alpha;
+    sample.z = f.z;
+    sample.on_plane = f.on_plane;
+    sample.counts = f.counts;
+    sample.free = f.free;
+    add_to_record(splat_sample_vjp(sample, grad_alpha, grad_z), w, records + static_cast<size_t>(f.local) * kRecordFloats);
   }
 
   // Sums over the sixteen pixels. Features: broadcasting each pixel's weight against its row of gradients needs no shuffles.
@@ -127,60 +135,48 @@ template <int F, bool kDistortion>
 void backward_block(const PassView& view, const TileTask& task, const TileGradients& gradients, int block) {
   const uint32_t size = task.list_offset[block + 1] - task.list_offset[block];
   if (size == 0) return;
-  const ListEntry* list = task.lists + task.list_offset[block];
+  const uint32_t* list = task.seen + task.list_offset[block];
+  const BlockPlace place = block_place(view, task, block);
+  GradientFragment* slots = reinterpret_cast<GradientFragment*>(task.slots);
+  slots[0].be_the_eye(place.inside);
+  slots[0].sum = F16(0.f);
+  for (uint32_t i = 1; i <= size; ++i) {
+    GradientFragment& f = slots[i];
+    f.local = list[i - 1];
+    f.splat = task.local + f.local;
+    const SplatSample<F16> sample = splat_sample(f.splat->constants, place.px, place.py);
+    f.alpha = sample.alpha;
+    f.z = select(sample.counts, sample.z, F16(kFarAway));
+    f.id = f.splat->id;
+    f.u = sample.u;
+    f.v = sample.v;
+    f.inv_den = sample.inv_den;
+    f.on_plane = sample.on_plane;
+    f.counts = sample.counts;
+    f.free = sample.free;
+    settle(slots, i, sample.counts);
+  }
+
   BlockGradients<F> g;
   load_gradients<F, kDistortion>(view, task, gradients, block, g);
-  const BlockPlace place = block_place(view, task, block);
-  BackwardBlock<F, kDistortion> out{g,
-                                    gradients.records,
-                                    float(kBlockSide * (block % kBlockSide)),
-                                    float(kBlockSide * (block / kBlockSide)),
-                                    place.py - F16(float(task.y0)),
-                                    place.inside,
-                                    F16(0.f)};
-  PendingSet<PendingGradient> pending(task.slots, task.pending, size);
-  // Makes pending[i] final: the others either lie in front of it, and are as good as final there, or behind it.
-  const auto finish = [&](uint32_t i) {
-    PendingGradient& p = pending[i];
-    const F16 contribution = p.contribution();
-    for (uint32_t j = 0; j < pending.size; ++j) {
-      if (j == i) continue;
-      PendingGradient& n = pending[j];
-      const M16 p_first = in_front(p, n);
-      p.front += select(p_first, F16(0.f), n.contribution());
-      n.front += select(p_first, contribution, F16(0.f));
+  const BackwardBlock<F, kDistortion> out{g, gradients.records, float(kBlockSide * (block % kBlockSide)),
+                                          float(kBlockSide * (block / kBlockSide)), place.py - F16(float(task.y0))};
+  for (uint32_t i = 1; i <= size; ++i) {
+    GradientFragment& f = slots[i];
+    f.value = out.value_of(f);
+    f.contribution = blend_weight(f.alpha, f.transmittance) * f.value;
+    f.sum = slots[i - 1].sum + f.contribution;
+    f.front = slots[f.compared_from - 1].sum;
+    if (f.compared_from == i) continue;
+    const DepthOrder order(f);
+    for (uint32_t k = f.compared_from; k < i; ++k) {
+      GradientFragment& older = slots[k];
+      const M16 first = order.before(older);
+      f.front += select(first, F16(0.f), older.contribution);
+      older.front += select(first, f.contribution, F16(0.f));
     }
-    out.finish(p, contribution);
-    pending.remove(i);
-  };
-  for (uint32_t e = 0; e < size; ++e) {
-    const ListEntry& entry = list[e];
-    for (uint32_t i = 0; i < pending.size;) {
-      if (pending[i].z_max < entry.z_min)
-        finish(i);
-      else
-        ++i;
-    }
-    if (!any(out.transmittance >= F16(float(kMinTransmittance)))) break;
-    const RasterSplat& splat = task.local[entry.local];
-    PendingGradient& fragment = pending.free_slot();
-    fragment.sample = splat_sample(splat.constants, place.px, place.py);
-    if (!any(fragment.sample.counts)) continue;
-    fragment.alpha = fragment.sample.alpha;
-    fragment.transparency = F16(1.f) - fragment.sample.alpha;
-    fragment.transmittance = out.transmittance;
-    fragment.z = fragment.sample.z;
-    fragment.z_below = next_below(fragment.sample.z);
-    fragment.splat = &splat;
-    fragment.z_max = entry.z_max;
-    fragment.id = splat.id;
-    fragment.local = entry.local;
-    fragment.front = out.front;
-    fragment.value = out.value_of(fragment);
-    for (uint32_t i = 0; i < pending.size; ++i) settle_pair(pending[i], fragment);
-    ++pending.size;
   }
-  while (pending.size > 0) finish(pending.size - 1);
+  for (uint32_t i = 1; i <= size; ++i) out.add_gradient(slots[i]);
 }
 
 template <int F, bool kDistortion>

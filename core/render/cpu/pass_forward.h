@@ -1,8 +1,8 @@
 // Forward pass of a tile: blocks of 4x4 pixels, exact depth order per pixel without sorting pixels (README 6).
 //
-// Only the transmittance in front of a fragment depends on the order; sums do not. Surfels come in ascending z_min. A fragment
-// waits ("pending") while a later surfel could still lie in front of it in some pixel; when a new one arrives, each pending pair
-// settles lane by lane who dims whom. Once z_max of the pending one is below the z_min of all that follows, it is final.
+// Only the transmittance in front of a fragment depends on the order; sums do not. Surfels come in ascending z_min, which is
+// nearly the order of most pixels: a new fragment is dimmed by the product over all that came before, unless it lies in front
+// of the deepest of them somewhere. Then it walks back past those that it might precede, and each pair settles lane by lane.
 
 namespace vitrine::VITRINE_SIMD {
 
@@ -23,111 +23,111 @@ inline BlockPlace block_place(const PassView& view, const TileTask& task, int bl
   return p;
 }
 
-struct alignas(64) PendingFragment {
-  F16 alpha, transparency;  // transparency = 1 - alpha
-  F16 transmittance;        // of what is known to lie in front
-  F16 z, z_below;           // z_below: the float before z, so that z_p <= z_below means z_p < z
+inline constexpr float kFarAway = 1e30f;        // z where a surfel has no fragment
+inline constexpr float kOpaqueEnough = 1e-10f;  // transmittances stop here: far below any cut, far above denormals
+
+// A surfel in a block. Slot 0 of a list stands for the eye.
+struct alignas(64) Fragment {
+  F16 alpha, transmittance, z;
+  F16 through;  // transmittance behind this and all earlier slots
+  F16 deepest;  // largest z up to here
   const RasterSplat* splat;
-  float z_max;
   uint32_t id;
+  uint32_t compared_from;  // earlier slots lie in front in all pixels
+
+  void be_the_eye(F16 inside) {
+    through = max(inside, F16(kOpaqueEnough));
+    deepest = F16(0.f);
+  }
 };
 
-// Lanes in which `a` lies in front of `b`: by (z, id).
-VITRINE_INLINE M16 in_front(const PendingFragment& a, const PendingFragment& b) {
-  const F16* limit = a.id < b.id ? &b.z : &b.z_below;
-  return a.z <= *limit;
-}
+// Whether a new fragment lies in front of older ones, by (z, id).
+struct DepthOrder {
+  F16 limit[2];
+  uint32_t id;
+  explicit DepthOrder(const Fragment& f) : limit{f.z, next_above(f.z)}, id(f.id) {}
+  VITRINE_INLINE M16 before(const Fragment& older) const { return limit[older.id < id ? 1 : 0] <= older.z; }
+};
 
-// A new fragment meets a pending one: each dims the other where it lies in front of it.
-VITRINE_INLINE void settle_pair(PendingFragment& a, PendingFragment& b) {
-  const M16 a_first = in_front(a, b);
-  a.transmittance = select(a_first, a.transmittance, a.transmittance * b.transparency);
-  b.transmittance = select(a_first, b.transmittance * a.transparency, b.transmittance);
-}
-
-// The pending fragments of a block: slots of type Slot in use, and the free ones behind them.
+// Gives slot n, whose alpha, z and id are set, its place among the slots before it.
 template <class Slot>
-struct PendingSet {
-  Slot* slots;
-  uint32_t* order;  // [capacity]: slots in use, then free slots
-  uint32_t size = 0;
-
-  PendingSet(unsigned char* memory, uint32_t* indices, uint32_t capacity)
-      : slots(reinterpret_cast<Slot*>(memory)), order(indices) {
-    for (uint32_t i = 0; i < capacity; ++i) order[i] = i;
+VITRINE_INLINE void settle(Slot* slots, uint32_t n, M16 counts) {
+  Slot& f = slots[n];
+  const Slot& last = slots[n - 1];
+  const F16 transparency = F16(1.f) - f.alpha;
+  f.deepest = max(last.deepest, select(counts, f.z, F16(0.f)));
+  f.through = max(last.through * transparency, F16(kOpaqueEnough));
+  f.compared_from = n;
+  if (__builtin_expect(!any(f.z <= last.deepest), 1)) {
+    f.transmittance = last.through;
+    return;
   }
-  Slot& operator[](uint32_t i) { return slots[order[i]]; }
-  Slot& free_slot() { return slots[order[size]]; }
-  void remove(uint32_t i) {
-    const uint32_t freed = order[i];
-    order[i] = order[--size];
-    order[size] = freed;
-  }
-};
+  const DepthOrder order(f);
+  const F16 one(1.f);
+  F16 dimming(1.f);
+  uint32_t k = n;
+  do {
+    Slot& older = slots[--k];
+    const M16 first = order.before(older);
+    dimming = select(first, dimming, dimming * (one - older.alpha));
+    older.transmittance = select(first, older.transmittance * transparency, older.transmittance);
+  } while (any(f.z <= slots[k - 1].deepest));
+  f.transmittance = slots[k - 1].through * dimming;
+  f.compared_from = k;
+}
 
 template <int F, bool kDistortion>
 struct ForwardBlock {
   F16 features[F];
   F16 zdepth, alpha, median_z, q1, q2, pivot;
-  F16 transmittance;  // of all final fragments
 
-  VITRINE_INLINE void finish(const PendingFragment& p) {
-    const F16 w = blend_weight(p.alpha, p.transmittance);
-    for (int c = 0; c < F; ++c) features[c] += w * F16(p.splat->features[c]);
-    zdepth += w * p.z;
+  VITRINE_INLINE void add(const Fragment& f) {
+    const F16 w = blend_weight(f.alpha, f.transmittance);
+    for (int c = 0; c < F; ++c) features[c] += w * F16(f.splat->features[c]);
+    zdepth += w * f.z;
     alpha += w;
-    median_z = select((p.transmittance > F16(float(kMedianTransmittance))) & (p.alpha > F16(0.f)), max(median_z, p.z), median_z);
+    median_z = select((f.transmittance > F16(float(kMedianTransmittance))) & (f.alpha > F16(0.f)), max(median_z, f.z), median_z);
     if constexpr (kDistortion) {
-      const F16 q = reciprocal(p.z) - pivot, wq = w * q;
+      const F16 q = reciprocal(f.z) - pivot, wq = w * q;
       q1 += wq;
       q2 += wq * q;
     }
-    transmittance *= p.transparency;
   }
 };
 
 template <int F, bool kDistortion>
 void forward_block(const PassView& view, const TileTask& task, int block) {
   const BlockPlace place = block_place(view, task, block);
-  ForwardBlock<F, kDistortion> out;
-  out.transmittance = place.inside;
   const ListEntry* list = task.lists + task.list_offset[block];
+  uint32_t* seen = task.seen + task.list_offset[block];
   const uint32_t size = task.list_size[block];
-  PendingSet<PendingFragment> pending(task.slots, task.pending, size);
-  if (kDistortion && size > 0) out.pivot = F16(1.f / list[0].z_min);
-  uint32_t fragments = 0, vectors = 0;
+  Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
+  slots[0].be_the_eye(place.inside);
+  uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
   for (uint32_t e = 0; e < size; ++e) {
-    const ListEntry& entry = list[e];
-    for (uint32_t i = 0; i < pending.size;) {
-      if (pending[i].z_max < entry.z_min) {
-        out.finish(pending[i]);
-        pending.remove(i);
-      } else {
-        ++i;
-      }
-    }
-    // What follows lies behind everything final, and could only dim pending fragments in pixels that are full already.
-    if (!any(out.transmittance >= F16(float(kMinTransmittance)))) break;
-    const RasterSplat& splat = task.local[entry.local];
+    const F16 z_min(z_min_of(list[e]));
+    while (final < used && !any(slots[final + 1].deepest >= z_min)) ++final;
+    const M16 open = slots[final].through >= F16(float(kMinTransmittance));
+    if (!any(open)) break;
+    const RasterSplat& splat = task.local[local_of(list[e])];
     const SplatSample<F16> sample = splat_sample(splat.constants, place.px, place.py);
-    const uint32_t hits = bits(sample.counts);
+    const uint32_t hits = bits(sample.counts & open);
     ++vectors;
-    fragments += static_cast<uint32_t>(__builtin_popcount(hits));
+    fragments += static_cast<uint32_t>(__builtin_popcount(bits(sample.counts)));
     if (hits == 0) continue;
-    PendingFragment& fragment = pending.free_slot();
-    fragment.alpha = sample.alpha;
-    fragment.transparency = F16(1.f) - sample.alpha;
-    fragment.transmittance = out.transmittance;
-    fragment.z = sample.z;
-    fragment.z_below = next_below(sample.z);
-    fragment.splat = &splat;
-    fragment.z_max = entry.z_max;
-    fragment.id = splat.id;
-    for (uint32_t i = 0; i < pending.size; ++i) settle_pair(pending[i], fragment);
-    ++pending.size;
+    seen[used++] = local_of(list[e]);
+    Fragment& f = slots[used];
+    f.alpha = sample.alpha;
+    f.z = select(sample.counts, sample.z, F16(kFarAway));
+    f.splat = &splat;
+    f.id = splat.id;
+    settle(slots, used, sample.counts);
   }
-  for (uint32_t i = 0; i < pending.size; ++i) out.finish(pending[i]);
+  ForwardBlock<F, kDistortion> out;
+  if (kDistortion && size > 0) out.pivot = F16(1.f / z_min_of(list[0]));
+  for (uint32_t i = 1; i <= used; ++i) out.add(slots[i]);
 
+  task.list_size[block] = used;
   task.fragments[0] += fragments;
   task.fragments[1] += vectors;
   float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;

@@ -22,7 +22,7 @@ inline BlockGrid block_grid(int x0, int y0) {
 
 struct BlockTest {
   M16 hit;
-  F16 z_min, z_max;
+  F16 z_min;
 };
 
 inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
@@ -44,23 +44,25 @@ inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
   const F16 half(0.5f * float(kBlockSide - 1));
   const F16 den = F16(1.f) + F16(b.h0) * (dx_lo + half) + F16(b.h1) * (dy_lo + half);
   const F16 reach = half * (absolute(F16(b.h0)) + absolute(F16(b.h1)));
-  const F16 z0(b.z0), z_low(b.z_low), z_high(b.z_high);
-  const F16 den_far = den + reach, den_near = den - reach;
+  const F16 z0(b.z0), z_low(b.z_low), z_high(b.z_high), den_far = den + reach;
   BlockTest t;
   t.hit = ellipse | disc;
   t.z_min = select(den_far > zero, max(z0 / den_far, z_low), z_high);
-  t.z_max = select(den_near > zero, min(z0 / den_near, z_high), z_high);
   t.z_min = select(disc, min(t.z_min, z0), t.z_min) * F16(1.f - kDepthSlack);
-  t.z_max = select(disc, max(t.z_max, z0), t.z_max) * F16(1.f + kDepthSlack);
   return t;
 }
 
 // Keeps `list` ascending: the tile's list comes roughly sorted, so that an entry moves past a few others at most.
-inline void insert_sorted(ListEntry* list, uint32_t& size, ListEntry entry) {
+VITRINE_INLINE void insert_sorted(ListEntry* list, uint32_t& size, ListEntry entry) {
   uint32_t at = size++;
-  for (; at > 0 && list[at - 1].z_min > entry.z_min; --at) list[at] = list[at - 1];
+  for (; at > 0 && list[at - 1] > entry; --at) list[at] = list[at - 1];
   list[at] = entry;
 }
+VITRINE_INLINE ListEntry list_entry(float z_min, uint32_t local) {
+  return static_cast<ListEntry>(__builtin_bit_cast(uint32_t, z_min)) << 32 | local;
+}
+VITRINE_INLINE float z_min_of(ListEntry e) { return __builtin_bit_cast(float, static_cast<uint32_t>(e >> 32)); }
+VITRINE_INLINE uint32_t local_of(ListEntry e) { return static_cast<uint32_t>(e); }
 
 // Also copies the tile's surfels beside each other.
 inline void build_lists(const TileTask& task) {
@@ -69,7 +71,7 @@ inline void build_lists(const TileTask& task) {
     task.list_offset[b] = static_cast<uint32_t>(b) * task.count;
     task.list_size[b] = 0;
   }
-  alignas(64) float z_min[kLanes], z_max[kLanes];
+  alignas(64) float z_min[kLanes];
   for (uint32_t i = 0; i < task.count; ++i) {
     if (i + kPrefetchAhead < task.count) {
       const uint32_t ahead = task.instances[i + kPrefetchAhead];
@@ -81,10 +83,9 @@ inline void build_lists(const TileTask& task) {
     __builtin_memcpy(task.local + i, task.splats + splat, sizeof(RasterSplat));
     const BlockTest t = test_blocks(task.bounds[splat], grid);
     store(z_min, t.z_min);
-    store(z_max, t.z_max);
     for (uint32_t hits = bits(t.hit); hits != 0; hits &= hits - 1) {
       const int b = __builtin_ctz(hits);
-      insert_sorted(task.lists + task.list_offset[b], task.list_size[b], {z_min[b], z_max[b], i});
+      insert_sorted(task.lists + task.list_offset[b], task.list_size[b], list_entry(z_min[b], i));
     }
   }
 }

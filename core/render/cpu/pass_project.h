@@ -289,8 +289,8 @@ inline void surfel_gradients(const PassView& view, const GradientTask& task) {
 }
 
 inline const PassTable& pass_table(const char* tag) {
-  static const PassTable table{tag,          sizeof(PendingFragment), sizeof(PendingGradient), project_surfels,
-                               forward_tile, backward_tile,           surfel_gradients};
+  static const PassTable table{tag,          sizeof(Fragment), sizeof(GradientFragment), project_surfels,
+                               forward_tile, backward_tile,    surfel_gradients};
   return table;
 }
 

@@ -35,10 +35,9 @@ struct alignas(64) SplatBounds {
 };
 static_assert(sizeof(SplatBounds) == 64);
 
-struct ListEntry {     // a surfel in the list of a block, ascending in z_min
-  float z_min, z_max;  // bounds of z over the block
-  uint32_t local;      // index within the tile
-};
+// A surfel in the list of a block: bits of its smallest z over the block, then its index within the tile. Both are positive, so
+// that integers sort as the depths do.
+using ListEntry = uint64_t;
 
 struct LayerPointers {  // raw values or gradients; material pointers are null where the layer has none
   float *mean, *rotation, *log_scale, *opacity, *sh_dc, *sh_rest;
@@ -66,13 +65,13 @@ struct TileTask {
   const SplatBounds* bounds;
   float* kept;  // [kBlocks][kept_channels][kLanes]
   // Scratch of the calling thread.
-  RasterSplat* local;     // [count]
-  ListEntry* lists;       // [kBlocks][count]; backward: the lists that forward kept, by offset
-  uint32_t* list_offset;  // [kBlocks + 1]: begin of each list in `lists`
-  uint32_t* list_size;    // [kBlocks]
-  unsigned char* slots;   // [count] of the pass's own slot type
+  RasterSplat* local;  // [count]
+  ListEntry* lists;    // forward: [kBlocks][count]
+  uint32_t* seen;  // forward: [kBlocks][count], what was blended of each list, as indices within the tile; backward: its lists
+  uint32_t* list_offset;  // [kBlocks + 1]: begin of each list in `lists` and `seen`
+  uint32_t* list_size;    // [kBlocks]; after the forward pass of `seen`
+  unsigned char* slots;   // [count + 1] of the pass's own slot type
   uint32_t* fragments;    // [2] out: fragments, vectors evaluated
-  uint32_t* pending;      // [count]
 };
 
 struct TileGradients {

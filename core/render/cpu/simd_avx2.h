@@ -75,11 +75,12 @@ VITRINE_INLINE F16 reciprocal(F16 x) {
   const F16 r{_mm256_rcp_ps(x.a), _mm256_rcp_ps(x.b)};
   return r * (F16(2.f) - x * r);
 }
-VITRINE_INLINE F16 next_below(F16 x) {
+VITRINE_INLINE F16 next_above(F16 x) {
   const __m256i one = _mm256_set1_epi32(1);
-  return {_mm256_castsi256_ps(_mm256_sub_epi32(_mm256_castps_si256(x.a), one)),
-          _mm256_castsi256_ps(_mm256_sub_epi32(_mm256_castps_si256(x.b), one))};
+  return {_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(x.a), one)),
+          _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(x.b), one))};
 }
+VITRINE_INLINE F16 two_halves(float a, float b) { return {_mm256_set1_ps(a), _mm256_set1_ps(b)}; }
 VITRINE_INLINE F16 round_nearest(F16 x) {
   constexpr int kMode = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
   return {_mm256_round_ps(x.a, kMode), _mm256_round_ps(x.b, kMode)};

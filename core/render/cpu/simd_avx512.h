@@ -64,13 +64,15 @@ VITRINE_INLINE F16 reciprocal(F16 a) {
   const F16 r = _mm512_rcp14_ps(a.v);
   return r * (F16(2.f) - a * r);
 }
-VITRINE_INLINE F16 next_below(F16 a) {  // of positive finite values
-  return _mm512_castsi512_ps(_mm512_sub_epi32(_mm512_castps_si512(a.v), _mm512_set1_epi32(1)));
+VITRINE_INLINE F16 next_above(F16 a) {  // of positive finite values
+  return _mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(a.v), _mm512_set1_epi32(1)));
 }
 VITRINE_INLINE F16 round_nearest(F16 a) { return _mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC); }
 VITRINE_INLINE F16 scale_by_power(F16 a, F16 e) { return _mm512_scalef_ps(a.v, e.v); }  // a 2^e, e integral
 VITRINE_INLINE F16 exponent(F16 a) { return _mm512_getexp_ps(a.v); }
 VITRINE_INLINE F16 mantissa(F16 a) { return _mm512_getmant_ps(a.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_src); }
+// Eight lanes of `a`, then eight of `b`.
+VITRINE_INLINE F16 two_halves(float a, float b) { return _mm512_mask_blend_ps(0xff00, _mm512_set1_ps(a), _mm512_set1_ps(b)); }
 // Lane by lane: |a| with the sign bit cleared.
 VITRINE_INLINE F16 absolute(F16 a) { return _mm512_abs_ps(a.v); }
 
