@@ -154,8 +154,8 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
     f.on_plane = sample.on_plane;
     f.counts = sample.counts;
     f.free = sample.free;
-    settle(slots, i, sample.counts);
   }
+  for (uint32_t i = 1; i <= size; ++i) settle(slots, i);
 
   BlockGradients<F> g;
   load_gradients<F, kDistortion>(view, task, gradients, block, g);

@@ -49,13 +49,17 @@ struct DepthOrder {
   VITRINE_INLINE M16 before(const Fragment& older) const { return limit[older.id < id ? 1 : 0] <= older.z; }
 };
 
+// Surfels are evaluated in batches without a branch between them, which would be a coin toss and wait for a long chain of
+// arithmetic; then they are settled one by one.
+inline constexpr uint32_t kBatch = 8;
+
 // Gives slot n, whose alpha, z and id are set, its place among the slots before it.
 template <class Slot>
-VITRINE_INLINE void settle(Slot* slots, uint32_t n, M16 counts) {
+VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
   Slot& f = slots[n];
   const Slot& last = slots[n - 1];
   const F16 transparency = F16(1.f) - f.alpha;
-  f.deepest = max(last.deepest, select(counts, f.z, F16(0.f)));
+  f.deepest = max(last.deepest, select(f.alpha > F16(0.f), f.z, F16(0.f)));
   f.through = max(last.through * transparency, F16(kOpaqueEnough));
   f.compared_from = n;
   if (__builtin_expect(!any(f.z <= last.deepest), 1)) {
@@ -104,24 +108,28 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
   slots[0].be_the_eye(place.inside);
   uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
-  for (uint32_t e = 0; e < size; ++e) {
-    const F16 z_min(z_min_of(list[e]));
+  for (uint32_t begin = 0; begin < size; begin += kBatch) {
+    const F16 z_min(z_min_of(list[begin]));
     while (final < used && !any(slots[final + 1].deepest >= z_min)) ++final;
     const M16 open = slots[final].through >= F16(float(kMinTransmittance));
     if (!any(open)) break;
-    const RasterSplat& splat = task.local[local_of(list[e])];
-    const SplatSample<F16> sample = splat_sample(splat.constants, place.px, place.py);
-    const uint32_t hits = bits(sample.counts & open);
-    ++vectors;
-    fragments += static_cast<uint32_t>(__builtin_popcount(bits(sample.counts)));
-    if (hits == 0) continue;
-    seen[used++] = local_of(list[e]);
-    Fragment& f = slots[used];
-    f.alpha = sample.alpha;
-    f.z = select(sample.counts, sample.z, F16(kFarAway));
-    f.splat = &splat;
-    f.id = splat.id;
-    settle(slots, used, sample.counts);
+    const uint32_t end = begin + kBatch < size ? begin + kBatch : size;
+    uint32_t next = used;
+    for (uint32_t e = begin; e < end; ++e) {
+      const uint32_t local = local_of(list[e]);
+      const RasterSplat& splat = task.local[local];
+      const SplatSample<F16> sample = splat_sample(splat.constants, place.px, place.py);
+      Fragment& f = slots[next + 1];
+      f.alpha = sample.alpha;
+      f.z = select(sample.counts, sample.z, F16(kFarAway));
+      f.splat = &splat;
+      f.id = splat.id;
+      seen[next] = local;
+      fragments += static_cast<uint32_t>(__builtin_popcount(bits(sample.counts)));
+      next += any(sample.counts & open) ? 1 : 0;
+    }
+    vectors += end - begin;
+    while (used < next) settle(slots, ++used);
   }
   ForwardBlock<F, kDistortion> out;
   if (kDistortion && size > 0) out.pivot = F16(1.f / z_min_of(list[0]));

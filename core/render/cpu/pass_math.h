@@ -3,8 +3,8 @@
 
 namespace vitrine::VITRINE_SIMD {
 
-VITRINE_INLINE F16 exp2_of(F16 x) {
-  x = min(max(x, F16(-126.f)), F16(126.f));
+VITRINE_INLINE F16 exp2_below_126(F16 x) {
+  x = max(x, F16(-126.f));
   const F16 whole = round_nearest(x), f = x - whole;
   F16 p(1.33908634e-3f);
   p = p * f + F16(9.67603192e-3f);
@@ -15,8 +15,8 @@ VITRINE_INLINE F16 exp2_of(F16 x) {
   return scale_by_power(p, whole);
 }
 inline constexpr float kLog2E = 1.44269504f;
-VITRINE_INLINE F16 exp(F16 x) { return exp2_of(x * F16(kLog2E)); }
-VITRINE_INLINE F16 gaussian(F16 rho) { return exp2_of(rho * F16(-0.5f * kLog2E)); }
+VITRINE_INLINE F16 exp(F16 x) { return exp2_below_126(min(x * F16(kLog2E), F16(126.f))); }
+VITRINE_INLINE F16 gaussian(F16 rho) { return exp2_below_126(rho * F16(-0.5f * kLog2E)); }
 // Natural logarithm of positive normal values.
 VITRINE_INLINE F16 log_of(F16 x) {
   const F16 m = mantissa(x) - F16(1.5f);

@@ -70,7 +70,7 @@ struct TileTask {
   uint32_t* seen;  // forward: [kBlocks][count], what was blended of each list, as indices within the tile; backward: its lists
   uint32_t* list_offset;  // [kBlocks + 1]: begin of each list in `lists` and `seen`
   uint32_t* list_size;    // [kBlocks]; after the forward pass of `seen`
-  unsigned char* slots;   // [count + 1] of the pass's own slot type
+  unsigned char* slots;   // [count + 2] of the pass's own slot type
   uint32_t* fragments;    // [2] out: fragments, vectors evaluated
 };
 
