@@ -23,9 +23,9 @@ constexpr size_t kGradientBatches = 16;  // SIMD batches to a task
 
 struct ThreadScratch {
   Buffer<RasterSplat> local;
-  Buffer<ListEntry> lists;
+  Buffer<uint32_t> list, sorted;
+  Buffer<float> z_min, sorted_z;
   Buffer<unsigned char> slots;
-  Buffer<uint32_t> seen;
 };
 
 struct TileLists {  // what forward keeps of a tile
@@ -153,12 +153,17 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
   parallel_for(tiles, 1, [&](size_t tile) {
     ThreadScratch& scratch = thread_scratch();
     TileTask task = tile_task(tile, scratch, passes_.forward_slot_bytes);
-    scratch.lists.resize(static_cast<size_t>(task.count) * kBlocks);
-    scratch.seen.resize(static_cast<size_t>(task.count) * kBlocks);
+    const size_t capacity = list_capacity(task.count);
+    scratch.list.resize(capacity * kBlocks);
+    scratch.z_min.resize(capacity * kBlocks);
+    scratch.sorted.resize(capacity);
+    scratch.sorted_z.resize(capacity);
     std::array<uint32_t, kBlocks + 1> offset;
     std::array<uint32_t, kBlocks> size;
-    task.lists = scratch.lists.data();
-    task.seen = scratch.seen.data();
+    task.list = scratch.list.data();
+    task.z_min = scratch.z_min.data();
+    task.sorted = scratch.sorted.data();
+    task.sorted_z = scratch.sorted_z.data();
     task.list_offset = offset.data();
     task.list_size = size.data();
     TileLists& keep = lists_[tile];
@@ -168,7 +173,7 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
     keep.seen.clear();
     for (size_t b = 0; b < kBlocks; ++b) {
       keep.offset[b] = static_cast<uint32_t>(keep.seen.size());
-      keep.seen.insert(keep.seen.end(), task.seen + offset[b], task.seen + offset[b] + size[b]);
+      keep.seen.insert(keep.seen.end(), task.list + offset[b], task.list + offset[b] + size[b]);
     }
     keep.offset[kBlocks] = static_cast<uint32_t>(keep.seen.size());
     write_tile(task, out);
@@ -256,7 +261,7 @@ void CpuRenderer::backward(const BackwardInput& input, SplatLayer& grad, SurfelS
   parallel_for(binning_.tile_count(), 1, [&](size_t tile) {
     if (binning_.tile_size(tile) == 0) return;
     TileTask task = tile_task(tile, thread_scratch(), passes_.backward_slot_bytes);
-    task.seen = lists_[tile].seen.data();
+    task.list = lists_[tile].seen.data();
     task.list_offset = lists_[tile].offset.data();
     TileGradients of_tile = gradients;
     of_tile.records = records_.data() + static_cast<size_t>(binning_.tile_begin(tile)) * kRecordFloats;

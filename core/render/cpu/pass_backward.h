@@ -13,17 +13,22 @@ struct alignas(64) GradientFragment : Fragment {
   uint32_t local;  // index within the tile: where its record is
 };
 
+// First half of a record: sums over pixels of w times the gradient of each feature, of w, of w times the error image. Up to six
+// features they take eight floats, and both halves of the vector are to be added.
+constexpr int column_count(int features) { return features <= 6 ? 8 : 16; }
+constexpr int weight_column(int features) { return features <= 6 ? 6 : 12; }
+constexpr int error_column(int features) { return weight_column(features) + 1; }
+
 template <int F>
 struct BlockGradients {
   F16 features[F];
-  F16 zdepth, weight, median_z, spread;       // weight: of alpha and of the background; spread: of distortion, times k^2
-  alignas(64) float by_lane[kLanes][kLanes];  // row = pixel: feature gradients, then 1 (weight) and the error image
-  F16 total;                                  // sum of w V over all fragments
+  F16 zdepth, weight, median_z, spread;  // weight: of alpha and of the background; spread: of distortion, times k^2
+  alignas(64) float by_pixel[kLanes * column_count(F)];  // a row for each pixel: feature gradients, then 1 (weight), error image
+  F16 total;                                             // sum of w V over all fragments
   F16 kept_median;
   DistortionSums<F16> sums;
   F16 pivot;
 };
-inline constexpr int kWeightColumn = 12, kErrorColumn = 13;
 
 // A block of an image plane; zero outside the image and for a plane that is not given.
 inline F16 load_block(const PassView& view, const float* plane, int x, int y) {
@@ -52,12 +57,12 @@ void load_gradients(const PassView& view, const TileTask& task, const TileGradie
     if (c < 3) out.weight -= F16(view.background[c]) * out.features[c];
     out.total += out.features[c] * load(kept + c * kLanes);
   }
-  columns[kWeightColumn] = F16(1.f);
-  columns[kErrorColumn] = load_block(view, g.error, x, y);
-  for (int c = 0; c < kLanes; c += 4) {
+  columns[weight_column(F)] = F16(1.f);
+  columns[error_column(F)] = load_block(view, g.error, x, y);
+  for (int c = 0; c < column_count(F); c += 4) {
     F16 pixels[4];
     columns_of(columns[c], columns[c + 1], columns[c + 2], columns[c + 3], pixels);
-    for (int j = 0; j < 4; ++j) store_rows(out.by_lane[j] + c, 4 * kLanes, pixels[j]);
+    for (int j = 0; j < 4; ++j) store_rows(out.by_pixel + j * column_count(F) + c, kBlockSide * column_count(F), pixels[j]);
   }
   out.zdepth = load_block(view, g.zdepth, x, y);
   out.median_z = load_block(view, g.median_z, x, y);
@@ -117,16 +122,19 @@ struct BackwardBlock {
     alignas(64) float weight[kLanes];
     store(weight, w);
     F16 sum[4];
-    for (int lane = 0; lane < kLanes; lane += 4)
-      for (int k = 0; k < 4; ++k) sum[k] += F16(weight[lane + k]) * load(g.by_lane[lane + k]);
+    if constexpr (column_count(F) == kLanes) {
+      for (int lane = 0; lane < kLanes; ++lane) sum[lane % 4] += F16(weight[lane]) * load(g.by_pixel + lane * kLanes);
+    } else {
+      for (int pair = 0; pair < kLanes / 2; ++pair)
+        sum[pair % 4] += two_halves(weight[2 * pair], weight[2 * pair + 1]) * load(g.by_pixel + pair * kLanes);
+    }
     store(record, load(record) + ((sum[0] + sum[1]) + (sum[2] + sum[3])));
 
-    F16 c[4], o[4];
+    F16 c[4];
     columns_of(s.num_u, s.num_v, s.den, s.disc, c);
-    columns_of(s.weight, s.z0, F16(0.f), F16(0.f), o);
     const F16 all = (c[0] + c[1]) + (c[2] + c[3]);
     const F16 by_x = all * F16(x_origin + 0.5f) + (c[1] + F16(2.f) * c[2] + F16(3.f) * c[3]);
-    const F16 sums = sum_rows(all, by_x, all * row_y, (o[0] + o[1]) + (o[2] + o[3]));
+    const F16 sums = sum_rows(all, by_x, all * row_y, pair_columns(s.weight, s.z0));
     store(record + kLanes, load(record + kLanes) + sums);
   }
 };
@@ -135,7 +143,7 @@ template <int F, bool kDistortion>
 void backward_block(const PassView& view, const TileTask& task, const TileGradients& gradients, int block) {
   const uint32_t size = task.list_offset[block + 1] - task.list_offset[block];
   if (size == 0) return;
-  const uint32_t* list = task.seen + task.list_offset[block];
+  const uint32_t* list = task.list + task.list_offset[block];
   const BlockPlace place = block_place(view, task, block);
   GradientFragment* slots = reinterpret_cast<GradientFragment*>(task.slots);
   slots[0].be_the_eye(place.inside);

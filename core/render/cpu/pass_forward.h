@@ -102,21 +102,21 @@ struct ForwardBlock {
 template <int F, bool kDistortion>
 void forward_block(const PassView& view, const TileTask& task, int block) {
   const BlockPlace place = block_place(view, task, block);
-  const ListEntry* list = task.lists + task.list_offset[block];
-  uint32_t* seen = task.seen + task.list_offset[block];
   const uint32_t size = task.list_size[block];
+  sort_list(task, block);
+  uint32_t* seen = task.list + task.list_offset[block];  // the unsorted list has served
   Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
   slots[0].be_the_eye(place.inside);
   uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
   for (uint32_t begin = 0; begin < size; begin += kBatch) {
-    const F16 z_min(z_min_of(list[begin]));
+    const F16 z_min(task.sorted_z[begin]);
     while (final < used && !any(slots[final + 1].deepest >= z_min)) ++final;
     const M16 open = slots[final].through >= F16(float(kMinTransmittance));
     if (!any(open)) break;
     const uint32_t end = begin + kBatch < size ? begin + kBatch : size;
     uint32_t next = used;
     for (uint32_t e = begin; e < end; ++e) {
-      const uint32_t local = local_of(list[e]);
+      const uint32_t local = task.sorted[e];
       const RasterSplat& splat = task.local[local];
       const SplatSample<F16> sample = splat_sample(splat.constants, place.px, place.py);
       Fragment& f = slots[next + 1];
@@ -132,7 +132,7 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
     while (used < next) settle(slots, ++used);
   }
   ForwardBlock<F, kDistortion> out;
-  if (kDistortion && size > 0) out.pivot = F16(1.f / z_min_of(list[0]));
+  if (kDistortion && size > 0) out.pivot = F16(1.f / task.sorted_z[0]);
   for (uint32_t i = 1; i <= used; ++i) out.add(slots[i]);
 
   task.list_size[block] = used;

@@ -1,5 +1,6 @@
-// Tile list -> sixteen block lists in ascending z_min (README 6). One SIMD vector is the sixteen blocks of the tile: the exact
-// test "ellipse meets rectangle of pixel centres" and the depth bounds of all blocks are a few dozen instructions per surfel.
+// Tile list -> sixteen block lists, each in ascending z_min (README 6). One SIMD vector is the sixteen blocks of the tile: the
+// exact test "ellipse meets rectangle of pixel centres" and the depth bounds of all blocks are a few dozen instructions per
+// surfel.
 
 namespace vitrine::VITRINE_SIMD {
 
@@ -52,24 +53,13 @@ inline BlockTest test_blocks(const SplatBounds& b, const BlockGrid& grid) {
   return t;
 }
 
-// Keeps `list` ascending: the tile's list comes roughly sorted, so that an entry moves past a few others at most.
-VITRINE_INLINE void insert_sorted(ListEntry* list, uint32_t& size, ListEntry entry) {
-  uint32_t at = size++;
-  for (; at > 0 && list[at - 1] > entry; --at) list[at] = list[at - 1];
-  list[at] = entry;
-}
-VITRINE_INLINE ListEntry list_entry(float z_min, uint32_t local) {
-  return static_cast<ListEntry>(__builtin_bit_cast(uint32_t, z_min)) << 32 | local;
-}
-VITRINE_INLINE float z_min_of(ListEntry e) { return __builtin_bit_cast(float, static_cast<uint32_t>(e >> 32)); }
-VITRINE_INLINE uint32_t local_of(ListEntry e) { return static_cast<uint32_t>(e); }
-
-// Also copies the tile's surfels beside each other.
+// Fills the unsorted lists; also copies the tile's surfels beside each other.
 inline void build_lists(const TileTask& task) {
   const BlockGrid grid = block_grid(task.x0, task.y0);
+  uint32_t* size = task.list_size;
   for (int b = 0; b < kBlocks; ++b) {
-    task.list_offset[b] = static_cast<uint32_t>(b) * task.count;
-    task.list_size[b] = 0;
+    task.list_offset[b] = static_cast<uint32_t>(b) * list_capacity(task.count);
+    size[b] = 0;
   }
   alignas(64) float z_min[kLanes];
   for (uint32_t i = 0; i < task.count; ++i) {
@@ -85,7 +75,51 @@ inline void build_lists(const TileTask& task) {
     store(z_min, t.z_min);
     for (uint32_t hits = bits(t.hit); hits != 0; hits &= hits - 1) {
       const int b = __builtin_ctz(hits);
-      insert_sorted(task.lists + task.list_offset[b], task.list_size[b], list_entry(z_min[b], i));
+      const uint32_t to = task.list_offset[b] + size[b]++;
+      task.list[to] = i;
+      task.z_min[to] = z_min[b];
+    }
+  }
+}
+
+// Sorts the list of a block by z_min into task.sorted, equals in the order they came. Short lists: the place of an entry is the
+// number of entries before it, counted by comparing all with all, which has no branch to guess. Long ones by insertion: the
+// tile's list comes roughly sorted.
+inline constexpr uint32_t kCountingSort = 256;
+
+inline void sort_list(const TileTask& task, int block) {
+  const uint32_t size = task.list_size[block];
+  const uint32_t* list = task.list + task.list_offset[block];
+  const float* z_min = task.z_min + task.list_offset[block];
+  if (size > kCountingSort) {
+    for (uint32_t i = 0; i < size; ++i) {
+      uint32_t at = i;
+      for (; at > 0 && task.sorted_z[at - 1] > z_min[i]; --at) {
+        task.sorted_z[at] = task.sorted_z[at - 1];
+        task.sorted[at] = task.sorted[at - 1];
+      }
+      task.sorted_z[at] = z_min[i];
+      task.sorted[at] = list[i];
+    }
+    return;
+  }
+  const F16 lane = iota(), zero(0.f), one(1.f);
+  for (uint32_t begin = 0; begin < size; begin += kLanes) {
+    const F16 z = load(z_min + begin);
+    const uint32_t end = begin + kLanes < size ? begin + kLanes : size;
+    F16 place(0.f);
+    for (uint32_t j = 0; j < begin; ++j) place += select(F16(z_min[j]) <= z, one, zero);
+    for (uint32_t j = begin; j < end; ++j) {
+      const M16 equals = (F16(z_min[j]) <= z) & (lane > F16(float(j - begin)));
+      place += select((F16(z_min[j]) < z) | equals, one, zero);
+    }
+    for (uint32_t j = end; j < size; ++j) place += select(F16(z_min[j]) < z, one, zero);
+    alignas(64) float places[kLanes];
+    store(places, place);
+    for (uint32_t i = begin; i < end; ++i) {
+      const uint32_t to = static_cast<uint32_t>(static_cast<int>(places[i - begin]));
+      task.sorted_z[to] = z_min[i];
+      task.sorted[to] = list[i];
     }
   }
 }

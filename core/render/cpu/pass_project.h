@@ -230,7 +230,7 @@ inline void surfel_gradients(const PassView& view, const GradientTask& task) {
       low += load(record);
       high += load(record + kLanes);
     }
-    store(sums[i], low);
+    store(sums[i], column_count(view.features) == kLanes ? low : fold_halves(low));
     store(sums[i] + kLanes, high);
     ids[i] = task.splats[task.order[source]].id;
   }
@@ -247,7 +247,7 @@ inline void surfel_gradients(const PassView& view, const GradientTask& task) {
   m.num_u = sum(16), m.num_v = sum(17), m.den = sum(18);
   m.num_u_x = sum(20), m.num_v_x = sum(21), m.den_x = sum(22), m.disc_x = sum(23);
   m.num_u_y = sum(24), m.num_v_y = sum(25), m.den_y = sum(26), m.disc_y = sum(27);
-  m.weight = sum(28), m.z0 = sum(29);
+  m.weight = sum(28) + sum(30), m.z0 = sum(29) + sum(31);
   const SplatGrad<F16> splat = splat_grad(m, p.map, opacity);
   const bool normals = view.features >= static_cast<int>(kNormalAt + 3);
   const F16 zero(0.f);
@@ -284,8 +284,8 @@ inline void surfel_gradients(const PassView& view, const GradientTask& task) {
   if (task.screen_gradient == nullptr) return;
   const F16 gx = g.screen_x * F16(0.5f * float(view.width)), gy = g.screen_y * F16(0.5f * float(view.height));
   scatter(task.screen_gradient, 1, 0, sqrt(gx * gx + gy * gy));
-  scatter(task.weight, 1, 0, sum(kWeightColumn));
-  scatter(task.error, 1, 0, sum(kErrorColumn));
+  scatter(task.weight, 1, 0, sum(weight_column(view.features)));
+  scatter(task.error, 1, 0, sum(error_column(view.features)));
 }
 
 inline const PassTable& pass_table(const char* tag) {

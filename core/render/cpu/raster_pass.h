@@ -14,6 +14,8 @@ inline constexpr int kTileSide = 16, kBlockSide = 4, kBlocks = 16;  // a SIMD ve
 inline constexpr int kLanes = 16;
 inline constexpr size_t kMaxFeatureSlots = 12;
 inline constexpr size_t kRecordFloats = 32;
+// Lists start at multiples of a vector.
+inline constexpr uint32_t list_capacity(uint32_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
 // Everything that the inner loops read of one surfel. Two cache lines.
 struct alignas(64) RasterSplat {
@@ -34,10 +36,6 @@ struct alignas(64) SplatBounds {
   int16_t x_first, x_last, y_first, y_last;
 };
 static_assert(sizeof(SplatBounds) == 64);
-
-// A surfel in the list of a block: bits of its smallest z over the block, then its index within the tile. Both are positive, so
-// that integers sort as the depths do.
-using ListEntry = uint64_t;
 
 struct LayerPointers {  // raw values or gradients; material pointers are null where the layer has none
   float *mean, *rotation, *log_scale, *opacity, *sh_dc, *sh_rest;
@@ -66,12 +64,16 @@ struct TileTask {
   float* kept;  // [kBlocks][kept_channels][kLanes]
   // Scratch of the calling thread.
   RasterSplat* local;  // [count]
-  ListEntry* lists;    // forward: [kBlocks][count]
-  uint32_t* seen;  // forward: [kBlocks][count], what was blended of each list, as indices within the tile; backward: its lists
-  uint32_t* list_offset;  // [kBlocks + 1]: begin of each list in `lists` and `seen`
-  uint32_t* list_size;    // [kBlocks]; after the forward pass of `seen`
-  unsigned char* slots;   // [count + 2] of the pass's own slot type
-  uint32_t* fragments;    // [2] out: fragments, vectors evaluated
+  // Lists of the blocks, list b from list_offset[b] on. Forward: unsorted first, with the smallest z of each surfel in the block;
+  // then `list` has, in order, the surfels that were blended. Backward reads that. Indices are within the tile.
+  uint32_t* list;
+  float* z_min;
+  uint32_t* list_offset;  // [kBlocks + 1]
+  uint32_t* list_size;    // [kBlocks]
+  uint32_t* sorted;       // one list
+  float* sorted_z;
+  unsigned char* slots;  // [count + 2] of the pass's own slot type
+  uint32_t* fragments;   // [2] out: fragments, vectors evaluated
 };
 
 struct TileGradients {

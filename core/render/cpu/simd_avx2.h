@@ -117,6 +117,11 @@ VITRINE_INLINE void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   columns_of8(a.b, b.b, c.b, d.b, high);
   for (int j = 0; j < 4; ++j) out[j] = F16(low[j], high[j]);
 }
+VITRINE_INLINE F16 pair_columns(F16 x, F16 y) {
+  return {_mm256_unpacklo_ps(x.a, y.a) + _mm256_unpackhi_ps(x.a, y.a),
+          _mm256_unpacklo_ps(x.b, y.b) + _mm256_unpackhi_ps(x.b, y.b)};
+}
+VITRINE_INLINE F16 fold_halves(F16 x) { return {x.a + x.b, x.a + x.b}; }
 VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   const __m256 sa = a.a + a.b, sb = b.a + b.b, sc = c.a + c.b, sd = d.a + d.b;
   return {_mm256_permute2f128_ps(sa, sb, 0x20) + _mm256_permute2f128_ps(sa, sb, 0x31),

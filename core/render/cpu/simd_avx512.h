@@ -86,6 +86,9 @@ VITRINE_INLINE void columns_of(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
   out[2] = _mm512_castpd_ps(_mm512_unpacklo_pd(t1, t3));
   out[3] = _mm512_castpd_ps(_mm512_unpackhi_pd(t1, t3));
 }
+// Row by row: (a0 + a2, b0 + b2, a1 + a3, b1 + b3).
+VITRINE_INLINE F16 pair_columns(F16 a, F16 b) { return _mm512_unpacklo_ps(a.v, b.v) + _mm512_unpackhi_ps(a.v, b.v); }
+VITRINE_INLINE F16 fold_halves(F16 a) { return a.v + _mm512_shuffle_f32x4(a.v, a.v, 0x4E); }  // a_i + a_{i +- 8}
 // Row k of the result is the sum over the rows of argument k.
 VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   const __m512 ab = _mm512_shuffle_f32x4(a.v, b.v, 0x44) + _mm512_shuffle_f32x4(a.v, b.v, 0xEE);
