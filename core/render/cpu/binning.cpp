@@ -64,6 +64,7 @@ void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds*
   const size_t tiles = static_cast<size_t>(tiles_x_) * static_cast<size_t>(tiles_y_);
   sort_by_depth(visible, bounds);
   const size_t n = order_.size(), chunks = chunk_count(n, kChunk);
+  rank_.resize(visible.empty() ? 0 : visible.back() + size_t(1));
   chunks_.resize(chunks);
   surfel_begin_.assign(n + 1, 0);
 
@@ -105,6 +106,7 @@ void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds*
     Chunk& chunk = chunks_[c];
     size_t pair = 0;
     for (size_t i = begin; i < end; ++i) {
+      rank_[order_[i]] = static_cast<uint32_t>(i);
       for (uint32_t k = surfel_begin_[i]; k < surfel_begin_[i + 1]; ++k) {
         const uint32_t at = chunk.count[chunk.tiles[pair++]]++;
         instances_[at] = order_[i];

@@ -23,9 +23,9 @@ class TileBinning {
   // Surfels of all tiles, tile after tile.
   const uint32_t* instances() const { return instances_.data(); }
 
-  // The other way round: surfels in sorted order, and where their instances are, in tile order.
-  const std::vector<uint32_t>& order() const { return order_; }
-  const uint32_t* surfel_begin() const { return surfel_begin_.data(); }  // [order().size() + 1]
+  // The other way round: where the instances of a surfel are, in tile order. `rank` is its place in the sorted order.
+  const uint32_t* rank() const { return rank_.data(); }
+  const uint32_t* surfel_begin() const { return surfel_begin_.data(); }  // by rank, one more than surfels
   const uint32_t* instance_of_surfel() const { return instance_of_surfel_.data(); }
 
  private:
@@ -39,7 +39,7 @@ class TileBinning {
   std::vector<uint32_t> order_, keys_, other_order_, other_keys_;
   std::vector<Chunk> chunks_;
   std::vector<uint32_t> tile_begin_, surfel_begin_;
-  Buffer<uint32_t> instances_, instance_of_surfel_;
+  Buffer<uint32_t> instances_, instance_of_surfel_, rank_;
 };
 
 }  // namespace vitrine::cpu

@@ -272,16 +272,18 @@ void CpuRenderer::backward(const BackwardInput& input, SplatLayer& grad, SurfelS
     for (auto* v : {&statistics->screen_gradient, &statistics->weight, &statistics->error}) v->resize(layer_->size(), 0.f);
   }
   const LayerPointers values = pointers(*layer_), out = pointers(grad);
-  const size_t n = binning_.order().size();
+  const size_t n = visible_.size();
   parallel_for(chunk_count(n, kLanes), kGradientBatches, [&](size_t batch) {
     const size_t begin = batch * kLanes;
     GradientTask task{};
     task.values = &values;
     task.grad = &out;
     task.splats = splats_.data();
-    task.order = binning_.order().data() + begin;
+    task.batch = visible_.data() + begin;
     task.count = static_cast<uint32_t>(std::min<size_t>(kLanes, n - begin));
-    task.record_begin = binning_.surfel_begin() + begin;
+    task.available = static_cast<uint32_t>(n - begin);
+    task.rank = binning_.rank();
+    task.record_begin = binning_.surfel_begin();
     task.record_index = binning_.instance_of_surfel();
     task.records = records_.data();
     task.screen_gradient = statistics ? statistics->screen_gradient.data() : nullptr;

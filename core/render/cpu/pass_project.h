@@ -218,21 +218,33 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
   return written;
 }
 
+// The records of a surfel lie in as many places as it has tiles.
+inline constexpr uint32_t kRecordsAhead = 12;
+inline void prefetch_records(const GradientTask& task, uint32_t i) {
+  const uint32_t rank = task.rank[task.batch[i]];
+  for (uint32_t r = task.record_begin[rank]; r < task.record_begin[rank + 1]; ++r) {
+    const float* record = task.records + static_cast<size_t>(task.record_index[r]) * kRecordFloats;
+    __builtin_prefetch(record);
+    __builtin_prefetch(record + kLanes);
+  }
+}
+
 // dL/d(raw values) of up to sixteen surfels from the records of their tiles, added in tile order.
 inline void surfel_gradients(const PassView& view, const GradientTask& task) {
   alignas(64) float sums[kLanes][kRecordFloats];
   alignas(64) uint32_t ids[kLanes];
   for (uint32_t i = 0; i < kLanes; ++i) {
-    const uint32_t source = i < task.count ? i : task.count - 1;
+    const uint32_t splat = task.batch[i < task.count ? i : task.count - 1], rank = task.rank[splat];
+    if (i + kRecordsAhead < task.available) prefetch_records(task, i + kRecordsAhead);
     F16 low(0.f), high(0.f);
-    for (uint32_t r = task.record_begin[source]; r < task.record_begin[source + 1]; ++r) {
+    for (uint32_t r = task.record_begin[rank]; r < task.record_begin[rank + 1]; ++r) {
       const float* record = task.records + static_cast<size_t>(task.record_index[r]) * kRecordFloats;
       low += load(record);
       high += load(record + kLanes);
     }
     store(sums[i], column_count(view.features) == kLanes ? low : fold_halves(low));
     store(sums[i] + kLanes, high);
-    ids[i] = task.splats[task.order[source]].id;
+    ids[i] = task.splats[splat].id;
   }
   const I16 lane = lane_indices(0, kLanes - 1, static_cast<int>(kRecordFloats));
   const auto sum = [&](int k) { return gather(sums[0] + k, lane); };

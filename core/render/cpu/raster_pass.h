@@ -86,9 +86,10 @@ struct GradientTask {
   const LayerPointers* values;
   const LayerPointers* grad;
   const RasterSplat* splats;
-  const uint32_t* order;  // splats of this batch, [count <= kLanes]
-  uint32_t count;
-  const uint32_t* record_begin;  // [count + 1] into record_index
+  const uint32_t* batch;         // splats of this batch, [count <= kLanes], in the order of the layer
+  uint32_t count, available;     // `available`: splats from batch[0] to the end of the layer
+  const uint32_t* rank;          // of a splat in the sorted order
+  const uint32_t* record_begin;  // by rank, into record_index
   const uint32_t* record_index;
   const float* records;
   float *screen_gradient, *weight, *error;  // null: no statistics
