@@ -26,7 +26,12 @@ class NormalConsistencyLoss final : public Loss {
     if (width < 3 || height < 3) return 0;
     const Mat3f cam_from_world = cast<float>(input.view->cam_from_world.rotation);
     const Mat3f world_from_cam = transposed(cam_from_world);
-    const auto ray = [&](size_t x, size_t y) { return cast<float>(camera.ray(double(x) + 0.5, double(y) + 0.5)); };
+    // The ray through a pixel is (ray_x, ray_y, 1): pinhole cameras.
+    ray_x_.resize(width);
+    ray_y_.resize(height);
+    for (size_t x = 0; x < width; ++x) ray_x_[x] = static_cast<float>(camera.ray(double(x) + 0.5, 0.5).x);
+    for (size_t y = 0; y < height; ++y) ray_y_[y] = static_cast<float>(camera.ray(0.5, double(y) + 0.5).y);
+    const auto ray = [&](size_t x, size_t y) { return Vec3f{ray_x_[x], ray_y_[y], 1.f}; };
 
     const auto zdepth = input.raster->plane(Aov::ZDepth), alpha = input.raster->plane(Aov::Alpha);
     const auto median = input.raster->plane(Aov::MedianZ), normal = input.raster->plane(Aov::Normal);
@@ -81,7 +86,7 @@ class NormalConsistencyLoss final : public Loss {
 
  private:
   float median_share_ = 0.f, min_alpha_ = 0.3f;
-  std::vector<float> depth_;
+  std::vector<float> depth_, ray_x_, ray_y_;
   std::vector<Vec3f> slope_down_, slope_right_;  // gradients of the two central differences
   std::vector<double> row_sums_;
 };

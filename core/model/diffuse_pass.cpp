@@ -2,7 +2,13 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
+
 namespace vitrine {
+
+namespace {
+constexpr size_t kGrain = 1 << 15;  // floats
+}
 
 void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   RasterDesc desc;
@@ -13,13 +19,18 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   desc.distortion = options_.distortion;
   renderer_->forward(scene.diffuse, desc, frame.diffuse);
   const auto color = frame.diffuse.plane(Aov::Color);
-  frame.linear.assign(color.begin(), color.end());
+  frame.linear.resize(color.size());
+  parallel_chunks(color.size(), kGrain, [&](size_t, size_t begin, size_t end) {
+    std::copy(color.data() + begin, color.data() + end, frame.linear.data() + begin);
+  });
   frame.grad_diffuse.reset(desc);
 }
 
 void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   const auto grad_color = frame.grad_diffuse.plane(Aov::Color);
-  for (size_t i = 0; i < grad_color.size(); ++i) grad_color[i] += frame.grad_linear[i];
+  parallel_chunks(grad_color.size(), kGrain, [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) grad_color[i] += frame.grad_linear[i];
+  });
   // The renderer adds to what it finds, and what it finds is the last picture.
   for (auto* values : {&frame.statistics.screen_gradient, &frame.statistics.weight, &frame.statistics.error})
     values->assign(scene.diffuse.size(), 0.f);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
+
 namespace vitrine {
 
 bool produces(const RasterDesc& desc, Aov aov) {
@@ -27,7 +29,11 @@ void RasterImages::resize(const RasterDesc& desc) {
 
 void RasterImages::reset(const RasterDesc& desc) {
   resize(desc);
-  for (auto& plane : planes) std::fill(plane.begin(), plane.end(), 0.f);
+  constexpr size_t kChunk = 1 << 15;
+  for (auto& plane : planes) {
+    parallel_chunks(plane.size(), kChunk,
+                    [&](size_t, size_t begin, size_t end) { std::fill(plane.data() + begin, plane.data() + end, 0.f); });
+  }
 }
 
 }  // namespace vitrine

@@ -82,6 +82,12 @@ inline void build_lists(const TileTask& task) {
   }
 }
 
+// Adds to each lane how many of sixteen depths come before its own. Four sums, because each waits for its last addition.
+template <class Before>
+VITRINE_INLINE void count_before(const float* z, F16 count[4], const Before& before) {
+  for (int k = 0; k < kLanes; ++k) count[k % 4] += select(before(F16(z[k]), k), F16(1.f), F16(0.f));
+}
+
 // Sorts the list of a block by z_min into task.sorted, equals in the order they came. Short lists: the place of an entry is the
 // number of entries before it, counted by comparing all with all, which has no branch to guess. Long ones by insertion: the
 // tile's list comes roughly sorted.
@@ -90,7 +96,7 @@ inline constexpr uint32_t kCountingSort = 256;
 inline void sort_list(const TileTask& task, int block) {
   const uint32_t size = task.list_size[block];
   const uint32_t* list = task.list + task.list_offset[block];
-  const float* z_min = task.z_min + task.list_offset[block];
+  float* z_min = task.z_min + task.list_offset[block];
   if (size > kCountingSort) {
     for (uint32_t i = 0; i < size; ++i) {
       uint32_t at = i;
@@ -103,17 +109,19 @@ inline void sort_list(const TileTask& task, int block) {
     }
     return;
   }
-  const F16 lane = iota(), zero(0.f), one(1.f);
+  const uint32_t capacity = list_capacity(size);
+  for (uint32_t i = size; i < capacity; ++i) z_min[i] = __builtin_inff();  // before nothing
+  const F16 lane = iota();
   for (uint32_t begin = 0; begin < size; begin += kLanes) {
-    const F16 z = load(z_min + begin);
     const uint32_t end = begin + kLanes < size ? begin + kLanes : size;
-    F16 place(0.f);
-    for (uint32_t j = 0; j < begin; ++j) place += select(F16(z_min[j]) <= z, one, zero);
-    for (uint32_t j = begin; j < end; ++j) {
-      const M16 equals = (F16(z_min[j]) <= z) & (lane > F16(float(j - begin)));
-      place += select((F16(z_min[j]) < z) | equals, one, zero);
-    }
-    for (uint32_t j = end; j < size; ++j) place += select(F16(z_min[j]) < z, one, zero);
+    const F16 z = load(z_min + begin);
+    F16 places_4[4];
+    for (uint32_t j = 0; j < begin; j += kLanes) count_before(z_min + j, places_4, [&](F16 other, int) { return other <= z; });
+    count_before(z_min + begin, places_4,
+                 [&](F16 other, int k) { return (other < z) | ((other <= z) & (lane > F16(float(k)))); });
+    for (uint32_t j = begin + kLanes; j < capacity; j += kLanes)
+      count_before(z_min + j, places_4, [&](F16 other, int) { return other < z; });
+    const F16 place = (places_4[0] + places_4[1]) + (places_4[2] + places_4[3]);
     alignas(64) float places[kLanes];
     store(places, place);
     for (uint32_t i = begin; i < end; ++i) {
