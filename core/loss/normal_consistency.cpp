@@ -36,8 +36,8 @@ class NormalConsistencyLoss final : public Loss {
     const auto zdepth = input.raster->plane(Aov::ZDepth), alpha = input.raster->plane(Aov::Alpha);
     const auto median = input.raster->plane(Aov::MedianZ), normal = input.raster->plane(Aov::Normal);
     depth_.resize(pixels);
-    slope_down_.assign(pixels, {});
-    slope_right_.assign(pixels, {});
+    slope_down_.resize(pixels);
+    slope_right_.resize(pixels);
     parallel_for(height, kRowGrain, [&](size_t y) {
       for (size_t i = y * width; i < (y + 1) * width; ++i)  // 0 marks a pixel without depth
         depth_[i] = alpha[i] < min_alpha_ ? 0.f : (1 - median_share_) * zdepth[i] / alpha[i] + median_share_ * median[i];
@@ -47,6 +47,7 @@ class NormalConsistencyLoss final : public Loss {
     const auto grad_normal = gradient.raster->plane(Aov::Normal);
     const double sum = sum_over_rows(height, row_sums_, [&](size_t y) {
       double row = 0;
+      for (auto* slope : {&slope_down_, &slope_right_}) std::fill_n(slope->data() + y * width, width, Vec3f{});
       if (y == 0 || y + 1 == height) return row;
       for (size_t x = 1; x + 1 < width; ++x) {
         const size_t i = y * width + x;

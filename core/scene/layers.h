@@ -42,9 +42,7 @@ class SplatLayer {
     for (const AttributeRow& r : kAttributes)
       for (size_t c = 0, w = width(r.id); c < w; ++c) at(r.id, to)[c] = at(r.id, from)[c];
   }
-  void fill(float value) {
-    for (auto& array : data_) std::fill(array.begin(), array.end(), value);
-  }
+  void fill(float value);
   SplatLayer zeros_like() const { return SplatLayer(kind_, sh_degree_, size_); }
   bool operator==(const SplatLayer&) const = default;
 

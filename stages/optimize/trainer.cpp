@@ -80,11 +80,13 @@ double Trainer::descend(const PhotoLevel& photo) {
   const size_t pixels = frame_.pixel_count();
   frame_.error_image.resize(pixels);
   constexpr size_t kChunk = 1 << 14;
-  parallel_chunks(pixels, kChunk, [&](size_t, size_t begin, size_t end) {
+  std::vector<double> error_sums(chunk_count(pixels, kChunk));
+  parallel_chunks(pixels, kChunk, [&](size_t chunk, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       frame_.error_image[i] = (std::abs(frame_.srgb[i] - target_[i]) + std::abs(frame_.srgb[pixels + i] - target_[pixels + i]) +
                                std::abs(frame_.srgb[2 * pixels + i] - target_[2 * pixels + i])) /
                               3.f;
+    for (size_t i = begin; i < end; ++i) error_sums[chunk] += frame_.error_image[i];
   });
 
   grad_.diffuse.fill(0.f);
@@ -115,9 +117,7 @@ double Trainer::descend(const PhotoLevel& photo) {
          .code = "GRADIENTS_NOT_FINITE"});
   accumulator_.add(frame_.statistics);
 
-  double l1 = 0;
-  for (float e : frame_.error_image) l1 += e;
-  record(values.total, l1 / double(pixels));
+  record(values.total, std::accumulate(error_sums.begin(), error_sums.end(), 0.0) / double(pixels));
   return values.total;
 }
 

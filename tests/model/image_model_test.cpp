@@ -49,7 +49,7 @@ TEST(DisplayPass, IsTheSrgbTransferOfTheGainedRadiance) {
   const size_t pixels = frame.pixel_count();
   for (size_t i = 0; i < frame.linear.size(); ++i) {
     const double l = std::clamp(view.gain[i / pixels] * double(frame.linear[i]), 0.0, 1.0);
-    EXPECT_NEAR(frame.srgb[i], srgb_from_linear(l), 2e-5) << l;  // half of an 8-bit step is 2e-3
+    EXPECT_NEAR(frame.srgb[i], srgb_from_linear(l), 1e-6) << l;
   }
 }
 
@@ -65,7 +65,7 @@ TEST(DisplayPass, ReverseMatchesTheExactSlope) {
   for (size_t i = 0; i < frame.linear.size(); ++i) {
     const double gain = view.gain[i / pixels], l = gain * double(frame.linear[i]);
     const double exact = gain * srgb_from_linear_slope(l) * frame.grad_srgb[i];
-    EXPECT_NEAR(frame.grad_linear[i], exact, 5e-3 * std::abs(exact)) << l;
+    EXPECT_NEAR(frame.grad_linear[i], exact, 2e-5 * std::abs(exact)) << l;
   }
 }
 
