@@ -124,7 +124,7 @@ void CpuRenderer::project() {
 TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot_bytes) {
   const uint32_t count = binning_.tile_size(tile);
   scratch.local.resize(count);
-  scratch.slots.resize(static_cast<size_t>(count + 2) * slot_bytes);
+  scratch.slots.resize(static_cast<size_t>(count + kSpareSlots) * slot_bytes);
   TileTask task{};
   task.x0 = static_cast<int>(tile % static_cast<size_t>(binning_.tiles_x())) * kTileSide;
   task.y0 = static_cast<int>(tile / static_cast<size_t>(binning_.tiles_x())) * kTileSide;

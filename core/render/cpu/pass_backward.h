@@ -146,8 +146,11 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
   const uint32_t* list = task.list + task.list_offset[block];
   const BlockPlace place = block_place(view, task, block);
   GradientFragment* slots = reinterpret_cast<GradientFragment*>(task.slots);
-  slots[0].be_the_eye(place.inside);
-  slots[0].sum = F16(0.f);
+  for (uint32_t i = 0; i < kStride; ++i) {
+    slots[i].be_the_eye(place.inside);
+    slots[i].contribution = slots[i].sum = F16(0.f);
+  }
+  slots += kStride - 1;
   for (uint32_t i = 1; i <= size; ++i) {
     GradientFragment& f = slots[i];
     f.local = list[i - 1];
@@ -174,15 +177,19 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
     f.value = out.value_of(f);
     f.contribution = blend_weight(f.alpha, f.transmittance) * f.value;
     f.sum = slots[i - 1].sum + f.contribution;
-    f.front = slots[f.compared_from - 1].sum;
-    if (f.compared_from == i) continue;
-    const DepthOrder order(f);
-    for (uint32_t k = f.compared_from; k < i; ++k) {
-      GradientFragment& older = slots[k];
-      const M16 first = order.before(older);
-      f.front += select(first, F16(0.f), older.contribution);
-      older.front += select(first, f.contribution, F16(0.f));
+    GradientFragment* older = slots + f.compared_from;
+    F16 front = older[-1].sum;
+    if (f.compared_from != static_cast<int32_t>(i)) {
+      const DepthOrder order(f);
+      for (; older != &f; older += kStride) {
+        for (uint32_t j = 0; j < kStride; ++j) {
+          const M16 first = order.before(older[j]);
+          front += select(first, F16(0.f), older[j].contribution);
+          older[j].front += select(first, f.contribution, F16(0.f));
+        }
+      }
     }
+    f.front = front;
   }
   for (uint32_t i = 1; i <= size; ++i) out.add_gradient(slots[i]);
 }

@@ -26,18 +26,23 @@ inline BlockPlace block_place(const PassView& view, const TileTask& task, int bl
 inline constexpr float kFarAway = 1e30f;        // z where a surfel has no fragment
 inline constexpr float kOpaqueEnough = 1e-10f;  // transmittances stop here: far below any cut, far above denormals
 
-// A surfel in a block. Slot 0 of a list stands for the eye.
+// A walk back takes strides of so many slots: more than needed does no harm, and there are fewer branches to guess. As many
+// slots in front of the first surfel stand for the eye.
+inline constexpr uint32_t kStride = 4;
+
+// A surfel in a block.
 struct alignas(64) Fragment {
   F16 alpha, transmittance, z;
   F16 through;  // transmittance behind this and all earlier slots
   F16 deepest;  // largest z up to here
   const RasterSplat* splat;
   uint32_t id;
-  uint32_t compared_from;  // earlier slots lie in front in all pixels
+  int32_t compared_from;  // earlier slots lie in front in all pixels
 
   void be_the_eye(F16 inside) {
+    alpha = z = deepest = F16(0.f);
     through = max(inside, F16(kOpaqueEnough));
-    deepest = F16(0.f);
+    id = 0;
   }
 };
 
@@ -61,7 +66,7 @@ VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
   const F16 transparency = F16(1.f) - f.alpha;
   f.deepest = max(last.deepest, select(f.alpha > F16(0.f), f.z, F16(0.f)));
   f.through = max(last.through * transparency, F16(kOpaqueEnough));
-  f.compared_from = n;
+  f.compared_from = static_cast<int32_t>(n);
   if (__builtin_expect(!any(f.z <= last.deepest), 1)) {
     f.transmittance = last.through;
     return;
@@ -69,15 +74,18 @@ VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
   const DepthOrder order(f);
   const F16 one(1.f);
   F16 dimming(1.f);
-  uint32_t k = n;
+  Slot* older = slots + n;
   do {
-    Slot& older = slots[--k];
-    const M16 first = order.before(older);
-    dimming = select(first, dimming, dimming * (one - older.alpha));
-    older.transmittance = select(first, older.transmittance * transparency, older.transmittance);
-  } while (any(f.z <= slots[k - 1].deepest));
-  f.transmittance = slots[k - 1].through * dimming;
-  f.compared_from = k;
+    older -= kStride;
+    for (int j = int(kStride) - 1; j >= 0; --j) {
+      Slot& o = older[j];
+      const M16 first = order.before(o);
+      dimming *= select(first, one, one - o.alpha);
+      o.transmittance = select(first, o.transmittance * transparency, o.transmittance);
+    }
+  } while (any(f.z <= older[-1].deepest));
+  f.transmittance = older[-1].through * dimming;
+  f.compared_from = static_cast<int32_t>(older - slots);
 }
 
 template <int F, bool kDistortion>
@@ -106,7 +114,8 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   sort_list(task, block);
   uint32_t* seen = task.list + task.list_offset[block];  // the unsorted list has served
   Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
-  slots[0].be_the_eye(place.inside);
+  for (uint32_t i = 0; i < kStride; ++i) slots[i].be_the_eye(place.inside);
+  slots += kStride - 1;                                      // the first surfel is slot 1
   uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
   for (uint32_t begin = 0; begin < size; begin += kBatch) {
     const F16 z_min(task.sorted_z[begin]);

@@ -14,6 +14,7 @@ inline constexpr int kTileSide = 16, kBlockSide = 4, kBlocks = 16;  // a SIMD ve
 inline constexpr int kLanes = 16;
 inline constexpr size_t kMaxFeatureSlots = 12;
 inline constexpr size_t kRecordFloats = 32;
+inline constexpr uint32_t kSpareSlots = 8;
 // Lists start at multiples of a vector.
 inline constexpr uint32_t list_capacity(uint32_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
@@ -72,7 +73,7 @@ struct TileTask {
   uint32_t* list_size;    // [kBlocks]
   uint32_t* sorted;       // one list
   float* sorted_z;
-  unsigned char* slots;  // [count + 2] of the pass's own slot type
+  unsigned char* slots;  // [count + kSpareSlots] of the pass's own slot type
   uint32_t* fragments;   // [2] out: fragments, vectors evaluated
 };
 
