@@ -119,14 +119,13 @@ struct BackwardBlock {
   // Sums over the sixteen pixels. Features: broadcasting each pixel's weight against its row of gradients needs no shuffles.
   // Moments: columns first, then rows, four quantities at a time.
   VITRINE_INLINE void add_to_record(const SampleGrad<F16>& s, const F16& w, float* record) const {
-    alignas(64) float weight[kLanes];
-    store(weight, w);
     F16 sum[4];
     if constexpr (column_count(F) == kLanes) {
+      alignas(64) float weight[kLanes];
+      store(weight, w);
       for (int lane = 0; lane < kLanes; ++lane) sum[lane % 4] += F16(weight[lane]) * load(g.by_pixel + lane * kLanes);
     } else {
-      for (int pair = 0; pair < kLanes / 2; ++pair)
-        sum[pair % 4] += two_halves(weight[2 * pair], weight[2 * pair + 1]) * load(g.by_pixel + pair * kLanes);
+      for (int pair = 0; pair < kLanes / 2; ++pair) sum[pair % 4] += spread_pair(w, pair) * load(g.by_pixel + pair * kLanes);
     }
     store(record, load(record) + ((sum[0] + sum[1]) + (sum[2] + sum[3])));
 

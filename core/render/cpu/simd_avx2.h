@@ -80,7 +80,12 @@ VITRINE_INLINE F16 next_above(F16 x) {
   return {_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(x.a), one)),
           _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(x.b), one))};
 }
-VITRINE_INLINE F16 two_halves(float a, float b) { return {_mm256_set1_ps(a), _mm256_set1_ps(b)}; }
+VITRINE_INLINE F16 spread_pair(F16 x, int pair) {
+  const __m256 source = pair < 4 ? x.a : x.b;
+  const int lane = 2 * (pair % 4);
+  return {_mm256_permutevar8x32_ps(source, _mm256_set1_epi32(lane)),
+          _mm256_permutevar8x32_ps(source, _mm256_set1_epi32(lane + 1))};
+}
 VITRINE_INLINE F16 round_nearest(F16 x) {
   constexpr int kMode = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
   return {_mm256_round_ps(x.a, kMode), _mm256_round_ps(x.b, kMode)};

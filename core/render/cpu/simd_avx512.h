@@ -71,8 +71,11 @@ VITRINE_INLINE F16 round_nearest(F16 a) { return _mm512_roundscale_ps(a.v, _MM_F
 VITRINE_INLINE F16 scale_by_power(F16 a, F16 e) { return _mm512_scalef_ps(a.v, e.v); }  // a 2^e, e integral
 VITRINE_INLINE F16 exponent(F16 a) { return _mm512_getexp_ps(a.v); }
 VITRINE_INLINE F16 mantissa(F16 a) { return _mm512_getmant_ps(a.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_src); }
-// Eight lanes of `a`, then eight of `b`.
-VITRINE_INLINE F16 two_halves(float a, float b) { return _mm512_mask_blend_ps(0xff00, _mm512_set1_ps(a), _mm512_set1_ps(b)); }
+// Eight times lane 2 `pair` of `a`, then eight times the next.
+VITRINE_INLINE F16 spread_pair(F16 a, int pair) {
+  const __m512i half = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+  return _mm512_permutexvar_ps(_mm512_add_epi32(half, _mm512_set1_epi32(2 * pair)), a.v);
+}
 // Lane by lane: |a| with the sign bit cleared.
 VITRINE_INLINE F16 absolute(F16 a) { return _mm512_abs_ps(a.v); }
 
