@@ -1,5 +1,6 @@
 // Raster passes: milliseconds, fragments per second and core, and what the machine could do at most.
-// A fragment is one pixel of one surfel inside its ellipse (alpha >= 1/255). Before a row is timed, the same renderer must agree
+// A fragment is one pixel of one surfel inside its ellipse (alpha >= 1/255); a lane is one pixel of one evaluated vector, in or
+// out of the ellipse. Before a row is timed, the same renderer must agree
 // with the reference on a small scene. Names: raster/<direction>/<surfels>/<width>x<height>/<features>/threads:<n>[/simd].
 #include <benchmark/benchmark.h>
 #include <immintrin.h>
@@ -113,8 +114,11 @@ void raster(benchmark::State& state, size_t count, int width, int height, Featur
   state.counters["fragments"] = double(counts.fragments);
   state.counters["lane_use"] = double(counts.fragments) / double(counts.lanes);
   // Rates divide by the CPU time of the whole process: per core, whatever else runs on the machine.
-  state.counters["frag/s/core"] =
-      benchmark::Counter(double(counts.fragments) * double(state.iterations()), benchmark::Counter::kIsRate);
+  const auto per_second = [&](uint64_t n) {
+    return benchmark::Counter(double(n) * double(state.iterations()), benchmark::Counter::kIsRate);
+  };
+  state.counters["frag/s/core"] = per_second(counts.fragments);
+  state.counters["lanes/s/core"] = per_second(counts.lanes);
 }
 
 // Fused multiply-adds per second of one core: the limit of any such loop. Twelve chains hide the latency.
