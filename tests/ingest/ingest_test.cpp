@@ -15,6 +15,7 @@
 #include "stages/ingest/photo_files.h"
 #include "stages/ingest/probe.h"
 #include "tests/ingest/tiny_photos.h"
+#include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -43,16 +44,6 @@ void run_ingest(RecordingContext& context, const std::string& max_side = "1600")
   Stage stage = ingest_stage();
   stage.options.find("max_side")->assign(max_side, "test");
   stage.run(context);
-}
-
-Error error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    return e;
-  }
-  ADD_FAILURE() << "no error was raised";
-  return Error(ErrorKind::Internal, "none");
 }
 
 // Something for every pixel: a gradient with a little noise.

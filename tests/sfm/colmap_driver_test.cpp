@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "core/base/error.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -90,16 +91,6 @@ TEST(ColmapDriver, PassesArgumentsWithoutAShellAndReportsTheExitCode) {
                                              "<--image_path>", "<Fotos/Küche>"}));
   EXPECT_FALSE(fs::exists(folder.path() / "x"));
   EXPECT_NE(read_file(folder.path() / "log.txt").find("<Fotos/Küche>"), std::string::npos);
-}
-
-template <class F>
-Error error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e;
-  }
-  return Error(ErrorKind::Internal, "nothing was thrown");
 }
 
 TEST(ColmapDriver, NamesAMissingOptionAndTheVersion) {

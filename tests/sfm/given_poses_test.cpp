@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/camera/view_set.h"
 #include "tests/sfm/synthetic_model.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -38,16 +39,6 @@ std::vector<Photo> photos_of(const ColmapModel& model, int width, int height) {
     photos.push_back(p);
   }
   return photos;
-}
-
-template <class F>
-Error error_of(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e;
-  }
-  return Error(ErrorKind::Internal, "nothing was thrown");
 }
 
 TEST(DecomposedProjection, GivesBackCameraAndPoseWhateverTheFactor) {
