@@ -43,6 +43,7 @@ struct LossFactory {
   std::string_view doc;
   float default_weight;
   std::unique_ptr<Loss> (*make)();
+  double default_from = 0, default_ramp = 0;        // parts of the run, see schedule.h
 };
 const std::vector<LossFactory>& loss_registry();
 

@@ -16,7 +16,7 @@ void describe(Describer& d, LossSet& set) {
 LossSet::LossSet() {
   for (const LossFactory& factory : loss_registry()) {
     terms_.push_back({&factory, factory.make(), {}});
-    terms_.back().schedule.weight = factory.default_weight;
+    terms_.back().schedule = {.weight = factory.default_weight, .from = factory.default_from, .ramp = factory.default_ramp};
   }
 }
 

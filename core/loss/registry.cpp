@@ -14,7 +14,8 @@ const std::vector<LossFactory>& loss_registry() {
   static const std::vector<LossFactory> rows{
       {"l1", "Mean absolute difference to the photo, display-referred.", 0.8f, make_l1_loss},
       {"dssim", "One minus the structural similarity to the photo.", 0.2f, make_dssim_loss},
-      {"normal_consistency", "Surfel normals agree with the slope of the rendered depth.", 0.05f, make_normal_consistency_loss},
+      {"normal_consistency", "Surfel normals agree with the slope of the rendered depth.", 0.05f, make_normal_consistency_loss,
+       0.4, 0.1},  // from the start it freezes depths that are still wrong (stages/optimize/README.md)
       {"distortion", "Surfels along a ray gather at one depth.", 0.f, make_distortion_loss},
       {"opacity", "Mean opacity: frees surfels that the photos do not need.", 0.003f, make_opacity_loss},
       {"scale", "Mean scale: keeps surfels small where the photos do not need them large.", 0.003f, make_scale_loss},

@@ -26,6 +26,9 @@ constexpr int kMaxCopies = 50;  // the binomial sums lose their digits beyond
 constexpr float kOpacityCeiling = 1 - 1e-6f, kOpacityFloor = 0.005f;
 constexpr double kErrorFloor = 0.1;   // of the mean error: surfels without error still attract a few copies
 constexpr double kSplitShrink = 1.6;  // 3DGS: children of a split are smaller by this
+// Halves of a divided surfel: their centres, in standard deviations of the parent's longer axis, and their scales. Two such
+// halves add up to the parent's profile along that axis within a quarter out to one and a half deviations.
+constexpr float kHalfOffset = 0.6f, kHalfLong = 0.52f, kHalfShort = 0.95f;
 
 float opacity_of(const SplatLayer& layer, size_t i) { return sigmoid(*layer.at(Attribute::Opacity, i)); }
 
@@ -41,6 +44,22 @@ void jitter_in_plane(SplatLayer& layer, size_t i, float amount, Rng& rng) {
   const float* log_scale = layer.at(Attribute::LogScale, i);
   const float u = amount * std::exp(log_scale[0]) * rng.normal(), v = amount * std::exp(log_scale[1]) * rng.normal();
   for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += u * axes.c0[c] + v * axes.c1[c];
+}
+
+// Parent and copy become the two halves of the parent along its longer axis, with its opacity: unlike coincident copies they
+// do not hide each other, so detail grows and overdraw does not.
+void divide(SplatLayer& layer, size_t parent, size_t copy) {
+  float* log_scale = layer.at(Attribute::LogScale, parent);
+  const size_t longer = log_scale[1] > log_scale[0];
+  const Mat3f axes = axes_of(layer, parent);
+  const float offset = kHalfOffset * std::exp(log_scale[longer]);
+  log_scale[longer] += std::log(kHalfLong);
+  log_scale[1 - longer] += std::log(kHalfShort);
+  layer.copy_surfel(parent, copy);
+  for (size_t c = 0; c < 3; ++c) {
+    layer.at(Attribute::Mean, parent)[c] -= offset * axes.column(longer)[c];
+    layer.at(Attribute::Mean, copy)[c] += offset * axes.column(longer)[c];
+  }
 }
 
 // p_i ~ o_i (floor + E_i / mean E): where the surfels are, and more where the picture is wrong. Cumulative, unnormalised.
@@ -66,7 +85,8 @@ size_t drawn(const std::vector<double>& cumulative, Rng& rng) {
   return std::min<size_t>(static_cast<size_t>(it - cumulative.begin()), cumulative.size() - 1);
 }
 
-// Gives every slot of `slots` to a living surfel drawn by chance: parent and copies share its opacity and shrink.
+// Gives every slot of `slots` to a living surfel drawn by chance. mcmc: parent and copies share its opacity and shrink;
+// divide: each copy halves its parent.
 void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target,
                const std::vector<uint32_t>& slots, const std::vector<double>& cumulative, uint64_t stream) {
   SplatLayer& layer = target.layer;
@@ -74,6 +94,14 @@ void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, Densify
   std::vector<int> copies(layer.size(), 1);
   Rng draw(moment.seed, mix64(stream, moment.step));
   for (uint32_t& parent : parents) ++copies[parent = static_cast<uint32_t>(drawn(cumulative, draw))];
+  if (config.strategy == "divide") {
+    for (size_t k = 0; k < slots.size(); ++k) {
+      divide(layer, parents[k], slots[k]);
+      target.adam.forget(parents[k]);
+      target.adam.forget(slots[k]);
+    }
+    return;
+  }
   for (size_t i = 0; i < cumulative.size(); ++i) {
     if (copies[i] == 1) continue;
     const double opacity = std::min<double>(opacity_of(layer, i), kOpacityCeiling);
@@ -93,10 +121,15 @@ void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, Densify
 DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target) {
   SplatLayer& layer = target.layer;
   const size_t n = layer.size();
+  // Surfels that hardly any pixel owes its colour to, hidden ones above all, serve better elsewhere.
+  double weight_sum = 0;
+  for (float w : target.accumulator.weight) weight_sum += w;
+  const double least_weight = config.idle_weight * weight_sum / double(std::max<size_t>(n, 1));
   std::vector<uint8_t> dead(n);
   std::vector<uint32_t> slots;
   for (size_t i = 0; i < n; ++i)
-    if ((dead[i] = opacity_of(layer, i) <= config.dead_opacity)) slots.push_back(static_cast<uint32_t>(i));
+    if ((dead[i] = opacity_of(layer, i) <= config.dead_opacity || target.accumulator.weight[i] < least_weight))
+      slots.push_back(static_cast<uint32_t>(i));
   const std::vector<double> cumulative = cumulative_chances(config, layer, target.accumulator, dead);
   DensifyCounts counts;
   if (n == 0 || cumulative.back() <= 0) return counts;
@@ -160,17 +193,24 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
 }  // namespace
 
 void describe(Describer& d, DensifyConfig& c) {
-  d.option("strategy", c.strategy, "mcmc: relocate and grow to the cap; classic: clone, split and prune; none.")
-      .choices({"mcmc", "classic", "none"});
+  d.option(
+       "strategy", c.strategy,
+       "divide: move idle surfels, grow to the cap, copies halve their parent; mcmc: copies lie on their parent and share its "
+       "opacity; classic: clone, split and prune; none.")
+      .choices({"divide", "mcmc", "classic", "none"});
   d.option("every", c.every, "Steps between two densifications.").range(1, 100000);
   d.option("from", c.from, "Part of the run after which it starts.").range(0, 1);
   d.option("until", c.until, "Part of the run after which it stops.").range(0, 1);
-  d.option("growth", c.growth, "Growth of the number of surfels per densification (mcmc).").range(1, 2);
-  d.option("dead_opacity", c.dead_opacity, "Surfels at or below this opacity are moved (mcmc).").range(0, 0.5);
-  d.option("error_share", c.error_share, "How much the picture's error, beside the opacity, decides where copies go (mcmc).")
+  d.option("growth", c.growth, "Growth of the number of surfels per densification (divide, mcmc).").range(1, 2);
+  d.option("dead_opacity", c.dead_opacity, "Surfels at or below this opacity are moved (divide, mcmc).").range(0, 0.5);
+  d.option("idle_weight", c.idle_weight,
+           "Surfels whose sum of blending weights is below this part of the mean are moved (divide, mcmc).")
+      .range(0, 1);
+  d.option("error_share", c.error_share,
+           "How much the picture's error, beside the opacity, decides where copies go (divide, mcmc).")
       .range(0, 1);
   d.option("jitter", c.jitter, "Displacement of a copy in its plane, in standard deviations of the parent (mcmc).").range(0, 2);
-  d.option("noise", c.noise, "Strength of the random walk of nearly transparent surfels, relative to the paper (mcmc).")
+  d.option("noise", c.noise, "Strength of the random walk of nearly transparent surfels, relative to the paper (divide, mcmc).")
       .range(0, 10);
   d.option("gradient_threshold", c.gradient_threshold, "Mean screen-space gradient that calls for more surfels (classic).")
       .range(0, 1);
@@ -229,7 +269,7 @@ CopySplit copy_split(double opacity, int copies) {
 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {
   DensifyCounts counts;
-  if (config.strategy == "mcmc") counts = relocate_and_grow(config, moment, target);
+  if (config.strategy == "mcmc" || config.strategy == "divide") counts = relocate_and_grow(config, moment, target);
   if (config.strategy == "classic") counts = clone_split_prune(config, moment, target);
   target.accumulator.reset(target.layer.size());
   return counts;

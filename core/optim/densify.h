@@ -1,4 +1,6 @@
-// Where surfels come from and go to while a layer is trained (algorithms 2). Three strategies:
+// Where surfels come from and go to while a layer is trained (algorithms 2). Four strategies:
+//   divide   as mcmc, but a copy and its parent become the two halves of the parent along its longer axis, opacity kept:
+//            detail grows without the overdraw of coincident copies
 //   mcmc     dead surfels move onto living ones, and the layer grows by a factor to a hard cap; a parent with N copies gets
 //            o' = 1 - (1-o)^(1/N) and a smaller scale, so that the picture hardly changes (Kheradmand et al. 2024)
 //   classic  clone small and split large surfels whose screen-space gradient is high, drop faint ones, up to the same cap
@@ -17,11 +19,12 @@
 namespace vitrine {
 
 struct DensifyConfig {
-  std::string strategy = "mcmc";
+  std::string strategy = "divide";
   int every = 50;
   double from = 0.05, until = 0.7;  // parts of the run
   double growth = 1.1;
   double dead_opacity = 0.01;
+  double idle_weight = 0.02;
   double error_share = 1;
   double jitter = 0.5;
   double noise = 0.2;

@@ -16,7 +16,7 @@ struct RatesConfig {
     for (size_t i = 0; i < kAttributeCount; ++i) r[i] = kAttributes[i].rate;
     return r;
   }();
-  double mean_end_factor = 0.01, end_factor = 1;
+  double mean_end_factor = 0.02, end_factor = 1;
 };
 
 // What a run of the diffuse layer alone trains; the material attributes join with the passes that read them.

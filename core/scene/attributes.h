@@ -37,11 +37,11 @@ inline constexpr unsigned kInAll = 0b111, kInDiffuse = 0b001;
 inline constexpr size_t kAttributeCount = 10;
 // Rates: those of 3DGS/2DGS/EnvGS; the mean's is four times theirs, because runs here are five times shorter (2k-6k steps). Initial materials: a dull dielectric (f0 .04).
 inline constexpr std::array<AttributeRow, kAttributeCount> kAttributes{{
-    {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 6.4e-4f, SpawnRule::JitterInPlane},
-    {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 2e-3f, SpawnRule::Copy},
-    {Attribute::LogScale, "log_scale", 2, kInAll, Activation::Exp, 0.01f, 5e-3f, SpawnRule::Shrink},
+    {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-3f, SpawnRule::JitterInPlane},
+    {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 4e-3f, SpawnRule::Copy},
+    {Attribute::LogScale, "log_scale", 2, kInAll, Activation::Exp, 0.01f, 1e-2f, SpawnRule::Shrink},
     {Attribute::Opacity, "opacity", 1, kInAll, Activation::Sigmoid, 0.1f, 5e-2f, SpawnRule::ShareOpacity},
-    {Attribute::ShDc, "sh_dc", 3, kInAll, Activation::Identity, 0.f, 5e-3f, SpawnRule::Copy},
+    {Attribute::ShDc, "sh_dc", 3, kInAll, Activation::Identity, 0.f, 1e-2f, SpawnRule::Copy},
     {Attribute::ShRest, "sh_rest", 45, kInAll, Activation::Identity, 0.f, 2.5e-4f, SpawnRule::Copy},
     {Attribute::F0, "f0", 3, kInDiffuse, Activation::Sigmoid, 0.04f, 2e-2f, SpawnRule::Copy},
     {Attribute::Roughness, "roughness", 1, kInDiffuse, Activation::Sigmoid, 0.3f, 1e-2f, SpawnRule::Copy},

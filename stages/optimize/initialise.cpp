@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
+#include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/math/color.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/neighbours.h"
+#include "stages/optimize/plane_sweep.h"
 
 namespace vitrine {
 
@@ -20,8 +23,9 @@ constexpr double kInitialShare = 0.7;
 // A ray farther than this part of the picture's diagonal from every sparse point has no depth to borrow.
 constexpr double kBorrowReach = 0.12;
 constexpr double kFarPercentile = 0.98;
-// Without a single sparse point nothing is known of the depth: log-uniform within this factor of the cameras' radius, which is
-// 1 in the scene frame.
+constexpr double kOneSurface = 1.12;  // ratio of depths up to which neighbouring points are taken for one surface
+constexpr double kNearShare = 0.6;    // of the nearest sparse point: where the sweep of depths begins
+// Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
 constexpr double kBlindDepthFactor = 4;
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
 
@@ -79,8 +83,9 @@ std::vector<std::vector<ProjectedPoint>> projected_points(const ViewSet& set, co
   return seen;
 }
 
-// Depth at (x, y): weighted mean of the inverse depths of the three nearest sparse points. 0 when none is within `reach`.
-double borrowed_depth(const std::vector<ProjectedPoint>& points, double x, double y, double reach) {
+// Depth at (x, y) from the three nearest known points: empty where they lie on different surfaces (a surfel at their mean would
+// float between them), `far_z` when none is within `reach`.
+std::optional<double> borrowed_depth(const std::vector<ProjectedPoint>& points, double x, double y, double reach, double far_z) {
   struct Near {
     double squared, z;
   };
@@ -93,55 +98,85 @@ double borrowed_depth(const std::vector<ProjectedPoint>& points, double x, doubl
     if (best[2].squared < best[1].squared) std::swap(best[1], best[2]);
     if (best[1].squared < best[0].squared) std::swap(best[0], best[1]);
   }
-  if (best[0].squared > reach * reach) return 0;
-  double weights = 0, inverse = 0;
+  if (best[0].squared > reach * reach) return far_z;
+  double weights = 0, inverse = 0, nearest = 1e300, farthest = 0;
   for (const Near& n : best) {
     if (n.z <= 0) continue;
     const double weight = 1 / (n.squared + 1);
     weights += weight;
     inverse += weight / n.z;
+    nearest = std::min(nearest, n.z);
+    farthest = std::max(farthest, n.z);
   }
+  if (farthest > kOneSurface * nearest) return std::nullopt;
   return weights / inverse;
 }
 
-// `count` surfels on rays of the training photos, at the depth of nearby sparse points, else behind all of them. A photo without
-// points borrows no depth: it waits for the surfels of the others, unless none has any.
-void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
-  const auto seen = projected_points(capture.view_set, capture);
-  const size_t views = capture.train.size();
-  const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return seen[v].empty(); });
-  for (size_t t = 0; t < views; ++t) {
-    const uint32_t v = capture.train[t];
-    if (seen[v].empty() && !blind) continue;
-    std::vector<double> depths;
-    for (const ProjectedPoint& p : seen[v]) depths.push_back(p.z);
-    std::sort(depths.begin(), depths.end());
-    const double far_z =
-        blind ? 0 : config.initial.far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
+// What a ray's surfel starts from: the colour of its pixel, and a depth.
+Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
+  const Intrinsics& k = photo.view.intrinsics;
+  const Rigid world_from_cam = inverse(photo.view.cam_from_world);
+  const Vec3d position = world_from_cam * (z * k.ray(x, y));
+  const size_t pixels = photo.srgb.size() / 3;
+  const size_t pixel = std::min<size_t>(static_cast<size_t>(y), size_t(k.height) - 1) * size_t(k.width) +
+                       std::min<size_t>(static_cast<size_t>(x), size_t(k.width) - 1);
+  Seed seed;
+  seed.position = cast<float>(position);
+  seed.normal = cast<float>(normalized(world_from_cam.translation - position));
+  for (size_t c = 0; c < 3; ++c)
+    seed.linear[c] = linear_from_srgb(float(photo.srgb[c * pixels + pixel]) / 65535.f) / float(photo.view.gain[c]);
+  return seed;
+}
 
+// `count` rays of the training photos: surfels at the depth that a plane sweep finds, else at the depth of known points
+// nearby, else behind all of them. A photo without sparse points waits for the surfels of the others, unless none has any.
+void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
+  const auto sparse = projected_points(capture.view_set, capture);
+  const size_t views = capture.train.size();
+  const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return sparse[v].empty(); });
+  constexpr size_t kSweepLevel = 2;  // patches of 28 pixels of the photo: surer than finer ones, and quicker
+  const PlaneSweep sweep(capture, kSweepLevel);
+  std::vector<std::vector<Seed>> found(views);
+  parallel_for(views, 1, [&](size_t t) {
+    const uint32_t v = capture.train[t];
+    if (sparse[v].empty() && !blind) return;
+    double near_z = 1 / kBlindDepthFactor, far_z = kBlindDepthFactor;
+    std::vector<ProjectedPoint> known = sparse[v];
+    if (!blind) {
+      std::vector<double> depths;
+      for (const ProjectedPoint& p : known) depths.push_back(p.z);
+      std::sort(depths.begin(), depths.end());
+      near_z = kNearShare * depths.front();
+      far_z = config.initial.far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
+    }
     const PhotoLevel& photo = capture.photos[v].levels[0];
     const Intrinsics& k = photo.view.intrinsics;
-    const Rigid world_from_cam = inverse(photo.view.cam_from_world);
-    const size_t share = (t + 1) * count / views - t * count / views, pixels = photo.srgb.size() / 3;
+    const Intrinsics& swept_k = capture.photos[v].levels[kSweepLevel].view.intrinsics;
+    const size_t share = (t + 1) * count / views - t * count / views;
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double spacing_px = std::sqrt(area / double(std::max<size_t>(share, 1)));
+    std::vector<Vec2d> unknown;
     for (size_t s = 0; s < share; ++s) {
       Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, mix64(v, s)));
       const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height;
-      const double borrowed = borrowed_depth(seen[v], x, y, reach);
-      const double z = blind ? std::pow(kBlindDepthFactor, 2 * rng.uniform_double() - 1) : borrowed > 0 ? borrowed : far_z;
-      const size_t pixel = std::min<size_t>(static_cast<size_t>(y), size_t(k.height) - 1) * size_t(k.width) +
-                           std::min<size_t>(static_cast<size_t>(x), size_t(k.width) - 1);
-      Seed seed;
-      const Vec3d position = world_from_cam * (z * k.ray(x, y));
-      seed.position = cast<float>(position);
-      seed.normal = cast<float>(normalized(world_from_cam.translation - position));
-      for (size_t c = 0; c < 3; ++c)
-        seed.linear[c] = linear_from_srgb(float(photo.srgb[c * pixels + pixel]) / 65535.f) / float(photo.view.gain[c]);
-      seed.spacing_limit = static_cast<float>(spacing_px * z / k.fx);
-      seeds.push_back(seed);
+      const auto swept = sweep.at(v, x * swept_k.width / k.width, y * swept_k.height / k.height, near_z, far_z);
+      if (!swept) {
+        unknown.push_back({x, y});
+        continue;
+      }
+      found[t].push_back(pixel_seed(photo, x, y, swept->zdepth));
+      found[t].back().normal = cast<float>(swept->normal_in_world);
+      found[t].back().spacing_limit = static_cast<float>(spacing_px * swept->zdepth / k.fx);
+      known.push_back({x, y, swept->zdepth});
     }
-  }
+    for (const Vec2d& p : unknown) {
+      const auto z = borrowed_depth(known, p.x, p.y, reach, far_z);
+      if (!z) continue;
+      found[t].push_back(pixel_seed(photo, p.x, p.y, *z));
+      found[t].back().spacing_limit = static_cast<float>(spacing_px * *z / k.fx);
+    }
+  });
+  for (const auto& of_view : found) seeds.insert(seeds.end(), of_view.begin(), of_view.end());
 }
 
 }  // namespace

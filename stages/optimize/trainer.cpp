@@ -134,7 +134,7 @@ void Trainer::move_surfels() {
     counts_.removed += done.removed;
     grad_.diffuse.resize(scene_.diffuse.size());
   }
-  if (d.strategy == "mcmc") {
+  if (d.strategy == "mcmc" || d.strategy == "divide") {
     const float rate = rates_at(config_.rates, f, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
     add_position_noise(scene_.diffuse, static_cast<float>(d.noise * kNoiseScale * rate), seed, step_);
   }

@@ -59,6 +59,7 @@ TEST(Mcmc, MovesTheDeadAndGrowsToTheCapOnly) {
   Adam adam(layer);
   SurfelAccumulator accumulator = even_statistics(100);
   DensifyConfig config;
+  config.strategy = "mcmc";
   config.growth = 1.2;
   DensifyCounts counts = densify(config, {.seed = 1, .step = 50, .cap = 130}, {layer, adam, accumulator});
   EXPECT_EQ(counts.relocated, 10u);
@@ -80,6 +81,7 @@ TEST(Mcmc, PutsCopiesWhereTheErrorIs) {
   SurfelAccumulator accumulator = even_statistics(1000);
   for (size_t i = 0; i < 1000; ++i) accumulator.error[i] = i < 100 ? 5.f : 0.f;
   DensifyConfig config;
+  config.strategy = "mcmc";
   config.error_share = 1;
   config.growth = 1.5;
   densify(config, {.seed = 1, .step = 1, .cap = 10000}, {layer, adam, accumulator});
@@ -88,6 +90,50 @@ TEST(Mcmc, PutsCopiesWhereTheErrorIs) {
   // Chance of such a surfel: 100 (0.1 + 10) of 100 (0.1 + 10) + 900 * 0.1 = 0.918.
   EXPECT_GT(near_error, 430u);
   EXPECT_LT(near_error, 490u);
+}
+
+TEST(Divide, HalvesLieAlongTheLongerAxisAndAddUpToTheParent) {
+  SplatLayer layer = random_layer(1, 0.6f);
+  layer.at(Attribute::LogScale, 0)[0] = -3;
+  layer.at(Attribute::LogScale, 0)[1] = -1;
+  const SplatLayer parent = layer;
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(1);
+  DensifyConfig config;
+  config.strategy = "divide";
+  config.growth = 2;
+  densify(config, {.seed = 1, .step = 1, .cap = 2}, {layer, adam, accumulator});
+  ASSERT_EQ(layer.size(), 2u);
+  const float* q = parent.at(Attribute::Rotation, 0);
+  const Vec3f axis = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c1;
+  const double sigma = std::exp(-1.0), half = std::exp(double(layer.at(Attribute::LogScale, 0)[1]));
+  double at[2];
+  for (size_t i = 0; i < 2; ++i) {
+    Vec3f offset{};
+    for (size_t c = 0; c < 3; ++c) offset[c] = layer.at(Attribute::Mean, i)[c] - parent.at(Attribute::Mean, 0)[c];
+    at[i] = dot(offset, axis);
+    EXPECT_NEAR(length(offset), std::abs(at[i]), 1e-5) << "moved along the axis alone";
+    EXPECT_FLOAT_EQ(*layer.at(Attribute::Opacity, i), *parent.at(Attribute::Opacity, 0));
+    EXPECT_LT(layer.at(Attribute::LogScale, i)[0], -3);
+  }
+  EXPECT_NEAR(at[0] + at[1], 0, 1e-5);
+  for (double x = -1.5 * sigma; x <= 1.5 * sigma; x += 0.1 * sigma) {
+    const auto profile = [&](double centre, double s) { return std::exp(-0.5 * (x - centre) * (x - centre) / (s * s)); };
+    EXPECT_NEAR(profile(at[0], half) + profile(at[1], half), profile(0, sigma), 0.25) << x / sigma;   // worst seen 0.21
+  }
+}
+
+TEST(Divide, MovesWhatHardlyAnyPixelSees) {
+  SplatLayer layer = random_layer(100);
+  Adam adam(layer);
+  SurfelAccumulator accumulator = even_statistics(100);
+  for (size_t i = 0; i < 7; ++i) accumulator.weight[i] = 1e-3f;
+  DensifyConfig config;
+  config.strategy = "divide";
+  config.idle_weight = 0.05;
+  const DensifyCounts counts = densify(config, {.seed = 1, .step = 1, .cap = 100}, {layer, adam, accumulator});
+  EXPECT_EQ(counts.relocated, 7u);
+  EXPECT_EQ(layer.size(), 100u);
 }
 
 TEST(Mcmc, SurvivesALayerWithoutLivingSurfels) {
