@@ -265,7 +265,8 @@ TEST(InitialLayer, FacesTheCamerasAndStaysBelowItsShare) {
   OptimizeConfig config;
   config.initial.frustum_points = 500;
   const SplatLayer layer = initial_layer(config, capture, 600);
-  EXPECT_EQ(layer.size(), 420u);
+  EXPECT_LE(layer.size(), 420u);  // its share; rays between two surfaces start nothing
+  EXPECT_GT(layer.size(), 200u);
   size_t facing = 0;
   for (size_t i = 0; i < layer.size(); ++i) {
     const float* q = layer.at(Attribute::Rotation, i);
