@@ -128,14 +128,26 @@ Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   return seed;
 }
 
+// Quarter size where that leaves a picture: its patches of 28 pixels of the photo are surer than finer ones, and quicker.
+size_t level_for_sweep(const Capture& capture) {
+  constexpr int kSmallestSide = 120;
+  size_t level = kLevels - 1;
+  const auto side = [&](size_t l) {
+    const Intrinsics& k = capture.photos[capture.train.front()].levels[l].view.intrinsics;
+    return std::max(k.width, k.height);
+  };
+  while (level > 0 && side(level) < kSmallestSide) --level;
+  return level;
+}
+
 // `count` rays of the training photos: surfels at the depth that a plane sweep finds, else at the depth of known points
 // nearby, else behind all of them. A photo without sparse points waits for the surfels of the others, unless none has any.
 void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
   const auto sparse = projected_points(capture.view_set, capture);
   const size_t views = capture.train.size();
   const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return sparse[v].empty(); });
-  constexpr size_t kSweepLevel = 2;  // patches of 28 pixels of the photo: surer than finer ones, and quicker
-  const PlaneSweep sweep(capture, kSweepLevel);
+  const size_t sweep_level = level_for_sweep(capture);
+  const PlaneSweep sweep(capture, sweep_level);
   std::vector<std::vector<Seed>> found(views);
   parallel_for(views, 1, [&](size_t t) {
     const uint32_t v = capture.train[t];
@@ -151,7 +163,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, si
     }
     const PhotoLevel& photo = capture.photos[v].levels[0];
     const Intrinsics& k = photo.view.intrinsics;
-    const Intrinsics& swept_k = capture.photos[v].levels[kSweepLevel].view.intrinsics;
+    const Intrinsics& swept_k = capture.photos[v].levels[sweep_level].view.intrinsics;
     const size_t share = (t + 1) * count / views - t * count / views;
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double spacing_px = std::sqrt(area / double(std::max<size_t>(share, 1)));
