@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/base/timer.h"
 #include "tests/e2e/tiny_room.h"
 
 namespace vitrine {
