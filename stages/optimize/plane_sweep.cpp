@@ -15,7 +15,7 @@ constexpr size_t kPatch = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr size_t kNeighbours = 6;
 constexpr int kDepths = 80;          // steps of inverse depth
 constexpr float kFlat = 0.015f;      // standard deviation of a patch without texture
-constexpr double kConvincing = 0.8;  // NCC; chance correlations of 49 pixels over 80 depths stay below
+constexpr double kConvincing = 0.8;  // NCC
 constexpr double kMinAxisCosine = 0.6;
 
 // Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.

@@ -30,7 +30,9 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
   EXPECT_LT(truth.at("depth_rel"), 0.02);
   EXPECT_GT(truth.at("mesh").at("fscore"), 0.6);
 
+  const double before_s = cpu_seconds(RUSAGE_CHILDREN);  // CPU time: a busy machine must not decide
   const Outcome second = room(poses);
+  EXPECT_LT(cpu_seconds(RUSAGE_CHILDREN) - before_s, 2.0);
   EXPECT_TRUE(second.has("everything up to date")) << second.text;
 
   const Outcome changed = room(poses, {"--set", "mesh.faces=5000"});
