@@ -1,4 +1,5 @@
-// What is optimised: the sets of surfels that an image model reads. A gradient of the scene has the same type.
+// What is optimised: the three sets of surfels that an image model reads. A layer that does not take part is empty. A gradient
+// of the scene has the same type.
 #pragma once
 
 #include "core/scene/layers.h"
@@ -7,6 +8,14 @@ namespace vitrine {
 
 struct SplatScene {
   SplatLayer diffuse;
+  SplatLayer reflection{LayerKind::Reflection, 0, 0};        // what mirrors show
+  SplatLayer transmittance{LayerKind::Transmittance, 0, 0};  // what stands behind and inside glass
+
+  SplatLayer& layer(LayerKind kind) {
+    return kind == LayerKind::Diffuse ? diffuse : kind == LayerKind::Reflection ? reflection : transmittance;
+  }
+  const SplatLayer& layer(LayerKind kind) const { return const_cast<SplatScene*>(this)->layer(kind); }
+  SplatScene zeros_like() const { return {diffuse.zeros_like(), reflection.zeros_like(), transmittance.zeros_like()}; }
 };
 
 }  // namespace vitrine
