@@ -9,8 +9,8 @@
 #include "core/base/rng.h"
 #include "core/math/color.h"
 #include "core/scene/activation.h"
+#include "core/stereo/plane_sweep.h"
 #include "stages/optimize/neighbours.h"
-#include "stages/optimize/plane_sweep.h"
 
 namespace vitrine {
 
@@ -140,6 +140,24 @@ size_t level_for_sweep(const Capture& capture) {
   return level;
 }
 
+// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge. Held-out photos take no part.
+std::vector<SweepPhoto> sweep_photos(const Capture& capture, size_t level) {
+  std::vector<SweepPhoto> photos(capture.photos.size());
+  for (size_t p = 0; p < photos.size(); ++p) photos[p].view = capture.photos[p].levels[level].view;
+  parallel_for(capture.train.size(), 1, [&](size_t t) {
+    const PhotoLevel& photo = capture.photos[capture.train[t]].levels[level];
+    const Intrinsics& k = photo.view.intrinsics;
+    ImageF grey(k.width, k.height, 1);
+    const size_t pixels = grey.pixel_count();
+    for (size_t i = 0; i < pixels; ++i)
+      grey.data()[i] = (0.2126f * float(photo.srgb[i]) + 0.7152f * float(photo.srgb[pixels + i]) +
+                        0.0722f * float(photo.srgb[2 * pixels + i])) /
+                       65535.f;
+    photos[capture.train[t]].grey = std::move(grey);
+  });
+  return photos;
+}
+
 // `count` rays of the training photos: surfels at the depth that a plane sweep finds, else at the depth of known points
 // nearby, else behind all of them. A photo without sparse points waits for the surfels of the others, unless none has any.
 void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
@@ -147,7 +165,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, si
   const size_t views = capture.train.size();
   const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return sparse[v].empty(); });
   const size_t sweep_level = level_for_sweep(capture);
-  const PlaneSweep sweep(capture, sweep_level);
+  const PlaneSweep sweep(sweep_photos(capture, sweep_level));
   std::vector<std::vector<Seed>> found(views);
   parallel_for(views, 1, [&](size_t t) {
     const uint32_t v = capture.train[t];

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/camera/view.h"
 #include "core/image/image.h"
-#include "stages/optimize/capture.h"
 
 namespace vitrine {
 
@@ -18,24 +18,28 @@ struct SweptPoint {
   double score = 0;         // mean NCC, at most 1
 };
 
+struct SweepPhoto {
+  View view;    // intrinsics of the size of `grey`
+  ImageF grey;  // display-referred luma; empty = the photo takes no part
+};
+
 class PlaneSweep {
  public:
-  // Works on `level` of the pyramid, with training photos alone.
-  PlaneSweep(const Capture& capture, size_t level);
+  explicit PlaneSweep(std::vector<SweepPhoto> photos);
 
-  // Pixel (x, y) of photo `reference` at the sweep's level; z in [near_z, far_z]. Empty where the patch is flat or no plane
+  // Pixel (x, y) of photo `reference`; z in [near_z, far_z]. Empty where the patch is flat or no plane
   // convinces. Thread-safe.
   std::optional<SweptPoint> at(uint32_t reference, double x, double y, double near_z, double far_z) const;
 
  private:
   struct Picture {
     View view;
-    ImageF grey;                       // display-referred luma
+    ImageF grey;
     std::vector<uint32_t> neighbours;  // indices of photos
   };
   double score(const Picture& reference, const std::vector<float>& patch, const Vec3d& ray, const Vec3d& normal, double z,
                double x, double y) const;
-  std::vector<Picture> pictures_;  // [photo]; empty grey for held-out photos
+  std::vector<Picture> pictures_;  // [photo]
 };
 
 }  // namespace vitrine

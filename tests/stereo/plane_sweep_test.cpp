@@ -1,4 +1,4 @@
-#include "stages/optimize/plane_sweep.h"
+#include "core/stereo/plane_sweep.h"
 
 #include <gtest/gtest.h>
 
@@ -35,43 +35,39 @@ Rigid looking_at_origin(const Vec3d& centre) {
   return {rotation, -(rotation * centre)};
 }
 
-// Seven photos of the plane from an arc; the last one is held out.
-Capture plane_capture() {
-  Capture capture;
+// Seven photos of the plane from an arc; the last one takes no part.
+std::vector<SweepPhoto> plane_photos() {
+  std::vector<SweepPhoto> photos;
   for (uint32_t v = 0; v < 7; ++v) {
     const double azimuth = 0.12 * v;
-    Photo photo;
-    PhotoLevel& level = photo.levels[0];
-    level.view.name = fmt::format("view_{}.png", v);
-    level.view.intrinsics = {160, 120, 180, 180, 79, 61};
-    level.view.cam_from_world = looking_at_origin({std::cos(azimuth), std::sin(azimuth), 0.8});
-    const Intrinsics& k = level.view.intrinsics;
-    const Rigid world_from_cam = inverse(level.view.cam_from_world);
-    level.srgb.resize(size_t(3 * k.width * k.height));
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
+    SweepPhoto photo;
+    photo.view.name = fmt::format("view_{}.png", v);
+    photo.view.intrinsics = {160, 120, 180, 180, 79, 61};
+    photo.view.cam_from_world = looking_at_origin({std::cos(azimuth), std::sin(azimuth), 0.8});
+    const Intrinsics& k = photo.view.intrinsics;
+    const Rigid world_from_cam = inverse(photo.view.cam_from_world);
+    if (v < 6) photo.grey = ImageF(k.width, k.height, 1);
+    for (int y = 0; y < photo.grey.height(); ++y)
+      for (int x = 0; x < photo.grey.width(); ++x) {
         const Vec3d d = world_from_cam.rotation * k.ray(x + 0.5, y + 0.5);
         const double t = (kHeight - world_from_cam.translation.z) / d.z;
         const Vec3d hit = world_from_cam.translation + t * d;
-        for (int c = 0; c < 3; ++c)
-          level.srgb[size_t((c * k.height + y) * k.width + x)] = uint16_t(65535 * texture(hit.x, hit.y));
+        photo.grey.at(x, y) = float(texture(hit.x, hit.y));
       }
-    capture.photos.push_back(photo);
-    capture.view_set.views.push_back(level.view);
-    (v < 6 ? capture.train : capture.heldout).push_back(v);
+    photos.push_back(std::move(photo));
   }
-  return capture;
+  return photos;
 }
 
 TEST(PlaneSweep, FindsDepthAndNormalOfATexturedTable) {
-  const Capture capture = plane_capture();
-  const PlaneSweep sweep(capture, 0);
+  const std::vector<SweepPhoto> photos = plane_photos();
+  const PlaneSweep sweep(photos);
   Rng rng(1);
   size_t found = 0, exact = 0, level = 0;
   constexpr size_t kTries = 60;
   for (size_t i = 0; i < kTries; ++i) {
     const double x = 20 + 120 * rng.uniform_double(), y = 20 + 80 * rng.uniform_double();
-    const View& view = capture.photos[2].levels[0].view;
+    const View& view = photos[2].view;
     const Rigid world_from_cam = inverse(view.cam_from_world);
     const Vec3d d = world_from_cam.rotation * view.intrinsics.ray(x, y);
     const double z = (kHeight - world_from_cam.translation.z) / d.z;  // ray(...) has z = 1
@@ -86,11 +82,11 @@ TEST(PlaneSweep, FindsDepthAndNormalOfATexturedTable) {
   EXPECT_GT(level, found * 8 / 10);
 }
 
-TEST(PlaneSweep, SaysNothingAboutFlatPatchesAndHeldOutPhotos) {
-  Capture capture = plane_capture();
-  EXPECT_FALSE(PlaneSweep(capture, 0).at(6, 80, 60, 0.4, 4));
-  for (Photo& photo : capture.photos) std::fill(photo.levels[0].srgb.begin(), photo.levels[0].srgb.end(), uint16_t(30000));
-  EXPECT_FALSE(PlaneSweep(capture, 0).at(2, 80, 60, 0.4, 4));
+TEST(PlaneSweep, SaysNothingAboutFlatPatchesAndAbsentPhotos) {
+  std::vector<SweepPhoto> photos = plane_photos();
+  EXPECT_FALSE(PlaneSweep(photos).at(6, 80, 60, 0.4, 4));
+  for (SweepPhoto& photo : photos) std::fill(photo.grey.data().begin(), photo.grey.data().end(), 0.5f);
+  EXPECT_FALSE(PlaneSweep(photos).at(2, 80, 60, 0.4, 4));
 }
 
 }  // namespace

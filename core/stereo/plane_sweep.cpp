@@ -1,10 +1,8 @@
-#include "stages/optimize/plane_sweep.h"
+#include "core/stereo/plane_sweep.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "core/base/parallel.h"
 
 namespace vitrine {
 
@@ -17,18 +15,6 @@ constexpr int kDepths = 80;          // steps of inverse depth
 constexpr float kFlat = 0.015f;      // standard deviation of a patch without texture
 constexpr double kConvincing = 0.8;  // NCC
 constexpr double kMinAxisCosine = 0.6;
-
-// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
-ImageF luma(const PhotoLevel& photo) {
-  const Intrinsics& k = photo.view.intrinsics;
-  ImageF grey(k.width, k.height, 1);
-  const size_t pixels = grey.pixel_count();
-  for (size_t i = 0; i < pixels; ++i)
-    grey.data()[i] =
-        (0.2126f * float(photo.srgb[i]) + 0.7152f * float(photo.srgb[pixels + i]) + 0.0722f * float(photo.srgb[2 * pixels + i])) /
-        65535.f;
-  return grey;
-}
 
 // NaN outside.
 float bilinear(const ImageF& image, double x, double y) {
@@ -60,14 +46,14 @@ Vec2d projected(const View& view, const Vec3d& in_cam) {
   return {k.fx * in_cam.x / in_cam.z + k.cx, k.fy * in_cam.y / in_cam.z + k.cy};
 }
 
-// Training photos beside `reference` that look the same way, nearest first: enough parallax comes from the capture itself.
-std::vector<uint32_t> neighbours_of(const Capture& capture, uint32_t reference) {
-  const View& own = capture.photos[reference].levels[0].view;
+// Photos beside `reference` that look the same way, nearest first: enough parallax comes from the capture itself.
+std::vector<uint32_t> neighbours_of(const std::vector<SweepPhoto>& photos, uint32_t reference) {
+  const View& own = photos[reference].view;
   const Vec3d axis = transposed_times(own.cam_from_world.rotation, Vec3d{0, 0, 1});
   std::vector<std::pair<double, uint32_t>> near;
-  for (uint32_t other : capture.train) {
-    if (other == reference) continue;
-    const View& view = capture.photos[other].levels[0].view;
+  for (uint32_t other = 0; other < photos.size(); ++other) {
+    if (other == reference || photos[other].grey.empty()) continue;
+    const View& view = photos[other].view;
     if (dot(axis, transposed_times(view.cam_from_world.rotation, Vec3d{0, 0, 1})) < kMinAxisCosine) continue;
     near.emplace_back(squared_length(view.centre_in_world() - own.centre_in_world()), other);
   }
@@ -79,12 +65,13 @@ std::vector<uint32_t> neighbours_of(const Capture& capture, uint32_t reference) 
 
 }  // namespace
 
-PlaneSweep::PlaneSweep(const Capture& capture, size_t level) : pictures_(capture.photos.size()) {
-  parallel_for(capture.train.size(), 1, [&](size_t t) {
-    const uint32_t photo = capture.train[t];
-    const PhotoLevel& source = capture.photos[photo].levels[level];
-    pictures_[photo] = {source.view, luma(source), neighbours_of(capture, photo)};
-  });
+PlaneSweep::PlaneSweep(std::vector<SweepPhoto> photos) : pictures_(photos.size()) {
+  for (uint32_t p = 0; p < photos.size(); ++p)
+    if (!photos[p].grey.empty()) pictures_[p].neighbours = neighbours_of(photos, p);
+  for (size_t p = 0; p < photos.size(); ++p) {
+    pictures_[p].view = photos[p].view;
+    pictures_[p].grey = std::move(photos[p].grey);
+  }
 }
 
 double PlaneSweep::score(const Picture& reference, const std::vector<float>& patch, const Vec3d& ray, const Vec3d& normal,
