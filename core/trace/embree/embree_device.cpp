@@ -1,0 +1,50 @@
+#include "core/trace/embree/embree_device.h"
+
+#include <string>
+
+#include "core/base/error.h"
+
+namespace vitrine::embree {
+
+namespace {
+
+void on_error(void*, RTCError code, const char* text) {
+  throw Error(code == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::Resource : ErrorKind::Internal, "Embree failed",
+              {.why = text ? text : "", .code = std::to_string(static_cast<int>(code))});
+}
+
+struct Device {
+  RTCDevice device = rtcNewDevice(nullptr);
+  Device() {
+    if (!device)
+      throw Error(ErrorKind::Dependency, "Embree has no device on this machine",
+                  {.code = std::to_string(static_cast<int>(rtcGetDeviceError(nullptr)))});
+    rtcSetDeviceErrorFunction(device, on_error, nullptr);
+  }
+  ~Device() { rtcReleaseDevice(device); }
+};
+
+}  // namespace
+
+RTCDevice device() {
+  static const Device instance;
+  return instance.device;
+}
+
+RTCRayHit ray_hit(const Vec3f& origin, const Vec3f& direction, float near, float far) {
+  RTCRayHit r{};
+  r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
+  r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
+  r.ray.tnear = near;
+  r.ray.tfar = far;
+  r.ray.mask = 0xffffffffu;
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return r;
+}
+
+Scene::Scene(RTCSceneFlags flags) : scene_(rtcNewScene(device())) { rtcSetSceneFlags(scene_, flags); }
+Scene::~Scene() {
+  if (scene_) rtcReleaseScene(scene_);
+}
+
+}  // namespace vitrine::embree

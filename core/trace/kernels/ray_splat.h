@@ -1,0 +1,161 @@
+// One surfel and one ray: where they meet, how much the surfel hides there, and the reverse (README 1, 2, 5).
+//
+//   t = n.(mean - o)/(n.d)   x = o + t d - mean   u = r0.x/s_u   v = r1.x/s_v
+//   f = min(spread t, max_footprint)   q_u = s_u^2/(s_u^2 + f^2)   q_v alike       (f = 0: both 1)
+//   alpha = min(0.99, opacity sqrt(q_u q_v) exp(-(q_u u^2 + q_v v^2)/2)), dropped below 1/255
+//
+// The footprint f convolves the surfel with the cross-section of the ray's cone and keeps the amount of light that it blocks.
+#pragma once
+
+#include "core/math/rigid.h"
+#include "core/math/vec.h"
+#include "core/render/kernels/constants.h"
+#include "core/render/kernels/project.h"
+
+namespace vitrine {
+
+// |n.d| below this: the ray runs along the surfel, x is ill-conditioned and its gradient explodes; there is no hit.
+inline constexpr double kGrazing = 1e-3;
+
+template <class T>
+struct RaySurfel {  // 16 scalars: one cache line in float
+  Vec3<T> mean;
+  T opacity;
+  Vec3<T> normal;
+  T cut;           // largest rho that counts when there is no footprint: 2 ln(255 opacity)
+  Vec3<T> axis_u;  // r0 / s_u
+  T var_u;         // s_u^2
+  Vec3<T> axis_v;
+  T var_v;
+};
+
+template <class T>
+struct TraceRay {
+  Vec3<T> origin, direction;
+  T near, far;
+  T spread, max_footprint;
+};
+
+template <class T>
+struct RayHit {
+  T t, u, v;
+  T footprint;
+  T q_u, q_v;
+  T alpha;
+  bool free;  // below the clamp: gradients flow
+};
+
+template <class T>
+RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
+  using std::exp;
+  using std::log;
+  const Mat3<T> frame = rotation_matrix(normalized(raw.rotation));
+  const T su = exp(raw.log_su), sv = exp(raw.log_sv);
+  return {raw.mean, opacity, frame.c2, T(2) * log(opacity / T(kMinAlpha)), frame.c0 / su, su * su, frame.c1 / sv, sv * sv};
+}
+
+// False when they do not meet between near and far, or the surfel hides less than 1/255 there.
+template <class T>
+VITRINE_INLINE bool ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
+  using std::sqrt;
+  const T nd = dot(s.normal, ray.direction);
+  if (nd * nd < T(kGrazing * kGrazing)) return false;
+  const Vec3<T> from_mean = ray.origin - s.mean;
+  hit.t = -dot(s.normal, from_mean) / nd;
+  if (!(hit.t > ray.near && hit.t <= ray.far)) return false;
+  const Vec3<T> x = from_mean + hit.t * ray.direction;
+  hit.u = dot(s.axis_u, x);
+  hit.v = dot(s.axis_v, x);
+  const T uu = hit.u * hit.u, vv = hit.v * hit.v;
+  T peak;
+  hit.footprint = T(0);
+  hit.q_u = hit.q_v = T(1);
+  if (ray.spread > T(0)) {
+    const T wide = ray.spread * hit.t;
+    hit.footprint = wide < ray.max_footprint ? wide : ray.max_footprint;
+    const T ff = hit.footprint * hit.footprint;
+    hit.q_u = s.var_u / (s.var_u + ff);
+    hit.q_v = s.var_v / (s.var_v + ff);
+    peak = s.opacity * sqrt(hit.q_u * hit.q_v) * gaussian(hit.q_u * uu + hit.q_v * vv);
+    if (!(peak >= T(kMinAlpha))) return false;
+  } else {
+    const T rho = uu + vv;
+    if (!(rho <= s.cut)) return false;
+    peak = s.opacity * gaussian(rho);
+  }
+  hit.free = peak < T(kMaxAlpha);
+  hit.alpha = hit.free ? peak : T(kMaxAlpha);
+  return true;
+}
+
+// Sums over the hits of one surfel, from which ray_surfel_vjp makes the gradients of its raw values.
+template <class T>
+struct HitMoments {
+  T u{}, v{}, plane{};   // gradients of u and v, and of t over n.d
+  T u_v{}, v_u{};        // gradient of u times v, of v times u
+  T tilt_u{}, tilt_v{};  // r0 and r1 components of the normal's gradient, over s_u and s_v
+  T log_su{}, log_sv{}, log_opacity{};
+};
+
+template <class T>
+struct HitGrad {
+  HitMoments<T> moments;
+  Vec3<T> origin, direction;
+  T spread;
+};
+
+// `grad_normal` is that of the normal as stored (not flipped to face the ray).
+template <class T>
+VITRINE_INLINE HitGrad<T> ray_splat_vjp(const RaySurfel<T>& s, const TraceRay<T>& ray, const RayHit<T>& hit, const T& grad_alpha,
+                                        const T& grad_t, const Vec3<T>& grad_normal) {
+  HitGrad<T> g;
+  HitMoments<T>& m = g.moments;
+  const T log_alpha = hit.free ? grad_alpha * hit.alpha : T(0);
+  const T qu_u = hit.q_u * hit.u, qv_v = hit.q_v * hit.v;
+  m.u = -log_alpha * qu_u;
+  m.v = -log_alpha * qv_v;
+  m.log_opacity = log_alpha;
+  m.log_su = log_alpha * ((T(1) - hit.q_u) + qu_u * qu_u);
+  m.log_sv = log_alpha * ((T(1) - hit.q_v) + qv_v * qv_v);
+  const Vec3<T> grad_x = m.u * s.axis_u + m.v * s.axis_v;
+  T along = dot(grad_x, ray.direction) + grad_t;
+  g.spread = T(0);
+  if (hit.footprint > T(0) && hit.footprint < ray.max_footprint) {
+    const T grad_footprint =
+        -log_alpha * hit.footprint * (hit.q_u / s.var_u * (T(1) - qu_u * hit.u) + hit.q_v / s.var_v * (T(1) - qv_v * hit.v));
+    along += grad_footprint * ray.spread;
+    g.spread = grad_footprint * hit.t;
+  }
+  m.plane = along / dot(s.normal, ray.direction);
+  m.u_v = m.u * hit.v;
+  m.v_u = m.v * hit.u;
+  m.tilt_u = dot(grad_normal, s.axis_u) - m.plane * hit.u;
+  m.tilt_v = dot(grad_normal, s.axis_v) - m.plane * hit.v;
+  g.origin = grad_x - m.plane * s.normal;
+  g.direction = hit.t * g.origin;
+  return g;
+}
+
+template <class T>
+struct RaySurfelGrad {
+  SurfelGeometry<T> geometry;
+  T raw_opacity;
+};
+
+// Gradients of the raw values. Only the part of dL/d[r0 r1 n] that turns the frame is formed: a rotation has no other.
+template <class T>
+RaySurfelGrad<T> ray_surfel_vjp(const SurfelGeometry<T>& raw, const T& opacity, const HitMoments<T>& m) {
+  using std::exp;
+  const Mat3<T> frame = rotation_matrix(normalized(raw.rotation));
+  const T su = exp(raw.log_su), sv = exp(raw.log_sv);
+  RaySurfelGrad<T> g;
+  g.geometry.mean = m.plane * frame.c2 - (m.u / su) * frame.c0 - (m.v / sv) * frame.c1;
+  g.geometry.rotation = rotation_matrix_vjp(raw.rotation, Mat3<T>{(m.u_v * sv / su) * frame.c1, (m.v_u * su / sv) * frame.c0,
+                                                                  (m.tilt_u * su) * frame.c0 + (m.tilt_v * sv) * frame.c1});
+  g.geometry.log_su = m.log_su;
+  g.geometry.log_sv = m.log_sv;
+  g.raw_opacity = (T(1) - opacity) * m.log_opacity;
+  return g;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,97 @@
+#include "core/trace/mesh_hits.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/trace/embree/embree_device.h"
+
+namespace vitrine {
+
+namespace {
+
+// A ray through an edge meets both of its faces at distances that differ by rounding; they are one surface.
+constexpr float kEdgeStep = 4e-6f;
+
+// Of faces at equal distance the one with the smallest index, whatever the tree looks like.
+struct FirstFace : RTCIntersectContext {
+  float t = -1.f;
+  uint32_t face = 0;
+};
+void keep_first_face(const RTCFilterFunctionNArguments* args) {
+  auto& best = *static_cast<FirstFace*>(args->context);
+  const float t = RTCRayN_tfar(args->ray, args->N, 0);
+  const uint32_t face = RTCHitN_primID(args->hit, args->N, 0);
+  if (t == best.t && face > best.face) {
+    args->valid[0] = 0;
+    return;
+  }
+  best.t = t;
+  best.face = face;
+}
+
+}  // namespace
+
+struct MeshHits::Tree {
+  embree::Scene scene{RTC_SCENE_FLAG_ROBUST};
+};
+
+MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {
+  for (const auto& face : mesh.faces)
+    for (const uint32_t v : face)
+      if (v >= mesh.positions.size())
+        throw Error(ErrorKind::Input, "a face of the mesh names a vertex that does not exist",
+                    {.why = fmt::format("vertex {} of {}", v, mesh.positions.size())});
+  RTCGeometry geometry = rtcNewGeometry(embree::device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* positions = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
+  for (size_t v = 0; v < mesh.positions.size(); ++v)
+    for (size_t c = 0; c < 3; ++c) positions[3 * v + c] = mesh.positions[v][c];
+  auto* faces = static_cast<uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.faces.size()));
+  for (size_t f = 0; f < mesh.faces.size(); ++f)
+    for (size_t c = 0; c < 3; ++c) faces[3 * f + c] = mesh.faces[f][c];
+  rtcSetGeometryIntersectFilterFunction(geometry, keep_first_face);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(tree_->scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(tree_->scene.get());
+}
+
+MeshHits::~MeshHits() = default;
+
+std::optional<MeshHit> MeshHits::first_hit(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+  RTCRayHit r = embree::ray_hit(origin, direction, near, far);
+  FirstFace context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(tree_->scene.get(), &context, &r);
+  if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const Vec3f n = normalized(Vec3f{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z});
+  return MeshHit{r.ray.tfar, n, r.hit.primID, dot(n, direction) > 0.f};
+}
+
+std::optional<MeshHit> MeshHits::back_surface(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+  std::optional<MeshHit> last_back;
+  int open = 1;
+  while (const std::optional<MeshHit> hit = first_hit(origin, direction, near, far)) {
+    if (!hit->from_inside) {
+      ++open;
+    } else {
+      last_back = hit;
+      if (--open == 0) break;
+    }
+    near = hit->t * (1.f + kEdgeStep) + std::numeric_limits<float>::min();
+  }
+  return last_back;
+}
+
+bool MeshHits::occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+  RTCRay ray = embree::ray_hit(origin, direction, near, far).ray;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(tree_->scene.get(), &context, &ray);
+  return ray.tfar < 0.f;
+}
+
+}  // namespace vitrine
