@@ -16,41 +16,41 @@ namespace vitrine {
 // What the user or an earlier stage says about the pixels of one view, resampled to the frame. Empty = nobody said anything,
 // and a loss that needs it is silent: value 0, no gradient, no cost.
 struct LossTargets {
-  std::span<const float> specular;           // [h,w] in [0,1], each mask likewise: reflects (includes glass and metal)
-  std::span<const float> transparent;        // something is seen through it
-  std::span<const float> object;             // belongs to the captured object
-  std::span<const float> ignore;             // no loss looks at these pixels
-  std::span<const float> normals;            // [3,h,w] unit, camera frame (a wall facing the camera is 0,0,-1); 0 = unknown
-  std::span<const float> normal_confidence;  // [h,w] in [0,1], or empty: 1 wherever a normal is known
+  std::span<const float> specular = {};           // [h,w] in [0,1], each mask likewise: reflects (includes glass and metal)
+  std::span<const float> transparent = {};        // something is seen through it
+  std::span<const float> object = {};             // belongs to the captured object
+  std::span<const float> ignore = {};             // no loss looks at these pixels
+  std::span<const float> normals = {};            // [3,h,w] unit, camera frame (a wall facing the camera is 0,0,-1); 0 = unknown
+  std::span<const float> normal_confidence = {};  // [h,w] in [0,1], or empty: 1 wherever a normal is known
 };
 
 // Secondary rays of one kind that were traced for the view, in any order; one value per ray. Distances along the unit
 // direction, from the ray's origin, in world units.
 struct LossRays {
-  std::span<const float> first_hit;      // where the accumulated weight first reaches a tenth; 0 = the ray met nothing
-  std::span<const float> mean_distance;  // sum w t / sum w
-  std::span<const float> alpha;          // sum w
-  std::span<const float> wall;           // nothing of the layer belongs before this distance; empty = 0 for every ray
-  std::span<const float> weight;         // how many pixels a ray stands for (mask, ray budget); empty = 1
+  std::span<const float> first_hit = {};      // where the accumulated weight first reaches a tenth; 0 = the ray met nothing
+  std::span<const float> mean_distance = {};  // sum w t / sum w
+  std::span<const float> alpha = {};          // sum w
+  std::span<const float> wall = {};           // nothing of the layer belongs before this distance; empty = 0 for every ray
+  std::span<const float> weight = {};         // how many pixels a ray stands for (mask, ray budget); empty = 1
 };
 
 // What a loss may look at: planar images of one view, all [c, h, w].
 struct LossInput {
-  const View* view = nullptr;              // intrinsics at the frame's size
-  const RasterImages* raster = nullptr;    // diffuse pass
-  std::span<const float> prediction_srgb;  // [3,h,w] the composited picture, display-referred
-  std::span<const float> target_srgb;      // [3,h,w] the photo, display-referred
-  std::span<const float> weight;           // [h,w] or empty: per-pixel weight of the picture losses
-  const SplatLayer* diffuse = nullptr;     // for regularisers on parameters
-  LossTargets targets;
-  LossRays reflection, transmission;  // the secondary rays of the frame
+  const View* view = nullptr;                   // intrinsics at the frame's size
+  const RasterImages* raster = nullptr;         // diffuse pass
+  std::span<const float> prediction_srgb = {};  // [3,h,w] the composited picture, display-referred
+  std::span<const float> target_srgb = {};      // [3,h,w] the photo, display-referred
+  std::span<const float> weight = {};           // [h,w] or empty: per-pixel weight of the picture losses
+  const SplatLayer* diffuse = nullptr;          // for regularisers on parameters
+  LossTargets targets = {};
+  LossRays reflection = {}, transmission = {};  // the secondary rays of the frame
 };
 
 struct LossGradient {  // accumulated (+=)
   RasterImages* raster = nullptr;
-  std::span<float> prediction_srgb;  // [3,h,w]
+  std::span<float> prediction_srgb = {};  // [3,h,w]
   SplatLayer* diffuse = nullptr;
-  std::span<float> reflection_first_hit, transmission_first_hit;  // one per ray; empty = not wanted
+  std::span<float> reflection_first_hit = {}, transmission_first_hit = {};  // one per ray; empty = not wanted
 };
 
 class Loss {
@@ -67,7 +67,7 @@ struct LossFactory {
   std::string_view doc;
   float default_weight;
   std::unique_ptr<Loss> (*make)();
-  double default_from = 0, default_ramp = 0;  // parts of the run, see schedule.h
+  double default_from = 0, default_ramp = 0, default_final_share = 1;  // see schedule.h
 };
 const std::vector<LossFactory>& loss_registry();
 

@@ -16,7 +16,10 @@ void describe(Describer& d, LossSet& set) {
 LossSet::LossSet() {
   for (const LossFactory& factory : loss_registry()) {
     terms_.push_back({&factory, factory.make(), {}});
-    terms_.back().schedule = {.weight = factory.default_weight, .from = factory.default_from, .ramp = factory.default_ramp};
+    terms_.back().schedule = {.weight = factory.default_weight,
+                              .from = factory.default_from,
+                              .ramp = factory.default_ramp,
+                              .final_share = factory.default_final_share};
   }
 }
 

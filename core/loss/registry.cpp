@@ -9,6 +9,12 @@ std::unique_ptr<Loss> make_normal_consistency_loss();
 std::unique_ptr<Loss> make_distortion_loss();
 std::unique_ptr<Loss> make_opacity_loss();
 std::unique_ptr<Loss> make_scale_loss();
+std::unique_ptr<Loss> make_specular_mask_loss();
+std::unique_ptr<Loss> make_transmission_mask_loss();
+std::unique_ptr<Loss> make_object_mask_loss();
+std::unique_ptr<Loss> make_first_hit_loss();
+std::unique_ptr<Loss> make_monocular_normal_loss();
+std::unique_ptr<Loss> make_gradient_l1_loss();
 
 const std::vector<LossFactory>& loss_registry() {
   static const std::vector<LossFactory> rows{
@@ -19,6 +25,14 @@ const std::vector<LossFactory>& loss_registry() {
       {"distortion", "Surfels along a ray gather at one depth.", 0.f, make_distortion_loss},
       {"opacity", "Mean opacity: frees surfels that the photos do not need.", 0.003f, make_opacity_loss},
       {"scale", "Mean scale: keeps surfels small where the photos do not need them large.", 0.003f, make_scale_loss},
+      {"specular_mask", "Nothing reflects outside the specular mask, everything a little inside.", 0.02f,
+       make_specular_mask_loss},
+      {"transmission_mask", "Transmission agrees with the transparent mask.", 0.1f, make_transmission_mask_loss},
+      // Off: where the surroundings were captured as well they are part of the scene, and this loss would empty them.
+      {"object_mask", "Alpha agrees with the object mask (captures of an object alone).", 0.f, make_object_mask_loss},
+      {"first_hit", "Transmitted and reflected things stay off the surface that shows them.", 0.01f, make_first_hit_loss},
+      {"monocular_normal", "Surfel normals agree with the normals stage.", 0.05f, make_monocular_normal_loss, 0, 0, 0.2},
+      {"gradient_l1", "Differences between neighbouring pixels agree with the photo's.", 0.f, make_gradient_l1_loss},
   };
   return rows;
 }

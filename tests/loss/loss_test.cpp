@@ -3,104 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "core/base/parallel.h"
-#include "core/base/rng.h"
 #include "core/loss/loss_set.h"
 #include "core/loss/normal_kernel.h"
 #include "core/loss/ssim_kernel.h"
 #include "core/math/dual.h"
+#include "tests/loss/test_frame.h"
 
 namespace vitrine {
 namespace {
-
-// A frame with smooth random content: a slanted, wavy depth with matching but disturbed normals.
-struct TestFrame {
-  View view;
-  RasterImages raster, grad_raster;
-  std::vector<float> prediction, target, weight, grad_prediction;
-  SplatLayer layer{LayerKind::Diffuse, 1, 40}, grad_layer{LayerKind::Diffuse, 1, 40};
-
-  TestFrame(int width, int height, bool weighted, uint64_t seed = 1) {
-    view.intrinsics = {width, height, 0.9 * width, 0.95 * width, 0.45 * width, 0.55 * height};
-    const double angle = 0.4;
-    view.cam_from_world.rotation =
-        Mat3d{{std::cos(angle), 0, -std::sin(angle)}, {0, 1, 0}, {std::sin(angle), 0, std::cos(angle)}};
-    Rng rng(seed);
-    const size_t n = size_t(width) * size_t(height);
-    for (RasterImages* images : {&raster, &grad_raster}) {
-      images->width = width;
-      images->height = height;
-      for (const AovRow& r : kAovs) images->planes[size_t(r.id)].assign(size_t(r.width) * n, 0.f);
-    }
-    prediction.resize(3 * n);
-    target.resize(3 * n);
-    grad_prediction.assign(3 * n, 0.f);
-    for (size_t i = 0; i < 3 * n; ++i) {
-      prediction[i] = 0.5f + 0.3f * std::sin(0.7f * float(i % n)) + 0.1f * rng.uniform();
-      target[i] = 0.5f + 0.3f * std::sin(0.7f * float(i % n) + 0.4f) + 0.1f * rng.uniform();
-      if (std::abs(target[i] - prediction[i]) < 0.01f) target[i] = prediction[i] + 0.01f;  // L1 has a kink at zero
-    }
-    if (weighted)
-      for (size_t i = 0; i < n; ++i) weight.push_back(rng.uniform() < 0.3f ? 0.f : rng.uniform());
-    for (size_t i = 0; i < n; ++i) {
-      const float x = float(i % size_t(width)), y = float(i / size_t(width)), alpha = 0.6f + 0.39f * rng.uniform();
-      const float z = 2 + 0.05f * x + 0.03f * y + 0.02f * std::sin(x + 2 * y);
-      raster.plane(Aov::Alpha)[i] = alpha;
-      raster.plane(Aov::ZDepth)[i] = alpha * z;
-      raster.plane(Aov::MedianZ)[i] = z * 1.01f;
-      raster.plane(Aov::Distortion)[i] = rng.uniform();
-      for (size_t c = 0; c < 3; ++c)
-        raster.plane(Aov::Normal)[c * n + i] = alpha * (0.5f * rng.normal() - (c == 2 ? 1.f : 0.f)) * 0.5f;
-    }
-    for (const AttributeRow& r : kAttributes)
-      for (float& v : layer.values(r.id)) v = rng.normal();
-  }
-
-  LossInput input() const {
-    return {.view = &view,
-            .raster = &raster,
-            .prediction_srgb = prediction,
-            .target_srgb = target,
-            .weight = weight,
-            .diffuse = &layer};
-  }
-  LossGradient gradient() { return {.raster = &grad_raster, .prediction_srgb = grad_prediction, .diffuse = &grad_layer}; }
-};
-
-struct Agreement {
-  double worst = 0, norm = 0;
-};
-
-// Central differences of `loss` with respect to every value of `values`, against `gradient`. `worst` is relative to the
-// largest gradient.
-Agreement check(Loss& loss, TestFrame& frame, std::span<float> values, std::span<const float> gradient, float h) {
-  Agreement agreement;
-  double largest = 0, difference = 0;
-  TestFrame scratch = frame;
-  for (size_t i = 0; i < values.size(); ++i) {
-    const float kept = values[i];
-    LossGradient ignored = scratch.gradient();
-    values[i] = kept + h;
-    const float high = values[i];
-    const double up = loss.evaluate(frame.input(), 0, ignored);
-    values[i] = kept - h;
-    const double down = loss.evaluate(frame.input(), 0, ignored), step = double(high) - double(values[i]);
-    values[i] = kept;
-    largest = std::max(largest, std::abs(double(gradient[i])));
-    difference = std::max(difference, std::abs((up - down) / step - gradient[i]));
-    agreement.norm += double(gradient[i]) * gradient[i];
-  }
-  agreement.worst = largest > 0 ? difference / largest : difference;
-  return agreement;
-}
-
-std::unique_ptr<Loss> make(std::string_view name) {
-  for (const LossFactory& f : loss_registry())
-    if (f.name == name) return f.make();
-  return nullptr;
-}
 
 class PictureLoss : public ::testing::TestWithParam<std::tuple<const char*, int, int, bool>> {};
 
@@ -116,7 +28,7 @@ TEST_P(PictureLoss, GradientMatchesFiniteDifferences) {
   EXPECT_LT(a.worst, 5e-3) << name;  // worst seen 1.1e-3: float sums
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, PictureLoss,
-                         ::testing::Combine(::testing::Values("l1", "dssim"), ::testing::Values(5, 8, 13, 24),
+                         ::testing::Combine(::testing::Values("l1", "dssim", "gradient_l1"), ::testing::Values(5, 8, 13, 24),
                                             ::testing::Values(3, 14), ::testing::Bool()));
 
 double plain_ssim(const TestFrame& frame) {
@@ -274,6 +186,8 @@ TEST(Registry, GradientsScaleAndAccumulate) {
     compare(once.grad_prediction, thrice.grad_prediction);
     for (const AovRow& r : kAovs) compare(once.grad_raster.plane(r.id), thrice.grad_raster.plane(r.id));
     for (const AttributeRow& r : kAttributes) compare(once.grad_layer.values(r.id), thrice.grad_layer.values(r.id));
+    compare(once.reflection.grad, thrice.reflection.grad);
+    compare(once.transmission.grad, thrice.transmission.grad);
   }
 }
 
@@ -282,11 +196,12 @@ TEST(Registry, SameBitsForAnyNumberOfThreads) {
     set_thread_limit(threads);
     TestFrame frame(61, 47, true);
     LossSet losses;
-    losses.term("distortion").schedule.weight = 1;
+    for (LossTerm& term : losses.terms()) term.schedule = {.weight = 1};
     LossGradient gradient = frame.gradient();
     const LossValues values = losses.evaluate(0.5, frame.input(), gradient);
     set_thread_limit(0);
-    return std::tuple(values.total, values.terms, frame.grad_prediction, frame.grad_raster.planes, frame.grad_layer);
+    return std::tuple(values.total, values.terms, frame.grad_prediction, frame.grad_raster.planes, frame.grad_layer,
+                      frame.reflection.grad, frame.transmission.grad);
   };
   EXPECT_EQ(run(1), run(2));
   EXPECT_EQ(run(1), run(5));
@@ -298,6 +213,14 @@ TEST(WeightSchedule, RisesStaysAndEnds) {
   EXPECT_FLOAT_EQ(s.at(0.25), 1);
   EXPECT_FLOAT_EQ(s.at(0.5), 2);
   EXPECT_EQ(s.at(0.9), 0);
+}
+
+TEST(WeightSchedule, FallsAlongACosineToItsFinalShare) {
+  const WeightSchedule s{.weight = 2, .from = 0.2, .until = 0.8, .ramp = 0.1, .final_share = 0.25};
+  EXPECT_FLOAT_EQ(s.at(0.25), 1);
+  EXPECT_FLOAT_EQ(s.at(0.3), 2);
+  EXPECT_FLOAT_EQ(s.at(0.55), 2 * (0.25f + 0.75f / 2));
+  EXPECT_FLOAT_EQ(s.at(0.8), 0.5f);
 }
 
 TEST(LossSet, DescribesWeightAndOwnOptionsOfEveryLoss) {

@@ -1,0 +1,45 @@
+// Specular weight against the mask of what reflects (algorithms 5.4), K the blended specular weight, M the mask:
+//   L = sum_p v [(1 - M) K + b M max(0, K0 - K)] / sum_p v,   v = 1 - ignore
+// Outside the mask nothing may reflect; inside K must reach K0, and how far beyond it goes is left to the photos.
+#include <algorithm>
+
+#include "core/loss/loss.h"
+#include "core/loss/row_sum.h"
+#include "core/loss/target_mask.h"
+
+namespace vitrine {
+
+namespace {
+
+class SpecularMaskLoss final : public Loss {
+ public:
+  std::string_view name() const override { return "specular_mask"; }
+  void describe_options(Describer& d) override {
+    d.option("inside_share", inside_share_, "Weight of the pixels inside the mask relative to those outside.").range(0, 100);
+    d.option("inside_target", inside_target_, "Specular weight that a pixel inside the mask should reach.").range(0, 1);
+  }
+
+  double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
+    const auto weight = input.raster->plane(Aov::SpecularWeight);
+    if (input.targets.specular.empty() || weight.empty()) return 0;
+    const TargetMask mask(input, input.targets.specular);
+    if (mask.total() <= 0) return 0;
+    const auto grad = gradient.raster->plane(Aov::SpecularWeight);
+    const float step = static_cast<float>(scale / mask.total());
+    return mask.sum_over_pixels(row_sums_, [&](size_t i, float m, float v) {
+      const float missing = std::max(0.f, inside_target_ - weight[i]);
+      grad[i] += step * v * (1 - m - (missing > 0 ? inside_share_ * m : 0.f));
+      return v * ((1 - m) * weight[i] + inside_share_ * m * missing);
+    }) / mask.total();
+  }
+
+ private:
+  float inside_share_ = 0.5f, inside_target_ = 0.3f;
+  std::vector<double> row_sums_;
+};
+
+}  // namespace
+
+std::unique_ptr<Loss> make_specular_mask_loss() { return std::make_unique<SpecularMaskLoss>(); }
+
+}  // namespace vitrine
