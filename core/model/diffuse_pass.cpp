@@ -14,7 +14,8 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;
-  desc.features = FeatureSet::Surface;
+  const bool layered = scene.reflection.size() + scene.transmittance.size() > 0;
+  desc.features = layered || options_.materials ? FeatureSet::Material : FeatureSet::Surface;
   desc.sh_degree = std::min(options_.sh_degree, scene.diffuse.sh_degree());
   desc.distortion = options_.distortion;
   renderer_->forward(scene.diffuse, desc, frame.diffuse);

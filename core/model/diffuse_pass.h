@@ -3,21 +3,17 @@
 
 #include <memory>
 
+#include "core/model/image_options.h"
 #include "core/model/pass.h"
 #include "core/render/renderer.h"
 
 namespace vitrine {
 
-struct DiffuseOptions {
-  Backend backend = Backend::Cpu;
-  int sh_degree = 1;        // used for colour; at most the layer's
-  bool distortion = false;  // compute the distortion channel
-};
-
 class DiffusePass final : public Pass {
  public:
   explicit DiffusePass(const DiffuseOptions& options) : options_(options), renderer_(make_renderer(options.backend)) {}
   std::string_view name() const override { return "diffuse"; }
+  DiffuseOptions& options() { return options_; }
   void set_sh_degree(int degree) { options_.sh_degree = degree; }
   void set_distortion(bool on) { options_.distortion = on; }
   const Renderer& renderer() const { return *renderer_; }

@@ -1,20 +1,40 @@
-// Everything that is known about one picture of one view while it is formed: the raster channels, the linear and the
-// display-referred picture, and beside each its gradient. Passes read and write frames; planar images [c, h, w].
+// Everything that is known about one picture of one view while it is formed: the raster channels, the rays that left its
+// surfaces, the linear and the display-referred picture, and beside each its gradient. Passes read and write frames; planar
+// images [c, h, w].
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/model/secondary_rays.h"
 #include "core/render/raster_desc.h"
 #include "core/render/renderer.h"
 
 namespace vitrine {
 
+// The picture taken apart (CompositeOptions::layer_images), linear, before the view's gain. The first three add up to
+// Frame::linear. Where a pixel sends no ray of a kind: zero (inner_transmittance: one).
+struct LayerImages {
+  std::vector<float> diffuse, reflection, transmission;  // [3,h,w] w_d C_d, w_r C_r, w_t C_t
+  std::vector<float> reflected, transmitted;             // [3,h,w] C_r, C_t as traced
+  std::vector<float> fresnel;                            // [3,h,w] F
+  std::vector<float> inner_transmittance;                // [h,w] what the transmittance layer lets through to whatever is behind
+};
+
 struct Frame {
   const View* view = nullptr;  // pose, gains, and intrinsics at the size of the picture
-  RasterImages diffuse;        // channels of the diffuse pass
-  std::vector<float> linear;   // [3,h,w] radiance towards the camera, before the view's gain
-  std::vector<float> srgb;     // [3,h,w] what the photo should show
+
+  // Set by the caller before forward(). Masks are [h,w] in [0,1] or empty; pixels inside ask for rays.
+  std::span<const float> specular_mask, transparent_mask;
+  uint64_t seed = 0, step = 0;  // of everything that is drawn: equal numbers, equal rays
+
+  RasterImages diffuse;                    // channels of the diffuse pass
+  ShadedPixels shaded;                     // pixels that send rays
+  SecondaryRays reflection, transmission;  // their rays through the two other layers
+  std::vector<float> linear;               // [3,h,w] radiance towards the camera, before the view's gain
+  std::vector<float> srgb;                 // [3,h,w] what the photo should show
+  LayerImages layers;
 
   RasterImages grad_diffuse;
   std::vector<float> grad_linear, grad_srgb;

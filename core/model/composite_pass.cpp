@@ -1,0 +1,132 @@
+#include "core/model/composite_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/model/gbuffer.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kGrain = 512;  // groups
+constexpr size_t kPixels = 1 << 14;
+
+float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3.f; }
+
+// What a pixel of the group can show: what it asked for, as far as the group's rays brought it.
+LayersPresent present(const Frame& frame, size_t group, uint32_t entry) {
+  const LayersPresent asks = frame.shaded.asks[entry], sent = frame.shaded.asked(group);
+  return {.reflection = asks.reflection && sent.reflection, .transmission = asks.transmission && sent.transmission};
+}
+
+Vec3f radiance(const SecondaryRays& rays, size_t group) { return rays.radiance.empty() ? Vec3f{} : rays.radiance[group]; }
+
+void write(std::vector<float>& plane, size_t pixels, uint32_t pixel, const Vec3f& v) {
+  for (size_t c = 0; c < 3; ++c) plane[c * pixels + pixel] = v[c];
+}
+
+void start_layers(Frame& frame) {
+  LayerImages& l = frame.layers;
+  const size_t pixels = frame.pixel_count();
+  l.diffuse = frame.linear;
+  for (auto* plane : {&l.reflection, &l.transmission, &l.reflected, &l.transmitted, &l.fresnel}) plane->assign(3 * pixels, 0.f);
+  l.inner_transmittance.assign(pixels, 1.f);
+}
+
+}  // namespace
+
+void CompositePass::forward(const SplatScene&, Frame& frame) {
+  const ShadedPixels& s = frame.shaded;
+  const size_t pixels = frame.pixel_count();
+  if (options_.layer_images) start_layers(frame);
+  if (s.groups() == 0) return;
+  const bool gated = options_.gate > 0 && !frame.reflection.rays.empty() && !frame.transmission.rays.empty();
+  reflected_.resize(gated ? pixels : 0);
+  parallel_chunks(reflected_.size(), kPixels,
+                  [&](size_t, size_t begin, size_t end) { std::fill(reflected_.data() + begin, reflected_.data() + end, 0.f); });
+  const GBuffer buffer(frame);
+  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t g = first; g < last; ++g) {
+      const Vec3f c_r = radiance(frame.reflection, g), c_t = radiance(frame.transmission, g);
+      for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) {
+        const uint32_t pixel = s.pixels[i];
+        const BlendMaterial<float> material = buffer.material(pixel);
+        const LayersPresent shown = present(frame, g, i);
+        const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
+        const Vec3f diffuse = hadamard(w.diffuse, buffer.rgb(buffer.color, pixel));
+        const Vec3f reflection = hadamard(w.reflection, c_r), transmission = hadamard(w.transmission, c_t);
+        write(frame.linear, pixels, pixel, diffuse + reflection + transmission);
+        if (gated) reflected_[pixel] = std::sqrt(std::max(0.f, mean(reflection)));
+        if (i == s.chosen[g]) {
+          if (!frame.reflection.picture_weight.empty()) frame.reflection.picture_weight[g] = mean(w.reflection);
+          if (!frame.transmission.picture_weight.empty()) frame.transmission.picture_weight[g] = mean(w.transmission);
+        }
+        if (!options_.layer_images) continue;
+        LayerImages& l = frame.layers;
+        write(l.diffuse, pixels, pixel, diffuse);
+        write(l.reflection, pixels, pixel, reflection);
+        write(l.transmission, pixels, pixel, transmission);
+        if (shown.reflection) {
+          write(l.reflected, pixels, pixel, c_r);
+          write(l.fresnel, pixels, pixel, schlick(material.f0, material.cosine).value);
+        }
+        if (shown.transmission) {
+          write(l.transmitted, pixels, pixel, c_t);
+          l.inner_transmittance[pixel] = frame.transmission.inner_transmittance[g];
+        }
+      }
+    }
+  });
+}
+
+float CompositePass::gate(const Frame& frame, uint32_t pixel) const {
+  if (reflected_.empty()) return 1;
+  const int width = frame.view->intrinsics.width, height = frame.view->intrinsics.height;
+  const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+  float sum = 0, squares = 0, count = 0;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+      const float value = reflected_[static_cast<size_t>(v * width + u)];
+      sum += value;
+      squares += value * value;
+      ++count;
+    }
+  const float average = sum / count;
+  return std::exp(-options_.gate * std::max(0.f, squares / count - average * average));
+}
+
+void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
+  ShadedPixels& s = frame.shaded;
+  if (s.groups() == 0) return;
+  const GBuffer buffer(frame);
+  const size_t pixels = frame.pixel_count();
+  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t g = first; g < last; ++g) {
+      const uint32_t pixel = s.chosen_pixel(g);
+      const Vec3f grad = s.weight(g) * buffer.rgb(frame.grad_linear, pixel);
+      for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) write(frame.grad_linear, pixels, s.pixels[i], {});
+
+      const BlendMaterial<float> material = buffer.material(pixel);
+      const LayersPresent shown = present(frame, g, s.chosen[g]);
+      const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
+      const BlendMaterial<float> grad_material =
+          layer_weights_vjp(options_.blend, material, shown,
+                            {.diffuse = hadamard(grad, buffer.rgb(buffer.color, pixel)),
+                             .reflection = hadamard(grad, radiance(frame.reflection, g)),
+                             .transmission = hadamard(grad, radiance(frame.transmission, g))});
+      SurfacePoint<float>& point = s.grad_points[g];
+      point.f0 += grad_material.f0;
+      point.cosine += grad_material.cosine;
+      frame.grad_diffuse.plane(Aov::SpecularWeight)[pixel] += grad_material.specular;
+      frame.grad_diffuse.plane(Aov::Transmission)[pixel] += grad_material.transmission;
+      if (shown.reflection) frame.reflection.grad_radiance[g] = hadamard(grad, w.reflection);
+      if (shown.transmission) frame.transmission.grad_radiance[g] = gate(frame, pixel) * hadamard(grad, w.transmission);
+      const bool glass = !frame.transparent_mask.empty() && frame.transparent_mask[pixel] > 0.5f;
+      write(frame.grad_linear, pixels, pixel, (glass ? options_.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
+    }
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,71 @@
+// The options of the image formation, one struct per pass. A trainer changes them between steps through pass->options() (the
+// phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
+#pragma once
+
+#include "core/model/kernels/layer_blend.h"
+#include "core/render/renderer.h"
+#include "core/trace/tracer.h"
+
+namespace vitrine {
+
+struct DiffuseOptions {
+  Backend backend = Backend::Cpu;
+  int sh_degree = 1;        // used for colour; at most the layer's
+  bool distortion = false;  // compute the distortion channel
+  bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
+};
+
+// Which pixels send rays, and what comes back along them to the diffuse layer.
+struct SurfaceOptions {
+  int ray_budget = 0;             // pixels that send rays in one picture; 0 = all that ask
+  float min_alpha = 0.5f;         // no surface below
+  float mask_threshold = 0.5f;    // pixels whose mask exceeds it ask for rays whatever their weights
+  bool normal_gradient = true;    // rays turn normals
+  bool depth_gradient = true;     // rays move surfaces; better off for the first steps with a reflection layer
+  float normal_quantile = 0.99f;  // longer gradients of normals are shortened to this quantile of the picture; 1 = off
+};
+
+enum class Lobe : unsigned char {
+  Mirror,   // one ray, roughness ignored
+  Sampled,  // GGX half vectors: unbiased, noisy; `samples` rays where the surface is rough
+  Cone,     // one ray whose footprint grows with the lobe: smooth, no noise, a little too soft at grazing angles
+};
+
+struct ReflectionOptions {
+  TracerBackend backend = TracerBackend::Reference;
+  int sh_degree = 1;
+  Lobe lobe = Lobe::Mirror;
+  int samples = 1;             // of a rough pixel with Lobe::Sampled: one in training, many at evaluation
+  float mirror_below = 0.05f;  // Lobe::Sampled: smoother surfaces send one mirror ray (their lobe is a few pixels wide)
+  float near = 0.01f;          // scene units; nothing nearer to the surface is seen in it
+  float min_transmittance = 1e-3f;
+  float max_footprint = 0.3f;  // Lobe::Cone: scene units
+};
+
+struct TransmissionOptions {
+  TracerBackend backend = TracerBackend::Reference;
+  int sh_degree = 1;
+  float near = 0.01f;  // scene units behind the surface
+  float min_transmittance = 1e-3f;
+};
+
+struct CompositeOptions {
+  LayerBlend blend = LayerBlend::Layered;
+  // Gradient gate: where the reflected part of the picture varies strongly among neighbours, less gradient reaches the
+  // transmitted radiance: exp(-gate * Var_3x3 sqrt(w_r C_r)). 0 = off.
+  float gate = 4.f;
+  // Share of the gradient of the diffuse radiance that is kept inside the transparent mask: below 1, the diffuse layer does not
+  // try to paint what is seen through glass.
+  float diffuse_in_transparent = 1.f;
+  bool layer_images = false;  // fill Frame::layers
+};
+
+struct ImageOptions {
+  DiffuseOptions diffuse;
+  SurfaceOptions surface;
+  ReflectionOptions reflection;
+  TransmissionOptions transmission;
+  CompositeOptions composite;
+};
+
+}  // namespace vitrine

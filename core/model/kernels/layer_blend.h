@@ -1,0 +1,97 @@
+// How the radiance of the three layers becomes one pixel (README 4):  C = w_d C_d + w_r C_r + w_t C_t,  per channel, with
+//   rtrgs    w_d = 1 - k_s          w_r = k_s F    w_t = k_s tau (1 - F)
+//   layered  w_d = (1-k)(1-tau)     w_r = k        w_t = (1-k) tau       k = k_s + (1 - k_s) g(k_s) F
+// F is Schlick's Fresnel term at the view angle. g fades Fresnel out where a surface has no specular weight, so that an opaque
+// pixel stays exactly its diffuse colour: g = 1 - (1 - x)^2, x = clamp((k_s - t)/(s - t), 0, 1), smooth at s, zero at the
+// threshold t below which a pixel sends no rays.
+// Without a reflection, w_r is zero and F counts as 0 (layered: k = 0); without a transmission tau counts as 0.
+#pragma once
+
+#include "core/model/kernels/fresnel.h"
+
+namespace vitrine {
+
+enum class LayerBlend : unsigned char { RtrGs, Layered };
+
+// Specular and transmission weights below one step of an 8-bit display send no rays.
+inline constexpr double kMinSpecular = 1.0 / 255.0;
+// Fresnel counts in full from this specular weight on.
+inline constexpr double kFullFresnel = 0.05;
+
+template <class T>
+struct BlendMaterial {  // or its gradient
+  Vec3<T> f0{};
+  T specular{}, transmission{}, cosine{};  // k_s, tau, n.v
+};
+
+template <class T>
+struct LayerWeights {  // or their gradients
+  Vec3<T> diffuse{}, reflection{}, transmission{};
+};
+
+struct LayersPresent {
+  bool reflection = false, transmission = false;
+};
+
+template <class T>
+T fresnel_gate(const T& specular) {
+  const T x = (specular - T(kMinSpecular)) / T(kFullFresnel - kMinSpecular);
+  if (!(x > T(0))) return T(0);
+  return x < T(1) ? x * (T(2) - x) : T(1);
+}
+template <class T>
+T fresnel_gate_slope(const T& specular) {
+  const T span(kFullFresnel - kMinSpecular), x = (specular - T(kMinSpecular)) / span;
+  return x > T(0) && x < T(1) ? T(2) * (T(1) - x) / span : T(0);
+}
+
+template <class T>
+LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present) {
+  LayerWeights<T> w;
+  const Fresnel<T> f = present.reflection ? schlick(m.f0, m.cosine) : Fresnel<T>{};
+  const T tau = present.transmission ? m.transmission : T(0), one(1);
+  for (size_t c = 0; c < 3; ++c) {
+    if (blend == LayerBlend::RtrGs) {
+      w.diffuse[c] = one - m.specular;
+      w.reflection[c] = m.specular * f.value[c];
+      w.transmission[c] = m.specular * tau * (one - f.value[c]);
+    } else {
+      const T k = present.reflection ? m.specular + (one - m.specular) * fresnel_gate(m.specular) * f.value[c] : T(0);
+      w.diffuse[c] = (one - k) * (one - tau);
+      w.reflection[c] = k;
+      w.transmission[c] = (one - k) * tau;
+    }
+  }
+  return w;
+}
+
+// Gradient of the material; that of what does not act is zero.
+template <class T>
+BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present, const LayerWeights<T>& g) {
+  BlendMaterial<T> out;
+  const Fresnel<T> f = present.reflection ? schlick(m.f0, m.cosine) : Fresnel<T>{};
+  const T tau = present.transmission ? m.transmission : T(0), one(1);
+  const T gate = fresnel_gate(m.specular), gate_slope = fresnel_gate_slope(m.specular);
+  Vec3<T> grad_f{};
+  T grad_tau(0);
+  for (size_t c = 0; c < 3; ++c) {
+    const T F = f.value[c];
+    if (blend == LayerBlend::RtrGs) {
+      out.specular += -g.diffuse[c] + F * g.reflection[c] + tau * (one - F) * g.transmission[c];
+      grad_f[c] = m.specular * (g.reflection[c] - tau * g.transmission[c]);
+      grad_tau += m.specular * (one - F) * g.transmission[c];
+    } else {
+      const T k = present.reflection ? m.specular + (one - m.specular) * gate * F : T(0);
+      const T grad_k = g.reflection[c] - (one - tau) * g.diffuse[c] - tau * g.transmission[c];
+      grad_tau += (one - k) * (g.transmission[c] - g.diffuse[c]);
+      if (!present.reflection) continue;
+      out.specular += grad_k * (one - gate * F + (one - m.specular) * gate_slope * F);
+      grad_f[c] = grad_k * (one - m.specular) * gate;
+    }
+  }
+  if (present.transmission) out.transmission = grad_tau;
+  if (present.reflection) schlick_vjp(m.f0, f, grad_f, out.f0, out.cosine);
+  return out;
+}
+
+}  // namespace vitrine

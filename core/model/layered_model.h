@@ -1,0 +1,36 @@
+// The image model with all three layers, and its passes by name for those who change their options between steps:
+//
+//   LayeredModel model(ImageOptions{...});
+//   frame.specular_mask = ...; frame.transparent_mask = ...; frame.seed = seed; frame.step = step;
+//   model.forward(scene, view, frame);                       // layers that are empty take no part and cost nothing
+//   losses: picture -> frame.grad_srgb; channels -> frame.grad_diffuse;
+//           first hits of frame.reflection / frame.transmission -> their gradients.first_hit
+//   model.backward(scene, frame, grad);                      // adds to all layers of grad
+//   densification: frame.statistics, frame.reflection.statistics, frame.transmission.statistics
+//
+// Schedule: give the scene a layer when its phase begins; surface->options().depth_gradient, normal_gradient and
+// reflection->options().lobe follow later. Evaluation: ray_budget = 0, Lobe::Sampled with many samples, layer_images = true.
+#pragma once
+
+#include "core/model/composite_pass.h"
+#include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
+#include "core/model/reflection_pass.h"
+#include "core/model/surface_pass.h"
+#include "core/model/transmission_pass.h"
+
+namespace vitrine {
+
+class LayeredModel : public ImageModel {
+ public:
+  explicit LayeredModel(const ImageOptions& options);
+
+  // Owned by the model.
+  DiffusePass* diffuse;
+  SurfacePass* surface;
+  ReflectionPass* reflection;
+  TransmissionPass* transmission;
+  CompositePass* composite;
+};
+
+}  // namespace vitrine

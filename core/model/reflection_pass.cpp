@@ -1,0 +1,113 @@
+#include "core/model/reflection_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr uint64_t kLobeStream = 0x5f02;
+constexpr size_t kGrain = 512;
+// Steps of the R2 sequence: inverse powers of the root of x^3 = x + 1. Consecutive points fill the square evenly, so that few
+// rays of a pixel, over samples and over steps, cover its lobe.
+constexpr double kR2[] = {0.7548776662466927, 0.5698402909980532};
+
+float fraction(double x) { return static_cast<float>(x - std::floor(x)); }
+
+GlossyRay<float> mirror_ray(const Vec3f& view, const SurfacePoint<float>& p) {
+  GlossyRay<float> ray;
+  ray.half = p.normal;
+  ray.direction = reflected(view, p.normal);
+  ray.weight = 1;
+  return ray;
+}
+
+TraceDesc trace_desc(const ReflectionOptions& o, const SplatLayer& layer) {
+  return {.sh_degree = std::min(o.sh_degree, layer.sh_degree()), .min_transmittance = o.min_transmittance};
+}
+
+}  // namespace
+
+void ReflectionPass::emit(Frame& frame) {
+  const ShadedPixels& s = frame.shaded;
+  SecondaryRays& r = frame.reflection;
+  const uint64_t draw = mix64(frame.seed, kLobeStream);
+  const int samples = std::max(options_.samples, 1);
+  chunks_.resize(chunk_count(s.groups(), kGrain));
+  parallel_chunks(s.groups(), kGrain, [&](size_t chunk, size_t first, size_t last) {
+    auto& out = chunks_[chunk];
+    out.clear();
+    for (size_t g = first; g < last; ++g) {
+      if (!s.asked(g).reflection) continue;
+      const SurfacePoint<float>& p = s.points[g];
+      const Vec3f view = s.rays[g].view;
+      const auto group = static_cast<uint32_t>(g);
+      if (options_.lobe != Lobe::Sampled || p.roughness < options_.mirror_below) {
+        out.push_back({.group = group, .share = 1, .lobe = mirror_ray(view, p)});
+        continue;
+      }
+      Rng rng(draw, s.chosen_pixel(g));
+      const double start[] = {rng.uniform_double(), rng.uniform_double()};
+      for (int i = 0; i < samples; ++i) {
+        const double at = double(frame.step) * samples + i;
+        const Vec3f half = ggx_half_vector(p.normal, p.roughness * p.roughness, fraction(start[0] + at * kR2[0]),
+                                           fraction(start[1] + at * kR2[1]));
+        const GlossyRay<float> ray = glossy_ray(view, p.normal, half, p.roughness);
+        if (ray.weight > 0) out.push_back({.group = group, .share = 1.f / float(samples), .lobe = ray});
+      }
+    }
+  });
+  r.gather(s.groups(), chunks_);
+  const bool cone = options_.lobe == Lobe::Cone;
+  if (cone) r.spread.resize(r.rays.size());
+  parallel_chunks(r.rays.size(), kGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) {
+      const SurfacePoint<float>& p = s.points[r.rays[i].group];
+      r.origins[i] = p.position;
+      r.directions[i] = r.rays[i].lobe.direction;
+      r.near[i] = options_.near;
+      if (cone) r.spread[i] = lobe_spread(p.roughness);
+    }
+  });
+}
+
+void ReflectionPass::forward(const SplatScene& scene, Frame& frame) {
+  frame.reflection.clear();
+  if (scene.reflection.size() == 0 || frame.shaded.groups() == 0) return;
+  tracer_->build(scene.reflection, {.max_footprint = options_.lobe == Lobe::Cone ? options_.max_footprint : 0.f});
+  emit(frame);
+  frame.reflection.trace(*tracer_, trace_desc(options_, scene.reflection), frame.shaded);
+}
+
+void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
+  SecondaryRays& r = frame.reflection;
+  ShadedPixels& s = frame.shaded;
+  if (r.rays.empty()) return;
+  r.trace_back(*tracer_, trace_desc(options_, scene.reflection), s, frame.error_image, grad.reflection, &ray_gradients_);
+  // Rays of a group are neighbours, and a group's point belongs to it alone.
+  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t g = first; g < last; ++g)
+      for (uint32_t i = r.begin[g]; i < r.begin[g + 1]; ++i) {
+        const SurfacePoint<float>& p = s.points[g];
+        const GlossyRay<float>& ray = r.rays[i].lobe;
+        SurfacePoint<float>& out = s.grad_points[g];
+        out.position += ray_gradients_.origins[i];
+        if (ray.alpha > 0) {  // sampled
+          const float grad_weight = r.rays[i].share * dot(r.grad_radiance[g], r.values.color[i]);
+          const GlossyGrad<float> back =
+              glossy_ray_vjp(s.rays[g].view, p.normal, p.roughness, ray, ray_gradients_.directions[i], grad_weight);
+          out.normal += back.normal;
+          out.roughness += back.roughness;
+          continue;
+        }
+        out.normal += carried_vjp(p.normal, p.normal, reflected_vjp(s.rays[g].view, p.normal, ray_gradients_.directions[i]));
+        if (!r.spread.empty()) out.roughness += ray_gradients_.spread[i] * lobe_spread_slope(p.roughness);
+      }
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,32 @@
+// Traces the reflection layer from the chosen pixels: radiance = mean over the pixel's rays of W color. Mirror rays leave along
+// w = 2 (v.n) n - v with W = 1; sampled ones along GGX half vectors with the weight of kernels/ggx.h.
+// The reverse runs through ray origin and direction to the point's position and normal, and through W (or the cone) to its
+// roughness. Does nothing while the layer is empty.
+#pragma once
+
+#include <memory>
+
+#include "core/model/image_options.h"
+#include "core/model/pass.h"
+
+namespace vitrine {
+
+class ReflectionPass final : public Pass {
+ public:
+  explicit ReflectionPass(const ReflectionOptions& options) : options_(options), tracer_(make_tracer(options.backend)) {}
+  std::string_view name() const override { return "reflection"; }
+  ReflectionOptions& options() { return options_; }  // the backend stays what it was
+
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
+
+ private:
+  void emit(Frame& frame);
+
+  ReflectionOptions options_;
+  std::unique_ptr<Tracer> tracer_;
+  std::vector<std::vector<SecondaryRay>> chunks_;
+  RayGradients ray_gradients_;
+};
+
+}  // namespace vitrine

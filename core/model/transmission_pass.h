@@ -1,0 +1,30 @@
+// Traces the transmittance layer straight on from just behind the chosen pixels' surfaces: radiance = color, and the layer's
+// residual transmittance. No gradient reaches the surface: a straight ray does not depend on its normal, and hits do not change
+// when its origin slides along it. Does nothing while the layer is empty.
+//   What lies behind the layer is the business of a pass after this one: it adds inner_transmittance * C_out to
+// frame.transmission.radiance, and in reverse to frame.transmission.gradients.transmittance.
+#pragma once
+
+#include <memory>
+
+#include "core/model/image_options.h"
+#include "core/model/pass.h"
+
+namespace vitrine {
+
+class TransmissionPass final : public Pass {
+ public:
+  explicit TransmissionPass(const TransmissionOptions& options) : options_(options), tracer_(make_tracer(options.backend)) {}
+  std::string_view name() const override { return "transmission"; }
+  TransmissionOptions& options() { return options_; }  // the backend stays what it was
+
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
+
+ private:
+  TransmissionOptions options_;
+  std::unique_ptr<Tracer> tracer_;
+  std::vector<SecondaryRay> rays_;
+};
+
+}  // namespace vitrine
