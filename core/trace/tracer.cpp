@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/trace/embree/embree_tracer.h"
 #include "core/trace/reference/reference_tracer.h"
 
 namespace vitrine {
@@ -40,8 +41,7 @@ size_t HitLists::size() const {
 }
 
 std::unique_ptr<Tracer> make_tracer(TracerBackend backend) {
-  VITRINE_CHECK(backend == TracerBackend::Reference, "unknown tracer back end");
-  return make_reference_tracer();
+  return backend == TracerBackend::Reference ? make_reference_tracer() : make_embree_tracer();
 }
 
 }  // namespace vitrine

@@ -1,7 +1,7 @@
 // Rays through one layer of surfels, forward and backward, behind one virtual call per pass: what the rasteriser is for pixels of
-// a pinhole camera, this is for rays of any origin and direction (reflected, transmitted, shadow). Back ends: "reference"
-// (double, O(rays x surfels), the executable specification). Hits are composited in exact order of (t, surfel
-// index). README.md in this folder teaches the mathematics.
+// a pinhole camera, this is for rays of any origin and direction (reflected, transmitted, shadow). Back ends: "embree" (single
+// precision, threads) and "reference" (double, O(rays x surfels), the executable specification). Hits are composited in exact
+// order of (t, surfel index). README.md in this folder teaches the mathematics.
 //
 //   alpha_i = min(0.99, opacity exp(-(u^2+v^2)/2)), dropped below 1/255;  w_i = alpha_i T_i while T_i >= min_transmittance
 //   color = sum w c(direction)   distance = sum w t   normal = sum w n   transmittance = product of (1 - alpha)
@@ -103,7 +103,7 @@ class Tracer {
   virtual std::string_view name() const = 0;
 };
 
-enum class TracerBackend : unsigned char { Reference };
-std::unique_ptr<Tracer> make_tracer(TracerBackend backend = TracerBackend::Reference);
+enum class TracerBackend : unsigned char { Reference, Embree };
+std::unique_ptr<Tracer> make_tracer(TracerBackend backend = TracerBackend::Embree);
 
 }  // namespace vitrine

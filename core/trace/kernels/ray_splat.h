@@ -54,20 +54,12 @@ RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
   return {raw.mean, opacity, frame.c2, T(2) * log(opacity / T(kMinAlpha)), frame.c0 / su, su * su, frame.c1 / sv, sv * sv};
 }
 
-// False when they do not meet between near and far, or the surfel hides less than 1/255 there.
+// Fills in all of `hit` that follows from hit.t, but alpha. Forward and backward both come through here.
 template <class T>
-VITRINE_INLINE bool ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
-  using std::sqrt;
-  const T nd = dot(s.normal, ray.direction);
-  if (nd * nd < T(kGrazing * kGrazing)) return false;
-  const Vec3<T> from_mean = ray.origin - s.mean;
-  hit.t = -dot(s.normal, from_mean) / nd;
-  if (!(hit.t > ray.near && hit.t <= ray.far)) return false;
-  const Vec3<T> x = from_mean + hit.t * ray.direction;
+VITRINE_INLINE void place_hit(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
+  const Vec3<T> x = (ray.origin - s.mean) + hit.t * ray.direction;
   hit.u = dot(s.axis_u, x);
   hit.v = dot(s.axis_v, x);
-  const T uu = hit.u * hit.u, vv = hit.v * hit.v;
-  T peak;
   hit.footprint = T(0);
   hit.q_u = hit.q_v = T(1);
   if (ray.spread > T(0)) {
@@ -76,13 +68,23 @@ VITRINE_INLINE bool ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray, Ray
     const T ff = hit.footprint * hit.footprint;
     hit.q_u = s.var_u / (s.var_u + ff);
     hit.q_v = s.var_v / (s.var_v + ff);
-    peak = s.opacity * sqrt(hit.q_u * hit.q_v) * gaussian(hit.q_u * uu + hit.q_v * vv);
-    if (!(peak >= T(kMinAlpha))) return false;
-  } else {
-    const T rho = uu + vv;
-    if (!(rho <= s.cut)) return false;
-    peak = s.opacity * gaussian(rho);
   }
+}
+
+// False when they do not meet between near and far, or the surfel hides less than 1/255 there.
+template <class T>
+VITRINE_INLINE bool ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
+  using std::sqrt;
+  const T nd = dot(s.normal, ray.direction);
+  if (nd * nd < T(kGrazing * kGrazing)) return false;
+  hit.t = dot(s.normal, s.mean - ray.origin) / nd;
+  if (!(hit.t > ray.near && hit.t <= ray.far)) return false;
+  place_hit(s, ray, hit);
+  const T rho = hit.q_u * (hit.u * hit.u) + hit.q_v * (hit.v * hit.v);
+  if (!(rho <= s.cut)) return false;
+  T peak = s.opacity * gaussian(rho);
+  if (ray.spread > T(0)) peak = peak * sqrt(hit.q_u * hit.q_v);
+  if (!(peak >= T(kMinAlpha))) return false;
   hit.free = peak < T(kMaxAlpha);
   hit.alpha = hit.free ? peak : T(kMaxAlpha);
   return true;
@@ -95,6 +97,20 @@ struct HitMoments {
   T u_v{}, v_u{};        // gradient of u times v, of v times u
   T tilt_u{}, tilt_v{};  // r0 and r1 components of the normal's gradient, over s_u and s_v
   T log_su{}, log_sv{}, log_opacity{};
+
+  HitMoments& operator+=(const HitMoments& m) {
+    u += m.u;
+    v += m.v;
+    plane += m.plane;
+    u_v += m.u_v;
+    v_u += m.v_u;
+    tilt_u += m.tilt_u;
+    tilt_v += m.tilt_v;
+    log_su += m.log_su;
+    log_sv += m.log_sv;
+    log_opacity += m.log_opacity;
+    return *this;
+  }
 };
 
 template <class T>

@@ -81,20 +81,6 @@ struct RayGrad {
   T spread{};
 };
 
-template <class T>
-void add(HitMoments<T>& sum, const HitMoments<T>& m) {
-  sum.u += m.u;
-  sum.v += m.v;
-  sum.plane += m.plane;
-  sum.u_v += m.u_v;
-  sum.v_u += m.v_u;
-  sum.tilt_u += m.tilt_u;
-  sum.tilt_v += m.tilt_v;
-  sum.log_su += m.log_su;
-  sum.log_sv += m.log_sv;
-  sum.log_opacity += m.log_opacity;
-}
-
 // `hits` and `values` are those of trace_ray. Adds to `sums`.
 template <class T>
 RayGrad<T> trace_ray_vjp(const std::vector<TraceSurfel<T>>& surfels, const TraceRay<T>& ray, const MarchDesc<T>& desc,
@@ -111,7 +97,7 @@ RayGrad<T> trace_ray_vjp(const std::vector<TraceSurfel<T>>& surfels, const Trace
     const BlendGrad<T> b = blend_hit_vjp(h.transmittance, h.hit.t, h.hit.alpha, h.color, h.normal, h.first, grad, behind);
     const bool flipped = dot(s.shape.normal, ray.direction) > T(0);
     const HitGrad<T> g = ray_splat_vjp(s.shape, ray, h.hit, b.alpha, b.t, flipped ? -b.normal : b.normal);
-    add(sum.moments, g.moments);
+    sum.moments += g.moments;
     out.origin += g.origin;
     out.direction += g.direction;
     out.spread += g.spread;
