@@ -32,7 +32,7 @@ enum class Lobe : unsigned char {
 };
 
 struct ReflectionOptions {
-  TracerBackend backend = TracerBackend::Reference;
+  TracerBackend backend = TracerBackend::Embree;
   int sh_degree = 1;
   Lobe lobe = Lobe::Mirror;
   int samples = 1;             // of a rough pixel with Lobe::Sampled: one in training, many at evaluation
@@ -43,7 +43,7 @@ struct ReflectionOptions {
 };
 
 struct TransmissionOptions {
-  TracerBackend backend = TracerBackend::Reference;
+  TracerBackend backend = TracerBackend::Embree;
   int sh_degree = 1;
   float near = 0.01f;  // scene units behind the surface
   float min_transmittance = 1e-3f;
