@@ -23,6 +23,11 @@ struct Spread {
   float step[kChunk * kWidest], root[kChunk * kWidest], moves[kChunk * kWidest];
 };
 
+// Where a surfel is and how it covers, against what it looks like.
+constexpr bool is_shape(Attribute a) {
+  return a == Attribute::Mean || a == Attribute::Rotation || a == Attribute::LogScale || a == Attribute::Opacity;
+}
+
 bool finite(const SplatLayer& grad, size_t i) {
   float poison = 0;  // x * 0 is NaN for infinities and NaN, 0 otherwise
   for (const AttributeRow& r : kAttributes) {
@@ -46,8 +51,10 @@ Adam::Adam(const SplatLayer& shape, const AdamDesc& desc)
   }
 }
 
-size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer) {
+size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
+                  std::span<const float> damping) {
   const size_t n = layer.size();
+  VITRINE_CHECK(damping.empty() || damping.size() == n, "{} surfels, {} dampings", n, damping.size());
   VITRINE_CHECK(grad.size() == n && steps_.size() == n && active.size() == n,
                 "shapes differ: {} surfels, {} gradients, {} moments, {} flags", n, grad.size(), steps_.size(), active.size());
   const float b1 = static_cast<float>(desc_.beta1), b2 = static_cast<float>(desc_.beta2), epsilon = desc_.epsilon;
@@ -77,7 +84,8 @@ size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span
       const float rate = rates[static_cast<size_t>(r.id)];
       if (width == 0 || rate == 0) continue;
       for (size_t k = 0; k < count; ++k) {
-        std::fill_n(spread.step + k * width, width, rate * c1[k]);
+        const float own_rate = damping.empty() || !is_shape(r.id) ? rate : rate * damping[begin + k];
+        std::fill_n(spread.step + k * width, width, own_rate * c1[k]);
         std::fill_n(spread.root + k * width, width, c2[k]);
         std::fill_n(spread.moves + k * width, width, moves[k]);
       }

@@ -26,7 +26,10 @@ class Adam {
   explicit Adam(const SplatLayer& shape, const AdamDesc& desc = {});
 
   // Moves the surfels with active[i] != 0. Returns how many were left alone because of a gradient that is not finite.
-  size_t step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer);
+  // `damping` [n] or empty: factor on a surfel's step sizes of geometry and opacity. (On the step and not on the gradient, whose
+  // scale Adam takes out again.)
+  size_t step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
+              std::span<const float> damping = {});
 
   size_t size() const { return steps_.size(); }
   void resize(size_t size);                        // new surfels start without history

@@ -3,10 +3,10 @@
 namespace vitrine {
 
 void describe(Describer& d, RatesConfig& c) {
-  for (Attribute a : kTrainedAttributes)
+  for (const AttributeRow& r : kAttributes)
     d.option(
-         row(a).name, c.rate[static_cast<size_t>(a)],
-         a == Attribute::Mean ? "Adam step size of the position, times the scene radius." : "Adam step size of the raw value.")
+         r.name, c.rate[static_cast<size_t>(r.id)],
+         r.id == Attribute::Mean ? "Adam step size of the position, times the scene radius." : "Adam step size of the raw value.")
         .range(0, 1);
   d.option("mean_end_factor", c.mean_end_factor,
            "Position rate at the end of the run, relative to its start (exponential decay).")
@@ -18,9 +18,9 @@ void describe(Describer& d, RatesConfig& c) {
 AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius) {
   AttributeRates rates{};
   const double decay = std::pow(c.end_factor, fraction), mean_decay = std::pow(c.mean_end_factor, fraction);
-  for (Attribute a : kTrainedAttributes) {
-    const auto i = static_cast<size_t>(a);
-    rates[i] = static_cast<float>(c.rate[i] * (a == Attribute::Mean ? mean_decay * scene_radius : decay));
+  for (const AttributeRow& r : kAttributes) {
+    const auto i = static_cast<size_t>(r.id);
+    rates[i] = static_cast<float>(c.rate[i] * (r.id == Attribute::Mean ? mean_decay * scene_radius : decay));
   }
   return rates;
 }

@@ -19,10 +19,6 @@ struct RatesConfig {
   double mean_end_factor = 0.02, end_factor = 1;
 };
 
-// What a run of the diffuse layer alone trains; the material attributes join with the passes that read them.
-inline constexpr std::array kTrainedAttributes{Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
-                                               Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
-
 void describe(Describer& d, RatesConfig& c);
 // At `fraction` of the run, for a scene of this radius.
 AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius);

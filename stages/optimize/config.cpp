@@ -21,7 +21,10 @@ void describe(Describer& d, InitialConfig& c) {
 
 void describe(Describer& d, OptimizeConfig& c) {
   d.option("iterations", c.iterations, "Training steps; each looks at one photo.").range(1, 10000000);
-  d.option("max_gaussians", c.max_gaussians, "Most surfels the diffuse layer may grow to.").range(1, 100000000);
+  d.option("max_gaussians", c.max_gaussians, "Most surfels that all layers together may grow to.").range(1, 100000000);
+  d.option("layers", c.layers,
+           "diffuse: opaque scenes; reflection: mirrors and gloss too; full: glass too; auto: what the masks ask for.")
+      .choices({"auto", "diffuse", "reflection", "full"});
   d.option("sh_degree", c.sh_degree, "View dependence of the colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("sh_from", c.sh_from, "Part of the run after which the colour may depend on the view.").range(0, 1);
   d.option("backend", c.backend, "cpu: tiles, vectors and threads; reference: the slow specification.")
@@ -35,6 +38,7 @@ void describe(Describer& d, OptimizeConfig& c) {
       .affects_output(false);
   d.group("resolution", c.resolution, "Sizes of the photos, coarse to fine.");
   d.group("initial", c.initial, "The surfels that training starts from.");
+  d.group("phases", c.phases, "Which layer is trained when, as parts of the run.");
   d.group("rates", c.rates, "Step sizes of Adam.");
   d.group("densify", c.densify, "Where surfels are added, moved and dropped.");
   d.group("loss", c.loss, "What training makes small.");
@@ -49,16 +53,18 @@ std::string config_problem(const OptimizeConfig& c) {
   for (const LossTerm& term : c.loss.terms())
     if (term.schedule.until < term.schedule.from)
       return fmt::format("loss.{0}.until must not be smaller than loss.{0}.from", term.factory->name);
-  return {};
+  return phases_problem(c.phases);
 }
 
 }  // namespace
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 1,
-                 .summary = "trains the surfels of the diffuse layer on the photos",
-                 .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."}}};
+                 .version = 2,
+                 .summary = "trains the surfels of all layers on the photos",
+                 .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
+                            {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},
+                            {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}}};
   return make_stage<OptimizeConfig>(
       std::move(info), run_optimize,
       [] {

@@ -25,11 +25,12 @@ constexpr size_t kFewestSurfels = 2000;  // fewer are no scene
 constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
 
 // As many surfels as options and memory allow; fewer than asked for is said aloud.
-size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, StageContext& context) {
+size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, const Targets& targets, StageContext& context) {
   const auto wanted = static_cast<size_t>(config.max_gaussians);
   const size_t limit = context.max_memory_bytes();
   if (limit == 0) return wanted;
-  const size_t fixed = kBytesOfProgram + capture.memory_bytes + kBytesPerPixel * capture.largest_pixel_count;
+  const size_t fixed =
+      kBytesOfProgram + capture.memory_bytes + targets.memory_bytes + kBytesPerPixel * capture.largest_pixel_count;
   const size_t possible = limit > fixed ? (limit - fixed) / kBytesPerSurfel : 0;
   if (possible >= wanted) return wanted;
   if (possible < std::min(kFewestSurfels, wanted))
@@ -44,20 +45,24 @@ size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, 
 }
 
 // Trains from the newest checkpoint, or from the start when there is none that can be used.
-std::unique_ptr<Trainer> make_trainer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels,
-                                      const SplatLayer& initial, const fs::path& checkpoint, StageContext& context) {
-  auto trainer = std::make_unique<Trainer>(config, capture, max_surfels, initial);
+std::unique_ptr<Trainer> make_trainer(const TrainerSetup& setup, const SplatLayer& initial, const fs::path& checkpoint,
+                                      StageContext& context) {
+  auto trainer = std::make_unique<Trainer>(setup, initial);
   try {
     if (load_checkpoint(checkpoint, *trainer)) log_info("continues at step {}", trainer->step_index());
     return trainer;
   } catch (const Error& error) {
     context.warning("CHECKPOINT_IGNORED", error.what());
-    return std::make_unique<Trainer>(config, capture, max_surfels, initial);
+    return std::make_unique<Trainer>(setup, initial);
   }
 }
 
+size_t surfel_count(const SplatScene& scene) {
+  return scene.diffuse.size() + scene.reflection.size() + scene.transmittance.size();
+}
+
 void report_progress(const Trainer& trainer, int iterations, StageContext& context) {
-  const double step = double(trainer.step_index()), surfels = double(trainer.scene().diffuse.size());
+  const double step = double(trainer.step_index()), surfels = double(surfel_count(trainer.scene()));
   context.progress({.fraction = step / iterations,
                     .text = fmt::format("step {}/{}  loss {:.4f}  {:.0f}k surfels", trainer.step_index(), iterations,
                                         trainer.recent_loss(), surfels / 1000),
@@ -97,20 +102,28 @@ double mean_psnr(const std::vector<PhotoQuality>& photos) {
 void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
-  const size_t max_surfels = affordable_surfels(config, capture, context);
+  const Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
+  for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
+  const LayerChoice layers =
+      chosen_layers(config.layers, targets.any(TargetMask::Specular), targets.any(TargetMask::Transparent));
+  const size_t max_surfels = affordable_surfels(config, capture, targets, context);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
-  const SplatLayer initial = initial_layer(config, capture, max_surfels);
+  const TrainerSetup setup{
+      .config = config, .capture = capture, .targets = targets, .layers = layers, .max_surfels = max_surfels};
+  const SplatLayer initial = initial_layer(config, capture, Trainer::cap(setup, LayerKind::Diffuse));
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);
 
   const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
-  const auto trainer = make_trainer(config, capture, max_surfels, initial, checkpoint, context);
+  const auto trainer = make_trainer(setup, initial, checkpoint, context);
   train(config, capture, *trainer, checkpoint, previews, context);
 
   RunReport report{.initial_surfels = initial.size(), .max_surfels = max_surfels, .heldout = {}};
   report.heldout = measure(*trainer, capture, capture.heldout);
-  write_layer(context.output() / "gaussians/diffuse.ply", trainer->scene().diffuse);
+  for (LayerKind kind : kAllLayers)
+    if (layers.has(kind))
+      write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
   write_views(context.output() / "optimize/views.json", config, capture);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
   make_folders(previews);
@@ -118,7 +131,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   for (const auto& file : fs::directory_iterator(previews))
     link_or_copy(file.path(), context.output() / "optimize/previews" / file.path().filename());
 
-  const double surfels = double(trainer->scene().diffuse.size());
+  const double surfels = double(surfel_count(trainer->scene()));
   context.metric("surfels", surfels);
   context.metric("loss", trainer->epochs().empty() ? trainer->recent_loss() : trainer->epochs().back().loss);
   std::string text = fmt::format("{:.0f}k surfels", surfels / 1000);

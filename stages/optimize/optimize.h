@@ -1,6 +1,6 @@
-// The optimize stage: surfels of the diffuse layer, trained on the photos of an sfm artifact through the rasteriser.
-//   reads   sfm (linear/*.exr, sparse/0, gains)
-//   writes  gaussians/diffuse.ply, optimize/{views.json,report.json,previews/*.png}
+// The optimize stage: surfels of up to three layers, trained on the photos of an sfm artifact through the image model.
+//   reads   sfm (linear/*.exr, sparse/0, gains), masks and normals when there are any
+//   writes  gaussians/{diffuse,reflection,transmittance}.ply, optimize/{views.json,report.json,previews/*.png}
 // Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include "core/loss/loss_set.h"
 #include "core/optim/densify.h"
 #include "core/optim/rates.h"
+#include "stages/optimize/phases.h"
 #include "stages/stage.h"
 
 namespace vitrine {
@@ -28,6 +29,7 @@ struct InitialConfig {
 struct OptimizeConfig {
   int iterations = 6000;
   int max_gaussians = 100000;
+  std::string layers = "auto";
   int sh_degree = 1;
   double sh_from = 0.15;
   std::string backend = "cpu";
@@ -37,6 +39,7 @@ struct OptimizeConfig {
   int checkpoint_every = 250;
   ResolutionConfig resolution;
   InitialConfig initial;
+  PhasesConfig phases;
   RatesConfig rates;
   DensifyConfig densify;
   LossSet loss;

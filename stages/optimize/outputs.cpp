@@ -75,11 +75,17 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
             {"max_surfels", report.max_surfels},
             {"sh_degree", config.sh_degree},
             {"train_photos", capture.train.size()},
-            {"heldout_photos", capture.heldout.size()},
-            {"skipped_gradients", trainer.counts().skipped_gradients},
-            {"relocated", trainer.counts().relocated},
-            {"added", trainer.counts().added},
-            {"removed", trainer.counts().removed}};
+            {"heldout_photos", capture.heldout.size()}};
+  for (LayerKind kind : kAllLayers) {
+    if (kind != LayerKind::Diffuse && !trainer.layers().has(kind)) continue;
+    const TrainCounts& counts = trainer.counts(kind);
+    json["layers"][std::string(name(kind))] = {{"surfels", trainer.scene().layer(kind).size()},
+                                               {"max_surfels", trainer.cap(kind)},
+                                               {"skipped_gradients", counts.skipped_gradients},
+                                               {"relocated", counts.relocated},
+                                               {"added", counts.added},
+                                               {"removed", counts.removed}};
+  }
   json["epochs"] = Json::array();
   for (const EpochRecord& e : trainer.epochs())
     json["epochs"].push_back({{"step", e.step}, {"surfels", e.surfels}, {"loss", rounded(e.loss)}, {"l1", rounded(e.l1)}});

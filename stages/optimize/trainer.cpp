@@ -6,6 +6,7 @@
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/model/display_pass.h"
+#include "core/scene/activation.h"
 
 namespace vitrine {
 
@@ -25,29 +26,34 @@ Backend backend_of(const OptimizeConfig& config) { return config.backend == "ref
 
 }  // namespace
 
-Trainer::Trainer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels, SplatLayer initial)
-    : config_(config),
-      capture_(capture),
-      max_surfels_(max_surfels),
-      scene_{std::move(initial)},
-      grad_{scene_.diffuse.zeros_like()},
-      adam_(scene_.diffuse) {
-  auto diffuse = std::make_unique<DiffusePass>(DiffuseOptions{.backend = backend_of(config), .sh_degree = config.sh_degree});
+Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial) : setup_(setup), scene_{.diffuse = std::move(initial)} {
+  for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
+    if (setup_.layers.has(kind)) scene_.layer(kind) = SplatLayer(kind, config().phases.of(kind).sh_degree, 0);
+  grad_ = scene_.zeros_like();
+  for (LayerKind kind : kAllLayers) training_.emplace_back(scene_.layer(kind));
+  auto diffuse = std::make_unique<DiffusePass>(DiffuseOptions{.backend = backend_of(config()), .sh_degree = config().sh_degree});
   diffuse_pass_ = diffuse.get();
   model_.add(std::move(diffuse));
   model_.add(std::make_unique<DisplayPass>());
-  accumulator_.reset(scene_.diffuse.size());
+}
+
+size_t Trainer::cap(const TrainerSetup& setup, LayerKind kind) {
+  const auto part = [&](LayerKind k) {
+    return setup.layers.has(k) ? static_cast<size_t>(setup.config.phases.of(k).share * double(setup.max_surfels)) : 0;
+  };
+  if (kind != LayerKind::Diffuse) return part(kind);
+  return setup.max_surfels - part(LayerKind::Reflection) - part(LayerKind::Transmittance);
 }
 
 size_t Trainer::level() const {
-  return fraction() < config_.resolution.quarter_until ? 2 : fraction() < config_.resolution.half_until ? 1 : 0;
+  return fraction() < config().resolution.quarter_until ? 2 : fraction() < config().resolution.half_until ? 1 : 0;
 }
 
 uint32_t Trainer::photo_of_step() {
-  const uint64_t count = capture_.train.size(), epoch = step_ / count;
+  const uint64_t count = setup_.capture.train.size(), epoch = step_ / count;
   if (epoch != order_epoch_) {  // a permutation that depends on the epoch's number alone
-    order_ = capture_.train;
-    Rng rng(static_cast<uint64_t>(config_.seed), mix64(kOrderStream, epoch));
+    order_ = setup_.capture.train;
+    Rng rng(static_cast<uint64_t>(config().seed), mix64(kOrderStream, epoch));
     for (size_t i = order_.size() - 1; i > 0; --i) std::swap(order_[i], order_[rng.below(static_cast<uint32_t>(i + 1))]);
     order_epoch_ = epoch;
   }
@@ -55,107 +61,148 @@ uint32_t Trainer::photo_of_step() {
 }
 
 void Trainer::step() {
-  const size_t l = level();
-  const PhotoLevel& photo = capture_.photos[photo_of_step()].levels[l];
+  begin_phases();
+  const uint32_t photo = photo_of_step();
   const double loss = descend(photo);
   if (!std::isfinite(loss))
     throw Error(ErrorKind::Diverged, "training broke down: the loss is not a number",
-                {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
+                {.where = fmt::format("step {}, photo {}", step_, setup_.capture.photos[photo].name()),
                  .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
                  .code = "LOSS_NOT_FINITE"});
   ++step_;
   move_surfels();
 }
 
-double Trainer::descend(const PhotoLevel& photo) {
-  const double f = fraction();
-  diffuse_pass_->set_sh_degree(f < config_.sh_from ? 0 : config_.sh_degree);
-  bool distortion = false;
-  for (const LossTerm& term : config_.loss.terms()) distortion |= term.factory->name == "distortion" && term.schedule.at(f) > 0;
-  diffuse_pass_->set_distortion(distortion);
+// What the surfels can be blamed for: the difference in the displayed picture, a mean over the channels. Returns its mean.
+double Trainer::blame(const PhotoLevel& photo) {
   decode(photo, target_);
-  model_.forward(scene_, photo.view, frame_);
-
-  // What the surfels can be blamed for: the difference in the displayed picture, a mean over the channels.
   const size_t pixels = frame_.pixel_count();
   frame_.error_image.resize(pixels);
   constexpr size_t kChunk = 1 << 14;
-  std::vector<double> error_sums(chunk_count(pixels, kChunk));
+  std::vector<double> sums(chunk_count(pixels, kChunk));
   parallel_chunks(pixels, kChunk, [&](size_t chunk, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       frame_.error_image[i] = (std::abs(frame_.srgb[i] - target_[i]) + std::abs(frame_.srgb[pixels + i] - target_[pixels + i]) +
                                std::abs(frame_.srgb[2 * pixels + i] - target_[2 * pixels + i])) /
                               3.f;
-    for (size_t i = begin; i < end; ++i) error_sums[chunk] += frame_.error_image[i];
+    for (size_t i = begin; i < end; ++i) sums[chunk] += frame_.error_image[i];
+    for (size_t i = begin; i < end && !weight_.empty(); ++i) frame_.error_image[i] *= weight_[i];
   });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
+}
 
-  grad_.diffuse.fill(0.f);
+// No loss where the ignore mask says so, and less inside the specular mask until there is a layer to explain gloss.
+void Trainer::weigh_pixels(const PhaseClock& clock) {
+  weight_.clear();
+  const auto ignore = target_images_.mask(TargetMask::Ignore), specular = target_images_.mask(TargetMask::Specular);
+  if (!ignore.empty()) {
+    weight_.resize(ignore.size());
+    for (size_t i = 0; i < ignore.size(); ++i) weight_[i] = 1 - ignore[i];
+  }
+  const auto inside = static_cast<float>(config().phases.diffuse.specular_weight);
+  if (specular.empty() || !setup_.layers.reflection || clock.begun(LayerKind::Reflection) || inside == 1) return;
+  weight_.resize(specular.size(), 1.f);
+  for (size_t i = 0; i < specular.size(); ++i) weight_[i] *= 1 + (inside - 1) * specular[i];
+}
+
+double Trainer::descend(uint32_t photo_index) {
+  const size_t l = level();
+  const PhotoLevel& photo = setup_.capture.photos[photo_index].levels[l];
+  const PhaseClock clock = this->clock();
+  const double f = fraction();
+  set_up_passes();
+  bool distortion = false;
+  for (const LossTerm& term : config().loss.terms()) distortion |= term.factory->name == "distortion" && term.schedule.at(f) > 0;
+  diffuse_pass_->set_distortion(distortion);
+  decode(setup_.targets.photos[photo_index][l], target_images_);
+  weigh_pixels(clock);
+  model_.forward(scene_, photo.view, frame_);
+  const double l1 = blame(photo);
+
+  for (LayerKind kind : kAllLayers) grad_.layer(kind).fill(0.f);
   const LossInput input{.view = &photo.view,
                         .raster = &frame_.diffuse,
                         .prediction_srgb = frame_.srgb,
                         .target_srgb = target_,
-                        .weight = {},
-                        .diffuse = &scene_.diffuse};
+                        .weight = weight_,
+                        .diffuse = &scene_.diffuse,
+                        .targets = target_images_.spans()};
   LossGradient gradient{.raster = &frame_.grad_diffuse, .prediction_srgb = frame_.grad_srgb, .diffuse = &grad_.diffuse};
-  const LossValues values = config_.loss.evaluate(f, input, gradient);
+  const LossValues values = config().loss.evaluate(f, input, gradient);
   model_.backward(scene_, frame_, grad_);
-
-  const size_t n = scene_.diffuse.size();
-  active_.resize(n);
-  size_t active = 0;
-  for (size_t i = 0; i < n; ++i) active += active_[i] = frame_.statistics.weight[i] > 0;
-  const AttributeRates rates = rates_at(config_.rates, f, kSceneRadius);
-  const size_t skipped = adam_.step(grad_.diffuse, rates, active_, scene_.diffuse);
-  counts_.skipped_gradients += skipped;
-  bad_streak_ = active == 0 || double(skipped) > kBadShare * double(active) ? bad_streak_ + 1 : 0;
-  if (bad_streak_ >= kBadStreak)
-    throw Error(
-        ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
-        {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
-         .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", skipped, active, bad_streak_),
-         .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
-         .code = "GRADIENTS_NOT_FINITE"});
-  accumulator_.add(frame_.statistics);
-
-  record(values.total, std::accumulate(error_sums.begin(), error_sums.end(), 0.0) / double(pixels));
+  update(clock, photo.view.name);
+  record(values.total, l1);
   return values.total;
 }
 
-void Trainer::move_surfels() {
-  const DensifyConfig& d = config_.densify;
-  const double f = fraction();
-  if (d.strategy == "none" || f < d.from || f > d.until) return;
-  const auto seed = static_cast<uint64_t>(config_.seed);
-  if (step_ % static_cast<uint64_t>(d.every) == 0) {
-    const DensifyCounts done = densify(d, {.seed = seed, .step = step_, .cap = max_surfels_, .scene_radius = kSceneRadius},
-                                       {scene_.diffuse, adam_, accumulator_});
-    counts_.relocated += done.relocated;
-    counts_.added += done.added;
-    counts_.removed += done.removed;
-    grad_.diffuse.resize(scene_.diffuse.size());
+void Trainer::update(const PhaseClock& clock, const std::string& photo) {
+  damping_.clear();
+  if (clock.begun(LayerKind::Transmittance)) {  // glass stays where it is, whatever is seen through it
+    const auto factor = static_cast<float>(config().phases.transmittance.glass_factor);
+    damping_.resize(scene_.diffuse.size());
+    for (size_t i = 0; i < damping_.size(); ++i)
+      damping_[i] = 1 + (factor - 1) * sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
   }
-  if (d.strategy == "mcmc" || d.strategy == "divide") {
-    const float rate = rates_at(config_.rates, f, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
-    add_position_noise(scene_.diffuse, static_cast<float>(d.noise * kNoiseScale * rate), seed, step_);
+  const DescentCounts diffuse = training(LayerKind::Diffuse)
+                                    .descend(grad_.diffuse, clock.rates(LayerKind::Diffuse, config().rates, kSceneRadius),
+                                             frame_.statistics, damping_, scene_.diffuse);
+  const bool broken = diffuse.active == 0 || double(diffuse.skipped) > kBadShare * double(diffuse.active);
+  bad_streak_ = broken ? bad_streak_ + 1 : 0;
+  if (bad_streak_ >= kBadStreak)
+    throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
+                {.where = fmt::format("step {}, photo {}", step_, photo),
+                 .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", diffuse.skipped,
+                                    diffuse.active, bad_streak_),
+                 .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
+                 .code = "GRADIENTS_NOT_FINITE"});
+}
+
+void Trainer::move_surfels() {
+  const DensifyConfig& d = config().densify;
+  if (d.strategy == "none") return;
+  const double f = fraction();
+  const PhaseClock clock = this->clock();
+  for (LayerKind kind : kAllLayers) {
+    const bool first = kind == LayerKind::Diffuse;
+    const double from = first ? d.from : config().phases.of(kind).from + d.from;
+    const double until = first ? d.until : config().phases.of(kind).densify_until;
+    if (!begun_[static_cast<size_t>(kind)] || f < from || f > until) continue;
+    const auto seed = static_cast<uint64_t>(config().seed);
+    const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
+    training(kind).move(d,
+                        {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
+                                    .step = step_,
+                                    .cap = cap(kind),
+                                    .scene_radius = kSceneRadius},
+                         .now = step_ % static_cast<uint64_t>(d.every) == 0,
+                         .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
+                        scene_.layer(kind));
+    grad_.layer(kind).resize(scene_.layer(kind).size());
   }
 }
 
+void Trainer::begin_phases() {}
+
 void Trainer::record(double loss, double l1) {
   recent_loss_ = step_ == 0 ? loss : recent_loss_ + kRecentLossDecay * (loss - recent_loss_);
-  const double count = double(capture_.train.size());
+  const double count = double(setup_.capture.train.size());
   epoch_.loss += loss / count;
   epoch_.l1 += l1 / count;
-  if ((step_ + 1) % capture_.train.size() != 0) return;
+  if ((step_ + 1) % setup_.capture.train.size() != 0) return;
   epoch_.step = step_ + 1;
   epoch_.surfels = scene_.diffuse.size();
   epochs_.push_back(epoch_);
   epoch_ = {};
 }
 
-void Trainer::picture(uint32_t photo, Frame& frame) const {
-  diffuse_pass_->set_sh_degree(fraction() < config_.sh_from ? 0 : config_.sh_degree);
+void Trainer::set_up_passes() const {
+  diffuse_pass_->set_sh_degree(fraction() < config().sh_from ? 0 : config().sh_degree);
   diffuse_pass_->set_distortion(false);
-  model_.forward(scene_, capture_.photos[photo].levels[0].view, frame);
+}
+
+void Trainer::picture(uint32_t photo, Frame& frame) const {
+  set_up_passes();
+  model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, frame);
 }
 
 void Trainer::save(ArchiveWriter& out) const {
@@ -164,10 +211,11 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(recent_loss_);
   out.value(epoch_);
   out.array(std::span<const EpochRecord>(epochs_));
-  out.value(counts_);
-  out.layer(scene_.diffuse);
-  adam_.save(out);
-  accumulator_.save(out);
+  out.value(begun_);
+  for (LayerKind kind : kAllLayers) {
+    out.layer(scene_.layer(kind));
+    training(kind).save(out);
+  }
 }
 
 void Trainer::load(ArchiveReader& in) {
@@ -176,13 +224,16 @@ void Trainer::load(ArchiveReader& in) {
   in.value(recent_loss_);
   in.value(epoch_);
   in.array(epochs_);
-  in.value(counts_);
-  in.layer(scene_.diffuse);
-  adam_.load(in);
-  accumulator_.load(in);
-  if (adam_.size() != scene_.diffuse.size() || accumulator_.seen.size() != scene_.diffuse.size() || !in.at_end())
+  in.value(begun_);
+  bool fits = true;
+  for (LayerKind kind : kAllLayers) {
+    in.layer(scene_.layer(kind));
+    training(kind).load(in);
+    fits &= scene_.layer(kind).kind() == kind && training(kind).size() == scene_.layer(kind).size();
+  }
+  if (!fits || !in.at_end())
     throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .code = "BAD_CHECKPOINT"});
-  grad_.diffuse = scene_.diffuse.zeros_like();
+  grad_ = scene_.zeros_like();
 }
 
 }  // namespace vitrine

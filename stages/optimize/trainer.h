@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "core/model/image_model.h"
-#include "core/optim/adam.h"
 #include "core/optim/archive.h"
 #include "stages/optimize/capture.h"
+#include "stages/optimize/layers.h"
 #include "stages/optimize/optimize.h"
+#include "stages/optimize/targets.h"
 
 namespace vitrine {
 
@@ -21,23 +22,30 @@ struct EpochRecord {
   double loss = 0, l1 = 0;  // means
 };
 
-struct TrainCounts {
-  uint64_t skipped_gradients = 0, relocated = 0, added = 0, removed = 0;
+// What a run is about; everything must outlive the trainer.
+struct TrainerSetup {
+  const OptimizeConfig& config;
+  const Capture& capture;
+  const Targets& targets;
+  LayerChoice layers;
+  size_t max_surfels;  // of all layers together
 };
 
 class Trainer {
  public:
-  // `config` and `capture` must outlive the trainer.
-  Trainer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels, SplatLayer initial);
+  Trainer(const TrainerSetup& setup, SplatLayer initial);
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
   void step();
-  bool finished() const { return step_ >= static_cast<uint64_t>(config_.iterations); }
+  bool finished() const { return step_ >= static_cast<uint64_t>(config().iterations); }
   uint64_t step_index() const { return step_; }
   double recent_loss() const { return recent_loss_; }  // smoothed over about 50 steps
   const SplatScene& scene() const { return scene_; }
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
-  const TrainCounts& counts() const { return counts_; }
+  const TrainCounts& counts(LayerKind kind) const { return training(kind).counts(); }
+  const LayerChoice& layers() const { return setup_.layers; }
+  static size_t cap(const TrainerSetup& setup, LayerKind kind);  // most surfels the layer may grow to
+  size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
   // Renders one photo's view at full size (frame.srgb is what the photo should show).
   void picture(uint32_t photo, Frame& frame) const;
@@ -46,32 +54,40 @@ class Trainer {
   void load(ArchiveReader& in);
 
  private:
-  double fraction() const { return double(step_) / config_.iterations; }
+  const OptimizeConfig& config() const { return setup_.config; }
+  double fraction() const { return double(step_) / config().iterations; }
+  PhaseClock clock() const { return {config().phases, setup_.layers, fraction()}; }
+  LayerTraining& training(LayerKind kind) { return training_[static_cast<size_t>(kind)]; }
+  const LayerTraining& training(LayerKind kind) const { return training_[static_cast<size_t>(kind)]; }
   size_t level() const;
   uint32_t photo_of_step();
-  double descend(const PhotoLevel& photo);
+  void set_up_passes() const;
+  void begin_phases();
+  double descend(uint32_t photo);
+  double blame(const PhotoLevel& photo);
+  void weigh_pixels(const PhaseClock& clock);
+  void update(const PhaseClock& clock, const std::string& photo);
   void move_surfels();
   void record(double loss, double l1);
 
-  const OptimizeConfig& config_;
-  const Capture& capture_;
-  size_t max_surfels_;
+  TrainerSetup setup_;
   ImageModel model_;
   DiffusePass* diffuse_pass_;  // owned by model_
 
   SplatScene scene_, grad_;
-  Adam adam_;
-  SurfelAccumulator accumulator_;
+  std::vector<LayerTraining> training_;    // [layer kind]
+  std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients
   double recent_loss_ = 0;
   EpochRecord epoch_;  // being summed
   std::vector<EpochRecord> epochs_;
-  TrainCounts counts_;
 
   Frame frame_;
   std::vector<float> target_;
-  std::vector<uint8_t> active_;
+  TargetImages target_images_;
+  std::vector<float> weight_;    // [h,w] of the picture losses; empty: one
+  std::vector<float> damping_;   // [diffuse surfels]
   std::vector<uint32_t> order_;  // photos of one epoch, in turn
   uint64_t order_epoch_ = ~uint64_t(0);
 };

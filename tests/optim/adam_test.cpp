@@ -22,7 +22,7 @@ SplatLayer random_layer(size_t size, uint64_t seed) {
 
 AttributeRates some_rates() {
   AttributeRates rates{};
-  for (Attribute a : kTrainedAttributes) rates[size_t(a)] = 0.01f * float(size_t(a) + 1);
+  for (size_t a = 0; a < kAttributeCount; ++a) rates[a] = 0.01f * float(a + 1);
   return rates;
 }
 

@@ -1,0 +1,52 @@
+// One layer of surfels while it is trained: Adam's moments, what pictures said about its surfels, and where they go.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/optim/adam.h"
+#include "core/optim/archive.h"
+#include "core/optim/densify.h"
+
+namespace vitrine {
+
+struct TrainCounts {
+  uint64_t skipped_gradients = 0, relocated = 0, added = 0, removed = 0;
+};
+
+// Of one descent: surfels that took part in the picture, and those among them whose gradient is no number.
+struct DescentCounts {
+  size_t active = 0, skipped = 0;
+};
+
+class LayerTraining {
+ public:
+  explicit LayerTraining(const SplatLayer& layer);
+
+  // One step of Adam on the surfels with weight in the picture. `damping` as in Adam::step.
+  DescentCounts descend(const SplatLayer& grad, const AttributeRates& rates, const SurfelStatistics& statistics,
+                        std::span<const float> damping, SplatLayer& layer);
+  // Relocation and growth when `now`, and the random walk of faint surfels (strength 0: none).
+  struct Move {
+    DensifyMoment moment;
+    bool now = false;
+    float noise = 0;
+  };
+  void move(const DensifyConfig& config, const Move& move, SplatLayer& layer);
+  // The layer was changed from outside: statistics and moments start over.
+  void restart(const SplatLayer& layer);
+
+  const TrainCounts& counts() const { return counts_; }
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+  size_t size() const { return adam_.size(); }
+
+ private:
+  Adam adam_;
+  SurfelAccumulator accumulator_;
+  TrainCounts counts_;
+  std::vector<uint8_t> active_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,117 @@
+#include "stages/optimize/phases.h"
+
+#include <algorithm>
+
+namespace vitrine {
+
+namespace {
+
+void describe_layer(Describer& d, LayerPhase& c) {
+  d.option("from", c.from, "Part of the run after which this layer takes part.").range(0, 1);
+  d.option("until", c.until, "Part of the run after which this layer is no longer trained, only rendered.").range(0, 1);
+  d.option("ramp", c.ramp, "Part of the run over which the rates of this phase rise from zero.").range(0, 1);
+  d.option("densify_until", c.densify_until, "Part of the run after which its surfels are no longer moved or added.").range(0, 1);
+  d.option("share", c.share, "Its part of max_gaussians.").range(0, 0.9);
+  d.option("initial_surfels", c.initial_surfels, "Surfels that it starts from, at most.").range(1, 10000000);
+  d.option("sh_degree", c.sh_degree, "View dependence of its colour: spherical harmonics up to this degree.").range(0, 3);
+  d.option("geometry_factor", c.geometry_factor,
+           "Factor on the diffuse layer's rates of position, rotation and scale from this phase on.")
+      .range(0, 1);
+}
+
+}  // namespace
+
+void describe(Describer& d, DiffusePhase& c) {
+  d.option("specular_weight", c.specular_weight,
+           "Weight of the picture losses inside the specular mask until the reflection layer begins, so that the diffuse layer "
+           "does not bake reflections.")
+      .range(0, 1);
+}
+
+void describe(Describer& d, ReflectionPhase& c) {
+  describe_layer(d, c);
+  d.option("roughness_from", c.roughness_from, "Part of the run after which the roughness is trained.").range(0, 1);
+}
+
+void describe(Describer& d, TransmittancePhase& c) {
+  describe_layer(d, c);
+  d.option(
+       "glass_factor", c.glass_factor,
+       "Factor on the diffuse layer's rates of geometry and opacity where it is transparent: what is seen through it must not "
+       "move it.")
+      .range(0, 1);
+  d.option("hull_points", c.hull_points, "Diffuse surfels that are placed on the hull of the transparent masks.")
+      .range(0, 10000000);
+}
+
+void describe(Describer& d, JointPhase& c) {
+  d.option("from", c.from, "Part of the run after which all layers are trained at low rates, when there is more than one.")
+      .range(0, 1);
+  d.option("rate_factor", c.rate_factor, "Factor on all rates from then on.").range(0, 1);
+}
+
+void describe(Describer& d, PhasesConfig& c) {
+  d.group("diffuse", c.diffuse, "The diffuse layer alone.");
+  d.group("reflection", c.reflection, "What mirrors and polished metal show.");
+  d.group("transmittance", c.transmittance, "What is seen through glass.");
+  d.group("joint", c.joint, "All layers together.");
+}
+
+PhasesConfig::PhasesConfig() {
+  transmittance.from = 0.5;
+  transmittance.geometry_factor = 0.1;
+}
+
+std::string phases_problem(const PhasesConfig& c) {
+  for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance}) {
+    const LayerPhase& p = c.of(kind);
+    for (const auto& [option, value] : {std::pair<const char*, double>{"until", p.until}, {"densify_until", p.densify_until}})
+      if (value < p.from)
+        return fmt::format("phases.{0}.{1} must not be smaller than phases.{0}.from", vitrine::name(kind), option);
+  }
+  if (c.reflection.share + c.transmittance.share > 0.95)
+    return "phases.reflection.share and phases.transmittance.share leave nothing for the diffuse layer";
+  return {};
+}
+
+LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask) {
+  if (wanted == "diffuse") return {};
+  if (wanted == "reflection") return {.reflection = true, .transmittance = false};
+  if (wanted == "full") return {.reflection = true, .transmittance = true};
+  return {.reflection = has_specular_mask || has_transparent_mask, .transmittance = has_transparent_mask};
+}
+
+double PhaseClock::ramp(const LayerPhase& phase) const {
+  return phase.ramp > 0 ? std::clamp((fraction_ - phase.from) / phase.ramp, 0.0, 1.0) : 1;
+}
+
+AttributeRates PhaseClock::diffuse_rates(const RatesConfig& rates, double scene_radius) const {
+  AttributeRates r = rates_at(rates, fraction_, scene_radius);
+  const auto scale = [&](Attribute a, double factor) { r[static_cast<size_t>(a)] *= static_cast<float>(factor); };
+  const bool reflection = training(LayerKind::Reflection), transmittance = training(LayerKind::Transmittance);
+  for (Attribute a : {Attribute::F0, Attribute::SpecularWeight}) scale(a, reflection ? ramp(config_.reflection) : 0);
+  scale(Attribute::Roughness, reflection && fraction_ >= config_.reflection.roughness_from ? ramp(config_.reflection) : 0);
+  scale(Attribute::Transmission, transmittance ? ramp(config_.transmittance) : 0);
+  double geometry = 1;
+  if (begun(LayerKind::Reflection)) geometry = config_.reflection.geometry_factor;
+  if (begun(LayerKind::Transmittance)) geometry = std::min(geometry, config_.transmittance.geometry_factor);
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale}) scale(a, geometry);
+  return r;
+}
+
+AttributeRates PhaseClock::rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const {
+  AttributeRates r{};
+  if (kind == LayerKind::Diffuse) {
+    r = diffuse_rates(rates, scene_radius);
+  } else if (training(kind)) {
+    const LayerPhase& phase = config_.of(kind);
+    const double span = std::max(1 - phase.from, 1e-9);
+    r = rates_at(rates, (fraction_ - phase.from) / span, scene_radius);
+    for (float& rate : r) rate *= static_cast<float>(ramp(phase));
+  }
+  if (layers_.any() && fraction_ >= config_.joint.from)
+    for (float& rate : r) rate *= static_cast<float>(config_.joint.rate_factor);
+  return r;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,88 @@
+// Which layer is trained when (algorithms 5.9). All times are parts of the run, so that presets of any length share them:
+//   diffuse        from the start; alone until reflection or transmittance begin
+//   reflection     its surfels, and the specular weight, f0 and (later) the roughness of the diffuse layer
+//   transmittance  its surfels, and the transmission of the diffuse layer
+//   joint          the last part: all layers together, at low rates
+// While a later phase runs, the geometry of the diffuse layer moves at a factor of its rates.
+#pragma once
+
+#include <string>
+
+#include "core/config/describe.h"
+#include "core/optim/rates.h"
+
+namespace vitrine {
+
+// Layers that a run has.
+struct LayerChoice {
+  bool reflection = false, transmittance = false;
+  bool any() const { return reflection || transmittance; }
+  bool has(LayerKind kind) const {
+    return kind == LayerKind::Diffuse || (kind == LayerKind::Reflection ? reflection : transmittance);
+  }
+};
+// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for.
+LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
+
+struct LayerPhase {
+  double from = 0.3, until = 1, ramp = 0.05;  // ramp: from 0 to the full rates
+  double densify_until = 0.75;
+  double share = 0.2;  // of max_gaussians
+  int initial_surfels = 6000;
+  int sh_degree = 2;
+  double geometry_factor = 0.3;  // of the diffuse layer's rates of geometry, from now on
+};
+
+struct ReflectionPhase : LayerPhase {
+  double roughness_from = 0.4;
+};
+struct TransmittancePhase : LayerPhase {
+  double glass_factor = 0.05;  // on top, where the diffuse layer is transparent
+  int hull_points = 4000;
+};
+struct DiffusePhase {
+  double specular_weight = 0.3;  // of the picture losses inside the specular mask, until reflection begins
+};
+struct JointPhase {
+  double from = 0.87;
+  double rate_factor = 0.2;
+};
+
+struct PhasesConfig {
+  DiffusePhase diffuse;
+  ReflectionPhase reflection;
+  TransmittancePhase transmittance;
+  JointPhase joint;
+  PhasesConfig();
+
+  const LayerPhase& of(LayerKind kind) const {
+    return kind == LayerKind::Reflection ? static_cast<const LayerPhase&>(reflection) : transmittance;
+  }
+};
+void describe(Describer& d, PhasesConfig& c);
+std::string phases_problem(const PhasesConfig& c);  // empty = fine
+
+// What the phases say at one moment of the run.
+class PhaseClock {
+ public:
+  PhaseClock(const PhasesConfig& config, const LayerChoice& layers, double fraction)
+      : config_(config), layers_(layers), fraction_(fraction) {}
+
+  bool begun(LayerKind kind) const {
+    return kind == LayerKind::Diffuse || (layers_.has(kind) && fraction_ >= config_.of(kind).from);
+  }
+  bool training(LayerKind kind) const {
+    return begun(kind) && (kind == LayerKind::Diffuse || fraction_ <= config_.of(kind).until);
+  }
+  // Step sizes of a layer: of `rates` over the layer's own span, zero for what no phase trains yet.
+  AttributeRates rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const;
+
+ private:
+  double ramp(const LayerPhase& phase) const;
+  AttributeRates diffuse_rates(const RatesConfig& rates, double scene_radius) const;
+  const PhasesConfig& config_;
+  LayerChoice layers_;
+  double fraction_;
+};
+
+}  // namespace vitrine
