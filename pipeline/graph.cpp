@@ -102,6 +102,12 @@ Graph load_graph(const fs::path& folder) {
   std::istringstream lines(read_file(list));
   std::vector<StageNode> waiting;
   for (std::string name; lines >> name;) waiting.push_back(describe_stage(folder / ("vitrine-" + name), name));
+  // An input that a stage can do without comes from no one in a pipeline without its stage.
+  for (StageNode& node : waiting)
+    std::erase_if(node.inputs, [&](const NodeInput& i) {
+      return i.artifact && i.optional &&
+             std::none_of(waiting.begin(), waiting.end(), [&](const StageNode& n) { return n.name == i.name; });
+    });
   // Topological order; among the ready ones the order of the list.
   Graph graph;
   const auto placed = [&](const std::string& name) {
