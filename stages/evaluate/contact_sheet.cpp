@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/image/bitmap_font.h"
 #include "core/image/resample.h"
-#include "stages/evaluate/bitmap_font.h"
 
 namespace vitrine {
 namespace {

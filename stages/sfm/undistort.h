@@ -1,26 +1,12 @@
-// Removes lens distortion with one resampling in linear light. The result is a PINHOLE camera of the same focal lengths whose
-// principal point moved only by whole pixels (the crop), and whose frame is the largest inner rectangle without black borders:
-// with u(p) the undistorted position of pixel p,
-//   left = max over the left border of u.x, right = min over the right border, top and bottom alike.
+// A whole model without lens distortion; single pictures and pixels: core/camera/undistort.h.
 #pragma once
 
-#include "core/camera/colmap_model.h"
-#include "core/image/image.h"
+#include <vector>
+
+#include "core/camera/undistort.h"
 
 namespace vitrine {
 
-struct Undistortion {
-  ColmapCamera source;
-  Intrinsics target;
-  bool identity = false;  // nothing moves by more than kInvisible pixels: pictures are copied
-};
-
-// Throws Error{Input} for a lens that folds over inside the frame, or leaves less than a quarter of it.
-Undistortion undistortion(const ColmapCamera& camera);
-// Catmull-Rom; the source must have the size of `u.source`.
-ImageF undistorted(const ImageF& linear, const Undistortion& u);
-// Where a pixel of the photo lands; nullopt where the lens cannot be inverted.
-std::optional<Vec2d> undistorted(const Vec2d& pixel, const Undistortion& u);
 // Cameras become PINHOLE, observations follow, 2D points without a 3D point leave. Points seen less than twice leave, too.
 ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera);
 

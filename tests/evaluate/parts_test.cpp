@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "stages/evaluate/bitmap_font.h"
+#include "core/image/bitmap_font.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"

@@ -1,4 +1,4 @@
-#include "stages/evaluate/bitmap_font.h"
+#include "core/image/bitmap_font.h"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,266 @@
+#include "core/camera/mask_files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/camera/json_file.h"
+#include "core/image/ldr.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kLabelLimit = 0.1f;      // 8-bit labels up to 25
+constexpr float kNothing = 0.02f;        // black with the noise of a JPEG
+constexpr float kGreyTolerance = 0.02f;  // JPEG noise between the channels of a grey picture
+constexpr double kColourShare = 0.02;    // of pixels: more colour than this is a photo
+
+const std::set<std::string> kMaskExtensions{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"};
+
+std::string lowered(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_picture(const fs::path& path) { return kMaskExtensions.contains(lowered(path.extension().string())); }
+
+// "left/b.jpg" -> "left/b", with the case of letters gone.
+std::string stem_key(const std::string& photo) { return lowered(fs::path(photo).replace_extension().generic_string()); }
+
+// The photo's own extension inside a mask's name: letters and digits, at most four, at least one letter ("b.jpg", not "v1.25").
+bool has_photo_extension(const std::string& base) {
+  const std::string e = fs::path(base).extension().string();
+  return e.size() >= 3 && e.size() <= 5 && e != ".mask" &&
+         std::all_of(e.begin() + 1, e.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)); }) &&
+         std::any_of(e.begin() + 1, e.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)); });
+}
+
+std::string joined(const fs::path& folder, const std::string& base) { return lowered((folder / base).generic_string()); }
+
+}  // namespace
+
+std::string_view name(MaskClass kind) {
+  constexpr std::string_view names[] = {"object", "transparent", "specular", "ignore"};
+  return names[static_cast<size_t>(kind)];
+}
+
+MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
+  std::error_code ec;
+  if (fs::is_regular_file(path, ec)) {
+    add_transforms(flat, path);
+    return;
+  }
+  if (!fs::is_directory(path, ec))
+    throw Error(
+        ErrorKind::Input, "there are no masks",
+        {.where = path.string(), .hint = "give a folder of masks, or a transforms.json with mask_path", .code = "MASKS_MISSING"});
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::follow_directory_symlink))
+    if (entry.is_regular_file()) found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  for (const fs::path& file : found) {
+    fs::path relative = file.lexically_relative(path);
+    MaskClass kind = flat;
+    const std::string top = lowered(relative.begin()->string());
+    // What this program writes beside the classes.
+    if (std::distance(relative.begin(), relative.end()) > 1) {
+      if (top == "colmap" || top == "confidence") continue;
+      for (MaskClass c : kMaskClasses)
+        if (top == name(c)) {
+          kind = c;
+          relative = relative.lexically_relative(*relative.begin());
+        }
+    }
+    const std::string extension = lowered(file.extension().string());
+    if (lowered(file.filename().string()).starts_with("transforms") && extension == ".json")
+      add_transforms(kind, file);
+    else if (extension == ".sfm")
+      add_meshroom(kind, file);
+    else if (is_picture(file) && lowered(file.filename().string()) != "contact_sheet.png")
+      add(kind, file, relative);
+  }
+}
+
+void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relative) {
+  const fs::path folder = relative.parent_path();
+  std::string base = relative.stem().string();
+  const std::string low = lowered(base);
+  constexpr std::string_view kDynamic = "dynamic_mask_";
+  // instant-ngp's masks mark what moves, whatever stands beside them.
+  if (low.starts_with(kDynamic)) {
+    Index& index = classes_[static_cast<size_t>(kind == MaskClass::Object ? MaskClass::Ignore : kind)];
+    ++index.files;
+    index.by_stem[joined(folder, base.substr(kDynamic.size()))].push_back({file, "dynamic_mask_b.png"});
+    return;
+  }
+  Index& index = classes_[static_cast<size_t>(kind)];
+  ++index.files;
+  for (const auto& [suffix, convention] : {std::pair{"_mask", "b_mask.*"}, std::pair{".mask", "b.mask.*"}})
+    if (low.ends_with(suffix)) {
+      const std::string photo = base.substr(0, base.size() - 5);
+      if (has_photo_extension(photo))
+        index.by_name[joined(folder, photo)].push_back({file, convention});
+      else
+        index.by_stem[joined(folder, photo)].push_back({file, convention});
+      return;
+    }
+  // "b.jpg.png" may also belong to a photo "b.jpg.tif".
+  if (has_photo_extension(base)) index.by_name[joined(folder, base)].push_back({file, "b.jpg.png"});
+  index.by_stem[joined(folder, base)].push_back({file, "b.*"});
+}
+
+void MaskFolder::add_transforms(MaskClass kind, const fs::path& path) {
+  Index& index = classes_[static_cast<size_t>(kind)];
+  read_json_file(path, "transforms.json", [&](const nlohmann::json& j) {
+    if (!j.contains("frames")) return;
+    for (const nlohmann::json& frame : j.at("frames")) {
+      if (!frame.contains("mask_path")) continue;
+      const fs::path photo = frame.at("file_path").get<std::string>();
+      const fs::path mask = path.parent_path() / frame.at("mask_path").get<std::string>();
+      ++index.files;
+      index.by_stem[stem_key(photo.filename().generic_string())].push_back({mask, "mask_path"});
+    }
+  });
+}
+
+void MaskFolder::add_meshroom(MaskClass kind, const fs::path& path) {
+  Index& index = classes_[static_cast<size_t>(kind)];
+  read_json_file(path, "Meshroom scene", [&](const nlohmann::json& j) {
+    if (!j.contains("views")) return;
+    for (const nlohmann::json& view : j.at("views")) {
+      const fs::path photo = view.at("path").get<std::string>();
+      const nlohmann::json& id = view.at("viewId");
+      const std::string number = id.is_string() ? id.get<std::string>() : std::to_string(id.get<uint64_t>());
+      const fs::path mask = path.parent_path() / (number + ".png");
+      std::error_code ec;
+      if (!fs::exists(mask, ec)) continue;
+      ++index.files;
+      index.by_stem[stem_key(photo.filename().generic_string())].push_back({mask, "<viewId>.png"});
+    }
+  });
+}
+
+std::optional<MaskFile> MaskFolder::find(MaskClass kind, const std::string& photo) const {
+  const Index& index = classes_[static_cast<size_t>(kind)];
+  const auto one_of = [&](const std::vector<MaskFile>& files) -> MaskFile {
+    // A file that says "mask" wins over one that only has the photo's name: that may be the photo.
+    for (std::string_view convention :
+         {"mask_path", "<viewId>.png", "dynamic_mask_b.png", "b.mask.*", "b_mask.*", "b.jpg.png", "b.*"}) {
+      std::vector<const MaskFile*> same;
+      for (const MaskFile& f : files)
+        if (f.convention == convention) same.push_back(&f);
+      if (same.size() > 1)
+        throw Error(ErrorKind::Input, "two files claim to be the mask of one photo",
+                    {.where = photo,
+                     .why = fmt::format("{} and {}", same[0]->path.string(), same[1]->path.string()),
+                     .hint = "remove or rename one of them",
+                     .code = "MASKS_AMBIGUOUS"});
+      if (same.size() == 1) return *same[0];
+    }
+    VITRINE_CHECK(false, "a mask of an unknown convention");
+    return {};
+  };
+  const std::string full = lowered(photo), stem = stem_key(photo);
+  const std::string file_name = lowered(fs::path(photo).filename().generic_string()), file_stem = stem_key(file_name);
+  for (const auto& [map, key] : {std::pair{&index.by_name, full}, std::pair{&index.by_stem, stem},
+                                 std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
+    if (const auto found = map->find(key); found != map->end()) return one_of(found->second);
+  // By file name alone, whatever the folder, where only one file has it.
+  std::vector<MaskFile> anywhere;
+  for (const auto& [map, wanted] : {std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
+    for (const auto& [key, files] : *map)
+      if (fs::path(key).filename().generic_string() == wanted) anywhere.insert(anywhere.end(), files.begin(), files.end());
+  if (anywhere.size() == 1) return anywhere[0];
+  return std::nullopt;
+}
+
+ImageF read_mask(const MaskFile& file) {
+  ImageF raw;
+  try {
+    raw = read_unchanged(file.path);
+  } catch (const Error& e) {
+    throw Error(ErrorKind::Input, "cannot read a mask",
+                {.where = file.path.string(),
+                 .why = e.detail().why.empty() ? e.message() : e.detail().why,
+                 .hint = "write it again as PNG, 8 or 16 bit, one channel",
+                 .code = "MASK_UNREADABLE"});
+  }
+  const int channels = raw.channels();
+  ImageF mask(raw.width(), raw.height(), 1);
+  const size_t pixels = raw.pixel_count();
+  const bool has_alpha = channels == 2 || channels == 4;
+  float alpha_low = 1, alpha_high = 0;
+  if (has_alpha)
+    for (size_t i = 0; i < pixels; ++i) {
+      const float a = raw.data()[i * size_t(channels) + size_t(channels) - 1];
+      alpha_low = std::min(alpha_low, a);
+      alpha_high = std::max(alpha_high, a);
+    }
+  const bool by_alpha = has_alpha && alpha_low < alpha_high;
+  size_t coloured = 0;
+  float highest = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const float* p = &raw.data()[i * size_t(channels)];
+    float v = p[0];
+    if (by_alpha) {
+      v = p[channels - 1];
+    } else if (channels >= 3) {
+      v = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+      coloured += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGreyTolerance;
+    }
+    mask.data()[i] = v;
+    highest = std::max(highest, v);
+  }
+  if (double(coloured) > kColourShare * double(pixels)) {
+    // Painted in one colour on black is a mask, too; a photo has many colours.
+    std::set<uint32_t> colours;
+    for (size_t i = 0; i < pixels && colours.size() <= 8; ++i) {
+      uint32_t packed = 0;
+      for (size_t c = 0; c < 3; ++c) packed = packed << 8 | uint32_t(raw.data()[i * size_t(channels) + c] * 255.f + 0.5f);
+      colours.insert(packed);
+    }
+    if (colours.size() > 8)
+      throw Error(ErrorKind::Input, "a mask is a colour picture",
+                  {.where = file.path.string(),
+                   .why = fmt::format("{:.0f} % of its pixels have colour", 100.0 * double(coloured) / double(pixels)),
+                   .hint = "masks are grey, 8 or 16 bit; keep photos out of the folder of masks",
+                   .code = "MASK_NOT_GREY"});
+    for (size_t i = 0; i < pixels; ++i) {
+      const float* p = &raw.data()[i * size_t(channels)];
+      mask.data()[i] = std::max({p[0], p[1], p[2]}) > 0 ? 1.f : 0.f;
+    }
+  } else if (highest > 0 && highest < kLabelLimit) {
+    for (float& v : mask.data()) v = v > 0 ? 1.f : 0.f;
+  }
+  return mask;
+}
+
+void MaskExtent::add(const ImageF& mask) {
+  const int w = mask.width(), h = mask.height(), edge_x = std::max(1, w / 20), edge_y = std::max(1, h / 20);
+  double sum = 0, border_sum = 0, centre_sum = 0;
+  size_t border_count = 0, centre_count = 0;
+  bool anything = false;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const float v = mask.at(x, y);
+      anything |= v > kNothing;
+      sum += v;
+      if (x < edge_x || y < edge_y || x >= w - edge_x || y >= h - edge_y) border_sum += v, ++border_count;
+      if (3 * x >= w && 3 * x < 2 * w && 3 * y >= h && 3 * y < 2 * h) centre_sum += v, ++centre_count;
+    }
+  const double n = double(++masks);
+  mean += (sum / double(mask.pixel_count()) - mean) / n;
+  border += (border_sum / double(std::max<size_t>(border_count, 1)) - border) / n;
+  centre += (centre_sum / double(std::max<size_t>(centre_count, 1)) - centre) / n;
+  empty += !anything;
+}
+
+bool looks_inverted(const MaskExtent& e) {
+  constexpr double kMostly = 0.5, kBorder = 0.8, kHollow = 0.15;
+  return e.mean > kMostly && e.border > kBorder && e.border - e.centre > kHollow;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,72 @@
+// Mask files as people and neighbouring programs leave them, found for a photo whatever they are called:
+//
+//   b.jpg.png   COLMAP, Brush                b.png, b.*       nerfstudio, LichtFeld, Postshot, COLMAP's fall-back; or an alpha
+//   channel b_mask.*    3DGRUT, ODM                  b.mask.*         OpenMVS (labels: 0 = no, everything else = yes), Brush
+//   dynamic_mask_b.png   instant-ngp: what is not black moves
+//   mask_path of a transforms.json           <viewId>.png beside a Meshroom .sfm file
+//
+// below a folder per class (object/ transparent/ specular/ ignore/), or all in one folder, which then is the mask of the object.
+// Values are as in the file: which of black and white means "belongs to the class" is the caller's to say (polarity).
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/image/image.h"
+
+namespace vitrine {
+
+enum class MaskClass : unsigned char { Object, Transparent, Specular, Ignore };
+inline constexpr size_t kMaskClassCount = 4;
+inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
+                                                                     MaskClass::Specular, MaskClass::Ignore};
+std::string_view name(MaskClass kind);
+
+struct MaskFile {
+  std::filesystem::path path;
+  std::string convention;  // "b.jpg.png", "b_mask.*", ...: one of the rows above
+};
+
+class MaskFolder {
+ public:
+  // `path`: a folder, or a transforms.json. `flat`: the class of files that do not lie in the folder of a class.
+  explicit MaskFolder(const std::filesystem::path& path, MaskClass flat = MaskClass::Object);
+
+  const std::filesystem::path& path() const { return path_; }
+  size_t file_count(MaskClass kind) const { return classes_[static_cast<size_t>(kind)].files; }
+  // The mask of a photo by its name, "left/b.jpg": by path, else by file name where that is unique. Throws Error{Input} when two
+  // files claim the photo with equal right.
+  std::optional<MaskFile> find(MaskClass kind, const std::string& photo) const;
+
+ private:
+  struct Index {
+    size_t files = 0;
+    std::map<std::string, std::vector<MaskFile>> by_name, by_stem;  // keys without letter case
+  };
+  void add(MaskClass kind, const std::filesystem::path& file, const std::filesystem::path& relative);
+  void add_transforms(MaskClass kind, const std::filesystem::path& json);
+  void add_meshroom(MaskClass kind, const std::filesystem::path& json);
+  std::filesystem::path path_;
+  std::array<Index, kMaskClassCount> classes_;
+};
+
+// One channel in [0, 1]. Colour counts by its luma, an alpha channel that varies wins over colour, and a file of small whole
+// numbers is a file of labels. Throws Error{Input}: unreadable, or a colour photo.
+ImageF read_mask(const MaskFile& file);
+
+// How masks of one class lie in their pictures, to tell a mask from its negative.
+struct MaskExtent {
+  double mean = 0, border = 0, centre = 0;  // of the mask; of its outermost twentieth; of the middle third
+  size_t masks = 0, empty = 0;              // empty: black, but for noise
+  void add(const ImageF& mask);             // running means
+};
+// What a mask marks is as a rule smaller than what it leaves, and leaves the border alone: true when both hold the other way
+// round. Only a suspicion: photos of a window may be window to the border.
+bool looks_inverted(const MaskExtent& extent);
+
+}  // namespace vitrine

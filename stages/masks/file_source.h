@@ -1,0 +1,33 @@
+// Masks that the user made, in photo coordinates, brought onto the undistorted photos.
+#pragma once
+
+#include <memory>
+
+#include "stages/masks/mask_source.h"
+#include "stages/masks/masks.h"
+
+namespace vitrine {
+
+class FileSource final : public MaskSource {
+ public:
+  // Looks at every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, when all masks
+  // are empty, or when they look like negatives and nobody said that this is meant. `capture` must outlive the source.
+  FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
+             const std::string& frame);
+
+  std::string_view name() const override { return "files"; }
+  std::optional<SoftMask> at(size_t view) const override;
+  void report(nlohmann::ordered_json& j) const override;
+  size_t matched() const { return matched_; }
+
+ private:
+  ImageF upright_mask(size_t view) const;  // as in the file, polarity applied
+  const MaskCapture& capture_;
+  std::string frame_;
+  bool black_belongs_ = false;
+  MaskExtent extent_;
+  std::vector<std::optional<MaskFile>> files_;  // [view]
+  size_t matched_ = 0;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/camera/colmap_model.h"
+#include "core/camera/json_file.h"
+#include "stages/masks/mask_source.h"
+
+namespace vitrine {
+
+namespace {
+
+// Lenses as photographed, by camera id.
+std::map<uint32_t, ColmapCamera> photographed_cameras(const fs::path& report) {
+  std::map<uint32_t, ColmapCamera> cameras;
+  std::error_code ec;
+  if (!fs::exists(report, ec)) return cameras;
+  read_json_file(report, "report of the sfm stage", [&](const nlohmann::json& j) {
+    for (const nlohmann::json& row : j.at("cameras")) {
+      const nlohmann::json& p = row.at("photographed");
+      const ColmapCameraType* type = colmap_camera_type(p.at("model").get<std::string>());
+      if (type == nullptr) throw std::invalid_argument("unknown camera model " + p.at("model").dump());
+      ColmapCamera camera{
+          .id = p.at("id"), .model_id = type->id, .width = p.at("width"), .height = p.at("height"), .params = p.at("params")};
+      if (camera.params.size() != type->parameter_count)
+        throw std::invalid_argument("a camera has the wrong number of parameters");
+      cameras[camera.id] = camera;
+    }
+  });
+  return cameras;
+}
+
+}  // namespace
+
+MaskCapture read_mask_capture(const fs::path& sfm_folder) {
+  MaskCapture capture{.sfm_folder = sfm_folder, .set = load_view_set(sfm_folder), .undistortions = {}};
+  const auto folder = find_colmap_model(sfm_folder);
+  VITRINE_CHECK(folder, "a view set was read from {}", sfm_folder.string());
+  const ColmapModel model = read_colmap_model(*folder);
+  const auto photographed = photographed_cameras(sfm_folder / "sfm/report.json");
+  for (const View& view : capture.set.views) {
+    const auto image =
+        std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });
+    VITRINE_CHECK(image != model.images.end(), "view {} is not in the model", view.name);
+    Undistortion u{.source = colmap_pinhole(image->camera_id, view.intrinsics), .target = view.intrinsics, .identity = true};
+    if (const auto found = photographed.find(image->camera_id); found != photographed.end()) {
+      u = undistortion(found->second);
+      if (u.target.width != view.intrinsics.width || u.target.height != view.intrinsics.height)
+        throw Error(ErrorKind::Input, "cameras and report of the sfm stage disagree",
+                    {.where = view.name,
+                     .why = fmt::format("undistorted photos have {} x {} pixels, the lens of the report leaves {} x {}",
+                                        view.intrinsics.width, view.intrinsics.height, u.target.width, u.target.height),
+                     .hint = "run the sfm stage again",
+                     .code = "MASKS_SFM_MISMATCH"});
+    }
+    capture.undistortions.push_back(std::move(u));
+  }
+  return capture;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,39 @@
+// Where masks come from: one interface for files, boxes, networks and proposals.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/camera/mask_files.h"
+#include "core/camera/undistort.h"
+#include "core/camera/view_set.h"
+
+namespace vitrine {
+
+// The photos that masks are made for.
+struct MaskCapture {
+  std::filesystem::path sfm_folder;
+  ViewSet set;
+  std::vector<Undistortion> undistortions;  // [view] from the photo as taken to the undistorted one
+};
+// An sfm artifact without its report counts as free of distortion.
+MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder);
+
+// One channel each, of any size with the field of view of the undistorted photo; 1 = belongs to the class, 1 = certain.
+struct SoftMask {
+  ImageF value, confidence;
+};
+
+class MaskSource {
+ public:
+  virtual ~MaskSource() = default;
+  virtual std::string_view name() const = 0;  // "files", ...
+  // nullopt: this source knows nothing of that photo.
+  virtual std::optional<SoftMask> at(size_t view) const = 0;
+  virtual void report(nlohmann::ordered_json& j) const = 0;  // what a reader wants to know of this class
+};
+
+}  // namespace vitrine

@@ -1,0 +1,130 @@
+#include "stages/masks/masks.h"
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "stages/masks/contact_sheet.h"
+#include "stages/masks/file_source.h"
+#include "stages/masks/outputs.h"
+
+namespace vitrine {
+
+namespace {
+
+MaskClass class_of(const std::string& word) {
+  for (MaskClass kind : kMaskClasses)
+    if (word == name(kind)) return kind;
+  VITRINE_CHECK(false, "'{}' passed the list of choices", word);
+  return MaskClass::Object;
+}
+
+// What makes this class's masks, as the option says or, for "auto", as the inputs allow.
+std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder) {
+  if (config.source != "auto") return config.source;
+  return folder && folder->file_count(kind) > 0 ? "files" : "none";
+}
+
+std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& config, const MaskCapture& capture,
+                                        const std::optional<MaskFolder>& folder, StageContext& context) {
+  if (!folder)
+    throw Error(ErrorKind::Usage, fmt::format("masks.{}.source is 'files', and there are no files", name(kind)),
+                {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-masks)", .code = "MASKS_MISSING"});
+  auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
+  const size_t views = capture.set.views.size();
+  if (source->matched() < views)
+    context.warning("MASKS_INCOMPLETE",
+                    fmt::format("{} of {} photos have no mask of the class '{}'", views - source->matched(), views, name(kind)));
+  return source;
+}
+
+}  // namespace
+
+const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
+  switch (kind) {
+    case MaskClass::Object:
+      return object;
+    case MaskClass::Transparent:
+      return transparent;
+    case MaskClass::Specular:
+      return specular;
+    case MaskClass::Ignore:
+      return ignore;
+  }
+  return object;
+}
+
+void describe(Describer& d, MaskClassConfig& c) {
+  d.option("source", c.source, "Where its masks come from; auto: files where there are some, else none.")
+      .choices({"auto", "files", "none"});
+  d.option("polarity", c.polarity,
+           "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
+      .choices({"auto", "white", "black"});
+}
+
+void describe(Describer& d, MasksConfig& c) {
+  d.group("object", c.object, "What the capture is about.");
+  d.group("transparent", c.transparent, "Glass: what is behind it shows through.");
+  d.group("specular", c.specular, "What mirrors: polished metal, mirrors, glass.");
+  d.group("ignore", c.ignore, "What no photo should be held to: passers-by, a tripod, a hand.");
+  d.option("flat", c.flat, "Class of mask files that do not lie in a folder called like a class.")
+      .choices({"object", "transparent", "specular", "ignore"});
+  d.option(
+       "frame", c.frame,
+       "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).")
+      .choices({"auto", "photo", "undistorted"});
+  d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
+}
+
+void run_masks(const MasksConfig& config, StageContext& context) {
+  set_thread_limit(context.threads());
+  const MaskCapture capture = read_mask_capture(context.input("sfm"));
+  std::optional<MaskFolder> folder;
+  if (const auto path = context.optional_input("masks")) {
+    folder.emplace(*path, class_of(config.flat));
+    size_t files = 0;
+    for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
+    if (files == 0)
+      throw Error(ErrorKind::Input, "there is no mask file",
+                  {.where = path->string(),
+                   .why = "masks are pictures (png, jpg, tif), in folders called object, transparent, specular or ignore",
+                   .hint = "stages/masks/README.md shows how they may be called",
+                   .code = "MASKS_MISSING"});
+  }
+  MaskSources sources;
+  for (MaskClass kind : kMaskClasses)
+    if (chosen_source(kind, config.of(kind), folder) == "files")
+      sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
+
+  make_folders(context.output() / "masks");
+  const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output(), .bit_depth = config.bit_depth};
+  const MaskResults results = write_masks(desc, context);
+  write_mask_report(desc, results);
+  write_contact_sheet(desc, results);
+
+  std::string summary;
+  for (MaskClass kind : kMaskClasses) {
+    const ClassResult& result = results.classes[size_t(kind)];
+    if (!result.kept) continue;
+    context.metric(fmt::format("{}_coverage", name(kind)), result.mean_coverage());
+    summary += fmt::format("{}{} {:.1f} % ({})", summary.empty() ? "" : ", ", name(kind), 100 * result.mean_coverage(),
+                           sources[size_t(kind)]->name());
+  }
+  context.summary(summary.empty() ? "nothing to mask" : summary);
+}
+
+Stage masks_stage() {
+  StageInfo info{.name = "masks",
+                 .version = 1,
+                 .summary = "which pixels are glass, mirror, object, or not to be used",
+                 .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
+                            {.name = "masks",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore"}}};
+  return make_stage<MasksConfig>(std::move(info), run_masks, {}, [](const MasksConfig& c) {
+    return c.bit_depth == 8 || c.bit_depth == 16 ? std::string() : std::string("masks.bit_depth must be 8 or 16");
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,34 @@
+// Stage `masks`: which pixels of the undistorted photos belong to the object, to glass, to mirrors, or to nothing (README.md).
+//   reads   sfm (cameras, undistorted photos); optionally masks of the user's
+//   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
+//           masks/contact_sheet.png; a class that is empty everywhere has no folder
+// version 1: first.
+#pragma once
+
+#include <string>
+
+#include "core/camera/mask_files.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct MaskClassConfig {
+  std::string source = "auto";
+  std::string polarity = "auto";
+};
+void describe(Describer& d, MaskClassConfig& c);
+
+struct MasksConfig {
+  MaskClassConfig object, transparent, specular, ignore;
+  std::string flat = "object";
+  std::string frame = "auto";
+  int bit_depth = 8;
+
+  const MaskClassConfig& of(MaskClass kind) const;
+};
+void describe(Describer& d, MasksConfig& c);
+
+void run_masks(const MasksConfig& config, StageContext& context);
+Stage masks_stage();
+
+}  // namespace vitrine

@@ -1,0 +1,140 @@
+#include "stages/masks/outputs.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/json_file.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+
+namespace vitrine {
+
+namespace {
+
+ImageF fitted(ImageF image, const Intrinsics& k) {
+  if (image.width() != k.width || image.height() != k.height) image = resized(image, k.width, k.height);
+  return image;
+}
+
+template <class T>
+Image<T> quantised(const ImageF& image) {
+  constexpr float kFull = std::numeric_limits<T>::max();
+  Image<T> out(image.width(), image.height(), 1);
+  for (size_t i = 0; i < out.data().size(); ++i)
+    out.data()[i] = static_cast<T>(std::lround(std::clamp(image.data()[i], 0.f, 1.f) * kFull));
+  return out;
+}
+
+fs::path mask_path(const fs::path& output, MaskClass kind, const View& view) {
+  return output / "masks" / name(kind) / (view.stem() + ".png");
+}
+
+// Black where COLMAP should not look for features: outside the object, and on everything that does not hold still.
+void fold_into_colmap(MaskClass kind, const ImageF& mask, ImageF& colmap) {
+  for (size_t i = 0; i < colmap.data().size(); ++i) {
+    const float usable = kind == MaskClass::Object ? mask.data()[i] : 1 - mask.data()[i];
+    colmap.data()[i] = std::min(colmap.data()[i], usable >= 0.5f ? 1.f : 0.f);
+  }
+}
+
+}  // namespace
+
+double ClassResult::mean_coverage() const {
+  double sum = 0;
+  for (double c : coverage) sum += c;
+  return coverage.empty() ? 0 : sum / double(coverage.size());
+}
+
+float value_without_mask(MaskClass kind) { return kind == MaskClass::Object ? 1.f : 0.f; }
+
+MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
+  const std::vector<View>& views = desc.capture.set.views;
+  MaskResults results;
+  std::array<std::vector<uint8_t>, kMaskClassCount> touched;  // [view] the file has a value above zero
+  for (MaskClass kind : kMaskClasses) {
+    if (!desc.sources[size_t(kind)]) continue;
+    results.classes[size_t(kind)].coverage.assign(views.size(), 0);
+    touched[size_t(kind)].assign(views.size(), 0);
+    make_folders(desc.output / "masks" / name(kind));
+  }
+  size_t done = 0;
+  std::mutex reporting;
+  parallel_for(views.size(), 1, [&](size_t v) {
+    throw_if_interrupted();
+    const Intrinsics& k = views[v].intrinsics;
+    ImageF confidence(k.width, k.height, 1, 1.f), colmap(k.width, k.height, 1, 1.f);
+    for (MaskClass kind : kMaskClasses) {
+      const MaskSource* source = desc.sources[size_t(kind)].get();
+      if (source == nullptr) continue;
+      std::optional<SoftMask> soft = source->at(v);
+      const ImageF mask = soft ? fitted(std::move(soft->value), k) : ImageF(k.width, k.height, 1, value_without_mask(kind));
+      const ImageF sure = soft ? fitted(std::move(soft->confidence), k) : ImageF(k.width, k.height, 1, 0.f);
+      for (size_t i = 0; i < confidence.data().size(); ++i) confidence.data()[i] = std::min(confidence.data()[i], sure.data()[i]);
+      const fs::path path = mask_path(desc.output, kind, views[v]);
+      make_folders(path.parent_path());
+      double sum = 0;
+      for (float value : mask.data()) sum += value;
+      results.classes[size_t(kind)].coverage[v] = sum / double(mask.pixel_count());
+      const Image8 grey = quantised<uint8_t>(mask);
+      touched[size_t(kind)][v] = std::any_of(grey.data().begin(), grey.data().end(), [](uint8_t g) { return g > 0; });
+      if (desc.bit_depth == 16)
+        write_png16(path, quantised<uint16_t>(mask));
+      else
+        write_ldr(path, grey);
+      fold_into_colmap(kind, mask, colmap);
+    }
+    const fs::path sure_path = desc.output / "masks/confidence" / (views[v].stem() + ".png");
+    const fs::path colmap_path = desc.output / "masks/colmap" / (views[v].name + ".png");
+    make_folders(sure_path.parent_path());
+    make_folders(colmap_path.parent_path());
+    write_ldr(sure_path, quantised<uint8_t>(confidence));
+    write_ldr(colmap_path, quantised<uint8_t>(colmap));
+    const std::lock_guard lock(reporting);
+    ++done;
+    context.progress({.fraction = 0.8 + 0.2 * double(done) / double(views.size()),
+                      .text = fmt::format("masks written {}/{}", done, views.size()),
+                      .values = {}});
+  });
+  bool any = false;
+  for (MaskClass kind : kMaskClasses) {
+    ClassResult& result = results.classes[size_t(kind)];
+    const auto& of_class = touched[size_t(kind)];
+    result.kept = std::any_of(of_class.begin(), of_class.end(), [](uint8_t t) { return t != 0; });
+    any |= result.kept;
+    if (!result.kept) fs::remove_all(desc.output / "masks" / name(kind));
+  }
+  if (!any)
+    for (const char* folder : {"masks/confidence", "masks/colmap"}) fs::remove_all(desc.output / folder);
+  return results;
+}
+
+void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
+  const std::vector<View>& views = desc.capture.set.views;
+  nlohmann::ordered_json j;
+  j["photos"] = views.size();
+  j["classes"] = nlohmann::ordered_json::object();
+  for (MaskClass kind : kMaskClasses) {
+    const MaskSource* source = desc.sources[size_t(kind)].get();
+    const ClassResult& result = results.classes[size_t(kind)];
+    nlohmann::ordered_json row;
+    row["source"] = source ? source->name() : "none";
+    row["written"] = result.kept;
+    if (source != nullptr) {
+      source->report(row);
+      row["mean_coverage"] = result.mean_coverage();
+      for (size_t v = 0; v < views.size(); ++v) row["coverage"][views[v].name] = result.coverage[v];
+    }
+    j["classes"][std::string(name(kind))] = std::move(row);
+  }
+  write_file(desc.output / "masks/report.json", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace vitrine
