@@ -39,7 +39,7 @@ struct ReflectionOptions {
   float mirror_below = 0.05f;  // Lobe::Sampled: smoother surfaces send one mirror ray (their lobe is a few pixels wide)
   float near = 0.01f;          // scene units; nothing nearer to the surface is seen in it
   float min_transmittance = 1e-3f;
-  float max_footprint = 0.3f;  // Lobe::Cone: scene units
+  float max_footprint = 0.2f;  // Lobe::Cone: scene units. Every surfel's box grows by it: dear. Wider lobes do not learn.
 };
 
 struct TransmissionOptions {

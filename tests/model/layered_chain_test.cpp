@@ -83,6 +83,7 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   options.diffuse.backend = Backend::Reference;
   options.surface.normal_quantile = 1;
   options.composite.gate = 0;
+  options.reflection.max_footprint = 1;
   std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
   options.reflection.samples = options.reflection.lobe == Lobe::Sampled ? 3 : 1;
   const TinyRoom room = furnished_room({}, 3);
@@ -133,8 +134,8 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
       for (float v : actual) EXPECT_EQ(v, 0);
       continue;
     }
-    // Worst seen: 2e-5 (normals of sampled rays).
-    expect_grad_close(actual, expected, {.relative_l2 = 2e-4, .bias = 2e-4}, c.name);
+    // Worst seen: 1.1e-5 (roughness of sampled rays).
+    expect_grad_close(actual, expected, {.relative_l2 = 5e-5, .bias = 5e-5}, c.name);
   }
 }
 

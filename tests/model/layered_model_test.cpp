@@ -19,6 +19,7 @@ ImageOptions exact_options() {
   o.diffuse.backend = Backend::Reference;
   o.surface.normal_quantile = 1;
   o.composite.gate = 0;
+  o.reflection.max_footprint = 1;
   return o;
 }
 
@@ -179,8 +180,8 @@ TEST_P(WholeChain, MatchesFiniteDifferences) {
         differences.push_back((4 * slope(h) - slope(2 * h)) / 3);
         actual.push_back(grad.layer(kind).values(a)[i]);
       }
-      // Worst seen: see README. The tails of surfels are cut at 1/255, which differences see as small steps.
-      expect_grad_close(actual, differences, {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.05},
+      // Worst seen: 6e-3 (scales of the sheets).
+      expect_grad_close(actual, differences, {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05},
                         std::string(name(kind)) + " " + std::string(row(a).name));
     }
 }
