@@ -4,7 +4,6 @@
 
 #include "core/base/parallel.h"
 #include "core/trace/embree/hit_records.h"
-#include "core/trace/embree/packed_colors.h"
 #include "core/trace/embree/surfel_tree.h"
 #include "core/trace/kernels/march.h"
 
@@ -23,7 +22,6 @@ class EmbreeTracer final : public Tracer {
     layer_ = &layer;
     build_ = desc;
     tree_.build(layer, desc);
-    colors_.build(layer);
   }
   void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const override;
   void backward(const RayBatch& rays, const TraceDesc& desc, const HitLists& hits, const TraceBackwardInput& input,
@@ -40,8 +38,8 @@ class EmbreeTracer final : public Tracer {
             rays.spread.empty() || build_.max_footprint <= 0.f ? 0.f : rays.spread[i],
             build_.max_footprint};
   }
-  Vec3f facing_normal(uint32_t surfel, const Vec3f& direction) const {
-    const Vec3f n = tree_.surfel(surfel).normal;
+  Vec3f facing_normal(size_t place, const Vec3f& direction) const {
+    const Vec3f n = tree_.shape(place).normal;
     return dot(n, direction) > 0.f ? -n : n;
   }
 
@@ -52,7 +50,6 @@ class EmbreeTracer final : public Tracer {
   const SplatLayer* layer_ = nullptr;
   TraceBuildDesc build_;
   SurfelTree tree_;
-  PackedColors colors_;
 };
 
 void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const {
@@ -74,8 +71,8 @@ void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
       March<float> march;
       for (const FoundHit& hit : found) {
         if (march.sum.transmittance < desc.min_transmittance) break;
-        const Vec3f color = colors_.color(hit.surfel, basis);
-        march.blend(hit.t, hit.alpha, color, facing_normal(hit.surfel, ray.direction), desc.first_hit_weight);
+        const Vec3f color = tree_.colors().color(hit.place, basis);
+        march.blend(hit.t, hit.alpha, color, facing_normal(hit.place, ray.direction), desc.first_hit_weight);
         if (keep) keep->hits.push_back({hit.surfel, hit.t, hit.alpha, color});
       }
       if (keep) keep->end.push_back(static_cast<uint32_t>(keep->hits.size()));
@@ -131,7 +128,8 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
     float behind = transmittance * upstream.transmittance;
     for (size_t h = hits.size(); h-- > 0;) {
       const TraceHit& hit = hits[h];
-      const PackedSurfel& s = tree_.surfel(hit.surfel);
+      const uint32_t place = tree_.place_of(hit.surfel);
+      const PackedSurfel& s = tree_.shape(place);
       const bool flipped = dot(s.normal, ray.direction) > 0.f;
       const BlendGrad<float> b =
           blend_hit_vjp(in_front[h], hit.t, hit.alpha, hit.color, flipped ? -s.normal : s.normal, h == first, upstream, behind);
@@ -139,11 +137,11 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       at.t = hit.t;
       at.alpha = hit.alpha;
       at.free = hit.alpha < static_cast<float>(kMaxAlpha);
-      place_hit<float>(s, ray, at);
+      ray.spread > 0.f ? place_hit<true, float>(s, ray, at) : place_hit<false, float>(s, ray, at);
       const HitGrad<float> g = ray_splat_vjp<float>(s, ray, at, b.alpha, b.t, flipped ? -b.normal : b.normal);
-      HitRecord& record = buckets.at(cursors[buckets.bucket_of(hit.surfel)]++);
+      HitRecord& record = buckets.at(cursors[buckets.bucket_of(place)]++);
       const uint32_t positive = (hit.color.x > 0.f) | (hit.color.y > 0.f) << 1 | (hit.color.z > 0.f) << 2;
-      record.surfel = hit.surfel;
+      record.place = place;
       record.ray = static_cast<uint32_t>(i - first_ray) | positive << kRayBits;
       record.weight = hit.alpha * in_front[h];
       record.t = hit.t;
@@ -152,7 +150,7 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       grad_origin += g.origin;
       grad_direction += g.direction;
       grad_spread += g.spread;
-      const F8* sh = colors_.of(hit.surfel);
+      const F8* sh = tree_.colors().of(place);
       const float r = hit.color.x > 0.f ? b.color.x : 0.f, gr = hit.color.y > 0.f ? b.color.y : 0.f,
                   bl = hit.color.z > 0.f ? b.color.z : 0.f;
       const F8 color{r, gr, bl, 0.f, r, gr, bl, 0.f};
@@ -183,7 +181,7 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
   static thread_local std::vector<F8> sums_sh;
   const std::span<const HitRecord> records = buckets.bucket(bucket);
   if (records.empty()) return;
-  const size_t per_bucket = buckets.surfels_per_bucket(), first = bucket * per_bucket;
+  const size_t per_bucket = buckets.places_per_bucket(), first = bucket * per_bucket;
   const size_t count = std::min(per_bucket, layer_->size() - first);
   const int sh_degree = degree(pass.desc);
   const size_t pairs = pair_count(sh_degree);
@@ -193,7 +191,7 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
   uint32_t basis_of = ~0u;
   SpreadBasis basis;
   for (const HitRecord& r : records) {
-    Sum& sum = sums[r.surfel - first];
+    Sum& sum = sums[r.place - first];
     const HitMoments<float>& m = r.moments;
     sum.moments += m;
     ++sum.hits;
@@ -212,18 +210,18 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     const float red = r.ray >> kRayBits & 1 ? r.weight * g.x : 0.f, green = r.ray >> (kRayBits + 1) & 1 ? r.weight * g.y : 0.f,
                 blue = r.ray >> (kRayBits + 2) & 1 ? r.weight * g.z : 0.f;
     const F8 color{red, green, blue, 0.f, red, green, blue, 0.f};
-    F8* to = sums_sh.data() + (r.surfel - first) * pairs;
+    F8* to = sums_sh.data() + (r.place - first) * pairs;
     for (size_t p = 0; p < pairs; ++p) to[p] += basis.pairs[p] * color;
   }
   const size_t coefficients = sh_coefficient_count(sh_degree);
   for (size_t j = 0; j < count; ++j) {
     const Sum& sum = sums[j];
     if (sum.hits == 0) continue;
-    const size_t i = first + j;
+    const size_t i = tree_.surfel_at(first + j);
     const float *m = layer_->at(Attribute::Mean, i), *q = layer_->at(Attribute::Rotation, i),
                 *s = layer_->at(Attribute::LogScale, i);
     const SurfelGeometry<float> raw{{m[0], m[1], m[2]}, {q[0], q[1], q[2], q[3]}, s[0], s[1]};
-    const PackedSurfel& surfel = tree_.surfel(static_cast<uint32_t>(i));
+    const PackedSurfel& surfel = tree_.shape(first + j);
     const RaySurfelGrad<float> g = ray_surfel_vjp(raw, surfel.opacity, sum.moments);
     const float rotation[] = {g.geometry.rotation.w, g.geometry.rotation.x, g.geometry.rotation.y, g.geometry.rotation.z};
     for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::Mean, i)[c] += g.geometry.mean[c];
@@ -263,7 +261,7 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
     while (end < hits.chunks.size() && records + hits.chunks[end].hits.size() <= kMaxRecords)
       records += hits.chunks[end++].hits.size();
     const size_t first_ray = begin * HitLists::kChunk;
-    buckets.count(hits, begin, end, layer_->size());
+    buckets.count(hits, begin, end, tree_.places());
     parallel_for(end - begin, 1, [&](size_t c) { chunk_records(pass, begin + c, first_ray, buckets); });
     parallel_for(RecordBuckets::kBuckets, 1, [&](size_t b) { bucket_gradients(pass, b, first_ray, buckets); });
   }

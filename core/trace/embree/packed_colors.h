@@ -2,11 +2,13 @@
 // of a hit is a handful of multiply-adds with the basis of its ray, which is spread in the same way once per ray.
 #pragma once
 
-#include <vector>
+#include <algorithm>
+#include <span>
 
 #include "core/base/parallel.h"
 #include "core/render/kernels/shade.h"
 #include "core/scene/layers.h"
+#include "core/trace/embree/huge_array.h"
 
 namespace vitrine::embree {
 
@@ -35,13 +37,15 @@ inline F4 folded(F8 v) { return F4{v[0] + v[4], v[1] + v[5], v[2] + v[6], v[3] +
 
 class PackedColors {
  public:
-  void build(const SplatLayer& layer) {
+  // The colours of surfel order[place] stand at `place`.
+  void build(const SplatLayer& layer, std::span<const uint32_t> order) {
     pairs_ = pair_count(layer.sh_degree());
     data_.resize(layer.size() * pairs_);
     const size_t rest = layer.width(Attribute::ShRest);
     parallel_chunks(layer.size(), kChunk, [&](size_t, size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        F8* to = data_.data() + i * pairs_;
+      for (size_t place = begin; place < end; ++place) {
+        const size_t i = order[place];
+        F8* to = data_.data() + place * pairs_;
         std::fill(to, to + pairs_, F8{});
         const float *dc = layer.at(Attribute::ShDc, i), *higher = layer.at(Attribute::ShRest, i);
         for (size_t c = 0; c < 3; ++c) to[0][c] = dc[c];
@@ -49,10 +53,16 @@ class PackedColors {
       }
     });
   }
-  const F8* of(uint32_t surfel) const { return data_.data() + surfel * pairs_; }
+  const F8* of(size_t place) const { return data_.data() + place * pairs_; }
 
-  Vec3f color(uint32_t surfel, const SpreadBasis& basis) const {
-    const F8* h = of(surfel);
+  // The colours of hits are far apart in memory: ask for them as soon as it is known which.
+  void prefetch(size_t place) const {
+    const char* line = reinterpret_cast<const char*>(of(place));
+    for (size_t b = 0; b < pairs_ * sizeof(F8); b += 64) __builtin_prefetch(line + b);
+  }
+
+  Vec3f color(size_t place, const SpreadBasis& basis) const {
+    const F8* h = of(place);
     F8 even = basis.pairs[0] * h[0], odd{};
     for (size_t p = 1; p < basis.count; p += 2) {
       odd += basis.pairs[p] * h[p];
@@ -65,7 +75,7 @@ class PackedColors {
  private:
   static constexpr size_t kChunk = 4096;  // surfels
   size_t pairs_ = 0;
-  std::vector<F8> data_;
+  HugeArray<F8> data_;
 };
 
 }  // namespace vitrine::embree
