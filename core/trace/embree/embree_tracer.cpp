@@ -66,7 +66,7 @@ void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
     }
     for (size_t i = begin; i < end; ++i) {
       const TraceRay<float> ray = ray_of(rays, i);
-      const SpreadBasis basis = spread_basis(degree(desc), ray.direction);
+      const RayBasis basis = ray_basis(degree(desc), ray.direction);
       tree_.gather(ray, desc.min_transmittance, found);
       March<float> march;
       for (const FoundHit& hit : found) {
@@ -123,8 +123,8 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
     }
     Vec3f grad_origin{}, grad_direction{};
     float grad_spread = 0.f;
-    F8 basis_weight[kMaxPairs] = {};
-    const size_t pairs = pass.ray_gradients && sh_degree > 0 ? pair_count(sh_degree) : 0;
+    F4 basis_weight[kMaxFours] = {};
+    const size_t coefficients = pass.ray_gradients && sh_degree > 0 ? fours(sh_degree) : 0;
     float behind = transmittance * upstream.transmittance;
     for (size_t h = hits.size(); h-- > 0;) {
       const TraceHit& hit = hits[h];
@@ -150,18 +150,16 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       grad_origin += g.origin;
       grad_direction += g.direction;
       grad_spread += g.spread;
-      const F8* sh = tree_.colors().of(place);
-      const float r = hit.color.x > 0.f ? b.color.x : 0.f, gr = hit.color.y > 0.f ? b.color.y : 0.f,
-                  bl = hit.color.z > 0.f ? b.color.z : 0.f;
-      const F8 color{r, gr, bl, 0.f, r, gr, bl, 0.f};
-      for (size_t p = 0; p < pairs; ++p) basis_weight[p] += color * sh[p];
+      for (size_t c = 0; c < 3; ++c) {
+        if (!(hit.color[c] > 0.f)) continue;
+        const F4* sh = tree_.colors().of(place, c);
+        for (size_t k = 0; k < coefficients; ++k) basis_weight[k] += b.color[c] * sh[k];
+      }
     }
     if (!pass.ray_gradients) continue;
-    if (pairs > 0) {
-      float weights[2 * kMaxPairs];
-      for (size_t p = 0; p < pairs; ++p)
-        for (size_t k = 0; k < 2; ++k)
-          weights[2 * p + k] = basis_weight[p][4 * k] + basis_weight[p][4 * k + 1] + basis_weight[p][4 * k + 2];
+    if (coefficients > 0) {
+      float weights[kMaxShCoefficients];
+      for (size_t k = 0; k < kMaxShCoefficients; ++k) weights[k] = basis_weight[k / 4][k % 4];
       grad_direction += sh_basis_vjp(sh_degree, ray.direction, weights);
     }
     pass.ray_gradients->origins[i] = grad_origin;
@@ -178,18 +176,18 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     uint32_t hits;
   };
   static thread_local std::vector<Sum> sums;
-  static thread_local std::vector<F8> sums_sh;
+  static thread_local std::vector<F4> sums_sh;  // [surfel][rgb][fours]
   const std::span<const HitRecord> records = buckets.bucket(bucket);
   if (records.empty()) return;
   const size_t per_bucket = buckets.places_per_bucket(), first = bucket * per_bucket;
   const size_t count = std::min(per_bucket, layer_->size() - first);
   const int sh_degree = degree(pass.desc);
-  const size_t pairs = pair_count(sh_degree);
+  const size_t stride = fours(sh_degree);
   sums.assign(count, {});
-  sums_sh.assign(count * pairs, F8{});
+  sums_sh.assign(count * 3 * stride, F4{});
   const bool with_color = !pass.input.gradients->color.empty();
   uint32_t basis_of = ~0u;
-  SpreadBasis basis;
+  RayBasis basis{};
   for (const HitRecord& r : records) {
     Sum& sum = sums[r.place - first];
     const HitMoments<float>& m = r.moments;
@@ -204,14 +202,14 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
       if (!pass.input.error.empty()) sum.error += r.weight * pass.input.error[first_ray + ray];
     }
     if (!with_color) continue;
-    if (ray != basis_of) basis = spread_basis(sh_degree, pass.rays.directions[first_ray + ray]);
+    if (ray != basis_of) basis = ray_basis(sh_degree, pass.rays.directions[first_ray + ray]);
     basis_of = ray;
     const Vec3f& g = pass.input.gradients->color[first_ray + ray];
-    const float red = r.ray >> kRayBits & 1 ? r.weight * g.x : 0.f, green = r.ray >> (kRayBits + 1) & 1 ? r.weight * g.y : 0.f,
-                blue = r.ray >> (kRayBits + 2) & 1 ? r.weight * g.z : 0.f;
-    const F8 color{red, green, blue, 0.f, red, green, blue, 0.f};
-    F8* to = sums_sh.data() + (r.place - first) * pairs;
-    for (size_t p = 0; p < pairs; ++p) to[p] += basis.pairs[p] * color;
+    for (size_t c = 0; c < 3; ++c) {
+      if (!(r.ray >> (kRayBits + c) & 1)) continue;
+      F4* to = sums_sh.data() + (3 * (r.place - first) + c) * stride;
+      for (size_t k = 0; k < stride; ++k) to[k] += (r.weight * g[c]) * basis.y[k];
+    }
   }
   const size_t coefficients = sh_coefficient_count(sh_degree);
   for (size_t j = 0; j < count; ++j) {
@@ -229,10 +227,11 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     pass.grad.at(Attribute::LogScale, i)[0] += g.geometry.log_su;
     pass.grad.at(Attribute::LogScale, i)[1] += g.geometry.log_sv;
     *pass.grad.at(Attribute::Opacity, i) += g.raw_opacity;
-    const F8* sh = sums_sh.data() + j * pairs;
-    for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::ShDc, i)[c] += sh[0][c];
-    for (size_t k = 1; k < coefficients; ++k)
-      for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::ShRest, i)[3 * (k - 1) + c] += sh[k / 2][4 * (k % 2) + c];
+    for (size_t c = 0; c < 3; ++c) {
+      const F4* sh = sums_sh.data() + (3 * j + c) * stride;
+      pass.grad.at(Attribute::ShDc, i)[c] += sh[0][0];
+      for (size_t k = 1; k < coefficients; ++k) pass.grad.at(Attribute::ShRest, i)[3 * (k - 1) + c] += sh[k / 4][k % 4];
+    }
     if (!pass.statistics) continue;
     const Vec3f screen = 0.5f * (sum.t_plane * surfel.normal - sum.t_u * surfel.axis_u - sum.t_v * surfel.axis_v);
     pass.statistics->screen_gradient[i] += length(screen);

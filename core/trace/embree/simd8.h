@@ -19,8 +19,8 @@ VITRINE_INLINE uint32_t bits(M8 m) { return static_cast<uint32_t>(_mm256_movemas
 struct V8 {
   __m256 v;
   V8() : v(_mm256_setzero_ps()) {}
-  V8(__m256 x) : v(x) {}                       // NOLINT
-  V8(float x) : v(_mm256_set1_ps(x)) {}        // NOLINT: constants broadcast silently on purpose
+  V8(__m256 x) : v(x) {}                 // NOLINT
+  V8(float x) : v(_mm256_set1_ps(x)) {}  // NOLINT: constants broadcast silently on purpose
   friend V8 operator+(V8 a, V8 b) { return _mm256_add_ps(a.v, b.v); }
   friend V8 operator-(V8 a, V8 b) { return _mm256_sub_ps(a.v, b.v); }
   friend V8 operator*(V8 a, V8 b) { return _mm256_mul_ps(a.v, b.v); }
