@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/image/image.h"
+#include "stages/evaluate/render_view.h"
 
 namespace vitrine {
 

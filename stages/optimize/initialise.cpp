@@ -9,7 +9,7 @@
 #include "core/base/rng.h"
 #include "core/math/color.h"
 #include "core/scene/activation.h"
-#include "core/stereo/plane_sweep.h"
+#include "stages/optimize/dense_depth.h"
 #include "stages/optimize/neighbours.h"
 
 namespace vitrine {
@@ -22,11 +22,8 @@ enum : uint64_t { kThinStream = 0x1901, kPixelStream = 0x1902 };
 constexpr double kInitialShare = 0.7;
 // A ray farther than this part of the picture's diagonal from every sparse point has no depth to borrow.
 constexpr double kBorrowReach = 0.12;
-constexpr double kFarPercentile = 0.98;
-constexpr double kOneSurface = 1.12;  // ratio of depths up to which neighbouring points are taken for one surface
-constexpr double kNearShare = 0.6;    // of the nearest sparse point: where the sweep of depths begins
-// Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
-constexpr double kBlindDepthFactor = 4;
+constexpr double kOneSurface = 1.12;     // ratio of depths up to which neighbouring points are taken for one surface
+constexpr double kUnknownDemand = 0.5;   // a pixel without a depth: half as much as one that its photo alone sees
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
 
 struct Seed {
@@ -68,20 +65,6 @@ void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vec
 struct ProjectedPoint {
   double x, y, z;
 };
-
-// The sparse points that a view saw, in its picture.
-std::vector<std::vector<ProjectedPoint>> projected_points(const ViewSet& set, const Capture& capture) {
-  std::vector<std::vector<ProjectedPoint>> seen(set.views.size());
-  for (const ScenePoint& point : set.points)
-    for (uint32_t v : point.views) {
-      const View& view = capture.photos[v].levels[0].view;
-      const Vec3d p = view.cam_from_world * point.position;
-      if (p.z <= 0) continue;
-      const Intrinsics& k = view.intrinsics;
-      seen[v].push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
-    }
-  return seen;
-}
 
 // Depth at (x, y) from the three nearest known points: empty where they lie on different surfaces (a surfel at their mean would
 // float between them), `far_z` when none is within `reach`.
@@ -128,82 +111,77 @@ Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   return seed;
 }
 
-// Quarter size where that leaves a picture: its patches of 28 pixels of the photo are surer than finer ones, and quicker.
-size_t level_for_sweep(const Capture& capture) {
-  constexpr int kSmallestSide = 120;
-  size_t level = kLevels - 1;
-  const auto side = [&](size_t l) {
-    const Intrinsics& k = capture.photos[capture.train.front()].levels[l].view.intrinsics;
-    return std::max(k.width, k.height);
-  };
-  while (level > 0 && side(level) < kSmallestSide) --level;
-  return level;
+// How much a pixel of a photo asks for a surfel of its own: what many photos see alike gets one from each of them.
+double demand(const DepthMap& map, size_t pixel) {
+  return map.reliable(pixel) ? 1.0 / (1 + map.agreeing[pixel]) : kUnknownDemand;
 }
 
-// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge. Held-out photos take no part.
-std::vector<SweepPhoto> sweep_photos(const Capture& capture, size_t level) {
-  std::vector<SweepPhoto> photos(capture.photos.size());
-  for (size_t p = 0; p < photos.size(); ++p) photos[p].view = capture.photos[p].levels[level].view;
-  parallel_for(capture.train.size(), 1, [&](size_t t) {
-    const PhotoLevel& photo = capture.photos[capture.train[t]].levels[level];
-    const Intrinsics& k = photo.view.intrinsics;
-    ImageF grey(k.width, k.height, 1);
-    const size_t pixels = grey.pixel_count();
-    for (size_t i = 0; i < pixels; ++i)
-      grey.data()[i] = (0.2126f * float(photo.srgb[i]) + 0.7152f * float(photo.srgb[pixels + i]) +
-                        0.0722f * float(photo.srgb[2 * pixels + i])) /
-                       65535.f;
-    photos[capture.train[t]].grey = std::move(grey);
-  });
-  return photos;
-}
-
-// `count` rays of the training photos: surfels at the depth that a plane sweep finds, else at the depth of known points
+// `count` rays of the training photos: surfels on the surface that dense stereo finds, else at the depth of known points
 // nearby, else behind all of them. A photo without sparse points waits for the surfels of the others, unless none has any.
-void add_frustum_points(const OptimizeConfig& config, const Capture& capture, size_t count, std::vector<Seed>& seeds) {
-  const auto sparse = projected_points(capture.view_set, capture);
+void add_frustum_points(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t count,
+                        std::vector<Seed>& seeds) {
+  if (count == 0) return;
   const size_t views = capture.train.size();
-  const bool blind = std::all_of(capture.train.begin(), capture.train.end(), [&](uint32_t v) { return sparse[v].empty(); });
-  const size_t sweep_level = level_for_sweep(capture);
-  const PlaneSweep sweep(sweep_photos(capture, sweep_level));
+  const auto of = [&](size_t t) -> const DepthMap& { return dense.maps[capture.train[t]]; };
+  std::vector<double> demanded(views + 1, 0);  // running sums
+  const bool blind = std::all_of(dense.photos.begin(), dense.photos.end(), [](const StereoPhoto& p) { return p.hints.empty(); });
+  for (size_t t = 0; t < views; ++t) {
+    double own = 0;
+    if (blind || !dense.photos[capture.train[t]].hints.empty()) {
+      if (of(t).zdepth.empty()) own = kUnknownDemand;
+      for (size_t i = 0; i < of(t).zdepth.size(); ++i) own += demand(of(t), i) / double(of(t).zdepth.size());
+    }
+    demanded[t + 1] = demanded[t] + own;
+  }
+  if (!(demanded.back() > 0)) return;
+
   std::vector<std::vector<Seed>> found(views);
   parallel_for(views, 1, [&](size_t t) {
+    const auto until = [&](size_t v) { return static_cast<size_t>(double(count) * demanded[v] / demanded.back() + 0.5); };
+    const size_t share = until(t + 1) - until(t);
+    if (share == 0) return;
     const uint32_t v = capture.train[t];
-    if (sparse[v].empty() && !blind) return;
-    double near_z = 1 / kBlindDepthFactor, far_z = kBlindDepthFactor;
-    std::vector<ProjectedPoint> known = sparse[v];
-    if (!blind) {
-      std::vector<double> depths;
-      for (const ProjectedPoint& p : known) depths.push_back(p.z);
-      std::sort(depths.begin(), depths.end());
-      near_z = kNearShare * depths.front();
-      far_z = config.initial.far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
-    }
+    const DepthMap& map = of(t);
     const PhotoLevel& photo = capture.photos[v].levels[0];
-    const Intrinsics& k = photo.view.intrinsics;
-    const Intrinsics& swept_k = capture.photos[v].levels[sweep_level].view.intrinsics;
-    const size_t share = (t + 1) * count / views - t * count / views;
+    const Intrinsics &k = photo.view.intrinsics, &matched = dense.photos[v].view.intrinsics;
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
-    const double spacing_px = std::sqrt(area / double(std::max<size_t>(share, 1)));
-    std::vector<Vec2d> unknown;
-    for (size_t s = 0; s < share; ++s) {
-      Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, mix64(v, s)));
-      const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height;
-      const auto swept = sweep.at(v, x * swept_k.width / k.width, y * swept_k.height / k.height, near_z, far_z);
-      if (!swept) {
+    const double width_ratio = double(matched.width) / k.width, height_ratio = double(matched.height) / k.height;
+    const double mean_demand = (demanded[t + 1] - demanded[t]);
+    std::vector<ProjectedPoint> known;
+    for (const Vec3d& h : dense.photos[v].hints) known.push_back({h.x / width_ratio, h.y / height_ratio, h.z});
+    struct Unknown {
+      double x, y;
+    };
+    std::vector<Unknown> unknown;
+    const auto spacing = [&](double pixel_demand) { return std::sqrt(area * mean_demand / (double(share) * pixel_demand)); };
+    Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, v));
+    for (size_t s = 0; s < share;) {
+      const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height, chance = rng.uniform_double();
+      if (map.zdepth.empty()) {
         unknown.push_back({x, y});
+        ++s;
         continue;
       }
-      found[t].push_back(pixel_seed(photo, x, y, swept->zdepth));
-      found[t].back().normal = cast<float>(swept->normal_in_world);
-      found[t].back().spacing_limit = static_cast<float>(spacing_px * swept->zdepth / k.fx);
-      known.push_back({x, y, swept->zdepth});
+      const int mx = std::min(int(x * width_ratio), map.width - 1), my = std::min(int(y * height_ratio), map.height - 1);
+      const size_t pixel = map.index(mx, my);
+      const double wanted = demand(map, pixel);
+      if (chance >= wanted) continue;
+      ++s;
+      // The pixel's plane, met by the ray through (x, y).
+      const Vec3d normal = cast<double>(map.normal[pixel]);
+      const double facing = dot(normal, k.ray(x, y));
+      const double z = double(map.zdepth[pixel]) * dot(normal, matched.ray(mx + 0.5, my + 0.5)) / facing;
+      if (!(facing < 0) || !(z > 0)) continue;
+      found[t].push_back(pixel_seed(photo, x, y, z));
+      found[t].back().normal = cast<float>(transposed_times(photo.view.cam_from_world.rotation, normal));
+      found[t].back().spacing_limit = static_cast<float>(spacing(wanted) * z / k.fx);
+      known.push_back({x, y, z});
     }
-    for (const Vec2d& p : unknown) {
-      const auto z = borrowed_depth(known, p.x, p.y, reach, far_z);
+    for (const Unknown& p : unknown) {
+      const auto z = borrowed_depth(known, p.x, p.y, reach, dense.photos[v].far_z);
       if (!z) continue;
       found[t].push_back(pixel_seed(photo, p.x, p.y, *z));
-      found[t].back().spacing_limit = static_cast<float>(spacing_px * *z / k.fx);
+      found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * *z / k.fx);
     }
   });
   for (const auto& of_view : found) seeds.insert(seeds.end(), of_view.begin(), of_view.end());
@@ -211,11 +189,12 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, si
 
 }  // namespace
 
-SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels) {
+SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels) {
   const size_t limit = std::max<size_t>(1, static_cast<size_t>(kInitialShare * double(max_surfels)));
   std::vector<Seed> seeds;
   add_sparse_points(capture.view_set, limit, static_cast<uint64_t>(config.seed), seeds);
-  add_frustum_points(config, capture, std::min<size_t>(size_t(config.initial.frustum_points), limit - seeds.size()), seeds);
+  add_frustum_points(config, capture, dense, std::min<size_t>(size_t(config.initial.frustum_points), limit - seeds.size()),
+                     seeds);
   if (seeds.empty())
     throw Error(ErrorKind::Input, "there is nothing to start from",
                 {.why = "the sfm stage found no sparse point in any training photo, and frustum_points is 0",

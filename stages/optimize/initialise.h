@@ -6,10 +6,11 @@
 
 #include "core/scene/layers.h"
 #include "stages/optimize/capture.h"
+#include "stages/optimize/dense_depth.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
 
-SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, size_t max_surfels);
+SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels);
 
 }  // namespace vitrine

@@ -109,9 +109,14 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const size_t max_surfels = affordable_surfels(config, capture, targets, context);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
+  const Timer stereo_timer;
+  const DenseDepth dense = dense_depth(capture, config.initial.stereo_side, config.initial.far_factor, uint64_t(config.seed));
+  context.timing("stereo_seconds", stereo_timer.seconds());
+  log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * dense.reliable_share(),
+           capture.train.size(), stereo_timer.seconds());
   const TrainerSetup setup{
       .config = config, .capture = capture, .targets = targets, .layers = layers, .max_surfels = max_surfels};
-  const SplatLayer initial = initial_layer(config, capture, Trainer::cap(setup, LayerKind::Diffuse));
+  const SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse));
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);
 

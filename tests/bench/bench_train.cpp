@@ -72,7 +72,8 @@ void whole_training_step(benchmark::State& state) {
   config.iterations = 1000000000;
   config.densify.from = 0;
   const Capture capture = box_capture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  Trainer trainer(config, capture, surfels, box_with_ball(surfels));
+  const Targets targets;
+  Trainer trainer({.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = surfels}, box_with_ball(surfels));
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 1)) {
     state.SkipWithError("the first step gave an impossible loss");

@@ -1,0 +1,88 @@
+#include "stages/optimize/dense_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/stereo/extend_planes.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kNeighbours = 7;
+constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
+constexpr double kFarPercentile = 0.98;
+// Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
+constexpr double kBlindDepthFactor = 4;
+
+size_t level_near(const Capture& capture, int max_side) {
+  size_t best = 0;
+  double best_error = 1e300;
+  for (size_t l = 0; l < kLevels; ++l) {
+    const Intrinsics& k = capture.photos[capture.train.front()].levels[l].view.intrinsics;
+    const double error = std::abs(std::log(double(std::max(k.width, k.height)) / max_side));
+    if (error < best_error) best_error = error, best = l;
+  }
+  return best;
+}
+
+// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
+ImageF luma(const PhotoLevel& photo) {
+  const Intrinsics& k = photo.view.intrinsics;
+  ImageF grey(k.width, k.height, 1);
+  const size_t pixels = grey.pixel_count();
+  for (size_t i = 0; i < pixels; ++i)
+    grey.data()[i] =
+        (0.2126f * float(photo.srgb[i]) + 0.7152f * float(photo.srgb[pixels + i]) + 0.0722f * float(photo.srgb[2 * pixels + i])) /
+        65535.f;
+  return grey;
+}
+
+}  // namespace
+
+double DenseDepth::reliable_share() const {
+  size_t reliable = 0, pixels = 0;
+  for (const DepthMap& map : maps) {
+    pixels += map.trusted.size();
+    for (uint8_t t : map.trusted) reliable += t;
+  }
+  return pixels > 0 ? double(reliable) / double(pixels) : 0;
+}
+
+DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed) {
+  DenseDepth dense;
+  dense.photos.resize(capture.photos.size());
+  const size_t level = level_near(capture, max_side);
+  const auto neighbours = stereo_neighbours(capture.view_set, capture.train, kNeighbours);
+  parallel_for(capture.train.size(), 1, [&](size_t t) {
+    const uint32_t v = capture.train[t];
+    StereoPhoto& photo = dense.photos[v];
+    photo.view = capture.photos[v].levels[level].view;
+    photo.luma = luma(capture.photos[v].levels[level]);
+    photo.neighbours = neighbours[v];
+  });
+  for (const ScenePoint& point : capture.view_set.points)
+    for (uint32_t v : point.views) {
+      StereoPhoto& photo = dense.photos[v];
+      if (photo.luma.empty()) continue;
+      const Vec3d p = photo.view.cam_from_world * point.position;
+      const Intrinsics& k = photo.view.intrinsics;
+      if (p.z > 0) photo.hints.push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
+    }
+  for (StereoPhoto& photo : dense.photos) {
+    photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;
+    if (photo.hints.empty()) continue;
+    std::vector<double> depths;
+    for (const Vec3d& h : photo.hints) depths.push_back(h.z);
+    std::sort(depths.begin(), depths.end());
+    photo.near_z = kNearShare * depths.front();
+    photo.far_z = far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
+  }
+  dense.maps = patch_match(dense.photos, {.seed = seed});
+  count_agreement(dense.photos, dense.maps);
+  parallel_for(dense.maps.size(), 1, [&](size_t v) { extend_planes(dense.photos[v], dense.maps[v]); });
+  return dense;
+}
+
+}  // namespace vitrine

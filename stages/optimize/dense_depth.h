@@ -1,0 +1,21 @@
+// Depth and normal of every pixel of the training photos, before anything is trained: PatchMatch stereo on reduced photos
+// (core/stereo/patch_match.h), with the sparse points as hints.
+#pragma once
+
+#include <vector>
+
+#include "core/stereo/patch_match.h"
+#include "stages/optimize/capture.h"
+
+namespace vitrine {
+
+struct DenseDepth {
+  std::vector<StereoPhoto> photos;  // [capture.photos]; without a picture for held-out photos
+  std::vector<DepthMap> maps;       // same order; empty where nothing could be matched
+  double reliable_share() const;    // of all pixels
+};
+
+// Works at the pyramid level whose longer side comes nearest to `max_side`.
+DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed);
+
+}  // namespace vitrine

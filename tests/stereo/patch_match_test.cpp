@@ -1,0 +1,133 @@
+#include "core/stereo/patch_match.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.h"
+#include "core/stereo/extend_planes.h"
+#include "core/stereo/patch_score.h"
+#include "tests/stereo/textured_room.h"
+
+namespace vitrine {
+namespace {
+
+using namespace textured_room;
+
+struct Quality {
+  double reliable = 0, exact = 0, turned_right = 0;  // shares of all pixels, of the reliable ones, of the exact ones
+};
+
+Quality quality(const StereoPhoto& photo, const DepthMap& map) {
+  size_t reliable = 0, exact = 0, turned_right = 0;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const size_t i = map.index(x, y);
+      if (!map.reliable(i)) continue;
+      ++reliable;
+      const Hit hit = truth(photo, x, y);
+      if (std::abs(double(map.zdepth[i]) / hit.t - 1) > 0.01) continue;
+      ++exact;
+      turned_right += dot(cast<double>(map.normal[i]), hit.normal) > 0.9;
+    }
+  return {double(reliable) / double(map.zdepth.size()), double(exact) / double(reliable), double(turned_right) / double(exact)};
+}
+
+TEST(PatchScore, IsOneOnTheTruePlaneAndLowerOffIt) {
+  const std::vector<StereoPhoto> room = photos();
+  const StereoPhoto& photo = room[2];
+  const Intrinsics& k = photo.view.intrinsics;
+  const Transfer transfer = transfer_between(photo.view, room[1].view);
+  const int x = 40, y = 55;
+  const Hit hit = truth(photo, x, y);
+  const ReferencePatch patch = reference_patch(photo.luma, x, y);
+  const auto score_at = [&](double z) {
+    const Vec3d n = hit.normal / (z * dot(hit.normal, k.ray(x + 0.5, y + 0.5)));
+    return patch_score(patch, room[1].luma, transfer, {n.x / k.fx, n.y / k.fy, n.z - n.x * k.cx / k.fx - n.y * k.cy / k.fy},
+                       x + 0.5, y + 0.5);
+  };
+  EXPECT_GT(score_at(hit.t), 0.97f);
+  EXPECT_LT(score_at(1.1 * hit.t), 0.8f);
+  EXPECT_LT(score_at(0.9 * hit.t), 0.8f);
+}
+
+TEST(PatchMatch, FindsATableAndAWall) {
+  const std::vector<StereoPhoto> room = photos();
+  std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
+  count_agreement(room, maps);
+  for (size_t v = 0; v < room.size(); ++v) {
+    const Quality q = quality(room[v], maps[v]);
+    EXPECT_GT(q.reliable, 0.75) << v;
+    EXPECT_GT(q.exact, 0.92) << v;
+    EXPECT_GT(q.turned_right, 0.8) << v;
+  }
+}
+
+TEST(PatchMatch, SameBytesForAnyNumberOfThreads) {
+  const std::vector<StereoPhoto> room = photos();
+  std::vector<DepthMap> first;
+  for (int threads : {1, 2, 8}) {
+    set_thread_limit(threads);
+    std::vector<DepthMap> maps = patch_match(room, {.iterations = 2, .seed = 3});
+    count_agreement(room, maps);
+    if (first.empty()) first = maps;
+    for (size_t v = 0; v < maps.size(); ++v) {
+      EXPECT_EQ(maps[v].zdepth, first[v].zdepth);
+      EXPECT_EQ(maps[v].score, first[v].score);
+      EXPECT_EQ(maps[v].agreeing, first[v].agreeing);
+    }
+  }
+  set_thread_limit(0);
+}
+
+TEST(PatchMatch, HasNoReliablePixelWhereThereIsNothingToSee) {
+  std::vector<StereoPhoto> room = photos();
+  for (StereoPhoto& photo : room) std::fill(photo.luma.data().begin(), photo.luma.data().end(), 0.5f);
+  std::vector<DepthMap> maps = patch_match(room, {.iterations = 1});
+  count_agreement(room, maps);
+  for (const DepthMap& map : maps)
+    for (size_t i = 0; i < map.zdepth.size(); ++i) ASSERT_FALSE(map.reliable(i));
+  room[0].neighbours.clear();
+  EXPECT_TRUE(patch_match(room, {.iterations = 1})[0].zdepth.empty());
+}
+
+TEST(ExtendPlanes, PlasterContinuesTheWall) {
+  constexpr double kPlainFrom = 0.25;
+  const std::vector<StereoPhoto> room = photos(kPlainFrom);
+  std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
+  count_agreement(room, maps);
+  const StereoPhoto& photo = room[2];
+  DepthMap& map = maps[2];
+  const std::vector<uint8_t> trusted = map.trusted;
+  extend_planes(photo, map);
+  EXPECT_EQ(map.trusted, trusted);
+  size_t plain = 0, right = 0;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const Hit hit = truth(photo, x, y);
+      const Rigid world_from_cam = inverse(photo.view.cam_from_world);
+      const Vec3d p = world_from_cam * (hit.t * photo.view.intrinsics.ray(x + 0.5, y + 0.5));
+      if (p.x > -0.49 || p.z < kPlainFrom + 0.05 || map.reliable(map.index(x, y))) continue;
+      ++plain;
+      right += std::abs(double(map.zdepth[map.index(x, y)]) / hit.t - 1) < 0.05;
+    }
+  ASSERT_GT(plain, 300u);
+  EXPECT_GT(right, plain * 9 / 10);
+}
+
+TEST(StereoNeighbours, PrefersPhotosThatShareManyPointsUnderAUsefulAngle) {
+  ViewSet set;
+  for (double azimuth : {0.0, 0.002, 0.3, 0.6, 2.5}) {
+    View view;
+    view.cam_from_world = looking_at({std::cos(azimuth), std::sin(azimuth), 0.5}, {0, 0, 0});
+    set.views.push_back(view);
+  }
+  for (int i = 0; i < 10; ++i) set.points.push_back({.position = {0.01 * i, 0, 0}, .linear_rgb = {}, .views = {0, 1, 2, 3}});
+  for (int i = 0; i < 5; ++i) set.points.push_back({.position = {0, 0.01 * i, 0}, .linear_rgb = {}, .views = {0, 2}});
+  const std::vector<uint32_t> all{0, 1, 2, 3, 4};
+  const auto found = stereo_neighbours(set, all, 2);
+  EXPECT_EQ(found[0], (std::vector<uint32_t>{2, 3}));  // 1 stands too close, 4 shares nothing
+  const std::vector<uint32_t> some{0, 1, 4};
+  EXPECT_EQ(stereo_neighbours(set, some, 5)[0], (std::vector<uint32_t>{1, 4}));  // then the nearest
+}
+
+}  // namespace
+}  // namespace vitrine
