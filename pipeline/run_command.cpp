@@ -17,7 +17,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, truth, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, normals, truth, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0;
@@ -37,6 +37,7 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("poses", 0, "PATH", a.poses, "Known camera poses: a COLMAP model or a transforms.json.");
   cli.value("masks", 0, "DIR", a.masks,
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), or masks of the object alone.");
+  cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
   cli.value("truth", 0, "DIR", a.truth,
             "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
   cli.section("which stages");
@@ -100,6 +101,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.photos", target.photos, "command line");
   flag("input.poses", a.poses, "--poses");
   flag("input.masks", a.masks, "--masks");
+  flag("input.normals", a.normals, "--normals");
   flag("input.truth", a.truth, "--truth");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");

@@ -17,6 +17,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
   EXPECT_EQ(states(), (States{{"ingest", "ran"},
                               {"sfm", "ran"},
                               {"masks", "ran"},
+                              {"normals", "ran"},
                               {"optimize", "ran"},
                               {"mesh", "ran"},
                               {"evaluate", "ran"},
@@ -44,6 +45,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
   EXPECT_EQ(states(), (States{{"ingest", "cached"},
                               {"sfm", "cached"},
                               {"masks", "cached"},
+                              {"normals", "cached"},
                               {"optimize", "cached"},
                               {"mesh", "ran"},
                               {"evaluate", "ran"},
@@ -55,7 +57,7 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   const Outcome one = room(poses, {"-j", "1"});
   ASSERT_EQ(one.exit, 0) << one.text;
   const auto whole = digests();
-  ASSERT_EQ(whole.size(), 7u);
+  ASSERT_EQ(whole.size(), 8u);
   fs::remove_all(out());
 
   const pid_t child = start(room_words(poses, {"-j", "2", "-q"}));

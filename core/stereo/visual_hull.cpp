@@ -1,0 +1,166 @@
+#include "core/stereo/visual_hull.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kCoarse = 48;       // first look at the whole cube
+constexpr int kBlurPasses = 3;    // of a 3-voxel box: a bell of about 1.4 voxels
+constexpr int kPadding = 4;       // voxels around what is left, so that the blurred surface closes
+constexpr float kLevel = 0.5f;    // of occupancy: the surface
+constexpr double kSeenBy = 0.35;  // share of the photos that must see a voxel: a hull of few photos is no hull
+constexpr size_t kFewestViews = 3;
+
+struct Grid {
+  Vec3d origin;  // corner of voxel (0, 0, 0)
+  double voxel;
+  int size[3];
+  size_t index(int x, int y, int z) const { return (size_t(z) * size_t(size[1]) + size_t(y)) * size_t(size[0]) + size_t(x); }
+  Vec3d centre(int x, int y, int z) const { return origin + voxel * Vec3d{x + 0.5, y + 0.5, z + 0.5}; }
+};
+
+Grid grid_over(const Bounds3& bounds, int resolution, int padding) {
+  const Vec3d extent = bounds.high - bounds.low;
+  const double voxel = std::max({extent.x, extent.y, extent.z}) / resolution;
+  Grid grid{bounds.low - (padding * voxel) * Vec3d{1, 1, 1}, voxel, {}};
+  for (size_t i = 0; i < 3; ++i) grid.size[i] = int(std::ceil(extent[i] / voxel - 1e-6)) + 2 * padding;
+  return grid;
+}
+
+// 1 where at most the share `dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks, so
+// that a coarse grid loses nothing.
+std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, double dissent, double slack) {
+  std::vector<float> field(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0);
+  const size_t needed = std::max(kFewestViews, size_t(kSeenBy * double(masks.size())));
+  parallel_for(size_t(grid.size[2]), 1, [&](size_t z) {
+    for (int y = 0; y < grid.size[1]; ++y)
+      for (int x = 0; x < grid.size[0]; ++x) {
+        const Vec3d centre = grid.centre(x, y, int(z));
+        size_t seen = 0, outside = 0;
+        for (const HullMask& m : masks) {
+          const Vec3d p = m.view.cam_from_world * centre;
+          if (!(p.z > grid.voxel)) continue;
+          const Intrinsics& k = m.view.intrinsics;
+          const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
+          if (!(u >= 0 && v >= 0 && u < m.mask.width() && v < m.mask.height())) continue;
+          ++seen;
+          bool inside = m.mask.at(int(u), int(v)) >= 0.5f;
+          if (const int r = int(std::ceil(slack * grid.voxel * k.fx / p.z)); !inside && slack > 0)
+            for (int dy = -r; dy <= r && !inside; ++dy)
+              for (int dx = -r; dx <= r && !inside; ++dx)
+                inside = m.mask.at(std::clamp(int(u) + dx, 0, m.mask.width() - 1),
+                                   std::clamp(int(v) + dy, 0, m.mask.height() - 1)) >= 0.5f;
+          outside += !inside;
+        }
+        if (seen >= needed && double(outside) <= dissent * double(seen)) field[grid.index(x, y, int(z))] = 1;
+      }
+  });
+  return field;
+}
+
+Bounds3 occupied(const std::vector<float>& field, const Grid& grid) {
+  Bounds3 bounds;
+  for (int z = 0; z < grid.size[2]; ++z)
+    for (int y = 0; y < grid.size[1]; ++y)
+      for (int x = 0; x < grid.size[0]; ++x)
+        if (field[grid.index(x, y, z)] > 0) {
+          bounds.extend(grid.centre(x, y, z) - (0.5 * grid.voxel) * Vec3d{1, 1, 1});
+          bounds.extend(grid.centre(x, y, z) + (0.5 * grid.voxel) * Vec3d{1, 1, 1});
+        }
+  return bounds;
+}
+
+void blur(std::vector<float>& field, const Grid& grid) {
+  const size_t stride[3] = {1, size_t(grid.size[0]), size_t(grid.size[0]) * size_t(grid.size[1])};
+  std::vector<float> out(field.size());
+  for (int pass = 0; pass < kBlurPasses; ++pass)
+    for (int axis = 0; axis < 3; ++axis) {
+      parallel_for(size_t(grid.size[2]), 4, [&](size_t z) {
+        for (int y = 0; y < grid.size[1]; ++y)
+          for (int x = 0; x < grid.size[0]; ++x) {
+            const int at[3] = {x, y, int(z)};
+            const size_t i = grid.index(x, y, int(z));
+            const float before = at[axis] > 0 ? field[i - stride[axis]] : 0;
+            const float after = at[axis] + 1 < grid.size[axis] ? field[i + stride[axis]] : 0;
+            out[i] = (before + field[i] + after) / 3;
+          }
+      });
+      std::swap(field, out);
+    }
+}
+
+}  // namespace
+
+VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
+  if (masks.size() < kFewestViews) return;
+  const double r = desc.reach;
+  const Grid coarse = grid_over({{-r, -r, -r}, {r, r, r}}, kCoarse, 0);
+  const Bounds3 rough = occupied(carved(masks, coarse, desc.dissent, 0.9), coarse);
+  if (rough.empty()) return;
+  Grid fine = grid_over(rough, desc.resolution, kPadding);
+  std::vector<float> field = carved(masks, fine, desc.dissent, 0);
+  bounds_ = occupied(field, fine);
+  if (bounds_.empty()) return;
+  Vec3d mean{};
+  for (const HullMask& m : masks) mean += normalized(m.view.centre_in_world() - bounds_.centre()) / double(masks.size());
+  one_sidedness_ = length(mean);
+  if (one_sidedness_ > desc.most_one_sided) return;
+  blur(field, fine);
+  bounds_ = {fine.origin, fine.origin + fine.voxel * Vec3d{double(fine.size[0]), double(fine.size[1]), double(fine.size[2])}};
+  voxel_ = fine.voxel;
+  std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
+  field_ = std::move(field);
+}
+
+float VisualHull::occupancy(const Vec3d& p) const {
+  const Vec3d q = (p - bounds_.low) / voxel_ - Vec3d{0.5, 0.5, 0.5};
+  const int x = int(std::floor(q.x)), y = int(std::floor(q.y)), z = int(std::floor(q.z));
+  if (x < 0 || y < 0 || z < 0 || x + 1 >= size_[0] || y + 1 >= size_[1] || z + 1 >= size_[2]) return 0;
+  const float u = float(q.x - x), v = float(q.y - y), w = float(q.z - z);
+  const size_t row = size_t(size_[0]), slice = row * size_t(size_[1]);
+  const float* f = field_.data() + (size_t(z) * size_t(size_[1]) + size_t(y)) * row + size_t(x);
+  const auto across = [&](const float* g) {
+    return (1 - v) * ((1 - u) * g[0] + u * g[1]) + v * ((1 - u) * g[row] + u * g[row + 1]);
+  };
+  return (1 - w) * across(f) + w * across(f + slice);
+}
+
+std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& direction) const {
+  if (empty()) return std::nullopt;
+  const Vec3d d = normalized(direction);
+  double near = 0, far = 1e300;
+  for (size_t i = 0; i < 3; ++i) {
+    if (std::abs(d[i]) < 1e-12) {
+      if (origin[i] < bounds_.low[i] || origin[i] > bounds_.high[i]) return std::nullopt;
+      continue;
+    }
+    const double a = (bounds_.low[i] - origin[i]) / d[i], b = (bounds_.high[i] - origin[i]) / d[i];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  for (double t = near; t < far; t += 0.5 * voxel_) {
+    if (occupancy(origin + t * d) < kLevel) continue;
+    double low = std::max(0.0, t - 0.5 * voxel_), high = t;
+    for (int step = 0; step < 10; ++step) {
+      const double middle = 0.5 * (low + high);
+      (occupancy(origin + middle * d) < kLevel ? low : high) = middle;
+    }
+    const Vec3d hit = origin + high * d;
+    Vec3d gradient{};
+    for (size_t i = 0; i < 3; ++i) {
+      Vec3d step{};
+      step[i] = 1.5 * voxel_;
+      gradient[i] = double(occupancy(hit - step) - occupancy(hit + step));
+    }
+    if (!(length(gradient) > 1e-6) || dot(gradient, d) >= 0) return std::nullopt;
+    return HullHit{high / length(direction), normalized(gradient)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace vitrine

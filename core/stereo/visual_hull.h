@@ -1,0 +1,51 @@
+// The visual hull of an object: what is left of space when every mask has cut away what it shows to be empty (Laurentini, "The
+// visual hull concept for silhouette-based image understanding", 1994). For glass and mirrors, whose pixels no stereo matches, it
+// is the only geometry that the photos give. It needs photos from around: seen from one side alone a hull is a cone to infinity.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+
+namespace vitrine {
+
+struct HullMask {
+  View view;    // intrinsics of the size of `mask`
+  ImageF mask;  // [h,w,1]; at least one half = belongs to the object
+};
+
+struct HullDesc {
+  int resolution = 128;         // voxels along the longest side of what is left
+  double dissent = 0.1;         // share of the photos that may see a voxel outside their mask: something may stand in front
+  double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
+  double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
+};
+
+struct HullHit {
+  double t;
+  Vec3d normal;  // in the world, unit, against the ray
+};
+
+class VisualHull {
+ public:
+  VisualHull(std::span<const HullMask> masks, const HullDesc& desc);
+
+  bool empty() const { return field_.empty(); }
+  double one_sidedness() const { return one_sidedness_; }  // of the cameras, as seen from the hull
+  const Bounds3& bounds() const { return bounds_; }
+  // First crossing of the smoothed surface, for t > 0. Thread-safe.
+  std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
+
+ private:
+  float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
+  Bounds3 bounds_;
+  double voxel_ = 0;
+  int size_[3] = {0, 0, 0};
+  double one_sidedness_ = 0;
+  std::vector<float> field_;  // [z][y][x] occupancy, blurred
+};
+
+}  // namespace vitrine

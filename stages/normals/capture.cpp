@@ -1,0 +1,49 @@
+#include "stages/normals/capture.h"
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+
+namespace vitrine {
+
+ImageF NormalCapture::photo(size_t view, int width, int height) const {
+  const View& v = set.views[view];
+  const fs::path path = linear_image_path(sfm, v);
+  const ImageF linear = read_exr_rgb(path);
+  if (linear.width() != v.intrinsics.width || linear.height() != v.intrinsics.height)
+    throw Error(ErrorKind::Input, "a photo and its camera have different sizes",
+                {.where = path.string(),
+                 .why = fmt::format("the file has {} x {} pixels, the camera model {} x {}", linear.width(), linear.height(),
+                                    v.intrinsics.width, v.intrinsics.height),
+                 .hint = "run the sfm stage again",
+                 .code = "SIZE_MISMATCH"});
+  return srgb_from_linear_image(resized(linear, width, height));
+}
+
+std::optional<ImageF> NormalCapture::mask(const std::string& kind, size_t view, int width, int height) const {
+  if (!masks) return std::nullopt;
+  const fs::path path = *masks / "masks" / kind / (set.views[view].stem() + ".png");
+  if (!fs::exists(path)) return std::nullopt;
+  const ImageF file = read_unchanged(path);
+  const Intrinsics& k = set.views[view].intrinsics;
+  if (file.width() != k.width || file.height() != k.height || file.channels() != 1)
+    throw Error(ErrorKind::Input, "a mask does not fit its photo",
+                {.where = path.string(),
+                 .why = fmt::format("{} x {} with {} channels; the photo has {} x {}", file.width(), file.height(),
+                                    file.channels(), k.width, k.height),
+                 .hint = "run the masks stage again",
+                 .code = "SIZE_MISMATCH"});
+  return resized(file, width, height);
+}
+
+NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,
+                                  int holdout_every) {
+  NormalCapture capture{.sfm = sfm, .masks = masks, .set = load_view_set(sfm), .helpers = {}};
+  for (uint32_t v = 0; v < capture.set.views.size(); ++v)
+    if (!is_heldout(v, holdout_every)) capture.helpers.push_back(v);
+  return capture;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,198 @@
+#include "stages/normals/geometric.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/image/resample.h"
+#include "core/stereo/patch_match.h"
+#include "stages/normals/plane_fit.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
+constexpr double kFarPercentile = 0.98;
+// Without a single sparse point depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
+constexpr double kBlindDepthFactor = 4;
+constexpr float kFullAgreement = 3;       // neighbours that see the same surface make a depth as sure as it gets
+constexpr float kConvincingAlone = 0.9f;  // NCC of a depth that nobody was asked to confirm
+constexpr float kOnMirror = 0.3f;         // stereo inside a mask whose surface it probably does not see
+
+// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
+ImageF luma(const ImageF& srgb) {
+  ImageF grey(srgb.width(), srgb.height(), 1);
+  for (size_t i = 0; i < grey.data().size(); ++i) {
+    const float* p = srgb.data().data() + 3 * i;
+    grey.data()[i] = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+  }
+  return grey;
+}
+
+std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
+  const ViewSet& set = desc.capture.set;
+  std::vector<bool> wanted(set.views.size(), false), loaded(set.views.size(), false);
+  for (uint32_t v : desc.views) wanted[v] = loaded[v] = true;
+  std::vector<StereoPhoto> photos(set.views.size());
+  const size_t count = size_t(desc.config.neighbours);
+  const auto partners = stereo_neighbours(set, desc.capture.helpers, count);
+  for (uint32_t v = 0; v < photos.size(); ++v) {
+    if (!wanted[v]) continue;
+    photos[v].neighbours = partners[v];
+    if (photos[v].neighbours.empty()) {  // kept for the evaluation: it helps nobody, but may be helped
+      std::vector<uint32_t> with_it = desc.capture.helpers;
+      with_it.insert(std::upper_bound(with_it.begin(), with_it.end(), v), v);
+      photos[v].neighbours = stereo_neighbours(set, with_it, count)[v];
+    }
+    for (uint32_t n : photos[v].neighbours) loaded[n] = true;
+  }
+  parallel_for(photos.size(), 1, [&](size_t v) {
+    if (!loaded[v] || interrupt_signal() != 0) return;
+    photos[v].view = set.views[v];
+    photos[v].view.intrinsics = set.views[v].intrinsics.limited_to(desc.config.max_side);
+    const Intrinsics& k = photos[v].view.intrinsics;
+    photos[v].luma = luma(desc.capture.photo(v, k.width, k.height));
+  });
+  throw_if_interrupted();
+  for (const ScenePoint& point : set.points)
+    for (uint32_t v : point.views) {
+      if (!wanted[v]) continue;
+      const Intrinsics& k = photos[v].view.intrinsics;
+      const Vec3d p = photos[v].view.cam_from_world * point.position;
+      if (p.z > 0) photos[v].hints.push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
+    }
+  for (StereoPhoto& photo : photos) {
+    photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;
+    if (photo.hints.empty()) continue;
+    std::vector<double> depths;
+    for (const Vec3d& h : photo.hints) depths.push_back(h.z);
+    std::sort(depths.begin(), depths.end());
+    photo.near_z = kNearShare * depths.front();
+    photo.far_z = desc.config.far_factor * depths[size_t(kFarPercentile * double(depths.size() - 1))];
+  }
+  return photos;
+}
+
+// A few photos at a time, so that a run can be followed and stopped.
+std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, uint64_t seed,
+                                     const std::function<void(double)>& progress) {
+  const size_t batch = 4 * size_t(thread_limit());  // results do not depend on it
+  std::vector<std::vector<uint32_t>> partners(photos.size());
+  for (size_t v = 0; v < photos.size(); ++v) partners[v].swap(photos[v].neighbours);
+  std::vector<DepthMap> depths(photos.size());
+  for (size_t begin = 0; begin < photos.size(); begin += batch) {
+    const size_t end = std::min(begin + batch, photos.size());
+    for (size_t v = begin; v < end; ++v) photos[v].neighbours = partners[v];
+    std::vector<DepthMap> some = patch_match(photos, {.seed = seed});
+    for (size_t v = begin; v < end; ++v) {
+      depths[v] = std::move(some[v]);
+      photos[v].neighbours.clear();
+    }
+    throw_if_interrupted();
+    progress(double(end) / double(photos.size()));
+  }
+  for (size_t v = 0; v < photos.size(); ++v) photos[v].neighbours = std::move(partners[v]);
+  return depths;
+}
+
+// A depth counts by how many photos confirm it; where none was matched for that (`confirmed` false) by its own correlation.
+DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
+  DepthSamples samples{map.width, map.height, std::vector<float>(map.zdepth.size()), std::vector<float>(map.zdepth.size())};
+  for (size_t i = 0; i < map.zdepth.size(); ++i) {
+    samples.inverse_z[i] = 1 / map.zdepth[i];
+    if (confirmed)
+      samples.weight[i] = std::min(float(map.agreeing[i]), kFullAgreement) / kFullAgreement * std::max(0.f, map.score[i]);
+    else
+      samples.weight[i] = map.score[i] >= kConvincingAlone ? 1.f : 0.f;
+  }
+  return samples;
+}
+
+// Of all classes the hull is made of, at the size of `k`. Empty when the photo has none.
+ImageF hull_mask(const NormalCapture& capture, const std::vector<std::string>& classes, size_t view, const Intrinsics& k) {
+  ImageF all;
+  for (const std::string& kind : classes) {
+    const auto mask = capture.mask(kind, view, k.width, k.height);
+    if (!mask) continue;
+    if (all.empty())
+      all = *mask;
+    else
+      for (size_t i = 0; i < all.data().size(); ++i) all.data()[i] = std::max(all.data()[i], mask->data()[i]);
+  }
+  return all;
+}
+
+VisualHull hull_of(const GeometricDesc& desc, GeometricReport& report) {
+  std::vector<HullMask> masks;
+  for (uint32_t v : desc.capture.helpers) {
+    HullMask m{desc.capture.set.views[v], {}};
+    m.view.intrinsics = m.view.intrinsics.limited_to(2 * desc.config.max_side);
+    m.mask = hull_mask(desc.capture, desc.config.hull, v, m.view.intrinsics);
+    if (!m.mask.empty()) masks.push_back(std::move(m));
+  }
+  VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent});
+  report.hull_masks = masks.size();
+  report.hull = !hull.empty();
+  report.hull_one_sidedness = hull.one_sidedness();
+  return hull;
+}
+
+// Inside the masks of `view`: the hull's normals. Behind glass stereo sees something else, and on a mirror perhaps.
+void put_hull(const GeometricDesc& desc, const VisualHull& hull, const View& view, size_t index, NormalMap& map) {
+  const Intrinsics& k = view.intrinsics;
+  const ImageF mask = hull_mask(desc.capture, desc.config.hull, index, k);
+  if (mask.empty()) return;
+  const auto glass = desc.capture.mask("transparent", index, k.width, k.height);
+  const Vec3d centre = view.centre_in_world();
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      if (mask.at(x, y) < 0.5f) continue;
+      const auto hit = hull.first_hit(centre, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+      if (hit)
+        map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), float(desc.config.hull_confidence));
+      else if (glass && glass->at(x, y) >= 0.5f)
+        map.forget(x, y);
+      else
+        map.confidence.at(x, y) *= kOnMirror;
+    }
+}
+
+}  // namespace
+
+std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress,
+                                         GeometricReport* report) {
+  GeometricReport own_report;
+  GeometricReport& r = report != nullptr ? *report : own_report;
+  std::vector<StereoPhoto> photos = stereo_photos(desc);
+  progress(0.1);
+  std::vector<DepthMap> depths = matched_depths(photos, desc.seed, [&](double f) { progress(0.1 + 0.65 * f); });
+  // With every helper's own depths at hand they confirm each other.
+  const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
+                                     [&](uint32_t v) { return !depths[v].zdepth.empty(); });
+  if (confirmed) count_agreement(photos, depths);
+  VisualHull hull({}, {});
+  if (desc.with_hull && desc.capture.masks && !desc.config.hull.empty()) hull = hull_of(desc, r);
+  progress(0.85);
+  std::vector<NormalMap> normals(desc.views.size());
+  parallel_for(desc.views.size(), 1, [&](size_t i) {
+    if (interrupt_signal() != 0) return;
+    const uint32_t v = desc.views[i];
+    const Intrinsics& k = photos[v].view.intrinsics;
+    if (depths[v].zdepth.empty()) {
+      if (!hull.empty()) normals[i] = NormalMap(k.width, k.height);
+    } else {
+      normals[i] = fitted_normals(depth_samples(depths[v], confirmed), photos[v].luma, k);
+    }
+    if (normals[i].empty()) return;
+    forget_hidden_sides(normals[i], k);
+    if (desc.with_hull && desc.capture.masks) put_hull(desc, hull, photos[v].view, v, normals[i]);
+  });
+  throw_if_interrupted();
+  for (uint32_t v : desc.views) r.without_partners += depths[v].zdepth.empty();
+  progress(1);
+  return normals;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,35 @@
+// Normals from the photos themselves: stereo gives depths where there is texture, planes fitted to them give normals; inside the
+// masks of glass and mirrors, which stereo cannot match, the visual hull of the masks does.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/stereo/visual_hull.h"
+#include "stages/normals/capture.h"
+#include "stages/normals/normal_map.h"
+#include "stages/normals/normals.h"
+
+namespace vitrine {
+
+struct GeometricReport {
+  size_t without_partners = 0;  // photos that share no view with others
+  size_t hull_masks = 0;        // photos with a mask; 0 = no hull was wanted, or nothing to carve with
+  bool hull = false;
+  double hull_one_sidedness = 0;
+};
+
+struct GeometricDesc {
+  const NormalCapture& capture;
+  const GeometricConfig& config;
+  uint64_t seed = 0;
+  std::span<const uint32_t> views;  // photos that are wanted
+  bool with_hull = true;
+};
+
+// One map per wanted photo, at most config.max_side large; empty for a photo that no other one can be matched with.
+std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress,
+                                         GeometricReport* report = nullptr);
+
+}  // namespace vitrine

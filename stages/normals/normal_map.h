@@ -1,0 +1,42 @@
+// Normals of one photo in the OpenCV camera frame (a wall that faces the camera is 0 0 -1) and how far they can be trusted.
+#pragma once
+
+#include <filesystem>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+
+namespace vitrine {
+
+struct NormalMap {
+  ImageF normal;      // [h,w,3], unit; 0 0 0 = unknown
+  ImageF confidence;  // [h,w,1] in [0,1]; 0 where unknown
+
+  NormalMap() = default;
+  NormalMap(int width, int height) : normal(width, height, 3), confidence(width, height, 1) {}
+  bool empty() const { return normal.empty(); }
+  Vec3f at(int x, int y) const {
+    const float* n = normal.pixel(x, y);
+    return {n[0], n[1], n[2]};
+  }
+  void set(int x, int y, const Vec3f& n, float how_sure) {
+    float* p = normal.pixel(x, y);
+    p[0] = n.x, p[1] = n.y, p[2] = n.z;
+    confidence.at(x, y) = how_sure;
+  }
+  void forget(int x, int y) { set(x, y, {}, 0); }
+};
+
+// The mean of what a new pixel covers, weighted by confidence, of unit length again; disagreement lowers the confidence.
+NormalMap resized(const NormalMap& map, int width, int height);
+
+struct Facing {
+  size_t known = 0, away = 0;  // pixels with a normal; those of them that look away from the camera
+};
+// Takes away normals that look away from the camera: no visible surface does. `k` has the size of the map.
+Facing forget_hidden_sides(NormalMap& map, const Intrinsics& k);
+
+// `folder`/<stem>.exr and `folder`/<stem>_confidence.png.
+void write_normal_map(const std::filesystem::path& folder, const View& view, const NormalMap& map);
+
+}  // namespace vitrine

@@ -1,0 +1,247 @@
+#include "stages/normals/normals.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/base/timer.h"
+#include "stages/normals/capture.h"
+#include "stages/normals/files.h"
+#include "stages/normals/geometric.h"
+#include "stages/normals/space.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr size_t kSpaceViews = 4;      // photos that the detection of the frame looks at
+constexpr double kSuspectAway = 0.05;  // share of normals away from the camera that is worth a word
+constexpr double kWrongAway = 0.5;     // ... and that no mistake but the frame's explains
+
+class NormalsRun {
+ public:
+  NormalsRun(const NormalsConfig& config, StageContext& context)
+      : config_(config),
+        context_(context),
+        capture_(load_normal_capture(context.input("sfm"), context.optional_input("masks"), config.holdout_every)),
+        folder_(context.optional_input("normals")) {}
+
+  void run() {
+    const std::string source = config_.source != "auto" ? config_.source : folder_ ? "files" : "geometric";
+    report_["source"] = source;
+    if (source == "geometric") geometric();
+    if (source == "files") files();
+    finish(source);
+  }
+
+ private:
+  std::vector<uint32_t> all_views() const {
+    std::vector<uint32_t> views;
+    for (uint32_t v = 0; v < capture_.set.views.size(); ++v) views.push_back(v);
+    return views;
+  }
+
+  void geometric() {
+    GeometricReport g;
+    const auto views = all_views();
+    std::vector<NormalMap> maps = geometric_normals(
+        {.capture = capture_, .config = config_.geometric, .seed = uint64_t(config_.seed), .views = views},
+        [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &g);
+    for (uint32_t v : views)
+      if (!maps[v].empty()) write(v, std::move(maps[v]));
+    report_["hull"] = {{"used", g.hull}, {"masks", g.hull_masks}, {"one_sidedness", g.hull_one_sidedness}};
+    if (g.hull_masks > 0 && !g.hull)
+      context_.warning("NO_HULL",
+                       "the masks of glass and mirrors leave no common volume, or the photos see it from one side "
+                       "only: its normals stay unknown");
+    if (g.without_partners > 0)
+      context_.warning("NO_STEREO", fmt::format("{} photos share no view with others", g.without_partners));
+  }
+
+  void files() {
+    if (!folder_)
+      throw Error(ErrorKind::Usage, "normals.source is 'files' and no folder of normal maps is given",
+                  {.where = "stage 'normals'", .hint = "--set input.normals=DIR", .code = "MISSING_INPUT"});
+    std::vector<std::optional<fs::path>> found;
+    for (const View& view : capture_.set.views) found.push_back(find_normal_file(*folder_, view));
+    std::vector<uint32_t> views;
+    for (uint32_t v = 0; v < found.size(); ++v)
+      if (found[v]) views.push_back(v);
+    if (views.empty())
+      throw Error(ErrorKind::Input, "no normal map belongs to a photo",
+                  {.where = folder_->string(),
+                   .why = fmt::format("looked for {0}.exr, {0}.png, {0}_normal.png and the like",
+                                      capture_.set.views.empty() ? std::string("<photo>") : capture_.set.views[0].stem()),
+                   .hint = "name them like the photos in images/",
+                   .code = "NO_NORMAL_FILES"});
+    if (views.size() < found.size())
+      context_.warning("NORMALS_MISSING",
+                       fmt::format("{} of {} photos have no normal map", found.size() - views.size(), found.size()));
+    const auto map_of = [&](uint32_t v) { return read_normal_file(*found[v], capture_.set.views[v]); };
+    const NormalSpace space = chosen_space(config_.files.space, views, map_of, folder_->string());
+    given_maps(views, map_of, space, config_.files.confidence, folder_->string());
+  }
+
+  // The declared frame, or what the sign test finds on a few photos.
+  NormalSpace chosen_space(const std::string& declared, const std::vector<uint32_t>& views,
+                           const std::function<NormalMap(uint32_t)>& map_of, const std::string& what) {
+    Json& j = report_["space"];
+    if (declared != "auto") {
+      j = {{"name", declared}, {"declared", true}};
+      return normal_space(declared);
+    }
+    std::vector<uint32_t> chosen;
+    const size_t count = std::min(kSpaceViews, views.size());
+    for (size_t i = 0; i < count; ++i) chosen.push_back(views[(2 * i + 1) * views.size() / (2 * count)]);
+    const std::vector<NormalMap> geometric = geometric_normals(
+        {.capture = capture_, .config = config_.geometric, .seed = uint64_t(config_.seed), .views = chosen, .with_hull = false},
+        [&](double f) { context_.progress({.fraction = 0.3 * f, .text = "which frame the normals are in", .values = {}}); });
+    std::vector<NormalMap> given;
+    std::vector<View> sized;
+    for (size_t i = 0; i < count; ++i) {
+      sized.push_back(capture_.set.views[chosen[i]]);
+      sized[i].intrinsics = sized[i].intrinsics.limited_to(config_.geometric.max_side);
+      given.push_back(resized(map_of(chosen[i]), sized[i].intrinsics.width, sized[i].intrinsics.height));
+    }
+    std::vector<SpaceSample> samples;
+    for (size_t i = 0; i < count; ++i)
+      if (!geometric[i].empty()) samples.push_back({given[i], geometric[i], sized[i]});
+    const auto candidates = detected_space(samples, what);
+    j = {{"name", candidates[0].space.name()}, {"declared", false}, {"candidates", Json::array()}};
+    for (const SpaceCandidate& c : candidates)
+      j["candidates"].push_back({{"name", c.space.name()}, {"error_deg", c.error_deg}, {"facing", c.facing}});
+    log_info("normals: the frame is {} ({:.1f} degrees off the photos' geometry; next {}, {:.1f})", candidates[0].space.name(),
+             candidates[0].error_deg, candidates[1].space.name(), candidates[1].error_deg);
+    return candidates[0].space;
+  }
+
+  // Maps from outside: turned into the camera's frame, checked, reduced, written.
+  void given_maps(const std::vector<uint32_t>& views, const std::function<NormalMap(uint32_t)>& map_of, const NormalSpace& space,
+                  double confidence, const std::string& what) {
+    Facing facing;
+    for (size_t i = 0; i < views.size(); ++i) {
+      throw_if_interrupted();
+      const View& view = capture_.set.views[views[i]];
+      NormalMap map = map_of(views[i]);
+      for (float& c : map.confidence.data()) c *= float(confidence);
+      to_camera(map, space, view.cam_from_world);
+      const Facing f = forget_hidden_sides(map, view.intrinsics.scaled_to(map.normal.width(), map.normal.height()));
+      facing.known += f.known, facing.away += f.away;
+      write(views[i], std::move(map));
+      context_.progress(
+          {.fraction = 0.3 + 0.65 * double(i + 1) / double(views.size()), .text = "normals of photos", .values = {}});
+    }
+    const double away = facing.known > 0 ? double(facing.away) / double(facing.known) : 0;
+    report_["facing_away"] = away;
+    if (away > kWrongAway)
+      throw Error(ErrorKind::Input, "the normals look away from the camera",
+                  {.where = what,
+                   .why = fmt::format("{:.0f} % of them do in the frame {}", 100 * away, space.name()),
+                   .hint = "declare the frame they are in, or 'auto'",
+                   .code = "NORMALS_FACE_AWAY"});
+    if (away > kSuspectAway)
+      context_.warning("NORMALS_FACE_AWAY",
+                       fmt::format("{:.0f} % of the normals look away from the camera and were dropped", 100 * away));
+  }
+
+  void write(uint32_t v, NormalMap map) {
+    const View& view = capture_.set.views[v];
+    const Intrinsics k =
+        view.intrinsics.limited_to(std::min(config_.max_side, std::max(map.normal.width(), map.normal.height())));
+    map = resized(map, k.width, k.height);
+    double known = 0, sure = 0;
+    for (float c : map.confidence.data()) known += c > 0, sure += double(c);
+    const double pixels = double(map.confidence.pixel_count());
+    write_normal_map(context_.output() / "normals", view, map);
+    photos_.push_back({{"name", view.name},
+                       {"width", k.width},
+                       {"height", k.height},
+                       {"known", known / pixels},
+                       {"mean_confidence", known > 0 ? sure / known : 0.0}});
+    known_ += known / pixels;
+    sure_ += known > 0 ? sure / known : 0;
+  }
+
+  void finish(const std::string& source) {
+    report_["photos"] = photos_;
+    make_folders(context_.output() / "normals");
+    write_file(context_.output() / "normals" / "report.json", report_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    context_.metric("maps", double(photos_.size()));
+    if (photos_.empty()) {
+      context_.summary(source == "none" ? "none wanted" : "none");
+      return;
+    }
+    const double known = known_ / double(photos_.size()), sure = sure_ / double(photos_.size());
+    context_.metric("known", known);
+    context_.metric("confidence", sure);
+    std::string space = report_.contains("space") ? ", " + report_["space"]["name"].get<std::string>() : std::string();
+    context_.summary(fmt::format("{}{}: {} maps, {:.0f} % of the pixels, confidence {:.2f}", source, space, photos_.size(),
+                                 100 * known, sure));
+  }
+
+  const NormalsConfig& config_;
+  StageContext& context_;
+  NormalCapture capture_;
+  std::optional<fs::path> folder_;
+  Json report_, photos_ = Json::array();
+  double known_ = 0, sure_ = 0;
+};
+
+}  // namespace
+
+void describe(Describer& d, GeometricConfig& c) {
+  d.option("max_side", c.max_side, "Longest side at which the photos are matched, pixels.").range(32, 4096);
+  d.option("neighbours", c.neighbours, "Photos that each photo is matched with.").range(2, 32);
+  d.option("far_factor", c.far_factor, "How far beyond the farthest sparse points surfaces are looked for.").range(1, 100);
+  d.option("hull", c.hull, "Classes of masks whose visual hull gives the normals inside them; empty = none.")
+      .choices({"object", "transparent", "specular"});
+  d.option("hull_resolution", c.hull_resolution, "Voxels along the longest side of the hull.").range(16, 1024);
+  d.option("hull_dissent", c.hull_dissent, "Share of the photos that may contradict a voxel of the hull.").range(0, 0.5);
+  d.option("hull_confidence", c.hull_confidence, "Confidence of the hull's normals.").range(0, 1);
+}
+
+void describe(Describer& d, NormalFilesConfig& c) {
+  std::vector<std::string> spaces = normal_space_names();
+  spaces.insert(spaces.begin(), "auto");
+  d.option("space", c.space, "Frame of the normals; auto = found by comparing with the photos' geometry.").choices(spaces);
+  d.option("confidence", c.confidence, "Factor on the confidence of the files, which is 1 without <stem>_confidence.png.")
+      .range(0, 1);
+}
+
+void describe(Describer& d, NormalsConfig& c) {
+  d.option("source", c.source, "Where normals come from; auto = files where a folder is given, else geometric.")
+      .choices({"auto", "files", "geometric", "none"});
+  d.option("max_side", c.max_side, "Longest side of the written maps, pixels; what is known more coarsely stays so.")
+      .range(16, 16384);
+  d.option("holdout_every", c.holdout_every,
+           "Every how many photos one is kept for the evaluation and helps no other one; as optimize.holdout_every.")
+      .range(0, 100000);
+  d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
+  d.group("geometric", c.geometric, "Normals from stereo between the photos.");
+  d.group("files", c.files, "Normal maps of your own.");
+}
+
+void run_normals(const NormalsConfig& config, StageContext& context) { NormalsRun(config, context).run(); }
+
+Stage normals_stage() {
+  StageInfo info{.name = "normals",
+                 .version = 1,
+                 .summary = "surface normals of the photos, from stereo or from files",
+                 .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
+                            {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
+                            {.name = "normals",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "normal maps of the photos: <stem>.png or <stem>.exr"}}};
+  return make_stage<NormalsConfig>(std::move(info), run_normals);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,44 @@
+// Stage `normals`: the surface normal of every photo's pixels, with a confidence, as a hint for training (README.md).
+//   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps of the user's
+//   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
+// version 1: first.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct GeometricConfig {
+  int max_side = 240;
+  int neighbours = 6;
+  double far_factor = 3;
+  std::vector<std::string> hull{"transparent", "specular"};
+  int hull_resolution = 128;
+  double hull_dissent = 0.1;
+  double hull_confidence = 0.5;
+};
+void describe(Describer& d, GeometricConfig& c);
+
+struct NormalFilesConfig {
+  std::string space = "auto";
+  double confidence = 1;
+};
+void describe(Describer& d, NormalFilesConfig& c);
+
+struct NormalsConfig {
+  std::string source = "auto";
+  int max_side = 480;
+  int holdout_every = 8;
+  int seed = 0;
+  GeometricConfig geometric;
+  NormalFilesConfig files;
+};
+void describe(Describer& d, NormalsConfig& c);
+
+void run_normals(const NormalsConfig& config, StageContext& context);
+Stage normals_stage();
+
+}  // namespace vitrine

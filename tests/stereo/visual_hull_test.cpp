@@ -1,0 +1,89 @@
+#include "core/stereo/visual_hull.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace vitrine {
+namespace {
+
+constexpr double kRadius = 0.25;
+const Vec3d kCentre{0.05, -0.1, 0.1};
+
+// Silhouettes of a ball from `count` cameras within `span_rad` of azimuth.
+std::vector<HullMask> ball_masks(int count, double span_rad) {
+  std::vector<HullMask> masks;
+  for (int i = 0; i < count; ++i) {
+    const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;
+    const Vec3d eye{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
+    const Vec3d forward = normalized(-eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
+    HullMask m;
+    m.view.intrinsics = {96, 80, 90, 90, 48, 40};
+    m.view.cam_from_world = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
+    m.mask = ImageF(96, 80, 1);
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const Vec3d d = normalized(transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5)));
+        const Vec3d to = kCentre - eye;
+        m.mask.at(x, y) = length(to - dot(to, d) * d) < kRadius ? 1.f : 0.f;
+      }
+    masks.push_back(std::move(m));
+  }
+  return masks;
+}
+
+TEST(VisualHull, OfABallHasTheBallsNormals) {
+  const std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
+  const VisualHull hull(masks, {.resolution = 64, .dissent = 0});
+  ASSERT_FALSE(hull.empty());
+  EXPECT_LT(hull.one_sidedness(), 0.5);
+  double angle = 0, distance = 0;
+  size_t hits = 0;
+  const View& view = masks[1].view;
+  const Vec3d eye = view.centre_in_world();
+  for (int y = 0; y < 80; y += 2)
+    for (int x = 0; x < 96; x += 2) {
+      const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+      const auto hit = hull.first_hit(eye, d);
+      const Vec3d to = kCentre - eye;
+      const double off = length(to - dot(to, d) * d);
+      EXPECT_FALSE(hit && off > kRadius * 1.2) << x << " " << y;
+      if (off > kRadius * 0.85) continue;
+      ASSERT_TRUE(hit) << x << " " << y;
+      const Vec3d p = eye + hit->t * d;
+      distance += std::abs(length(p - kCentre) - kRadius);
+      angle += std::acos(std::min(1.0, dot(hit->normal, normalized(p - kCentre)))) * 57.29578;
+      ++hits;
+    }
+  EXPECT_LT(angle / double(hits), 9);
+  EXPECT_LT(distance / double(hits), 0.03);
+}
+
+TEST(VisualHull, AFewPhotosWithSomethingInFrontDoNotCutItAway) {
+  std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
+  for (size_t m : {3, 11})
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 48; ++x) masks[m].mask.at(x, y) = 0;
+  const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
+  EXPECT_NEAR(VisualHull(masks, {.resolution = 48, .dissent = 0.1}).bounds().diagonal(), whole, 0.1 * whole);
+  EXPECT_LT(VisualHull(masks, {.resolution = 48, .dissent = 0}).bounds().diagonal(), 0.9 * whole);
+}
+
+TEST(VisualHull, OfPhotosFromOneSideIsNone) {
+  const VisualHull hull(ball_masks(12, 0.5), {.resolution = 48});
+  EXPECT_TRUE(hull.empty());
+  EXPECT_GT(hull.one_sidedness(), 0.8);
+  EXPECT_FALSE(hull.first_hit({1, 0, 0}, {-1, 0, 0}));
+}
+
+TEST(VisualHull, OfEmptyOrContradictingMasksIsNone) {
+  std::vector<HullMask> masks = ball_masks(9, 2 * std::numbers::pi);
+  EXPECT_TRUE(VisualHull(std::vector<HullMask>{}, {}).empty());
+  for (HullMask& m : masks) std::fill(m.mask.data().begin(), m.mask.data().end(), 0.f);
+  EXPECT_TRUE(VisualHull(masks, {}).empty());
+}
+
+}  // namespace
+}  // namespace vitrine
