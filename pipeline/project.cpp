@@ -24,6 +24,17 @@ bool is_project(const fs::path& folder) {
   return fs::is_regular_file(folder / "vitrine.yaml", ec);
 }
 
+fs::path project_of(const std::string& word) {
+  const fs::path project = fs::absolute(word).lexically_normal();
+  if (!is_project(project))
+    throw Error(ErrorKind::Input, "this is no output folder of vitrine",
+                {.where = project.string(),
+                 .why = "it has no vitrine.yaml",
+                 .hint = "vitrine run PHOTOS -o DIR makes one",
+                 .code = "NO_PROJECT"});
+  return project;
+}
+
 fs::path default_project(const fs::path& photos) {
   fs::path folder = fs::absolute(photos).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();

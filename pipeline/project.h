@@ -8,6 +8,8 @@
 namespace vitrine {
 
 bool is_project(const fs::path& folder);  // made by an earlier run: it has vitrine.yaml
+// The output folder that a command line names. Error{Input} when it is none.
+fs::path project_of(const std::string& word);
 // The folder for `vitrine run PHOTOS` without -o.
 fs::path default_project(const fs::path& photos);
 // Writes PROJECT/vitrine.yaml: the photos, the preset and everything given on the command line.

@@ -17,17 +17,6 @@ namespace vitrine {
 
 namespace {
 
-fs::path project_of(const std::string& word) {
-  const fs::path project = fs::absolute(word).lexically_normal();
-  if (!is_project(project))
-    throw Error(ErrorKind::Input, "this is no output folder of vitrine",
-                {.where = project.string(),
-                 .why = "it has no vitrine.yaml",
-                 .hint = "vitrine run PHOTOS -o DIR makes one",
-                 .code = "NO_PROJECT"});
-  return project;
-}
-
 struct When {
   std::string started = "-", took = "-";
 };

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/image/image.h"
-#include "stages/evaluate/render_view.h"
 
 namespace vitrine {
 

@@ -9,10 +9,10 @@
 #include "core/image/ldr.h"
 #include "core/image/metrics.h"
 #include "core/mesh/mesh_io.h"
-#include "core/scene/scene_io.h"
+#include "core/picture/trained_scene.h"
 #include "stages/evaluate/contact_sheet.h"
+#include "stages/evaluate/photo.h"
 #include "stages/evaluate/regions.h"
-#include "stages/evaluate/render_view.h"
 #include "stages/evaluate/report.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/truth.h"
@@ -40,11 +40,10 @@ class Evaluator {
         context_(context),
         sfm_(context.input("sfm")),
         views_(load_view_set(sfm_).views),
-        layer_(read_layer(context.input("optimize") / "gaussians" / "diffuse.ply")),
-        renderer_(make_renderer(backend_of(config))) {
+        painter_(read_trained_scene(context.input("optimize")), {.backend = backend_of(config)}) {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
-    result_.surfels = layer_.size();
+    for (LayerKind kind : kAllLayers) result_.surfels += painter_.surfels().layer(kind).size();
     result_.mesh_threshold_rel = config.mesh_threshold_rel;
     result_.min_region_pixels = config.min_region_pixels;
     make_folders(context.output() / "eval");
@@ -113,7 +112,9 @@ class Evaluator {
 
   void score_view(size_t index, bool heldout, bool on_sheet) {
     const View& view = views_[index];
-    const RenderedView render = rendered_view(*renderer_, layer_, view, result_.split.max_side);
+    View seen = view;
+    seen.intrinsics = view.intrinsics.limited_to(result_.split.max_side);
+    const ViewPicture render = painter_.picture(seen);
     const ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
     ViewScore score{.name = view.name,
                     .heldout = heldout,
@@ -141,7 +142,7 @@ class Evaluator {
     result_.views.push_back(std::move(score));
   }
 
-  void score_surface(size_t index, const RenderedView& render, const RegionMasks& masks, ViewScore& score) {
+  void score_surface(size_t index, const ViewPicture& render, const RegionMasks& masks, ViewScore& score) {
     if (const auto it = std::find(paired_.begin(), paired_.end(), index); it != paired_.end())
       score.pose = result_.truth->poses[size_t(it - paired_.begin())];
     SurfaceTruth truth;
@@ -249,8 +250,7 @@ class Evaluator {
   StageContext& context_;
   fs::path sfm_;
   std::vector<View> views_;
-  SplatLayer layer_;
-  std::unique_ptr<Renderer> renderer_;
+  ScenePainter painter_;
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;

@@ -11,7 +11,7 @@
 #include "core/camera/view.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
-#include "stages/evaluate/view_split.h"
+#include "core/camera/view_split.h"
 
 namespace vitrine {
 

@@ -13,8 +13,7 @@ double mean(const std::vector<double>& values) {
   return sum / double(values.size());
 }
 
-void add_surface_error(const RenderedView& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours,
-                       SurfaceError& sum) {
+void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours, SurfaceError& sum) {
   const auto normal_of = [](const ImageF& image, size_t i) {
     const float* n = image.data().data() + 3 * i;
     return Vec3d{n[0], n[1], n[2]};

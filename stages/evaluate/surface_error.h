@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/math/rigid.h"
-#include "stages/evaluate/render_view.h"
+#include "core/picture/view_picture.h"
 
 namespace vitrine {
 
@@ -19,7 +19,7 @@ struct SurfaceError {                     // one entry per pixel that counts
   std::vector<double> zdepth_rel;         // |z - z_truth| / z_truth
 };
 // Appends; `truth_from_ours` turns our normals and scales our depth.
-void add_surface_error(const RenderedView& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours, SurfaceError& sum);
+void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours, SurfaceError& sum);
 
 double mean(const std::vector<double>& values);  // NaN when empty
 

@@ -50,6 +50,32 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"mesh", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
+
+  // Pictures of the scene: a smaller choice replaces a larger one, a path of its own cameras shows the same.
+  const auto pictures = [&] {
+    size_t n = 0;
+    for (const auto& e : fs::recursive_directory_iterator(out() / "render")) n += e.path().extension() == ".png";
+    return n;
+  };
+  const Outcome all = call({"render", out().string(), "--views", "all", "--layers"});
+  ASSERT_EQ(all.exit, 0) << all.text;
+  EXPECT_EQ(pictures(), 12u);
+  EXPECT_TRUE(fs::exists(out() / "render/layers/depth/img_0003.exr"));
+  ASSERT_EQ(call({"render", out().string(), "--size", "48x32"}).exit, 0);
+  EXPECT_EQ(pictures(), 2u);
+  EXPECT_FALSE(fs::exists(out() / "render/layers/depth/img_0003.exr"));
+  const Outcome path = call({"render", out().string(), "--views", (out() / "transforms.json").string(), "-o", "film"});
+  ASSERT_EQ(path.exit, 0) << path.text;
+  EXPECT_TRUE(fs::exists(folder.path() / "film/render/frame_0011.png"));
+  EXPECT_EQ(pictures(), 2u);
+  EXPECT_EQ(call({"render", out().string(), "--views", "nowhere.json"}).exit, 3);
+  EXPECT_EQ(call({"render", out().string(), "--size", "48"}).exit, 2);
+  write_file(folder.path() / "flat.json",
+             R"({"w": 9, "h": 9, "fl_x": 9, "frames": [{"file_path": "a", "transform_matrix":
+                [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]}]})");
+  const Outcome flat = call({"render", out().string(), "--views", "flat.json"});
+  EXPECT_EQ(flat.exit, 3);
+  EXPECT_TRUE(flat.has("mirrors or flattens space")) << flat.text;
 }
 
 TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {

@@ -8,7 +8,7 @@
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/truth.h"
-#include "stages/evaluate/view_split.h"
+#include "core/camera/view_split.h"
 #include "tests/evaluate/tiny_capture.h"
 
 namespace vitrine {
@@ -135,7 +135,7 @@ TEST(MeshErrorTest, WhatIsSeenOnlyThroughGlassDoesNotCount) {
 }
 
 TEST(SurfaceErrorTest, AnglesAndDepthAreThoseThatWerePutIn) {
-  RenderedView ours{{2, 2, 1, 1, 1, 1}, ImageF(2, 2, 3), ImageF(2, 2, 1, 2.f), ImageF(2, 2, 3)};
+  ViewPicture ours{{2, 2, 1, 1, 1, 1}, ImageF(2, 2, 3), ImageF(2, 2, 1, 2.f), ImageF(2, 2, 3), {}};
   ours.zdepth.at(1, 1) = 0;  // not opaque: does not count
   SurfaceTruth truth{ImageF(2, 2, 3), ImageF(2, 2, 1, 4.4f), ImageF(2, 2, 1), {}};
   truth.transparent.at(0, 1) = 1;                         // glass: does not count

@@ -24,6 +24,15 @@ TEST_F(Sandbox, SecondRunDoesNothingAndSaysSo) {
   EXPECT_EQ(states(), (States{{"collect", "cached"}, {"upper", "cached"}, {"join", "cached"}}));
 }
 
+TEST_F(Sandbox, RenderWantsATrainedScene) {
+  EXPECT_EQ(call({"render", folder.path().string()}).exit, 3);
+  ASSERT_EQ(run().exit, 0);
+  const Outcome untrained = call({"render", out().string()});
+  EXPECT_EQ(untrained.exit, 3);
+  EXPECT_TRUE(untrained.has("there is no trained scene yet")) << untrained.text;
+  EXPECT_EQ(call({"render", out().string(), "more"}).exit, 2);
+}
+
 TEST_F(Sandbox, OneOptionRerunsExactlyItsDependants) {
   ASSERT_EQ(run().exit, 0);
   const Outcome dry = run({"--set", "upper.word=other", "--dry-run"});

@@ -201,8 +201,8 @@ TEST(RaySplat, MeetsThePlaneWhereTheSurfelIs) {
   const Mat3d frame = rotation_matrix(normalized(raw.rotation));
   const Vec3d target = raw.mean + 0.3 * 1.2 * frame.c0 - 0.2 * 0.4 * frame.c1, origin{0.3, 0.5, -1};
   const TraceRay<double> ray{origin, normalized(target - origin), 0, 10, 0, 0};
-  RayHit<double> hit;
-  ASSERT_TRUE(ray_splat(s, ray, hit));
+  const RayHit<double> hit = ray_splat(s, ray);
+  ASSERT_TRUE(hit.counts);
   EXPECT_NEAR(hit.t, length(target - origin), 1e-12);
   EXPECT_NEAR(hit.u, 1.2, 1e-12);
   EXPECT_NEAR(hit.v, -0.4, 1e-12);
@@ -218,9 +218,8 @@ TEST(RaySplat, FootprintKeepsTheLightThatASurfelBlocks) {
     const double step = 0.01;
     for (double x = -2; x < 2; x += step)
       for (double y = -2; y < 2; y += step) {
-        RayHit<double> hit;
         const TraceRay<double> ray{{x, y, 0}, {0, 0, 1}, 0, 10, spread, 1};
-        if (ray_splat(s, ray, hit)) sum += hit.alpha * step * step;
+        sum += ray_splat(s, ray).alpha * step * step;
       }
     return sum;
   };

@@ -4,7 +4,6 @@
 
 #include "core/base/parallel.h"
 #include "core/trace/embree/hit_records.h"
-#include "core/trace/embree/packed_colors.h"
 #include "core/trace/embree/surfel_tree.h"
 #include "core/trace/kernels/march.h"
 
@@ -23,7 +22,6 @@ class EmbreeTracer final : public Tracer {
     layer_ = &layer;
     build_ = desc;
     tree_.build(layer, desc);
-    colors_.build(layer);
   }
   void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const override;
   void backward(const RayBatch& rays, const TraceDesc& desc, const HitLists& hits, const TraceBackwardInput& input,
@@ -40,8 +38,8 @@ class EmbreeTracer final : public Tracer {
             rays.spread.empty() || build_.max_footprint <= 0.f ? 0.f : rays.spread[i],
             build_.max_footprint};
   }
-  Vec3f facing_normal(uint32_t surfel, const Vec3f& direction) const {
-    const Vec3f n = tree_.surfel(surfel).normal;
+  Vec3f facing_normal(size_t place, const Vec3f& direction) const {
+    const Vec3f n = tree_.shape(place).normal;
     return dot(n, direction) > 0.f ? -n : n;
   }
 
@@ -52,7 +50,6 @@ class EmbreeTracer final : public Tracer {
   const SplatLayer* layer_ = nullptr;
   TraceBuildDesc build_;
   SurfelTree tree_;
-  PackedColors colors_;
 };
 
 void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const {
@@ -69,13 +66,13 @@ void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
     }
     for (size_t i = begin; i < end; ++i) {
       const TraceRay<float> ray = ray_of(rays, i);
-      const SpreadBasis basis = spread_basis(degree(desc), ray.direction);
+      const RayBasis basis = ray_basis(degree(desc), ray.direction);
       tree_.gather(ray, desc.min_transmittance, found);
       March<float> march;
       for (const FoundHit& hit : found) {
         if (march.sum.transmittance < desc.min_transmittance) break;
-        const Vec3f color = colors_.color(hit.surfel, basis);
-        march.blend(hit.t, hit.alpha, color, facing_normal(hit.surfel, ray.direction), desc.first_hit_weight);
+        const Vec3f color = tree_.colors().color(hit.place, basis);
+        march.blend(hit.t, hit.alpha, color, facing_normal(hit.place, ray.direction), desc.first_hit_weight);
         if (keep) keep->hits.push_back({hit.surfel, hit.t, hit.alpha, color});
       }
       if (keep) keep->end.push_back(static_cast<uint32_t>(keep->hits.size()));
@@ -126,12 +123,13 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
     }
     Vec3f grad_origin{}, grad_direction{};
     float grad_spread = 0.f;
-    F8 basis_weight[kMaxPairs] = {};
-    const size_t pairs = pass.ray_gradients && sh_degree > 0 ? pair_count(sh_degree) : 0;
+    F4 basis_weight[kMaxFours] = {};
+    const size_t coefficients = pass.ray_gradients && sh_degree > 0 ? fours(sh_degree) : 0;
     float behind = transmittance * upstream.transmittance;
     for (size_t h = hits.size(); h-- > 0;) {
       const TraceHit& hit = hits[h];
-      const PackedSurfel& s = tree_.surfel(hit.surfel);
+      const uint32_t place = tree_.place_of(hit.surfel);
+      const PackedSurfel& s = tree_.shape(place);
       const bool flipped = dot(s.normal, ray.direction) > 0.f;
       const BlendGrad<float> b =
           blend_hit_vjp(in_front[h], hit.t, hit.alpha, hit.color, flipped ? -s.normal : s.normal, h == first, upstream, behind);
@@ -139,11 +137,11 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       at.t = hit.t;
       at.alpha = hit.alpha;
       at.free = hit.alpha < static_cast<float>(kMaxAlpha);
-      place_hit<float>(s, ray, at);
+      ray.spread > 0.f ? place_hit<true, float>(s, ray, at) : place_hit<false, float>(s, ray, at);
       const HitGrad<float> g = ray_splat_vjp<float>(s, ray, at, b.alpha, b.t, flipped ? -b.normal : b.normal);
-      HitRecord& record = buckets.at(cursors[buckets.bucket_of(hit.surfel)]++);
+      HitRecord& record = buckets.at(cursors[buckets.bucket_of(place)]++);
       const uint32_t positive = (hit.color.x > 0.f) | (hit.color.y > 0.f) << 1 | (hit.color.z > 0.f) << 2;
-      record.surfel = hit.surfel;
+      record.place = place;
       record.ray = static_cast<uint32_t>(i - first_ray) | positive << kRayBits;
       record.weight = hit.alpha * in_front[h];
       record.t = hit.t;
@@ -152,18 +150,16 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       grad_origin += g.origin;
       grad_direction += g.direction;
       grad_spread += g.spread;
-      const F8* sh = colors_.of(hit.surfel);
-      const float r = hit.color.x > 0.f ? b.color.x : 0.f, gr = hit.color.y > 0.f ? b.color.y : 0.f,
-                  bl = hit.color.z > 0.f ? b.color.z : 0.f;
-      const F8 color{r, gr, bl, 0.f, r, gr, bl, 0.f};
-      for (size_t p = 0; p < pairs; ++p) basis_weight[p] += color * sh[p];
+      for (size_t c = 0; c < 3; ++c) {
+        if (!(hit.color[c] > 0.f)) continue;
+        const F4* sh = tree_.colors().of(place, c);
+        for (size_t k = 0; k < coefficients; ++k) basis_weight[k] += b.color[c] * sh[k];
+      }
     }
     if (!pass.ray_gradients) continue;
-    if (pairs > 0) {
-      float weights[2 * kMaxPairs];
-      for (size_t p = 0; p < pairs; ++p)
-        for (size_t k = 0; k < 2; ++k)
-          weights[2 * p + k] = basis_weight[p][4 * k] + basis_weight[p][4 * k + 1] + basis_weight[p][4 * k + 2];
+    if (coefficients > 0) {
+      float weights[kMaxShCoefficients];
+      for (size_t k = 0; k < kMaxShCoefficients; ++k) weights[k] = basis_weight[k / 4][k % 4];
       grad_direction += sh_basis_vjp(sh_degree, ray.direction, weights);
     }
     pass.ray_gradients->origins[i] = grad_origin;
@@ -180,20 +176,20 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     uint32_t hits;
   };
   static thread_local std::vector<Sum> sums;
-  static thread_local std::vector<F8> sums_sh;
+  static thread_local std::vector<F4> sums_sh;  // [surfel][rgb][fours]
   const std::span<const HitRecord> records = buckets.bucket(bucket);
   if (records.empty()) return;
-  const size_t per_bucket = buckets.surfels_per_bucket(), first = bucket * per_bucket;
+  const size_t per_bucket = buckets.places_per_bucket(), first = bucket * per_bucket;
   const size_t count = std::min(per_bucket, layer_->size() - first);
   const int sh_degree = degree(pass.desc);
-  const size_t pairs = pair_count(sh_degree);
+  const size_t stride = fours(sh_degree);
   sums.assign(count, {});
-  sums_sh.assign(count * pairs, F8{});
+  sums_sh.assign(count * 3 * stride, F4{});
   const bool with_color = !pass.input.gradients->color.empty();
   uint32_t basis_of = ~0u;
-  SpreadBasis basis;
+  RayBasis basis{};
   for (const HitRecord& r : records) {
-    Sum& sum = sums[r.surfel - first];
+    Sum& sum = sums[r.place - first];
     const HitMoments<float>& m = r.moments;
     sum.moments += m;
     ++sum.hits;
@@ -206,24 +202,24 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
       if (!pass.input.error.empty()) sum.error += r.weight * pass.input.error[first_ray + ray];
     }
     if (!with_color) continue;
-    if (ray != basis_of) basis = spread_basis(sh_degree, pass.rays.directions[first_ray + ray]);
+    if (ray != basis_of) basis = ray_basis(sh_degree, pass.rays.directions[first_ray + ray]);
     basis_of = ray;
     const Vec3f& g = pass.input.gradients->color[first_ray + ray];
-    const float red = r.ray >> kRayBits & 1 ? r.weight * g.x : 0.f, green = r.ray >> (kRayBits + 1) & 1 ? r.weight * g.y : 0.f,
-                blue = r.ray >> (kRayBits + 2) & 1 ? r.weight * g.z : 0.f;
-    const F8 color{red, green, blue, 0.f, red, green, blue, 0.f};
-    F8* to = sums_sh.data() + (r.surfel - first) * pairs;
-    for (size_t p = 0; p < pairs; ++p) to[p] += basis.pairs[p] * color;
+    for (size_t c = 0; c < 3; ++c) {
+      if (!(r.ray >> (kRayBits + c) & 1)) continue;
+      F4* to = sums_sh.data() + (3 * (r.place - first) + c) * stride;
+      for (size_t k = 0; k < stride; ++k) to[k] += (r.weight * g[c]) * basis.y[k];
+    }
   }
   const size_t coefficients = sh_coefficient_count(sh_degree);
   for (size_t j = 0; j < count; ++j) {
     const Sum& sum = sums[j];
     if (sum.hits == 0) continue;
-    const size_t i = first + j;
+    const size_t i = tree_.surfel_at(first + j);
     const float *m = layer_->at(Attribute::Mean, i), *q = layer_->at(Attribute::Rotation, i),
                 *s = layer_->at(Attribute::LogScale, i);
     const SurfelGeometry<float> raw{{m[0], m[1], m[2]}, {q[0], q[1], q[2], q[3]}, s[0], s[1]};
-    const PackedSurfel& surfel = tree_.surfel(static_cast<uint32_t>(i));
+    const PackedSurfel& surfel = tree_.shape(first + j);
     const RaySurfelGrad<float> g = ray_surfel_vjp(raw, surfel.opacity, sum.moments);
     const float rotation[] = {g.geometry.rotation.w, g.geometry.rotation.x, g.geometry.rotation.y, g.geometry.rotation.z};
     for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::Mean, i)[c] += g.geometry.mean[c];
@@ -231,10 +227,11 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     pass.grad.at(Attribute::LogScale, i)[0] += g.geometry.log_su;
     pass.grad.at(Attribute::LogScale, i)[1] += g.geometry.log_sv;
     *pass.grad.at(Attribute::Opacity, i) += g.raw_opacity;
-    const F8* sh = sums_sh.data() + j * pairs;
-    for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::ShDc, i)[c] += sh[0][c];
-    for (size_t k = 1; k < coefficients; ++k)
-      for (size_t c = 0; c < 3; ++c) pass.grad.at(Attribute::ShRest, i)[3 * (k - 1) + c] += sh[k / 2][4 * (k % 2) + c];
+    for (size_t c = 0; c < 3; ++c) {
+      const F4* sh = sums_sh.data() + (3 * j + c) * stride;
+      pass.grad.at(Attribute::ShDc, i)[c] += sh[0][0];
+      for (size_t k = 1; k < coefficients; ++k) pass.grad.at(Attribute::ShRest, i)[3 * (k - 1) + c] += sh[k / 4][k % 4];
+    }
     if (!pass.statistics) continue;
     const Vec3f screen = 0.5f * (sum.t_plane * surfel.normal - sum.t_u * surfel.axis_u - sum.t_v * surfel.axis_v);
     pass.statistics->screen_gradient[i] += length(screen);
@@ -263,7 +260,7 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
     while (end < hits.chunks.size() && records + hits.chunks[end].hits.size() <= kMaxRecords)
       records += hits.chunks[end++].hits.size();
     const size_t first_ray = begin * HitLists::kChunk;
-    buckets.count(hits, begin, end, layer_->size());
+    buckets.count(hits, begin, end, tree_.places());
     parallel_for(end - begin, 1, [&](size_t c) { chunk_records(pass, begin + c, first_ray, buckets); });
     parallel_for(RecordBuckets::kBuckets, 1, [&](size_t b) { bucket_gradients(pass, b, first_ray, buckets); });
   }

@@ -12,8 +12,8 @@
 namespace vitrine::embree {
 
 struct alignas(64) HitRecord {
-  uint32_t surfel;
-  uint32_t ray;  // of the batch; the top three bits say which colour channels are positive
+  uint32_t place;  // of the surfel in the tree's arrays
+  uint32_t ray;    // of the batch; the top three bits say which colour channels are positive
   float weight, t;
   HitMoments<float> moments;
 };
@@ -24,13 +24,14 @@ class RecordBuckets {
   static constexpr size_t kBuckets = 256;
 
   // Makes room for the hits of chunks [begin, end) of `hits`.
-  void count(const HitLists& hits, size_t begin, size_t end, size_t surfels);
+  // `place_of` by surfel.
+  void count(const HitLists& hits, size_t begin, size_t end, std::span<const uint32_t> place_of);
   // Where the records of a chunk go, one cursor per bucket; advance them as they are written.
   uint32_t* cursors(size_t chunk) { return offsets_.data() + (chunk - first_chunk_) * kBuckets; }
   HitRecord& at(uint32_t cursor) { return records_[cursor]; }
-  size_t bucket_of(uint32_t surfel) const { return surfel / per_bucket_; }
+  size_t bucket_of(uint32_t place) const { return place / per_bucket_; }
 
-  size_t surfels_per_bucket() const { return per_bucket_; }
+  size_t places_per_bucket() const { return per_bucket_; }
   // Valid after all records were written.
   std::span<const HitRecord> bucket(size_t b) const { return std::span(records_).subspan(begin_[b], begin_[b + 1] - begin_[b]); }
 

@@ -1,11 +1,13 @@
 #include "core/trace/embree/surfel_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "core/base/parallel.h"
 #include "core/scene/activation.h"
+#include "core/trace/embree/simd8.h"
 
 namespace vitrine::embree {
 
@@ -15,39 +17,78 @@ constexpr size_t kPackChunk = 4096;  // surfels
 // Boxes are wider than the ellipse by this share of their distance from the origin, so that rounding in t, u and v never puts a
 // hit outside of its box; and by this share of the surfel's size.
 constexpr float kPad = 4e-6f;
-// The transmittance is looked at after so many new hits.
-constexpr size_t kBatch = 16;
+constexpr uint32_t kLanes = 8;
+// The transmittance behind all hits so far is kept as a product in whatever order they came; within this it is that of the
+// sorted list.
+constexpr float kProductSlack = 1.01f;
 
-struct Gathering : RTCIntersectContext {
-  const PackedSurfel* surfels;
+}  // namespace
+
+// One ray on its way through the tree. Embree hands over surfels whose box the ray meets; they wait until there are eight, while
+// their records come from memory, and are then evaluated together.
+struct SurfelTree::Gathering : RTCIntersectContext {
+  const SurfelTree* tree;
   TraceRay<float> ray;
   float min_transmittance;
+  float behind_all = 1.f;
   std::vector<FoundHit>* hits;
-  size_t look_at;  // number of hits at which to look for the end
+  uint32_t waiting_count = 0;
+  uint32_t waiting[kLanes];
 
-  void insert(const FoundHit& hit, float& far) {
+  template <bool kFootprint>
+  void evaluate() {
+    if (waiting_count == 0) return;
+    const float* records[kLanes];
+    for (uint32_t i = 0; i < kLanes; ++i)
+      records[i] = reinterpret_cast<const float*>(&tree->surfels_[waiting[i < waiting_count ? i : 0]]);
+    V8 c[16];
+    load_columns(records, 0, c);
+    load_columns(records, 8, c + 8);
+    const RaySurfel<V8> s{{c[0], c[1], c[2]},  c[3],  {c[4], c[5], c[6]},    c[7],
+                          {c[8], c[9], c[10]}, c[11], {c[12], c[13], c[14]}, c[15]};
+    const TraceRay<V8> r{{ray.origin.x, ray.origin.y, ray.origin.z},
+                         {ray.direction.x, ray.direction.y, ray.direction.z},
+                         ray.near,
+                         ray.far,
+                         ray.spread,
+                         ray.max_footprint};
+    const RayHit<V8> hit = ray_splat<kFootprint>(s, r);
+    alignas(32) float t[kLanes], alpha[kLanes];
+    _mm256_store_ps(t, hit.t.v);
+    _mm256_store_ps(alpha, hit.alpha.v);
+    for (uint32_t left = bits(hit.counts) & ((1u << waiting_count) - 1); left != 0; left &= left - 1) {
+      const uint32_t i = static_cast<uint32_t>(std::countr_zero(left)), place = waiting[i];
+      tree->colors_.prefetch(place);
+      insert({t[i], tree->order_.surfel_at[place], alpha[i], place});
+    }
+    waiting_count = 0;
+    if (behind_all < min_transmittance * kProductSlack) cut();
+  }
+
+  void insert(const FoundHit& hit) {
     std::vector<FoundHit>& list = *hits;
     list.push_back(hit);
     size_t at = list.size() - 1;
     const auto behind = [&](const FoundHit& other) { return other.t > hit.t || (other.t == hit.t && other.surfel > hit.surfel); };
     for (; at > 0 && behind(list[at - 1]); --at) list[at] = list[at - 1];
     list[at] = hit;
-    if (list.size() < look_at) return;
-    // What lies behind the last hit in front of which enough light is left is never blended. Any later hit only brings the end
-    // nearer, so that dropping it now is exact.
+    behind_all *= 1.f - hit.alpha;
+  }
+
+  // What lies behind the hit at which the transmittance falls below the least is never blended. Later hits only bring that end
+  // nearer, so that dropping it now is exact.
+  void cut() {
     float transmittance = 1.f;
-    for (size_t i = 0; i < list.size(); ++i) {
-      transmittance *= 1.f - list[i].alpha;
+    for (size_t i = 0; i < hits->size(); ++i) {
+      transmittance *= 1.f - (*hits)[i].alpha;
       if (transmittance >= min_transmittance) continue;
-      list.resize(i + 1);
-      far = ray.far = list[i].t;
-      break;
+      hits->resize(i + 1);
+      ray.far = hits->back().t;
+      behind_all = transmittance;
+      return;
     }
-    look_at = list.size() + kBatch;
   }
 };
-
-}  // namespace
 
 void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   const auto& tree = *static_cast<const SurfelTree*>(args->geometryUserPtr);
@@ -74,30 +115,36 @@ void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   b.upper_x = high[0], b.upper_y = high[1], b.upper_z = high[2];
 }
 
+template <bool kFootprint>
 void SurfelTree::intersect(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto& g = *static_cast<Gathering*>(args->context);
-  RayHit<float> hit;
-  if (!ray_splat<float>(g.surfels[args->primID], g.ray, hit)) return;
-  g.insert({hit.t, args->primID, hit.alpha}, RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, 1), 1, 0));
+  __builtin_prefetch(&g.tree->surfels_[args->primID]);
+  g.waiting[g.waiting_count++] = args->primID;
+  if (g.waiting_count < kLanes) return;
+  g.evaluate<kFootprint>();
+  RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, 1), 1, 0) = g.ray.far;
 }
 
 void SurfelTree::build(const SplatLayer& layer, const TraceBuildDesc& desc) {
   max_footprint_ = std::max(0.f, desc.max_footprint);
+  order_.build(layer);
   surfels_.resize(layer.size());
   parallel_chunks(layer.size(), kPackChunk, [&](size_t, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t place = begin; place < end; ++place) {
+      const size_t i = order_.surfel_at[place];
       const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i), *s = layer.at(Attribute::LogScale, i);
       const SurfelGeometry<float> raw{{m[0], m[1], m[2]}, {q[0], q[1], q[2], q[3]}, s[0], s[1]};
-      static_cast<RaySurfel<float>&>(surfels_[i]) = ray_surfel(raw, sigmoid(*layer.at(Attribute::Opacity, i)));
+      static_cast<RaySurfel<float>&>(surfels_[place]) = ray_surfel(raw, sigmoid(*layer.at(Attribute::Opacity, i)));
     }
   });
+  colors_.build(layer, order_.surfel_at);
   scene_ = Scene(RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(surfels_.size()));
   rtcSetGeometryUserData(geometry, this);
   rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect);
+  rtcSetGeometryIntersectFunction(geometry, max_footprint_ > 0.f ? intersect<true> : intersect<false>);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -108,13 +155,13 @@ void SurfelTree::gather(const TraceRay<float>& ray, float min_transmittance, std
   out.clear();
   Gathering g;
   rtcInitIntersectContext(&g);
-  g.surfels = surfels_.data();
+  g.tree = this;
   g.ray = ray;
   g.min_transmittance = min_transmittance;
   g.hits = &out;
-  g.look_at = kBatch;
   RTCRayHit r = ray_hit(ray.origin, ray.direction, std::max(0.f, ray.near), ray.far);
   rtcIntersect1(scene_.get(), &g, &r);
+  max_footprint_ > 0.f ? g.evaluate<true>() : g.evaluate<false>();
 }
 
 }  // namespace vitrine::embree

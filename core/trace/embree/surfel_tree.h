@@ -6,6 +6,9 @@
 
 #include "core/scene/layers.h"
 #include "core/trace/embree/embree_device.h"
+#include "core/trace/embree/huge_array.h"
+#include "core/trace/embree/packed_colors.h"
+#include "core/trace/embree/space_order.h"
 #include "core/trace/kernels/ray_splat.h"
 #include "core/trace/tracer.h"
 
@@ -18,6 +21,7 @@ struct FoundHit {
   float t;
   uint32_t surfel;
   float alpha;
+  uint32_t place;  // in the arrays of the tree
 };
 
 class SurfelTree {
@@ -27,14 +31,21 @@ class SurfelTree {
   // min_transmittance. `out` is reused.
   void gather(const TraceRay<float>& ray, float min_transmittance, std::vector<FoundHit>& out) const;
 
-  const PackedSurfel& surfel(uint32_t i) const { return surfels_[i]; }
-  size_t size() const { return surfels_.size(); }
+  std::span<const uint32_t> places() const { return order_.place_of; }  // by surfel
+  uint32_t place_of(uint32_t surfel) const { return order_.place_of[surfel]; }
+  uint32_t surfel_at(size_t place) const { return order_.surfel_at[place]; }
+  const PackedSurfel& shape(size_t place) const { return surfels_[place]; }
+  const PackedColors& colors() const { return colors_; }  // by place
 
  private:
+  struct Gathering;
   static void bounds(const RTCBoundsFunctionArguments* args);
+  template <bool kFootprint>
   static void intersect(const RTCIntersectFunctionNArguments* args);
 
-  std::vector<PackedSurfel> surfels_;
+  SpaceOrder order_;
+  HugeArray<PackedSurfel> surfels_;
+  PackedColors colors_;
   float max_footprint_ = 0.f;
   Scene scene_;
 };

@@ -36,13 +36,13 @@ struct TraceRay {
   T spread, max_footprint;
 };
 
-template <class T>
+template <class T, class Mask = decltype(T() < T())>
 struct RayHit {
-  T t, u, v;
-  T footprint;
-  T q_u, q_v;
-  T alpha;
-  bool free;  // below the clamp: gradients flow
+  T t{}, u{}, v{};
+  T footprint{}, q_u{}, q_v{};
+  T alpha{};
+  Mask free{};    // below the clamp: gradients flow
+  Mask counts{};  // they meet between near and far, and the surfel hides at least 1/255
 };
 
 template <class T>
@@ -54,40 +54,44 @@ RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
   return {raw.mean, opacity, frame.c2, T(2) * log(opacity / T(kMinAlpha)), frame.c0 / su, su * su, frame.c1 / sv, sv * sv};
 }
 
-// Fills in all of `hit` that follows from hit.t, but alpha. Forward and backward both come through here.
-template <class T>
+// Fills in what follows from hit.t, but alpha. Forward and backward both come through here.
+template <bool kFootprint, class T>
 VITRINE_INLINE void place_hit(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
   const Vec3<T> x = (ray.origin - s.mean) + hit.t * ray.direction;
   hit.u = dot(s.axis_u, x);
   hit.v = dot(s.axis_v, x);
   hit.footprint = T(0);
   hit.q_u = hit.q_v = T(1);
-  if (ray.spread > T(0)) {
+  if constexpr (kFootprint) {
     const T wide = ray.spread * hit.t;
-    hit.footprint = wide < ray.max_footprint ? wide : ray.max_footprint;
+    hit.footprint = select(wide < ray.max_footprint, wide, ray.max_footprint);
     const T ff = hit.footprint * hit.footprint;
     hit.q_u = s.var_u / (s.var_u + ff);
     hit.q_v = s.var_v / (s.var_v + ff);
   }
 }
 
-// False when they do not meet between near and far, or the surfel hides less than 1/255 there.
-template <class T>
-VITRINE_INLINE bool ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
+// Without kFootprint the ray's spread counts as zero. alpha is 0 where the hit does not count.
+template <bool kFootprint, class T>
+VITRINE_INLINE RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray) {
   using std::sqrt;
+  RayHit<T> hit;
   const T nd = dot(s.normal, ray.direction);
-  if (nd * nd < T(kGrazing * kGrazing)) return false;
   hit.t = dot(s.normal, s.mean - ray.origin) / nd;
-  if (!(hit.t > ray.near && hit.t <= ray.far)) return false;
-  place_hit(s, ray, hit);
+  place_hit<kFootprint>(s, ray, hit);
   const T rho = hit.q_u * (hit.u * hit.u) + hit.q_v * (hit.v * hit.v);
-  if (!(rho <= s.cut)) return false;
   T peak = s.opacity * gaussian(rho);
-  if (ray.spread > T(0)) peak = peak * sqrt(hit.q_u * hit.q_v);
-  if (!(peak >= T(kMinAlpha))) return false;
+  if constexpr (kFootprint) peak = peak * sqrt(hit.q_u * hit.q_v);
+  hit.counts =
+      (nd * nd >= T(kGrazing * kGrazing)) & (hit.t > ray.near) & (hit.t <= ray.far) & (rho <= s.cut) & (peak >= T(kMinAlpha));
   hit.free = peak < T(kMaxAlpha);
-  hit.alpha = hit.free ? peak : T(kMaxAlpha);
-  return true;
+  hit.alpha = select(hit.counts, select(hit.free, peak, T(kMaxAlpha)), T(0));
+  return hit;
+}
+// The same for one surfel and one ray, whether it has a spread or not.
+template <class T>
+RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray) {
+  return ray.spread > T(0) ? ray_splat<true>(s, ray) : ray_splat<false>(s, ray);
 }
 
 // Sums over the hits of one surfel, from which ray_surfel_vjp makes the gradients of its raw values.

@@ -48,7 +48,8 @@ MarchValues<T> trace_ray(const std::vector<TraceSurfel<T>>& surfels, const Trace
   for (size_t i = 0; i < surfels.size(); ++i) {
     BlendedHit<T> h;
     h.surfel = i;
-    if (ray_splat(surfels[i].shape, ray, h.hit)) out.push_back(h);
+    h.hit = ray_splat(surfels[i].shape, ray);
+    if (h.hit.counts) out.push_back(h);
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.hit.t < b.hit.t; });
   March<T> march;

@@ -1,4 +1,4 @@
-#include "stages/evaluate/view_split.h"
+#include "core/camera/view_split.h"
 
 #include <map>
 

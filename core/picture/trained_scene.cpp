@@ -1,0 +1,95 @@
+#include "core/picture/trained_scene.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/scene/scene_io.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
+constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
+
+// Every word and number of the file, in its order: one table for both directions.
+template <class Options, class Word, class Number>
+void visit(Options& o, const Word& word, const Number& number) {
+  word("blend", o.composite.blend, kBlends);
+  word("lobe", o.reflection.lobe, kLobes);
+  number("min_alpha", o.surface.min_alpha);
+  number("mirror_below", o.reflection.mirror_below);
+  number("max_footprint", o.reflection.max_footprint);
+  number("reflection_near", o.reflection.near);
+  number("reflection_min_transmittance", o.reflection.min_transmittance);
+  number("transmission_near", o.transmission.near);
+  number("transmission_min_transmittance", o.transmission.min_transmittance);
+}
+
+}  // namespace
+
+TrainedScene read_trained_scene(const fs::path& optimize_folder) {
+  TrainedScene trained;
+  for (LayerKind kind : kAllLayers) {
+    const fs::path path = optimize_folder / "gaussians" / fmt::format("{}.ply", name(kind));
+    std::error_code ec;
+    if (kind != LayerKind::Diffuse && !fs::exists(path, ec)) continue;
+    SplatLayer layer = read_layer(path);
+    if (layer.kind() != kind)
+      throw Error(ErrorKind::Input, "a scene file holds another layer than its name says",
+                  {.where = path.string(), .why = fmt::format("it holds the layer {}", name(layer.kind())), .code = "BAD_SCENE"});
+    trained.surfels.layer(kind) = std::move(layer);
+  }
+  trained.image = read_image_options(optimize_folder / "optimize" / "model.json");
+  trained.image.diffuse.sh_degree = trained.surfels.diffuse.sh_degree();
+  trained.image.reflection.sh_degree = trained.surfels.reflection.sh_degree();
+  trained.image.transmission.sh_degree = trained.surfels.transmittance.sh_degree();
+  return trained;
+}
+
+void write_image_options(const fs::path& path, const ImageOptions& options) {
+  Json json;
+  visit(
+      options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
+      // The shortest text that gives the same float back, not the double's seventeen digits.
+      [&](const char* key, float value) { json[key] = std::stod(fmt::format("{}", value)); });
+  write_file(path, json.dump(2) + "\n");
+}
+
+ImageOptions read_image_options(const fs::path& path) {
+  ImageOptions options;
+  std::error_code ec;
+  if (!fs::exists(path, ec)) return options;
+  const auto fail = [&](const std::string& why) {
+    return Error(ErrorKind::Input, "the description of the scene's image formation is unusable",
+                 {.where = path.string(), .why = why, .hint = "run the optimize stage again", .code = "BAD_IMAGE_OPTIONS"});
+  };
+  try {
+    const auto json = nlohmann::json::parse(read_file(path));
+    visit(
+        options,
+        [&](const char* key, auto& value, const auto& words) {
+          const std::string word = json.at(key).get<std::string>();
+          const auto it = std::find(words.begin(), words.end(), word);
+          if (it == words.end()) throw fail(fmt::format("{} cannot be \"{}\"", key, word));
+          value = static_cast<std::remove_reference_t<decltype(value)>>(it - words.begin());
+        },
+        [&](const char* key, float& value) {
+          value = json.at(key).get<float>();
+          if (!(value >= 0) || !std::isfinite(value)) throw fail(fmt::format("{} is not a positive number", key));
+        });
+  } catch (const nlohmann::json::exception& e) {
+    throw fail(e.what());
+  }
+  return options;
+}
+
+}  // namespace vitrine

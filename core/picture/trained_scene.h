@@ -1,0 +1,25 @@
+// A trained scene as the optimize stage left it: gaussians/<layer>.ply and optimize/model.json, the options of the image
+// formation that it was trained with. The diffuse layer is always there; a layer without a file is empty and takes no part.
+#pragma once
+
+#include <filesystem>
+
+#include "core/model/image_options.h"
+#include "core/scene/splat_scene.h"
+
+namespace vitrine {
+
+struct TrainedScene {
+  SplatScene surfels;
+  ImageOptions image;  // backends and budgets are the machine's and the run's, not the scene's: left at their defaults
+};
+
+// `optimize_folder`: an artifact of the optimize stage. Throws Error{Input} with file and cause.
+TrainedScene read_trained_scene(const std::filesystem::path& optimize_folder);
+
+// What of the options a picture of the scene depends on: blend, lobe, and where rays start and end.
+void write_image_options(const std::filesystem::path& path, const ImageOptions& options);
+// Without a file: the defaults (scenes with a diffuse layer alone depend on none of it).
+ImageOptions read_image_options(const std::filesystem::path& path);
+
+}  // namespace vitrine

@@ -1,0 +1,28 @@
+// render: pictures of a trained scene, from the cameras of its photos or along a path, and the layers they are made of. Started
+// by `vitrine render`; it stands beside the graph of `vitrine run`, because nothing follows from its pictures.
+//   reads   sfm/{sparse,gains}, gaussians/*.ply, optimize/views.json, optional path (transforms.json)
+//   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
+// version 1: first.
+#pragma once
+
+#include "core/camera/view.h"
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct RenderConfig {
+  std::string views = "heldout";
+  bool layers = false;
+  int width = 0, height = 0, samples = 0;
+  std::string backend = "cpu";
+};
+void describe(Describer& d, RenderConfig& c);
+
+// The same camera with a picture of exactly this size: square pixels stay square, and what does not fit the new shape is cut off
+// on two sides.
+Intrinsics covering(const Intrinsics& intrinsics, int width, int height);
+
+void run_render(const RenderConfig& config, StageContext& context);
+Stage render_stage();
+
+}  // namespace vitrine
