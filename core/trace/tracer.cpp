@@ -29,8 +29,8 @@ void RayValues::resize(size_t rays) {
 }
 
 std::span<const TraceHit> HitLists::of(size_t ray) const {
-  const Chunk& chunk = chunks[ray / kChunk];
-  const size_t at = ray % kChunk, begin = at == 0 ? 0 : chunk.end[at - 1];
+  const Chunk& chunk = chunks[place_of[ray] / kChunk];
+  const size_t at = place_of[ray] % kChunk, begin = at == 0 ? 0 : chunk.end[at - 1];
   return std::span(chunk.hits).subspan(begin, chunk.end[at] - begin);
 }
 

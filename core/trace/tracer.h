@@ -54,8 +54,8 @@ struct RayValues {
   void resize(size_t rays);
 };
 
-// What forward() leaves for backward(): the blended hits of every ray, front to back, in chunks of rays. Reuse the object from
-// step to step and its memory is reused.
+// What forward() leaves for backward(): the blended hits of every ray, front to back. Rays stand in chunks in an order of the
+// tracer's choice. Reuse the object from step to step and its memory is reused.
 struct TraceHit {
   uint32_t surfel;
   float t;
@@ -69,6 +69,7 @@ struct HitLists {
     std::vector<uint32_t> end;  // per ray of the chunk: one past its last hit
   };
   std::vector<Chunk> chunks;
+  std::vector<uint32_t> ray_at, place_of;  // [n] ray by place, and place by ray
   std::span<const TraceHit> of(size_t ray) const;
   size_t size() const;  // hits of all rays
 };

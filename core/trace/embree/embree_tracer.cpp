@@ -44,8 +44,8 @@ class EmbreeTracer final : public Tracer {
   }
 
   struct Reverse;  // what all rays of a reverse pass share
-  void chunk_records(const Reverse& pass, size_t chunk, size_t first_ray, RecordBuckets& buckets) const;
-  void bucket_gradients(const Reverse& pass, size_t bucket, size_t first_ray, const RecordBuckets& buckets) const;
+  void chunk_records(const Reverse& pass, size_t chunk, size_t first_place, RecordBuckets& buckets) const;
+  void bucket_gradients(const Reverse& pass, size_t bucket, size_t first_place, const RecordBuckets& buckets) const;
 
   const SplatLayer* layer_ = nullptr;
   TraceBuildDesc build_;
@@ -56,6 +56,9 @@ void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
   VITRINE_CHECK(layer_ != nullptr, "forward needs build");
   const size_t n = rays.size();
   out.resize(n);
+  HitLists order_only;
+  HitLists& lists = hits ? *hits : order_only;
+  order_rays(rays, lists);
   if (hits) hits->chunks.resize(chunk_count(n, HitLists::kChunk));
   parallel_chunks(n, HitLists::kChunk, [&](size_t chunk, size_t begin, size_t end) {
     static thread_local std::vector<FoundHit> found;
@@ -64,7 +67,8 @@ void EmbreeTracer::forward(const RayBatch& rays, const TraceDesc& desc, RayValue
       keep->hits.clear();
       keep->end.clear();
     }
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t place = begin; place < end; ++place) {
+      const size_t i = lists.ray_at[place];
       const TraceRay<float> ray = ray_of(rays, i);
       const RayBasis basis = ray_basis(degree(desc), ray.direction);
       tree_.gather(ray, desc.min_transmittance, found);
@@ -102,13 +106,14 @@ struct EmbreeTracer::Reverse {
   }
 };
 
-void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first_ray, RecordBuckets& buckets) const {
+void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first_place, RecordBuckets& buckets) const {
   static thread_local std::vector<float> in_front;  // transmittance
   const HitLists::Chunk& list = pass.hits.chunks[chunk];
   const size_t begin = chunk * HitLists::kChunk, end = begin + list.end.size();
   const int sh_degree = degree(pass.desc);
   uint32_t* cursors = buckets.cursors(chunk);
-  for (size_t i = begin; i < end; ++i) {
+  for (size_t at = begin; at < end; ++at) {
+    const size_t i = pass.hits.ray_at[at];
     const std::span<const TraceHit> hits = pass.hits.of(i);
     const TraceRay<float> ray = ray_of(pass.rays, i);
     const MarchValues<float> upstream = pass.upstream(i);
@@ -133,16 +138,16 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       const bool flipped = dot(s.normal, ray.direction) > 0.f;
       const BlendGrad<float> b =
           blend_hit_vjp(in_front[h], hit.t, hit.alpha, hit.color, flipped ? -s.normal : s.normal, h == first, upstream, behind);
-      RayHit<float> at;
-      at.t = hit.t;
-      at.alpha = hit.alpha;
-      at.free = hit.alpha < static_cast<float>(kMaxAlpha);
-      ray.spread > 0.f ? place_hit<true, float>(s, ray, at) : place_hit<false, float>(s, ray, at);
-      const HitGrad<float> g = ray_splat_vjp<float>(s, ray, at, b.alpha, b.t, flipped ? -b.normal : b.normal);
+      RayHit<float> again;
+      again.t = hit.t;
+      again.alpha = hit.alpha;
+      again.free = hit.alpha < static_cast<float>(kMaxAlpha);
+      ray.spread > 0.f ? place_hit<true, float>(s, ray, again) : place_hit<false, float>(s, ray, again);
+      const HitGrad<float> g = ray_splat_vjp<float>(s, ray, again, b.alpha, b.t, flipped ? -b.normal : b.normal);
       HitRecord& record = buckets.at(cursors[buckets.bucket_of(place)]++);
       const uint32_t positive = (hit.color.x > 0.f) | (hit.color.y > 0.f) << 1 | (hit.color.z > 0.f) << 2;
       record.place = place;
-      record.ray = static_cast<uint32_t>(i - first_ray) | positive << kRayBits;
+      record.ray = static_cast<uint32_t>(at - first_place) | positive << kRayBits;
       record.weight = hit.alpha * in_front[h];
       record.t = hit.t;
       record.moments = g.moments;
@@ -168,7 +173,7 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
   }
 }
 
-void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t first_ray, const RecordBuckets& buckets) const {
+void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t first_place, const RecordBuckets& buckets) const {
   struct Sum {
     HitMoments<float> moments;
     float t_u, t_v, t_plane;  // gradients of u, v, plane times t
@@ -193,18 +198,18 @@ void EmbreeTracer::bucket_gradients(const Reverse& pass, size_t bucket, size_t f
     const HitMoments<float>& m = r.moments;
     sum.moments += m;
     ++sum.hits;
-    const uint32_t ray = r.ray & ((1u << kRayBits) - 1);
+    const uint32_t ray = pass.hits.ray_at[first_place + (r.ray & ((1u << kRayBits) - 1))];
     if (pass.statistics) {
       sum.t_u += r.t * m.u;
       sum.t_v += r.t * m.v;
       sum.t_plane += r.t * m.plane;
       sum.weight += r.weight;
-      if (!pass.input.error.empty()) sum.error += r.weight * pass.input.error[first_ray + ray];
+      if (!pass.input.error.empty()) sum.error += r.weight * pass.input.error[ray];
     }
     if (!with_color) continue;
-    if (ray != basis_of) basis = ray_basis(sh_degree, pass.rays.directions[first_ray + ray]);
+    if (ray != basis_of) basis = ray_basis(sh_degree, pass.rays.directions[ray]);
     basis_of = ray;
-    const Vec3f& g = pass.input.gradients->color[first_ray + ray];
+    const Vec3f& g = pass.input.gradients->color[ray];
     for (size_t c = 0; c < 3; ++c) {
       if (!(r.ray >> (kRayBits + c) & 1)) continue;
       F4* to = sums_sh.data() + (3 * (r.place - first) + c) * stride;
@@ -244,7 +249,7 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
                             SplatLayer& grad, RayGradients* ray_gradients, SurfelStatistics* statistics) const {
   VITRINE_CHECK(layer_ != nullptr && input.gradients != nullptr, "backward needs build, a forward pass and gradients");
   VITRINE_CHECK(grad.size() == layer_->size() && grad.sh_degree() == layer_->sh_degree(), "gradient and layer differ in shape");
-  VITRINE_CHECK(hits.chunks.size() == chunk_count(rays.size(), HitLists::kChunk), "the hits are not those of the rays");
+  VITRINE_CHECK(hits.ray_at.size() == rays.size(), "the hits are not those of the rays");
   if (ray_gradients) {
     ray_gradients->origins.resize(rays.size());
     ray_gradients->directions.resize(rays.size());
@@ -259,10 +264,10 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
     size_t records = hits.chunks[end++].hits.size();
     while (end < hits.chunks.size() && records + hits.chunks[end].hits.size() <= kMaxRecords)
       records += hits.chunks[end++].hits.size();
-    const size_t first_ray = begin * HitLists::kChunk;
+    const size_t first_place = begin * HitLists::kChunk;
     buckets.count(hits, begin, end, tree_.places());
-    parallel_for(end - begin, 1, [&](size_t c) { chunk_records(pass, begin + c, first_ray, buckets); });
-    parallel_for(RecordBuckets::kBuckets, 1, [&](size_t b) { bucket_gradients(pass, b, first_ray, buckets); });
+    parallel_for(end - begin, 1, [&](size_t c) { chunk_records(pass, begin + c, first_place, buckets); });
+    parallel_for(RecordBuckets::kBuckets, 1, [&](size_t b) { bucket_gradients(pass, b, first_place, buckets); });
   }
 }
 

@@ -1,11 +1,12 @@
-// The surfels of a layer along a space-filling curve, so that what is near in space is near in memory: surfels that a ray meets
-// one after another, and those that neighbouring rays meet, share cache lines and pages.
+// Surfels of a layer, and rays of a batch, along a space-filling curve: what is near in space is then near in memory, and looked
+// at at about the same time. Surfels that a ray meets one after another, and that neighbouring rays meet, share cache lines.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "core/scene/layers.h"
+#include "core/trace/tracer.h"
 
 namespace vitrine::embree {
 
@@ -13,9 +14,9 @@ struct SpaceOrder {
   std::vector<uint32_t> surfel_at;  // [n] by place
   std::vector<uint32_t> place_of;   // [n] by surfel
   void build(const SplatLayer& layer);
-
- private:
-  std::vector<uint64_t> keys_, sorted_;
 };
+
+// Fills in the order of `lists`: rays that start in the same cell, then those of about the same direction.
+void order_rays(const RayBatch& rays, HitLists& lists);
 
 }  // namespace vitrine::embree

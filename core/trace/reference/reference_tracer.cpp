@@ -1,5 +1,7 @@
 #include "core/trace/reference/reference_tracer.h"
 
+#include <numeric>
+
 #include "core/base/parallel.h"
 #include "core/trace/reference/reference_trace.h"
 
@@ -25,7 +27,12 @@ class ReferenceTracer final : public Tracer {
   void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const override {
     VITRINE_CHECK(layer_ != nullptr, "forward needs build");
     out.resize(rays.size());
-    if (hits) hits->chunks.assign(chunk_count(rays.size(), HitLists::kChunk), {});
+    if (hits) {
+      hits->chunks.assign(chunk_count(rays.size(), HitLists::kChunk), {});
+      hits->ray_at.resize(rays.size());
+      std::iota(hits->ray_at.begin(), hits->ray_at.end(), 0u);
+      hits->place_of = hits->ray_at;
+    }
     std::vector<BlendedHit<double>> blended;
     for (size_t i = 0; i < rays.size(); ++i) {
       const MarchValues<double> v = trace_ray(surfels_, ray_of(rays, i), march_desc(desc), blended);
