@@ -81,20 +81,26 @@ Image8 depth_picture(const ImageF& zdepth) {
 }
 
 Image8 contact_sheet(std::span<const SheetRow> rows, int cell_width) {
-  constexpr std::array<std::string_view, 5> titles{"PHOTO", "RENDER", "ERROR", "NORMALS", "DEPTH"};
-  if (rows.empty()) return Image8(1, 1, 3);
-  const Image8& first = rows[0].photo;
+  constexpr size_t kColumns = 5;
+  if (rows.empty() || rows[0].cells.empty()) return Image8(1, 1, 3);
+  const Image8& first = rows[0].cells[0].picture;
   const int width = std::min(cell_width, first.width());
   const int height = std::max(1, int(std::lround(double(first.height()) * width / first.width())));
   const int bar = kGlyphHeight * kTextScale + 2 * kMargin;
-  const int columns = int(titles.size());
-  Image8 sheet(columns * (width + kGap) + kGap, bar + int(rows.size()) * (height + bar), 3, uint8_t(24));
-  for (int c = 0; c < columns; ++c) draw_text(sheet, kGap + c * (width + kGap), kMargin, titles[size_t(c)], kTextScale, 200);
-  for (size_t r = 0; r < rows.size(); ++r) {
-    const int y = bar + int(r) * (height + bar);
-    const Image8* cells[] = {&rows[r].photo, &rows[r].render, &rows[r].error, &rows[r].normals, &rows[r].depth};
-    for (int c = 0; c < columns; ++c) paste(*cells[c], kGap + c * (width + kGap), y, width, height, sheet);
-    draw_text(sheet, kGap, y + height + kMargin, rows[r].label, kTextScale, 255);
+  const auto lines = [](const SheetRow& row) { return int((row.cells.size() + kColumns - 1) / kColumns); };
+  int total = 0;
+  for (const SheetRow& row : rows) total += lines(row) * (bar + height) + bar;
+  Image8 sheet(int(kColumns) * (width + kGap) + kGap, total, 3, uint8_t(24));
+  int y = 0;
+  for (const SheetRow& row : rows) {
+    for (size_t i = 0; i < row.cells.size(); ++i) {
+      const int x = kGap + int(i % kColumns) * (width + kGap), top = y + int(i / kColumns) * (bar + height);
+      draw_text(sheet, x, top + kMargin, row.cells[i].title, kTextScale, 200);
+      paste(row.cells[i].picture, x, top + bar, width, height, sheet);
+    }
+    y += lines(row) * (bar + height);
+    draw_text(sheet, kGap, y + kMargin, row.label, kTextScale, 255);
+    y += bar;
   }
   return sheet;
 }

@@ -1,8 +1,10 @@
-// What a person looks at first: a few views as rows of photo, render, error, normals and depth, with their names and figures.
+// What a person looks at first: a few views as rows of photo, render, error, normals, depth and layers, with their names and
+// figures.
 #pragma once
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/image/image.h"
 
@@ -14,11 +16,15 @@ Image8 error_picture(const ImageF& srgb, const ImageF& photo_srgb, double white_
 Image8 normal_picture(const ImageF& normal);  // rgb = (n + 1) / 2, black = none
 Image8 depth_picture(const ImageF& zdepth);   // near bright; 2nd to 98th percentile; black = none
 
+struct SheetCell {
+  std::string title;
+  Image8 picture;
+};
 struct SheetRow {
   std::string label;  // "IMG_0007  24.31 DB"
-  Image8 photo, render, error, normals, depth;
+  std::vector<SheetCell> cells;
 };
-// All cells get the size of the first photo, at most `cell_width` wide.
+// Five cells to a line; all get the size of the first picture, at most `cell_width` wide.
 Image8 contact_sheet(std::span<const SheetRow> rows, int cell_width);
 
 }  // namespace vitrine

@@ -11,10 +11,12 @@
 #include "core/mesh/mesh_io.h"
 #include "core/picture/trained_scene.h"
 #include "stages/evaluate/contact_sheet.h"
+#include "stages/evaluate/layer_pictures.h"
 #include "stages/evaluate/photo.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/report.h"
 #include "stages/evaluate/surface_error.h"
+#include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
@@ -40,7 +42,9 @@ class Evaluator {
         context_(context),
         sfm_(context.input("sfm")),
         views_(load_view_set(sfm_).views),
-        painter_(read_trained_scene(context.input("optimize")), {.backend = backend_of(config)}) {
+        painter_(read_trained_scene(context.input("optimize")),
+                 {.backend = backend_of(config), .layers = true, .samples = config.samples}),
+        layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
     for (LayerKind kind : kAllLayers) result_.surfels += painter_.surfels().layer(kind).size();
@@ -51,6 +55,10 @@ class Evaluator {
 
   void run() {
     if (const auto folder = context_.optional_input("truth")) open_truth(*folder);
+    if (truth_ && truth_->has_maps("mask"))
+      result_.regions_from = "truth";
+    else if ((masks_ = context_.optional_input("masks")))
+      result_.regions_from = "masks";
     score_views();
     if (truth_) finish_truth();
     write_file(context_.output() / "eval" / "metrics.json", metrics_json(result_));
@@ -125,21 +133,34 @@ class Evaluator {
                     .normal_mae_deg = {},
                     .zdepth_rel = {}};
     if (result_.views.empty()) result_.resolution = render.intrinsics;
-    if (truth_) {
-      const RegionMasks masks = region_masks(*truth_, index, render.intrinsics);
-      score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
-      if (truth_from_ours()) score_surface(index, render, masks, score);
-    }
+    const RegionMasks masks = region_masks([&](MaskClass c) { return mask(index, c, render.intrinsics); }, render.intrinsics);
+    score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
+    if (truth_from_ours()) score_surface(index, render, masks, score);
+    if (truth_) score_transmitted(index, render, masks);
     if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
-    if (on_sheet)
-      sheet_.push_back({.label = fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
-                                             heldout ? "" : "  (TRAINING VIEW)"),
-                        .photo = image8(photo),
-                        .render = image8(render.srgb),
-                        .error = error_picture(render.srgb, photo, config_.error_white),
-                        .normals = normal_picture(render.normal_in_world),
-                        .depth = depth_picture(render.zdepth)});
+    if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
+  }
+
+  std::optional<ImageF> mask(size_t index, MaskClass c, const Intrinsics& intrinsics) const {
+    if (result_.regions_from == "truth") return truth_->mask(index, c, intrinsics);
+    if (masks_) return stage_mask(*masks_, views_[index], c, intrinsics);
+    return std::nullopt;
+  }
+
+  void show(const View& view, const ViewPicture& render, const ImageF& photo, const ViewScore& score) {
+    SheetRow row{.label = fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
+                                      score.heldout ? "" : "  (TRAINING VIEW)"),
+                 .cells = {{"PHOTO", image8(photo)},
+                           {"RENDER", image8(render.srgb)},
+                           {"ERROR", error_picture(render.srgb, photo, config_.error_white)},
+                           {"NORMALS", normal_picture(render.normal_in_world)},
+                           {"DEPTH", depth_picture(render.zdepth)}}};
+    if (layered_) {
+      for (SheetCell& cell : layer_cells(render, view.gain)) row.cells.push_back(std::move(cell));
+      if (config_.write_layers) write_layers(context_.output() / "eval", view, render);
+    }
+    sheet_.push_back(std::move(row));
   }
 
   void score_surface(size_t index, const ViewPicture& render, const RegionMasks& masks, ViewScore& score) {
@@ -148,16 +169,33 @@ class Evaluator {
     SurfaceTruth truth;
     truth.normal = truth_->normal(index, render.intrinsics).value_or(ImageF());
     truth.zdepth = truth_->zdepth(index, render.intrinsics).value_or(ImageF());
-    if (const auto it = masks.find("transparent"); it != masks.end()) truth.transparent = it->second;
-    if (const auto it = masks.find("object"); it != masks.end()) truth.object = it->second;
+    const auto it = masks.find("transparent");
+    ImageF opaque(render.intrinsics.width, render.intrinsics.height, 1, 1.f);
+    if (it != masks.end())
+      for (size_t i = 0; i < opaque.data().size(); ++i) opaque.data()[i] -= it->second.data()[i];
     SurfaceError here;
-    add_surface_error(render, truth, *truth_from_ours(), here);
+    add_surface_error(render, truth, *truth_from_ours(), &opaque, here);
     if (!here.normal_deg.empty()) score.normal_mae_deg = mean(here.normal_deg);
     if (!here.zdepth_rel.empty()) score.zdepth_rel = median(here.zdepth_rel);
-    for (const auto& [all, part] : {std::pair{&surface_.normal_deg, &here.normal_deg},
-                                    {&surface_.zdepth_rel, &here.zdepth_rel},
-                                    {&surface_.object_normal_deg, &here.object_normal_deg}})
-      all->insert(all->end(), part->begin(), part->end());
+    surface_.normal_deg.insert(surface_.normal_deg.end(), here.normal_deg.begin(), here.normal_deg.end());
+    surface_.zdepth_rel.insert(surface_.zdepth_rel.end(), here.zdepth_rel.begin(), here.zdepth_rel.end());
+    for (const auto& [region, region_mask] : masks) {
+      ImageF counts = region_mask;
+      if (region == "object")  // what is seen of it through glass belongs to the glass
+        for (size_t i = 0; i < counts.data().size(); ++i) counts.data()[i] *= opaque.data()[i];
+      add_surface_error(render, truth, *truth_from_ours(), &counts, region_surface_[region]);
+    }
+  }
+
+  void score_transmitted(size_t index, const ViewPicture& render, const RegionMasks& masks) {
+    const auto glass = masks.find("transparent");
+    const ImageF* radiance = render.layer("transmitted");
+    if (glass == masks.end() || radiance == nullptr) return;
+    const auto truth = truth_->transmitted(index, render.intrinsics);
+    if (!truth) return;
+    const auto score =
+        transmitted_psnr({render.intrinsics, *radiance, views_[index].gain, glass->second}, *truth, config_.min_region_pixels);
+    if (score) transmitted_.push_back(*score);
   }
 
   void write_pictures(const View& view, const ImageF& srgb, const ImageF& photo) {
@@ -177,7 +215,16 @@ class Evaluator {
     } else if (t.alignment) {
       not_measured("truth.normal_mae_deg", "no truth normal covers an opaque pixel of ours");
     }
-    if (!surface_.object_normal_deg.empty()) t.object_normal_mae_deg = mean(surface_.object_normal_deg);
+    for (const auto& [region, errors] : region_surface_) {
+      SurfaceScore& s = t.regions[region];
+      if (!errors.normal_deg.empty()) s.normal_mae_deg = mean(errors.normal_deg), s.normal_median_deg = median(errors.normal_deg);
+      if (!errors.zdepth_rel.empty()) s.zdepth_rel = median(errors.zdepth_rel);
+    }
+    if (const auto it = t.regions.find("object"); it != t.regions.end()) t.object_normal_mae_deg = it->second.normal_mae_deg;
+    if (!transmitted_.empty()) t.transmitted_psnr = mean(transmitted_);
+    t.transmitted_views = transmitted_.size();
+    if (painter_.surfels().transmittance.size() > 0 && transmitted_.empty())
+      not_measured("truth.transmitted", "no scored view has a truth/transmitted picture and a transparent mask");
     if (!surface_.zdepth_rel.empty())
       t.zdepth_rel = median(surface_.zdepth_rel);
     else if (t.alignment)
@@ -243,6 +290,8 @@ class Evaluator {
       context_.metric("truth.mesh.fscore", result_.truth->mesh->fscore);
       summary += fmt::format(", F-score {:.3f}", result_.truth->mesh->fscore);
     }
+    if (result_.truth && result_.truth->transmitted_psnr)
+      summary += fmt::format(", behind glass {:.2f} dB", *result_.truth->transmitted_psnr);
     context_.summary(summary);
   }
 
@@ -251,9 +300,13 @@ class Evaluator {
   fs::path sfm_;
   std::vector<View> views_;
   ScenePainter painter_;
+  bool layered_;  // there is more than the diffuse layer
+  std::optional<fs::path> masks_;
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
-  SurfaceError surface_;
+  SurfaceError surface_;        // outside the glass
+  std::map<std::string, SurfaceError> region_surface_;
+  std::vector<double> transmitted_;
   std::vector<SheetRow> sheet_;
   Evaluation result_;
 };
@@ -268,6 +321,8 @@ void describe(Describer& d, EvaluateConfig& c) {
   d.option("sheet_rows", c.sheet_rows, "Views on the contact sheet.").range(0, 64);
   d.option("sheet_cell_width", c.sheet_cell_width, "Width of a picture on the contact sheet, pixels.").range(32, 4096);
   d.option("write_pictures", c.write_pictures, "Write photo, render and error of every held-out view.");
+  d.option("write_layers", c.write_layers, "Write the layers of the views on the contact sheet, where there is more than one.");
+  d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
   d.option("mesh_samples", c.mesh_samples, "Points spread over each mesh.").range(100, 1e8);
   d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
       .range(1e-6, 1);
@@ -279,9 +334,10 @@ void run_evaluate(const EvaluateConfig& config, StageContext& context) { Evaluat
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 1;
+  info.version = 2;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {{.name = "sfm", .doc = "cameras, gains and undistorted photos"},
+                 {.name = "masks", .optional = true, .doc = "regions to score apart, where the truth has none"},
                  {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
                  {.name = "mesh", .doc = "the mesh"},
                  {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};

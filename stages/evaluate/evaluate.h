@@ -1,8 +1,9 @@
 // evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
 // normals, depth and mesh against the truth. README.md in this folder defines every figure.
-//   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional truth folder
-//   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png
-// version 1: first.
+//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks and truth
+//   folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
+//   eval/layers/<layer>/<stem>.exr
+// version 1: first. 2: layers; regions from the masks stage; normals and depth per region; the transmitted radiance.
 #pragma once
 
 #include "stages/stage.h"
@@ -17,6 +18,8 @@ struct EvaluateConfig {
   int sheet_rows = 4;
   int sheet_cell_width = 320;
   bool write_pictures = true;
+  bool write_layers = true;
+  int samples = 0;
   int mesh_samples = 100'000;
   double mesh_threshold_rel = 0.01;
   int mesh_views = 64;

@@ -2,23 +2,64 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
+#include "core/image/ldr.h"
 #include "core/image/metrics.h"
+#include "core/image/resample.h"
 
 namespace vitrine {
 
-RegionMasks region_masks(const Truth& truth, size_t view, const Intrinsics& intrinsics) {
+namespace {
+
+constexpr float kBelongs = 0.5f;
+
+// 1 where `mask` is 1 and none of `others` is.
+ImageF without(const ImageF& mask, std::initializer_list<const ImageF*> others) {
+  ImageF out = mask;
+  for (const ImageF* other : others)
+    if (other != nullptr)
+      for (size_t i = 0; i < out.data().size(); ++i)
+        if (other->data()[i] > 0) out.data()[i] = 0;
+  return out;
+}
+
+}  // namespace
+
+RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics) {
   RegionMasks masks;
   for (MaskClass c : kMaskClasses)
-    if (auto mask = truth.mask(view, c, intrinsics)) masks.emplace(name(c), std::move(*mask));
-  const auto transparent = masks.find("transparent"), specular = masks.find("specular");
-  if (transparent == masks.end() && specular == masks.end()) return masks;
-  ImageF rest(intrinsics.width, intrinsics.height, 1, 1.f);
-  for (const auto& it : {transparent, specular})
-    if (it != masks.end())
-      for (size_t i = 0; i < rest.data().size(); ++i)
-        if (it->second.data()[i] > 0) rest.data()[i] = 0;
+    if (auto mask = mask_of(c)) masks.emplace(name(c), std::move(*mask));
+  const auto find = [&](const char* region) {
+    const auto it = masks.find(region);
+    return it == masks.end() ? nullptr : &it->second;
+  };
+  const ImageF *transparent = find("transparent"), *specular = find("specular");
+  if (transparent == nullptr && specular == nullptr) return masks;
+  ImageF rest = without(ImageF(intrinsics.width, intrinsics.height, 1, 1.f), {transparent, specular});
+  if (specular != nullptr) masks.emplace("reflective", without(*specular, {transparent}));
   masks.emplace("rest", std::move(rest));
   return masks;
+}
+
+std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,
+                                 const Intrinsics& intrinsics) {
+  const std::filesystem::path path = masks_folder / "masks" / name(c) / (view.stem() + ".png");
+  std::error_code ec;
+  if (!std::filesystem::exists(path, ec)) return std::nullopt;
+  const ImageF soft = read_unchanged(path);
+  if (soft.width() != view.intrinsics.width || soft.height() != view.intrinsics.height)
+    throw Error(ErrorKind::Input, "a mask does not have the size of its photo",
+                {.where = path.string(),
+                 .why = fmt::format("{}x{}, but the photo is {}x{}", soft.width(), soft.height(), view.intrinsics.width,
+                                    view.intrinsics.height),
+                 .hint = "run the masks stage again",
+                 .code = "BAD_MASK"});
+  ImageF grey(soft.width(), soft.height(), 1);
+  for (size_t i = 0; i < grey.pixel_count(); ++i) grey.data()[i] = soft.data()[i * size_t(soft.channels())];
+  if (grey.width() != intrinsics.width || grey.height() != intrinsics.height)
+    grey = resized(grey, intrinsics.width, intrinsics.height);
+  for (float& v : grey.data()) v = v >= kBelongs ? 1.f : 0.f;
+  return grey;
 }
 
 std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {

@@ -1,7 +1,9 @@
-// Parts of a picture that are scored apart: glass (transparent), mirrors and gloss (specular), the object, and the rest = in
-// neither the transparent nor the specular class. An opaque method is judged on the rest.
+// Parts of a picture that are scored apart: glass (transparent), mirrors and gloss (specular), gloss without glass (reflective),
+// the object, and the rest = in neither the transparent nor the specular class. An opaque method is judged on the rest.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -9,10 +11,17 @@
 
 namespace vitrine {
 
-// Region name -> one channel of 0 and 1 at render size. Absent: no mask file of that class for this view; `rest` is there when
-// the transparent or the specular mask is.
+// Region name -> one channel of 0 and 1 at render size. Absent: no mask of that class for this view; `rest` is there when the
+// transparent or the specular mask is, `reflective` when the specular one is.
 using RegionMasks = std::map<std::string, ImageF>;
-RegionMasks region_masks(const Truth& truth, size_t view, const Intrinsics& intrinsics);
+// The mask of a class for the view in question, 0 or 1 at render size.
+using MaskOf = std::function<std::optional<ImageF>(MaskClass)>;
+RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics);
+
+// A mask of the masks stage (masks/<class>/<stem>.png, undistorted like the render) at render size: 1 where at least half of a
+// pixel's area belongs to the class.
+std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,
+                                 const Intrinsics& intrinsics);
 
 // PSNR of each region with at least `min_pixels` pixels: squared error pooled over the region's pixels and channels.
 std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);

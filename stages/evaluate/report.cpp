@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kRegions[] = {"transparent", "specular", "object", "rest"};
+constexpr std::string_view kRegions[] = {"transparent", "specular", "reflective", "object", "rest"};
 
 Json definitions(const Evaluation& e) {
   Json d;
@@ -26,8 +26,8 @@ Json definitions(const Evaluation& e) {
   d["regions.*.psnr"] = fmt::format(
       "PSNR of the squared error pooled over the region's pixels of a held-out view, mean over views with at least {} such "
       "pixels; "
-      "rest = neither transparent nor specular",
-      e.min_region_pixels);
+      "reflective = specular and not transparent, rest = neither transparent nor specular; masks from {}",
+      e.min_region_pixels, e.regions_from == "masks" ? "the masks stage" : "the truth");
   if (!e.truth) return d;
   d["truth.pose"] =
       "after the similarity that best aligns the camera centres: angle between the orientations (median over views), distance of "
@@ -37,6 +37,12 @@ Json definitions(const Evaluation& e) {
       "mean angle between our blended, normalised normal and the truth's, over all views with a truth map, pixels with our alpha "
       ">= 1/2, "
       "a truth normal, and outside the transparent mask";
+  d["truth.regions.*"] =
+      "the same figures over the pixels of one region (in `transparent`: of the glass itself, the first surface of the truth)";
+  d["truth.transmitted.psnr"] =
+      "PSNR of the transmitted radiance, times the view's gain, against truth/transmitted, both encoded to sRGB and clipped, "
+      "over "
+      "the transparent mask at the coarser of the two resolutions, mean over the views with such a truth";
   d["truth.depth_rel"] = "median of |z - z_truth| / z_truth over the same pixels";
   d["truth.mesh"] = fmt::format(
       "lengths relative to the diagonal of the truth mesh's bounding box. accuracy = mean distance of our samples to the truth "
@@ -68,6 +74,13 @@ Json truth_json(const TruthScores& t) {
   if (t.normal_median_deg) j["normal_median_deg"] = *t.normal_median_deg;
   if (t.object_normal_mae_deg) j["normal_object_mae_deg"] = *t.object_normal_mae_deg;
   if (t.zdepth_rel) j["depth_rel"] = *t.zdepth_rel;
+  for (const auto& [region, s] : t.regions) {
+    Json score = Json::object();
+    if (s.normal_mae_deg) score["normal_mae_deg"] = *s.normal_mae_deg, score["normal_median_deg"] = *s.normal_median_deg;
+    if (s.zdepth_rel) score["depth_rel"] = *s.zdepth_rel;
+    if (!score.empty()) j["regions"][region] = score;
+  }
+  if (t.transmitted_psnr) j["transmitted"] = {{"psnr", *t.transmitted_psnr}, {"views", t.transmitted_views}};
   if (t.mesh) {
     const MeshError& m = *t.mesh;
     Json& mesh = j["mesh"] = Json::object();
@@ -114,7 +127,10 @@ std::string metrics_json(const Evaluation& e) {
         psnr.push_back(it->second);
     if (!psnr.empty()) regions[std::string(region)] = {{"psnr", mean(psnr)}, {"views", psnr.size()}};
   }
-  if (!regions.empty()) j["regions"] = regions;
+  if (!regions.empty()) {
+    regions["masks"] = e.regions_from;
+    j["regions"] = regions;
+  }
   if (e.truth) j["truth"] = truth_json(*e.truth);
   j["resolution"] = {{"width", e.resolution.width}, {"height", e.resolution.height}, {"max_side", e.split.max_side}};
   j["views"] = {{"registered", e.registered_views},

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/camera/view_split.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
-#include "core/camera/view_split.h"
 
 namespace vitrine {
 
@@ -24,10 +24,17 @@ struct ViewScore {
   std::optional<double> normal_mae_deg, zdepth_rel;
 };
 
+struct SurfaceScore {
+  std::optional<double> normal_mae_deg, normal_median_deg, zdepth_rel;
+};
+
 struct TruthScores {
   std::optional<Alignment> alignment;
   std::vector<PoseError> poses;
   std::optional<double> normal_mae_deg, normal_median_deg, object_normal_mae_deg, zdepth_rel;
+  std::map<std::string, SurfaceScore> regions;  // over all scored views
+  std::optional<double> transmitted_psnr;       // mean over the views that have such a truth
+  size_t transmitted_views = 0;
   std::optional<MeshError> mesh;
 };
 
@@ -39,6 +46,7 @@ struct Evaluation {
   std::optional<TruthScores> truth;
   double mesh_threshold_rel = 0;
   int min_region_pixels = 0;
+  std::string regions_from;                         // "truth", "masks", or empty: there are none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };
 

@@ -13,14 +13,15 @@ double mean(const std::vector<double>& values) {
   return sum / double(values.size());
 }
 
-void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours, SurfaceError& sum) {
+void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const Similarity& truth_from_ours, const ImageF* mask,
+                       SurfaceError& sum) {
   const auto normal_of = [](const ImageF& image, size_t i) {
     const float* n = image.data().data() + 3 * i;
     return Vec3d{n[0], n[1], n[2]};
   };
   for (size_t i = 0; i < ours.zdepth.pixel_count(); ++i) {
     const double z = ours.zdepth.data()[i];
-    if (!(z > 0) || (!truth.transparent.empty() && truth.transparent.data()[i] > 0)) continue;
+    if (!(z > 0) || (mask != nullptr && !(mask->data()[i] > 0))) continue;
     if (!truth.zdepth.empty() && truth.zdepth.data()[i] > 0) {
       const double zt = truth.zdepth.data()[i];
       sum.zdepth_rel.push_back(std::abs(truth_from_ours.scale * z - zt) / zt);
@@ -31,7 +32,6 @@ void add_surface_error(const ViewPicture& ours, const SurfaceTruth& truth, const
     const Vec3d turned = truth_from_ours.rotation * a;
     const double angle = std::atan2(length(cross(turned, b)), dot(turned, b)) * 180 / std::numbers::pi;
     sum.normal_deg.push_back(angle);
-    if (!truth.object.empty() && truth.object.data()[i] > 0) sum.object_normal_deg.push_back(angle);
   }
 }
 

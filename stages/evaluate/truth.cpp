@@ -121,6 +121,14 @@ std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics) c
   return sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics);
 }
 
+std::optional<TruthPicture> Truth::transmitted(size_t view, const Intrinsics& intrinsics) const {
+  const fs::path path = folder_ / "transmitted" / (stems_[view] + ".exr");
+  if (!fs::exists(path)) return std::nullopt;
+  ImageF map = read_exr_rgb(path);
+  const Intrinsics k = map_intrinsics(view, intrinsics, map, path);
+  return TruthPicture{std::move(map), k};
+}
+
 std::optional<ImageF> Truth::normal(size_t view, const Intrinsics& intrinsics) const {
   const fs::path path = folder_ / "normal" / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;

@@ -22,6 +22,11 @@ constexpr std::string_view name(MaskClass c) {
   return names[static_cast<size_t>(c)];
 }
 
+struct TruthPicture {
+  ImageF radiance;  // linear
+  Intrinsics intrinsics;
+};
+
 class Truth {
  public:
   // Reads transforms.json when there is one and finds the truth camera of each view by its stem.
@@ -37,6 +42,7 @@ class Truth {
   std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics) const;  // truth units, 0 = nothing there
   std::optional<ImageF> normal(size_t view, const Intrinsics& intrinsics) const;  // truth frame, unit; 0 0 0 = nothing there
   std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics) const;  // 0 or 1
+  std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
   bool has_maps(std::string_view kind) const;                                                // any file below folder/kind
   // mesh_opaque.ply, else mesh.ply, else nullopt.
   std::optional<std::filesystem::path> mesh_path() const;

@@ -7,6 +7,7 @@
 #include "core/base/rng.h"
 #include "core/math/color.h"
 #include "tests/evaluate/tiny_capture.h"
+#include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -89,10 +90,81 @@ TEST(EvaluateStage, RegionsScoreTheirOwnPixelsOnly) {
   const json& r = m["regions"];
   EXPECT_NEAR(r["specular"]["psnr"].get<double>(), 20, 0.01);                            // -20 log10(0.1)
   EXPECT_NEAR(r["transparent"]["psnr"].get<double>(), 20 + 10 * std::log10(5.0), 0.01);  // 4 of 20 columns are wrong
-  EXPECT_NEAR(r["object"]["psnr"].get<double>(), 20 + 10 * std::log10(2.0), 0.01);       // 2 of 4
+  EXPECT_EQ(r["masks"], "truth");
+  EXPECT_NEAR(r["reflective"]["psnr"].get<double>(), 20, 0.01);                     // specular, not glass
+  EXPECT_NEAR(r["object"]["psnr"].get<double>(), 20 + 10 * std::log10(2.0), 0.01);  // 2 of 4
   EXPECT_GT(r["rest"]["psnr"].get<double>(), 45);
   EXPECT_EQ(r["rest"]["views"], 1);
   EXPECT_TRUE(m["not_measured"].contains("truth.pose"));  // no transforms.json, and it says so
+}
+
+TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
+  const TinyCapture capture;
+  const View& v = capture.views[0];
+  const TemporaryFolder masks;
+  const auto write = [&](const char* kind, int x0, int x1, int width) {
+    make_folders(masks.path() / "masks" / kind);
+    Image16 mask(width, TinyCapture::kHeight, 1);
+    for (int y = 0; y < mask.height(); ++y)
+      for (int x = x0; x < x1; ++x) mask.at(x, y) = 65535;
+    write_png16(masks.path() / "masks" / kind / (v.stem() + ".png"), mask);
+  };
+  write("transparent", 0, 20, TinyCapture::kWidth);
+  write("specular", 16, 32, TinyCapture::kWidth);
+  ImageF photo = capture.photo(v);
+  for (int y = 0; y < photo.height(); ++y)
+    for (int x = 16; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) photo.at(x, y, c) = linear_from_srgb(srgb_from_linear(photo.at(x, y, c)) + 0.1f);
+  write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
+  auto inputs = capture.inputs(false);
+  inputs["masks"] = masks.path();
+  RecordingContext context(inputs);
+  const json r = metrics_of(context, quick())["regions"];
+  EXPECT_EQ(r["masks"], "masks");
+  EXPECT_NEAR(r["specular"]["psnr"].get<double>(), 20, 0.01);
+  EXPECT_NEAR(r["reflective"]["psnr"].get<double>(), 20, 0.01);
+  EXPECT_NEAR(r["transparent"]["psnr"].get<double>(), 20 + 10 * std::log10(5.0), 0.01);
+  EXPECT_GT(r["rest"]["psnr"].get<double>(), 45);
+  write("specular", 0, 5, 32);
+  RecordingContext wrong(inputs);
+  EXPECT_EQ(error_of([&] { run_evaluate(quick(), wrong); }).detail().code, "BAD_MASK");
+}
+
+// The sphere turned to glass with a ball in it: layers, what lies behind the glass, and the glass itself.
+TEST(EvaluateStage, LayeredSceneIsTakenApartAndScoredBehindItsGlass) {
+  TinyCapture capture;
+  capture.write_truth();
+  const SplatLayer ball = test::sphere_layer(0.36, 900);  // fills the mask: no silhouette, where tracing has no low-pass
+  SplatLayer inner(LayerKind::Transmittance, 0, ball.size());
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    std::ranges::copy(ball.values(a), inner.values(a).begin());
+  std::ranges::fill(capture.layer.values(Attribute::Transmission), 6.f);
+  std::ranges::fill(capture.layer.values(Attribute::SpecularWeight), -8.f);
+  write_layer(capture.optimize() / "gaussians/diffuse.ply", capture.layer);
+  write_layer(capture.optimize() / "gaussians/transmittance.ply", inner);
+  const View& v = capture.views[0];
+  capture.write_mask("transparent", v, 26, 38);
+  capture.layer = ball;  // photo() shows the scene without its glass now, times the gain
+  make_folders(capture.truth() / "transmitted");
+  write_exr_rgb(capture.truth() / "transmitted" / (v.stem() + ".exr"), capture.photo(v), ExrPrecision::Float);
+
+  RecordingContext context(capture.inputs(true));
+  const json m = metrics_of(context, quick());
+  const json& t = m["truth"];
+  EXPECT_GT(t["transmitted"]["psnr"].get<double>(), 38) << t["transmitted"];
+  EXPECT_EQ(t["transmitted"]["views"], 1);
+  EXPECT_LT(t["regions"]["transparent"]["normal_mae_deg"].get<double>(), 3);  // of the glass, not of the ball
+  EXPECT_LT(t["regions"]["transparent"]["depth_rel"].get<double>(), 0.01);
+  EXPECT_EQ(m["surfels"], 1800 + 900);
+  const fs::path layers = context.output() / "eval/layers";
+  for (const char* layer : {"radiance", "diffuse", "transmission", "transmitted", "transmission_weight", "normal", "depth"})
+    EXPECT_TRUE(fs::exists(layers / layer / "view_0.exr")) << layer;
+  EXPECT_FALSE(fs::exists(layers / "reflection"));
+  // The parts sum up to the whole.
+  const ImageF whole = read_exr(layers / "radiance/view_0.exr").pixels, front = read_exr(layers / "diffuse/view_0.exr").pixels;
+  const ImageF behind = read_exr(layers / "transmission/view_0.exr").pixels;
+  for (size_t i = 0; i < whole.data().size(); ++i)
+    ASSERT_NEAR(whole.data()[i], front.data()[i] + behind.data()[i], 2e-3f);  // half floats
 }
 
 TEST(EvaluateStage, DisplacedMeshLosesItsFScore) {

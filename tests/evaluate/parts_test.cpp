@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "core/camera/view_split.h"
 #include "core/image/bitmap_font.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/truth.h"
-#include "core/camera/view_split.h"
 #include "tests/evaluate/tiny_capture.h"
 
 namespace vitrine {
@@ -137,8 +137,9 @@ TEST(MeshErrorTest, WhatIsSeenOnlyThroughGlassDoesNotCount) {
 TEST(SurfaceErrorTest, AnglesAndDepthAreThoseThatWerePutIn) {
   ViewPicture ours{{2, 2, 1, 1, 1, 1}, ImageF(2, 2, 3), ImageF(2, 2, 1, 2.f), ImageF(2, 2, 3), {}};
   ours.zdepth.at(1, 1) = 0;  // not opaque: does not count
-  SurfaceTruth truth{ImageF(2, 2, 3), ImageF(2, 2, 1, 4.4f), ImageF(2, 2, 1), {}};
-  truth.transparent.at(0, 1) = 1;                         // glass: does not count
+  SurfaceTruth truth{ImageF(2, 2, 3), ImageF(2, 2, 1, 4.4f)};
+  ImageF counts(2, 2, 1, 1.f);
+  counts.at(0, 1) = 0;                                    // outside the region
   const Mat3d quarter{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}};  // x -> y
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 2; ++x) {
@@ -147,7 +148,7 @@ TEST(SurfaceErrorTest, AnglesAndDepthAreThoseThatWerePutIn) {
     }
   truth.normal.at(1, 0, 1) = float(std::cos(0.1)), truth.normal.at(1, 0, 2) = float(std::sin(0.1));
   SurfaceError e;
-  add_surface_error(ours, truth, {2, quarter, {}}, e);
+  add_surface_error(ours, truth, {2, quarter, {}}, &counts, e);
   ASSERT_EQ(e.normal_deg.size(), 2u);
   EXPECT_NEAR(e.normal_deg[0], 0, 1e-9);
   EXPECT_NEAR(e.normal_deg[1], 0.1 * 180 / std::numbers::pi, 1e-5);
@@ -192,11 +193,18 @@ TEST(BitmapFont, DrawsInsideThePictureOnlyAndOneGlyphPerCharacter) {
 
 TEST(ContactSheet, PutsFivePicturesInARowPerView) {
   const Image8 red(40, 30, 3, 90);
-  const std::vector<SheetRow> rows(2, SheetRow{"A  20.00 DB", red, red, red, red, red});
-  const Image8 sheet = contact_sheet(rows, 320);
+  std::vector<SheetRow> rows(2, SheetRow{"A  20.00 DB", std::vector<SheetCell>(5, {"PHOTO", red})});
+  Image8 sheet = contact_sheet(rows, 320);
   EXPECT_EQ(sheet.width(), 5 * 44 + 4);
   EXPECT_GT(sheet.height(), 2 * 30);
   EXPECT_EQ(sheet.at(4 + 4 * 44 + 20, 26 + 15), 90);  // middle of the last cell of the first row
+  const int before = sheet.height();
+  rows[0].cells.push_back({"TAU", red});  // the sixth stands below the first
+  sheet = contact_sheet(rows, 320);
+  EXPECT_EQ(sheet.width(), 5 * 44 + 4);
+  EXPECT_EQ(sheet.height(), before + 26 + 30);
+  EXPECT_EQ(sheet.at(4 + 20, 26 + 30 + 26 + 15), 90);
+  EXPECT_EQ(sheet.at(4 + 44 + 20, 26 + 30 + 26 + 15), 24);  // nothing beside it
 }
 
 TEST(ErrorPicture, IsBlackWithoutErrorAndBrightestFromTheLimitOn) {
