@@ -28,6 +28,7 @@ struct Frame {
   // Set by the caller before forward(). Masks are [h,w] in [0,1] or empty; pixels inside ask for rays.
   std::span<const float> specular_mask, transparent_mask;
   uint64_t seed = 0, step = 0;  // of everything that is drawn: equal numbers, equal rays
+  bool differentiable = true;   // false: only the picture is wanted; no backward() may follow, and memory stays small
 
   RasterImages diffuse;                    // channels of the diffuse pass
   ShadedPixels shaded;                     // pixels that send rays

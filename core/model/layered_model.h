@@ -8,10 +8,11 @@
 //   model.backward(scene, frame, grad);                      // adds to all layers of grad
 //   densification: frame.statistics, frame.reflection.statistics, frame.transmission.statistics
 //
-// First materials: surfels outside the masks begin with k_s and tau below 1/255 (say 0.002), or every pixel of the picture asks for
-// rays and shares the budget with those that need it.
-// Schedule: give the scene a layer when its phase begins; surface->options().depth_gradient, normal_gradient and
-// reflection->options().lobe follow later. Evaluation: ray_budget = 0, Lobe::Sampled with many samples, layer_images = true.
+// First materials: surfels outside the masks begin with k_s and tau below 1/255 (say 0.002), or every pixel of the picture asks
+// for rays and shares the budget with those that need it. Schedule: give the scene a layer when its phase begins;
+// surface->options().depth_gradient, normal_gradient and reflection->options().lobe follow later. Evaluation:
+// frame.differentiable = false, ray_budget = 0, Lobe::Sampled with many samples (or the lobe of the training), layer_images =
+// true.
 #pragma once
 
 #include "core/model/composite_pass.h"

@@ -32,7 +32,8 @@ TraceDesc trace_desc(const ReflectionOptions& o, const SplatLayer& layer) {
 
 }  // namespace
 
-void ReflectionPass::emit(Frame& frame) {
+// Samples [first_sample, last_sample) of every group; a mirror ray is the first sample.
+void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
   const ShadedPixels& s = frame.shaded;
   SecondaryRays& r = frame.reflection;
   const uint64_t draw = mix64(frame.seed, kLobeStream);
@@ -47,12 +48,12 @@ void ReflectionPass::emit(Frame& frame) {
       const Vec3f view = s.rays[g].view;
       const auto group = static_cast<uint32_t>(g);
       if (options_.lobe != Lobe::Sampled || p.roughness < options_.mirror_below) {
-        out.push_back({.group = group, .share = 1, .lobe = mirror_ray(view, p)});
+        if (first_sample == 0) out.push_back({.group = group, .share = 1, .lobe = mirror_ray(view, p)});
         continue;
       }
       Rng rng(draw, s.chosen_pixel(g));
       const double start[] = {rng.uniform_double(), rng.uniform_double()};
-      for (int i = 0; i < samples; ++i) {
+      for (int i = first_sample; i < last_sample; ++i) {
         const double at = double(frame.step) * samples + i;
         const Vec3f half = ggx_half_vector(p.normal, p.roughness * p.roughness, fraction(start[0] + at * kR2[0]),
                                            fraction(start[1] + at * kR2[1]));
@@ -79,8 +80,20 @@ void ReflectionPass::forward(const SplatScene& scene, Frame& frame) {
   frame.reflection.clear();
   if (scene.reflection.size() == 0 || frame.shaded.groups() == 0) return;
   tracer_->build(scene.reflection, {.max_footprint = options_.lobe == Lobe::Cone ? options_.max_footprint : 0.f});
-  emit(frame);
-  frame.reflection.trace(*tracer_, trace_desc(options_, scene.reflection), frame.shaded);
+  SecondaryRays& r = frame.reflection;
+  const TraceDesc desc = trace_desc(options_, scene.reflection);
+  const int samples = options_.lobe == Lobe::Sampled ? std::max(options_.samples, 1) : 1;
+  // All samples at once are needed for gradients alone: 64 of them for a large picture are gigabytes.
+  const int at_once = frame.differentiable ? samples : 1;
+  sum_.clear();
+  for (int i = 0; i < samples; i += at_once) {
+    emit(frame, i, i + at_once);
+    r.trace(*tracer_, desc, frame.shaded, frame.differentiable);
+    if (at_once == samples) return;
+    sum_.resize(r.radiance.size());
+    for (size_t g = 0; g < sum_.size(); ++g) sum_[g] += r.radiance[g];
+  }
+  r.radiance = sum_;
 }
 
 void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {

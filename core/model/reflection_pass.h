@@ -21,11 +21,12 @@ class ReflectionPass final : public Pass {
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  void emit(Frame& frame);
+  void emit(Frame& frame, int first_sample, int last_sample);
 
   ReflectionOptions options_;
   std::unique_ptr<Tracer> tracer_;
   std::vector<std::vector<SecondaryRay>> chunks_;
+  std::vector<Vec3f> sum_;  // [groups]
   RayGradients ray_gradients_;
 };
 

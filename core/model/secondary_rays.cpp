@@ -37,8 +37,9 @@ void SecondaryRays::gather(size_t groups, std::span<const std::vector<SecondaryR
   spread.clear();
 }
 
-void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded) {
-  tracer.forward(batch(), desc, values, &hits);
+void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, bool keep_hits) {
+  if (!keep_hits) hits = {};
+  tracer.forward(batch(), desc, values, keep_hits ? &hits : nullptr);
   const size_t groups = shaded.groups();
   radiance.assign(groups, Vec3f{});
   grad_radiance.assign(groups, Vec3f{});

@@ -63,7 +63,7 @@ struct SecondaryRays {
   // The steps of a pass that traces: take the rays of consecutive chunks of groups (and size the arrays that the pass
   // fills), trace and sum up per group; in reverse from grad_radiance to the layer, its statistics and the rays.
   void gather(size_t groups, std::span<const std::vector<SecondaryRay>> rays_of);
-  void trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded);
+  void trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, bool keep_hits);
   void trace_back(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, std::span<const float> error_image,
                   SplatLayer& grad, RayGradients* ray_gradients);
   RayBatch batch() const { return {.origins = origins, .directions = directions, .near = near, .far = {}, .spread = spread}; }

@@ -39,7 +39,7 @@ void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
       r.near[i] = options_.near;
     }
   });
-  r.trace(*tracer_, trace_desc(options_, scene.transmittance), s);
+  r.trace(*tracer_, trace_desc(options_, scene.transmittance), s, frame.differentiable);
 }
 
 void TransmissionPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {

@@ -53,6 +53,7 @@ ScenePainter::ScenePainter(TrainedScene scene, const PictureDesc& desc)
     : scene_(std::move(scene)), desc_(desc), model_(options_of_picture(scene_, desc)) {}
 
 ViewPicture ScenePainter::picture(const View& view) {
+  frame_.differentiable = false;
   model_.forward(scene_.surfels, view, frame_);
   const Intrinsics& k = view.intrinsics;
   ViewPicture out{k, ImageF(k.width, k.height, 3), ImageF(k.width, k.height, 1), ImageF(k.width, k.height, 3), {}};

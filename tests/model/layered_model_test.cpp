@@ -293,6 +293,22 @@ TEST(RayBudget, SampledLobesAverageToWhatManySamplesShow) {
     for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[i][c], many[i][c], 2e-3);
 }
 
+TEST(LayeredModel, APictureWithoutGradientsIsTheSameAndKeepsNoHits) {
+  const TinyRoom r = furnished_room({}, 6);
+  ImageOptions options = exact_options();
+  options.reflection.lobe = Lobe::Sampled;
+  options.reflection.samples = 9;
+  LayeredModel model(options);
+  Frame full, lean;
+  lean.differentiable = false;
+  model.forward(r.scene, r.view, full);
+  model.forward(r.scene, r.view, lean);
+  for (size_t i = 0; i < full.linear.size(); ++i) EXPECT_NEAR(full.linear[i], lean.linear[i], 1e-6);
+  EXPECT_GT(full.reflection.hits.size(), 0u);
+  EXPECT_EQ(lean.reflection.hits.size() + lean.transmission.hits.size(), 0u);
+  EXPECT_LE(lean.reflection.rays.size(), lean.pixel_count());
+}
+
 TEST(LayeredModel, BytesDoNotDependOnThreads) {
   TinyRoom r = furnished_room({}, 7, 120, 90);
   r.view.intrinsics.fx = r.view.intrinsics.fy = 200;
