@@ -28,8 +28,8 @@ TEST_P(PictureLoss, GradientMatchesFiniteDifferences) {
   EXPECT_LT(a.worst, 5e-3) << name;  // worst seen 1.1e-3: float sums
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, PictureLoss,
-                         ::testing::Combine(::testing::Values("l1", "dssim", "gradient_l1"), ::testing::Values(5, 8, 13, 24),
-                                            ::testing::Values(3, 14), ::testing::Bool()));
+                         ::testing::Combine(::testing::Values("l1", "dssim", "gradient_l1", "ms_ssim"),
+                                            ::testing::Values(5, 8, 13, 24), ::testing::Values(3, 14), ::testing::Bool()));
 
 double plain_ssim(const TestFrame& frame) {
   const int w = frame.view.intrinsics.width, h = frame.view.intrinsics.height;
@@ -85,6 +85,65 @@ TEST(SsimPoint, PartialsMatchDualNumbers) {
     const double partials[] = {p.grad_mu_x, p.grad_xx, p.grad_xy};
     for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(d.value.d[k], partials[k], 1e-9 * (1 + std::abs(partials[k])));
   }
+}
+
+TEST(ContrastStructurePoint, PartialsMatchDualNumbers) {
+  using D = Dual<double, 3>;
+  Rng rng(4);
+  for (int trial = 0; trial < 100; ++trial) {
+    const double mx = rng.uniform_double(), my = rng.uniform_double(), sx = 0.1 * rng.uniform_double(),
+                 sy = 0.1 * rng.uniform_double();
+    const double sxy = std::sqrt(sx * sy) * (2 * rng.uniform_double() - 1);
+    const SsimMoments<double> m{mx, my, sx + mx * mx, sy + my * my, sxy + mx * my};
+    const SsimPoint<double> p = contrast_structure_point(m);
+    const SsimPoint<D> d =
+        contrast_structure_point<D>({D::variable(m.mu_x, 0), D(m.mu_y), D::variable(m.xx, 1), D(m.yy), D::variable(m.xy, 2)});
+    EXPECT_NEAR(p.value, (2 * sxy + kSsimC2) / (sx + sy + kSsimC2), 1e-9);
+    const double partials[] = {p.grad_mu_x, p.grad_xx, p.grad_xy};
+    for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(d.value.d[k], partials[k], 1e-9 * (1 + std::abs(partials[k])));
+  }
+}
+
+// Three levels: the coarse ones are windows of their own.
+TEST(MsSsim, GradientThroughThePyramidMatchesFiniteDifferences) {
+  for (bool weighted : {false, true}) {
+    TestFrame frame(47, 45, weighted);
+    const auto loss = make("ms_ssim");
+    LossGradient gradient = frame.gradient();
+    loss->evaluate(frame.input(), 1, gradient);
+    // 6000 values one by one would take long and tell no more: along directions that share the gradient's signs, so that the
+    // differences stand out of the float sums.
+    double square = 0;
+    for (float g : frame.grad_prediction) square += double(g) * g;
+    const float unit = float(1 / std::sqrt(square / double(frame.grad_prediction.size())));
+    Rng rng(8);
+    std::vector<float> direction(frame.prediction.size()), kept = frame.prediction;
+    for (int trial = 0; trial < 5; ++trial) {
+      double expected = 0;
+      for (size_t i = 0; i < direction.size(); ++i) {
+        direction[i] = unit * frame.grad_prediction[i] * 2 * rng.uniform();
+        expected += double(direction[i]) * frame.grad_prediction[i];
+      }
+      constexpr float h = 5e-4f;
+      double value[2];
+      TestFrame ignored = frame;
+      LossGradient nowhere = ignored.gradient();
+      for (int side = 0; side < 2; ++side) {
+        for (size_t i = 0; i < kept.size(); ++i) frame.prediction[i] = kept[i] + (side == 0 ? -h : h) * direction[i];
+        value[side] = loss->evaluate(frame.input(), 0, nowhere);
+      }
+      frame.prediction = kept;
+      EXPECT_NEAR((value[1] - value[0]) / (2 * h), expected, 2e-3 * expected);
+    }
+  }
+}
+
+TEST(MsSsim, IsZeroAndFlatForEqualPictures) {
+  TestFrame frame(64, 64, false);
+  LossGradient gradient = frame.gradient();
+  frame.target = frame.prediction;
+  EXPECT_NEAR(make("ms_ssim")->evaluate(frame.input(), 1, gradient), 0, 1e-6);
+  for (float g : frame.grad_prediction) EXPECT_NEAR(g, 0, 1e-5);
 }
 
 TEST(NormalTerm, GradientMatchesDualNumbers) {
