@@ -239,33 +239,42 @@ TEST(RayBudget, GradientIsUnbiased) {
   const size_t pixels = frame.pixel_count();
   const int budget = static_cast<int>(pixels * 2 / 5);
   constexpr int kSteps = 400;
+  struct Tally {
+    LayerKind kind;
+    Attribute attribute;
+    std::vector<double> sum = {}, squares = {};
+  };
+  std::vector<Tally> tallies{{LayerKind::Reflection, Attribute::ShDc},
+                             {LayerKind::Transmittance, Attribute::ShDc},
+                             {LayerKind::Diffuse, Attribute::SpecularWeight},
+                             {LayerKind::Diffuse, Attribute::ShDc}};
   std::vector<int> chosen(pixels), size(pixels);
-  for (const auto& [kind, attribute] :
-       {std::pair{LayerKind::Reflection, Attribute::ShDc}, std::pair{LayerKind::Transmittance, Attribute::ShDc},
-        std::pair{LayerKind::Diffuse, Attribute::SpecularWeight}, std::pair{LayerKind::Diffuse, Attribute::ShDc}}) {
-    const auto expected = full.layer(kind).values(attribute);
-    std::vector<double> sum(expected.size()), squares(expected.size());
-    std::fill(chosen.begin(), chosen.end(), 0);
-    for (uint64_t step = 0; step < kSteps; ++step) {
-      const SplatScene one = gradient(step, budget);
-      ASSERT_EQ(frame.shaded.groups(), size_t(budget));
-      ASSERT_EQ(frame.reflection.rays.size(), size_t(budget));
-      for (size_t g = 0; g < frame.shaded.groups(); ++g) {
-        ++chosen[frame.shaded.chosen_pixel(g)];
-        for (uint32_t i = frame.shaded.begin[g]; i < frame.shaded.begin[g + 1]; ++i)
-          size[frame.shaded.pixels[i]] = int(frame.shaded.weight(g));
-      }
-      const auto v = one.layer(kind).values(attribute);
-      for (size_t i = 0; i < v.size(); ++i) {
-        sum[i] += double(v[i]);
-        squares[i] += double(v[i]) * double(v[i]);
-      }
+  for (uint64_t step = 0; step < kSteps; ++step) {
+    const SplatScene one = gradient(step, budget);
+    ASSERT_EQ(frame.shaded.groups(), size_t(budget));
+    ASSERT_EQ(frame.reflection.rays.size(), size_t(budget));
+    for (size_t g = 0; g < frame.shaded.groups(); ++g) {
+      ++chosen[frame.shaded.chosen_pixel(g)];
+      for (uint32_t i = frame.shaded.begin[g]; i < frame.shaded.begin[g + 1]; ++i)
+        size[frame.shaded.pixels[i]] = int(frame.shaded.weight(g));
     }
-    for (size_t i = 0; i < expected.size(); ++i) {
-      const double mean = sum[i] / kSteps, deviation = std::sqrt(std::max(0.0, squares[i] / kSteps - mean * mean) / kSteps);
-      EXPECT_NEAR(mean, double(expected[i]), 4.5 * deviation + 1e-6) << name(kind) << " " << row(attribute).name << " " << i;
+    for (Tally& t : tallies) {
+      const auto v = one.layer(t.kind).values(t.attribute);
+      t.sum.resize(v.size());
+      t.squares.resize(v.size());
+      for (size_t i = 0; i < v.size(); ++i) {
+        t.sum[i] += double(v[i]);
+        t.squares[i] += double(v[i]) * double(v[i]);
+      }
     }
   }
+  for (const Tally& t : tallies)
+    for (size_t i = 0; i < t.sum.size(); ++i) {
+      const double mean = t.sum[i] / kSteps;
+      const double deviation = std::sqrt(std::max(0.0, t.squares[i] / kSteps - mean * mean) / kSteps);
+      EXPECT_NEAR(mean, double(full.layer(t.kind).values(t.attribute)[i]), 4.5 * deviation + 1e-6)
+          << name(t.kind) << " " << row(t.attribute).name << " " << i;
+    }
   for (size_t p = 0; p < pixels; ++p) {
     const double probability = 1.0 / size[p];
     EXPECT_NEAR(chosen[p] / double(kSteps), probability, 5 * std::sqrt(0.25 / kSteps)) << p;
@@ -278,19 +287,19 @@ TEST(RayBudget, SampledLobesAverageToWhatManySamplesShow) {
   options.reflection.lobe = Lobe::Sampled;
   LayeredModel model(options);
   Frame frame;
-  model.reflection->options().samples = 512;
+  model.reflection->options().samples = 200;
   model.forward(r.scene, r.view, frame);
   const std::vector<Vec3f> many = frame.reflection.radiance;
   model.reflection->options().samples = 1;
   std::vector<Vec3f> mean(many.size());
-  constexpr int kSteps = 512;
+  constexpr int kSteps = 200;
   for (int step = 0; step < kSteps; ++step) {
     frame.step = static_cast<uint64_t>(step);
     model.forward(r.scene, r.view, frame);
     for (size_t i = 0; i < mean.size(); ++i) mean[i] += (1.f / kSteps) * frame.reflection.radiance[i];
   }
   for (size_t i = 0; i < mean.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[i][c], many[i][c], 2e-3);
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[i][c], many[i][c], 5e-3);
 }
 
 TEST(LayeredModel, APictureWithoutGradientsIsTheSameAndKeepsNoHits) {
