@@ -43,6 +43,7 @@ struct LossInput {
   std::span<const float> weight = {};           // [h,w] or empty: per-pixel weight of the picture losses
   const SplatLayer* diffuse = nullptr;          // for regularisers on parameters
   LossTargets targets = {};
+  uint64_t step = 0;                            // of the run: what a loss draws at random depends on it
   LossRays reflection = {}, transmission = {};  // the secondary rays of the frame
 };
 

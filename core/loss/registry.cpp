@@ -16,6 +16,7 @@ std::unique_ptr<Loss> make_first_hit_loss();
 std::unique_ptr<Loss> make_monocular_normal_loss();
 std::unique_ptr<Loss> make_gradient_l1_loss();
 std::unique_ptr<Loss> make_ms_ssim_loss();
+std::unique_ptr<Loss> make_perceptual_loss();
 
 const std::vector<LossFactory>& loss_registry() {
   static const std::vector<LossFactory> rows{
@@ -35,6 +36,7 @@ const std::vector<LossFactory>& loss_registry() {
       {"monocular_normal", "Surfel normals agree with the normals stage.", 0.05f, make_monocular_normal_loss, 0, 0, 0.2},
       {"gradient_l1", "Differences between neighbouring pixels agree with the photo's.", 0.f, make_gradient_l1_loss},
       {"ms_ssim", "One minus the structural similarity over five scales.", 0.f, make_ms_ssim_loss},
+      {"perceptual", "Features of a convolutional network agree; needs a weights file.", 0.01f, make_perceptual_loss, 0.75},
   };
   return rows;
 }
