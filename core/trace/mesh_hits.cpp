@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include <embree3/rtcore.h>
+
 #include "core/base/error.h"
 #include "core/trace/embree/embree_device.h"
 
@@ -34,7 +36,7 @@ void keep_first_face(const RTCFilterFunctionNArguments* args) {
 }  // namespace
 
 struct MeshHits::Tree {
-  embree::Scene scene{RTC_SCENE_FLAG_ROBUST};
+  embree::Scene scene = embree::Scene::robust();
 };
 
 MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <embree3/rtcore.h>
+
 #include "core/base/error.h"
 
 namespace vitrine::embree {
@@ -26,7 +28,7 @@ struct Device {
 
 }  // namespace
 
-RTCDevice device() {
+RTCDeviceTy* device() {
   static const Device instance;
   return instance.device;
 }
@@ -42,7 +44,12 @@ RTCRayHit ray_hit(const Vec3f& origin, const Vec3f& direction, float near, float
   return r;
 }
 
-Scene::Scene(RTCSceneFlags flags) : scene_(rtcNewScene(device())) { rtcSetSceneFlags(scene_, flags); }
+Scene Scene::robust() {
+  Scene s;
+  s.scene_ = rtcNewScene(device());
+  rtcSetSceneFlags(s.scene_, RTC_SCENE_FLAG_ROBUST);
+  return s;
+}
 Scene::~Scene() {
   if (scene_) rtcReleaseScene(scene_);
 }

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include <embree3/rtcore.h>
+
 #include "core/base/parallel.h"
 #include "core/scene/activation.h"
+#include "core/trace/embree/embree_device.h"
 #include "core/trace/embree/simd8.h"
 
 namespace vitrine::embree {
@@ -139,7 +142,7 @@ void SurfelTree::build(const SplatLayer& layer, const TraceBuildDesc& desc) {
     }
   });
   colors_.build(layer, order_.surfel_at);
-  scene_ = Scene(RTC_SCENE_FLAG_ROBUST);
+  scene_ = Scene::robust();
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(surfels_.size()));
   rtcSetGeometryUserData(geometry, this);

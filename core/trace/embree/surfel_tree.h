@@ -12,6 +12,9 @@
 #include "core/trace/kernels/ray_splat.h"
 #include "core/trace/tracer.h"
 
+struct RTCBoundsFunctionArguments;
+struct RTCIntersectFunctionNArguments;
+
 namespace vitrine::embree {
 
 struct alignas(64) PackedSurfel : RaySurfel<float> {};
