@@ -4,6 +4,8 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/base/timer.h"
+#include "core/render/renderer.h"
 #include "stages/masks/contact_sheet.h"
 #include "stages/masks/file_source.h"
 #include "stages/masks/outputs.h"
@@ -22,7 +24,8 @@ MaskClass class_of(const std::string& word) {
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
 std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder) {
   if (config.source != "auto") return config.source;
-  return folder && folder->file_count(kind) > 0 ? "files" : "none";
+  if (folder) return folder->file_count(kind) > 0 ? "files" : "none";
+  return kind == MaskClass::Transparent || kind == MaskClass::Specular ? "proposed" : "none";
 }
 
 std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& config, const MaskCapture& capture,
@@ -36,6 +39,14 @@ std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& confi
     context.warning("MASKS_INCOMPLETE",
                     fmt::format("{} of {} photos have no mask of the class '{}'", views - source->matched(), views, name(kind)));
   return source;
+}
+
+std::string problem(const MasksConfig& c) {
+  if (c.bit_depth != 8 && c.bit_depth != 16) return "masks.bit_depth must be 8 or 16";
+  for (MaskClass kind : {MaskClass::Object, MaskClass::Ignore})
+    if (c.of(kind).source == "proposed")
+      return fmt::format("masks.{}.source cannot be proposed: only glass and mirrors can be", name(kind));
+  return {};
 }
 
 }  // namespace
@@ -55,8 +66,9 @@ const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
 }
 
 void describe(Describer& d, MaskClassConfig& c) {
-  d.option("source", c.source, "Where its masks come from; auto: files where there are some, else none.")
-      .choices({"auto", "files", "none"});
+  d.option("source", c.source,
+           "Where its masks come from; auto: files where masks are given, else a proposal for glass and mirrors.")
+      .choices({"auto", "files", "proposed", "none"});
   d.option("polarity", c.polarity,
            "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
       .choices({"auto", "white", "black"});
@@ -74,6 +86,7 @@ void describe(Describer& d, MasksConfig& c) {
        "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).")
       .choices({"auto", "photo", "undistorted"});
   d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
+  d.group("proposed", c.proposed, "Masks that nobody drew: what changes from view to view after a short diffuse fit.");
 }
 
 void run_masks(const MasksConfig& config, StageContext& context) {
@@ -92,9 +105,23 @@ void run_masks(const MasksConfig& config, StageContext& context) {
                    .code = "MASKS_MISSING"});
   }
   MaskSources sources;
-  for (MaskClass kind : kMaskClasses)
-    if (chosen_source(kind, config.of(kind), folder) == "files")
-      sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
+  std::shared_ptr<const Proposal> proposal;
+  for (MaskClass kind : kMaskClasses) {
+    const std::string source = chosen_source(kind, config.of(kind), folder);
+    if (source == "files") sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
+    if (source != "proposed") continue;
+    if (!proposal) {
+      const Timer timer;
+      proposal = propose(config.proposed, capture, [&](double f) {
+        context.progress({.fraction = 0.8 * f, .text = "looks for what changes from view to view", .values = {}});
+      });
+      context.timing("proposed", timer.seconds());
+      if (proposal->vote.unsure)
+        context.warning("MASKS_UNSURE",
+                        "the photos do not show clearly enough what changes with the view: no glass or mirror is proposed");
+    }
+    sources[size_t(kind)] = std::make_unique<ProposedSource>(proposal, kind);
+  }
 
   make_folders(context.output() / "masks");
   const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output(), .bit_depth = config.bit_depth};
@@ -122,9 +149,12 @@ Stage masks_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore"}}};
-  return make_stage<MasksConfig>(std::move(info), run_masks, {}, [](const MasksConfig& c) {
-    return c.bit_depth == 8 || c.bit_depth == 16 ? std::string() : std::string("masks.bit_depth must be 8 or 16");
-  });
+  return make_stage<MasksConfig>(
+      std::move(info), run_masks,
+      [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
+      },
+      problem);
 }
 
 }  // namespace vitrine

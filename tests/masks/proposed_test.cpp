@@ -1,0 +1,142 @@
+// Proposals: what the views disagree about is found where it is, and an opaque scene is left alone.
+#include <gtest/gtest.h>
+
+#include "core/camera/json_file.h"
+#include "stages/masks/masks.h"
+#include "tests/optimize/tiny_capture.h"
+#include "tests/support/recording_context.h"
+
+namespace vitrine {
+namespace {
+
+constexpr int kWidth = 64, kHeight = 48;
+
+// Cameras around a floor at z = -0.3, seen exactly by a fit; nothing else.
+struct FloorCapture {
+  MaskCapture capture;
+  std::vector<SmallPhoto> photos;
+  QuickFit fit;
+
+  explicit FloorCapture(int views = 16) {
+    capture.set.views = testing::ring_of_views(views, kWidth, kHeight);
+    for (int x = -8; x <= 8; ++x)
+      for (int y = -8; y <= 8; ++y)
+        for (double z : {-0.3, 0.3})
+          capture.set.points.push_back({.position = {0.08 * x, 0.08 * y, z}, .linear_rgb = {}, .views = {0}});
+    for (View& view : capture.set.views) {
+      view.gain = {1, 1, 1};
+      photos.push_back({view, std::vector<float>(3 * kWidth * kHeight, 0.4f)});
+      FittedView seen{.srgb = photos.back().srgb, .zdepth = std::vector<float>(kWidth * kHeight, 0.f)};
+      const Rigid world_from_cam = inverse(view.cam_from_world);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          const Vec3d d = world_from_cam.rotation * view.intrinsics.ray(x + 0.5, y + 0.5);
+          const double z = (-0.3 - world_from_cam.translation.z) / d.z;
+          if (z > 0 && z < 4) seen.zdepth[size_t(y * kWidth + x)] = float(z);
+        }
+      fit.views.push_back(std::move(seen));
+    }
+  }
+
+  // Whether the ball at (0.1, 0, 0) stands in the way.
+  static bool ball_at(const View& view, int x, int y) {
+    const Vec3d ray = normalized(view.intrinsics.ray(x + 0.5, y + 0.5)), centre = view.cam_from_world * Vec3d{0.1, 0, 0};
+    return length(centre - dot(centre, ray) * ray) < 0.2;
+  }
+};
+
+TEST(ViewDependence, IsZeroWhereAllViewsAgreeAndThereWhereOneDiffers) {
+  FloorCapture c;
+  // All photos are brighter than the fit by the same amount: its fault, not a reflection. One has a glint.
+  for (SmallPhoto& p : c.photos)
+    for (float& v : p.srgb) v += 0.05f;
+  const Intrinsics& k = c.photos[3].view.intrinsics;
+  const Vec3d at = c.photos[3].view.cam_from_world * Vec3d{0, 0, -0.3};
+  const int gx = int(k.fx * at.x / at.z + k.cx), gy = int(k.fy * at.y / at.z + k.cy);
+  for (int y = gy - 6; y <= gy + 6; ++y)
+    for (int x = gx - 6; x <= gx + 6; ++x)
+      for (size_t ch = 0; ch < 3; ++ch) c.photos[3].srgb[ch * kWidth * kHeight + size_t(y * kWidth + x)] += 0.3f;
+  const auto maps = view_dependence(c.photos, c.fit);
+  const size_t glint = size_t(gy * kWidth + gx);
+  EXPECT_GT(maps[3].value[glint], 0.05f);
+  for (size_t v : {0u, 7u})
+    for (float d : maps[v].value)
+      EXPECT_FALSE(d >= 0.01f) << d;  // NaN: nobody can say
+}
+
+TEST(HullVote, FindsTheBallThatEveryViewDisagreesAboutAndSeesThroughIt) {
+  FloorCapture c;
+  std::vector<DeviationMap> maps;
+  for (const SmallPhoto& p : c.photos) {
+    DeviationMap map{kWidth, kHeight, std::vector<float>(kWidth * kHeight, 0.004f)};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (FloorCapture::ball_at(p.view, x, y)) map.value[size_t(y * kWidth + x)] = 0.05f;
+    maps.push_back(std::move(map));
+  }
+  HullVoteConfig config;
+  config.grid = 48;
+  const HullVote vote = hull_vote(config, c.capture, c.photos, c.fit, maps);
+  ASSERT_EQ(vote.things.size(), 1u);
+  EXPECT_NEAR(vote.things[0].centre.x, 0.1, 0.05);
+  EXPECT_NEAR(vote.things[0].centre.z, 0.0, 0.05);
+  EXPECT_TRUE(vote.things[0].transparent) << "the floor is seen behind it: " << vote.things[0].see_through;
+  size_t both = 0, any = 0;
+  for (size_t v = 0; v < c.photos.size(); ++v) {
+    const std::vector<int> things = projected_things(vote, c.photos[v], c.fit.views[v]);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const bool truth = FloorCapture::ball_at(c.photos[v].view, x, y), found = things[size_t(y * kWidth + x)] >= 0;
+        both += truth && found;
+        any += truth || found;
+      }
+  }
+  EXPECT_GT(double(both) / double(any), 0.7);
+
+  // The same ball where the fit has a surface in its middle is not seen through.
+  for (size_t v = 0; v < c.photos.size(); ++v)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (FloorCapture::ball_at(c.photos[v].view, x, y))
+          c.fit.views[v].zdepth[size_t(y * kWidth + x)] = float((c.photos[v].view.cam_from_world * Vec3d{0.1, 0, 0}).z);
+  const HullVote metal = hull_vote(config, c.capture, c.photos, c.fit, maps);
+  ASSERT_EQ(metal.things.size(), 1u);
+  EXPECT_FALSE(metal.things[0].transparent) << metal.things[0].see_through;
+}
+
+TEST(HullVote, AProposalNeedsManyViewsAndAGoodFit) {
+  FloorCapture c;
+  std::vector<DeviationMap> maps(c.photos.size(), {kWidth, kHeight, std::vector<float>(kWidth * kHeight, 0.03f)});
+  const HullVote everywhere = hull_vote({}, c.capture, c.photos, c.fit, maps);
+  EXPECT_TRUE(everywhere.unsure) << "views that disagree about everything come from a bad fit";
+  EXPECT_TRUE(everywhere.things.empty());
+  for (DeviationMap& m : maps) std::fill(m.value.begin(), m.value.end(), NAN);
+  EXPECT_TRUE(hull_vote({}, c.capture, c.photos, c.fit, maps).unsure);
+}
+
+TEST(Proposed, AnOpaqueSceneGetsNoMaskAndTheSameBytesEveryTime) {
+  TemporaryFolder folder;
+  testing::write_tiny_sfm(folder.path(), 10, 64, 48);
+  MasksConfig config;
+  config.proposed.fit.steps = 120;
+  config.proposed.fit.surfels = 1500;
+  config.proposed.vote.grid = 40;
+  std::string first;
+  for (int threads : {1, 3}) {
+    set_thread_limit(threads);
+    test::RecordingContext context({{"sfm", folder.path()}});
+    run_masks(config, context);
+    set_thread_limit(0);
+    EXPECT_FALSE(fs::exists(context.output() / "masks/specular"));
+    EXPECT_FALSE(fs::exists(context.output() / "masks/transparent"));
+    const std::string report = read_file(context.output() / "masks/report.json");
+    EXPECT_NE(report.find("\"proposed\""), std::string::npos);
+    if (first.empty())
+      first = report;
+    else
+      EXPECT_EQ(first, report);
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
