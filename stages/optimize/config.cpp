@@ -41,6 +41,7 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.group("resolution", c.resolution, "Sizes of the photos, coarse to fine.");
   d.group("initial", c.initial, "The surfels that training starts from.");
   d.group("phases", c.phases, "Which layer is trained when, as parts of the run.");
+  d.group("shading", c.shading, "How the layers become a picture.");
   d.group("rates", c.rates, "Step sizes of Adam.");
   d.group("densify", c.densify, "Where surfels are added, moved and dropped.");
   d.group("loss", c.loss, "What training makes small.");

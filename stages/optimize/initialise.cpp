@@ -31,15 +31,6 @@ struct Seed {
   float spacing_limit;  // no larger than its share of the picture
 };
 
-// A rotation whose third column is `normal`.
-Quatf facing(const Vec3f& normal) {
-  const Vec3d n = normalized(cast<double>(normal));
-  const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-  const Vec3d u = normalized(cross(helper, n));
-  const Quatd q = quaternion(Mat3d{u, cross(n, u), n});
-  return {float(q.w), float(q.x), float(q.y), float(q.z)};
-}
-
 // SfM points, at most `limit` of them, drawn without order.
 void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vector<Seed>& seeds) {
   std::vector<uint32_t> order(set.points.size());
@@ -189,6 +180,14 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
 
 }  // namespace
 
+Quatf rotation_facing(const Vec3f& normal) {
+  const Vec3d n = normalized(cast<double>(normal));
+  const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
+  const Vec3d u = normalized(cross(helper, n));
+  const Quatd q = quaternion(Mat3d{u, cross(n, u), n});
+  return {float(q.w), float(q.x), float(q.y), float(q.z)};
+}
+
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels) {
   const size_t limit = std::max<size_t>(1, static_cast<size_t>(kInitialShare * double(max_surfels)));
   std::vector<Seed> seeds;
@@ -210,7 +209,7 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
   SplatLayer layer(LayerKind::Diffuse, config.sh_degree, seeds.size());
   for (size_t i = 0; i < seeds.size(); ++i) {
     const Seed& seed = seeds[i];
-    const Quatf q = facing(seed.normal);
+    const Quatf q = rotation_facing(seed.normal);
     float* rotation = layer.at(Attribute::Rotation, i);
     rotation[0] = q.w, rotation[1] = q.x, rotation[2] = q.y, rotation[3] = q.z;
     const float nearest = spacing[i] > 0 ? spacing[i] : median;

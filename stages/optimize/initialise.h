@@ -4,12 +4,16 @@
 
 #include <cstdint>
 
+#include "core/math/rigid.h"
 #include "core/scene/layers.h"
 #include "stages/optimize/capture.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
+
+// A rotation whose third column is `normal`.
+Quatf rotation_facing(const Vec3f& normal);
 
 SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels);
 

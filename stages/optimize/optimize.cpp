@@ -104,8 +104,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   const Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
-  const LayerChoice layers =
-      chosen_layers(config.layers, targets.any(TargetMask::Specular), targets.any(TargetMask::Transparent));
+  const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));
   const size_t max_surfels = affordable_surfels(config, capture, targets, context);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");

@@ -41,6 +41,7 @@ struct OptimizeConfig {
   ResolutionConfig resolution;
   InitialConfig initial;
   PhasesConfig phases;
+  ShadingConfig shading;
   RatesConfig rates;
   DensifyConfig densify;
   LossSet loss;

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/process.h"
 #include "core/image/ldr.h"
+#include "core/math/color.h"
 
 namespace vitrine {
 
@@ -33,13 +34,15 @@ void write_views(const std::filesystem::path& path, const OptimizeConfig& config
 
 void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo) {
   Frame frame;
-  trainer.picture(photo, frame);
+  const bool layered = trainer.layers().any();
+  trainer.picture(photo, layered, frame);
   std::vector<float> target;
   decode(capture.photos[photo].levels[0], target);
   const Intrinsics& k = frame.view->intrinsics;
   const size_t pixels = frame.pixel_count();
   const auto normal = frame.diffuse.plane(Aov::Normal);
-  Image8 image(3 * k.width, k.height, 3);
+  Image8 image(3 * k.width, (layered ? 2 : 1) * k.height, 3);
+  const std::vector<float>* parts[] = {&frame.layers.diffuse, &frame.layers.reflection, &frame.layers.transmission};
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       const size_t i = size_t(y) * size_t(k.width) + size_t(x);
@@ -47,6 +50,13 @@ void write_preview(const std::filesystem::path& path, const Trainer& trainer, co
         image.at(x, y, int(c)) = byte_of(target[c * pixels + i]);
         image.at(k.width + x, y, int(c)) = byte_of(frame.srgb[c * pixels + i]);
         image.at(2 * k.width + x, y, int(c)) = byte_of(0.5f + 0.5f * normal[c * pixels + i]);
+        const auto gain = static_cast<float>(frame.view->gain[c]);
+        for (int part = 0; layered && part < 3; ++part) {
+          const std::vector<float>& radiance = *parts[part];
+          if (!radiance.empty())
+            image.at(part * k.width + x, k.height + y, int(c)) =
+                byte_of(srgb_from_linear(std::clamp(gain * radiance[c * pixels + i], 0.f, 1.f)));
+        }
       }
     }
   write_ldr(path, image);
@@ -58,7 +68,7 @@ std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture
   std::vector<float> target;
   for (uint32_t photo : photos) {
     throw_if_interrupted();
-    trainer.picture(photo, frame);
+    trainer.picture(photo, false, frame);
     decode(capture.photos[photo].levels[0], target);
     double sum = 0;
     for (size_t i = 0; i < target.size(); ++i) sum += (double(frame.srgb[i]) - target[i]) * (double(frame.srgb[i]) - target[i]);

@@ -30,7 +30,28 @@ void describe(Describer& d, DiffusePhase& c) {
 
 void describe(Describer& d, ReflectionPhase& c) {
   describe_layer(d, c);
+  d.option("specular_weight", c.specular_weight, "Specular weight inside the specular mask, to start from.").range(0.001, 0.999);
+  d.option("f0", c.f0, "Reflectance at normal incidence inside the specular mask, to start from.").range(0.001, 0.999);
   d.option("roughness_from", c.roughness_from, "Part of the run after which the roughness is trained.").range(0, 1);
+  d.option("surface_from", c.surface_from, "Part of the run after which reflections turn and move the surfaces that show them.")
+      .range(0, 1);
+}
+
+void describe(Describer& d, ShadingConfig& c) {
+  d.option("blend", c.blend,
+           "How diffuse, reflected and transmitted light add up: layered (GLINT) or rtrgs (core/model/README.md).")
+      .choices({"layered", "rtrgs"});
+  d.option(
+       "lobe", c.lobe,
+       "Rays of rough surfaces, from phases.reflection.roughness_from on: mirror ignores roughness, cone traces one wide ray, "
+       "sampled one drawn ray.")
+      .choices({"mirror", "cone", "sampled"});
+  d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a training step; 0 = all that reflect or transmit.")
+      .range(0, 100000000);
+  d.option("gate", c.gate, "Damps gradients of the transmitted layer where reflections vary strongly; 0 = off.").range(0, 1000);
+  d.option("diffuse_in_transparent", c.diffuse_in_transparent,
+           "Share of the gradient of the diffuse colour that is kept inside the transparent mask.")
+      .range(0, 1);
 }
 
 void describe(Describer& d, TransmittancePhase& c) {
@@ -79,6 +100,25 @@ LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, boo
   if (wanted == "reflection") return {.reflection = true, .transmittance = false};
   if (wanted == "full") return {.reflection = true, .transmittance = true};
   return {.reflection = has_specular_mask || has_transparent_mask, .transmittance = has_transparent_mask};
+}
+
+ImageOptions PhaseClock::image_options(const ShadingConfig& shading, Backend backend, int sh_degree) const {
+  const ReflectionPhase& reflection = config_.reflection;
+  const bool rough = fraction_ >= reflection.roughness_from;
+  const Lobe lobe = !rough || shading.lobe == "mirror" ? Lobe::Mirror : shading.lobe == "cone" ? Lobe::Cone : Lobe::Sampled;
+  const TracerBackend tracer = backend == Backend::Reference ? TracerBackend::Reference : TracerBackend::Embree;
+  ImageOptions o;
+  o.diffuse = {.backend = backend, .sh_degree = sh_degree};
+  o.surface.ray_budget = shading.ray_budget;
+  o.surface.normal_gradient = o.surface.depth_gradient = fraction_ >= reflection.surface_from;
+  o.reflection.backend = o.transmission.backend = tracer;
+  o.reflection.sh_degree = reflection.sh_degree;
+  o.reflection.lobe = lobe;
+  o.transmission.sh_degree = config_.transmittance.sh_degree;
+  o.composite.blend = shading.blend == "rtrgs" ? LayerBlend::RtrGs : LayerBlend::Layered;
+  o.composite.gate = static_cast<float>(shading.gate);
+  o.composite.diffuse_in_transparent = static_cast<float>(shading.diffuse_in_transparent);
+  return o;
 }
 
 double PhaseClock::ramp(const LayerPhase& phase) const {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/config/describe.h"
+#include "core/model/image_options.h"
 #include "core/optim/rates.h"
 
 namespace vitrine {
@@ -34,15 +35,26 @@ struct LayerPhase {
 };
 
 struct ReflectionPhase : LayerPhase {
+  double specular_weight = 0.3, f0 = 0.3;  // inside the specular mask, to start from
   double roughness_from = 0.4;
+  double surface_from = 0.36;  // rays turn and move surfaces
 };
 struct TransmittancePhase : LayerPhase {
-  double glass_factor = 0.05;  // on top, where the diffuse layer is transparent
+  double transmission = 0.9, specular_weight = 0.06, f0 = 0.08;  // of glass, to start from
+  double glass_factor = 0.05;                                    // on top, where the diffuse layer is transparent
   int hull_points = 4000;
 };
 struct DiffusePhase {
   double specular_weight = 0.3;  // of the picture losses inside the specular mask, until reflection begins
 };
+// How the layers become a picture (core/model).
+struct ShadingConfig {
+  std::string blend = "layered", lobe = "mirror";
+  int ray_budget = 8000;
+  double gate = 4, diffuse_in_transparent = 1;
+};
+void describe(Describer& d, ShadingConfig& c);
+
 struct JointPhase {
   double from = 0.87;
   double rate_factor = 0.2;
@@ -74,6 +86,8 @@ class PhaseClock {
   bool training(LayerKind kind) const {
     return begun(kind) && (kind == LayerKind::Diffuse || fraction_ <= config_.of(kind).until);
   }
+  // The passes' options at this moment, for training; `sh_degree`: of the diffuse layer.
+  ImageOptions image_options(const ShadingConfig& shading, Backend backend, int sh_degree) const;
   // Step sizes of a layer: of `rates` over the layer's own span, zero for what no phase trains yet.
   AttributeRates rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const;
 

@@ -82,8 +82,8 @@ std::vector<double> load_class(const Capture& capture, const fs::path& folder, s
 }
 
 void load_masks(const Capture& capture, const fs::path& artifact, Targets& targets) {
-  for (size_t mask = 0; mask < kTargetMaskNames.size(); ++mask) {
-    const std::string name(kTargetMaskNames[mask]);
+  for (size_t mask = 0; mask < kMaskClassCount; ++mask) {
+    const std::string name(vitrine::name(static_cast<MaskClass>(mask)));
     const fs::path folder = artifact / "masks" / name;
     if (!fs::is_directory(folder)) continue;
     const std::vector<double> coverage = load_class(capture, folder, mask, targets);
@@ -110,7 +110,7 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
       for (auto& photo : targets.photos)
         for (TargetLevel& level : photo) level.masks[mask].clear();
     }
-    if (static_cast<TargetMask>(mask) != TargetMask::Object && sum / double(found) > kMostCoverage)
+    if (static_cast<MaskClass>(mask) != MaskClass::Object && sum / double(found) > kMostCoverage)
       targets.warnings.push_back({"MASK_COVERS_MOST", fmt::format("the {} masks mark {:.0f} % of the photos: are they inverted?",
                                                                   name, 100 * sum / double(found))});
   }
@@ -181,10 +181,10 @@ void decode(const TargetLevel& level, TargetImages& images) {
 }
 
 LossTargets TargetImages::spans() const {
-  return {.specular = mask(TargetMask::Specular),
-          .transparent = mask(TargetMask::Transparent),
-          .object = mask(TargetMask::Object),
-          .ignore = mask(TargetMask::Ignore),
+  return {.specular = mask(MaskClass::Specular),
+          .transparent = mask(MaskClass::Transparent),
+          .object = mask(MaskClass::Object),
+          .ignore = mask(MaskClass::Ignore),
           .normals = normals,
           .normal_confidence = confidence};
 }

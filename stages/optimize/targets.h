@@ -9,19 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "core/camera/mask_files.h"
 #include "core/loss/loss.h"
 #include "stages/optimize/capture.h"
 
 namespace vitrine {
 
-enum class TargetMask : unsigned char { Object, Transparent, Specular, Ignore };
-inline constexpr std::array<std::string_view, 4> kTargetMaskNames{"object", "transparent", "specular", "ignore"};
-
 // Empty vectors: nobody said anything about this photo.
 struct TargetLevel {
-  std::array<std::vector<uint8_t>, kTargetMaskNames.size()> masks;  // [h,w], 255 = belongs to the class
-  std::vector<int16_t> normals;                                     // [3,h,w], 32767 = 1; 0 0 0 = unknown
-  std::vector<uint8_t> confidence;                                  // [h,w]
+  std::array<std::vector<uint8_t>, kMaskClassCount> masks;  // [h,w], 255 = belongs to the class
+  std::vector<int16_t> normals;                             // [3,h,w], 32767 = 1; 0 0 0 = unknown
+  std::vector<uint8_t> confidence;                          // [h,w]
   bool operator==(const TargetLevel&) const = default;
 };
 
@@ -31,12 +29,12 @@ struct TargetProblem {
 
 struct Targets {
   std::vector<std::array<TargetLevel, kLevels>> photos;  // in the order of Capture::photos
-  std::array<bool, kTargetMaskNames.size()> has{};       // some photo has some of the class
+  std::array<bool, kMaskClassCount> has{};               // some photo has some of the class
   bool has_normals = false;
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;
 
-  bool any(TargetMask mask) const { return has[static_cast<size_t>(mask)]; }
+  bool any(MaskClass mask) const { return has[static_cast<size_t>(mask)]; }
 };
 
 // Throws Error{Input} when masks match no photo or have another size than theirs, or normals are no normals.
@@ -45,10 +43,10 @@ Targets load_targets(const Capture& capture, const std::optional<std::filesystem
 
 // One level as the losses want it.
 struct TargetImages {
-  std::array<std::vector<float>, kTargetMaskNames.size()> masks;  // [h,w]
+  std::array<std::vector<float>, kMaskClassCount> masks;  // [h,w]
   std::vector<float> normals, confidence;
   LossTargets spans() const;
-  std::span<const float> mask(TargetMask m) const { return masks[static_cast<size_t>(m)]; }
+  std::span<const float> mask(MaskClass m) const { return masks[static_cast<size_t>(m)]; }
 };
 void decode(const TargetLevel& level, TargetImages& images);
 

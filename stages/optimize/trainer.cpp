@@ -3,10 +3,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
-#include "core/model/display_pass.h"
 #include "core/scene/activation.h"
+#include "stages/optimize/layer_init.h"
 
 namespace vitrine {
 
@@ -22,19 +23,33 @@ constexpr double kRecentLossDecay = 0.02;
 constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
 
+LossRays loss_rays(const SecondaryRays& rays) {
+  return {.first_hit = rays.values.first_hit,
+          .mean_distance = rays.mean_distance,
+          .alpha = rays.alpha,
+          .wall = {},
+          .weight = rays.weight};
+}
+
 Backend backend_of(const OptimizeConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
 }  // namespace
 
-Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial) : setup_(setup), scene_{.diffuse = std::move(initial)} {
+Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial)
+    : setup_(setup),
+      model_(clock().image_options(setup.config.shading, backend_of(setup.config), setup.config.sh_degree)),
+      scene_{.diffuse = std::move(initial)} {
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
     if (setup_.layers.has(kind)) scene_.layer(kind) = SplatLayer(kind, config().phases.of(kind).sh_degree, 0);
   grad_ = scene_.zeros_like();
   for (LayerKind kind : kAllLayers) training_.emplace_back(scene_.layer(kind));
-  auto diffuse = std::make_unique<DiffusePass>(DiffuseOptions{.backend = backend_of(config()), .sh_degree = config().sh_degree});
-  diffuse_pass_ = diffuse.get();
-  model_.add(std::move(diffuse));
-  model_.add(std::make_unique<DisplayPass>());
+}
+
+// Room is left for glass until there is glass.
+size_t Trainer::diffuse_cap() const {
+  const size_t all = cap(LayerKind::Diffuse);
+  const bool waits = setup_.layers.transmittance && !begun_[static_cast<size_t>(LayerKind::Transmittance)];
+  return waits ? all - std::min(static_cast<size_t>(config().phases.transmittance.hull_points), all / 5) : all;
 }
 
 size_t Trainer::cap(const TrainerSetup& setup, LayerKind kind) {
@@ -94,7 +109,7 @@ double Trainer::blame(const PhotoLevel& photo) {
 // No loss where the ignore mask says so, and less inside the specular mask until there is a layer to explain gloss.
 void Trainer::weigh_pixels(const PhaseClock& clock) {
   weight_.clear();
-  const auto ignore = target_images_.mask(TargetMask::Ignore), specular = target_images_.mask(TargetMask::Specular);
+  const auto ignore = target_images_.mask(MaskClass::Ignore), specular = target_images_.mask(MaskClass::Specular);
   if (!ignore.empty()) {
     weight_.resize(ignore.size());
     for (size_t i = 0; i < ignore.size(); ++i) weight_[i] = 1 - ignore[i];
@@ -113,9 +128,10 @@ double Trainer::descend(uint32_t photo_index) {
   set_up_passes();
   bool distortion = false;
   for (const LossTerm& term : config().loss.terms()) distortion |= term.factory->name == "distortion" && term.schedule.at(f) > 0;
-  diffuse_pass_->set_distortion(distortion);
+  model_.diffuse->options().distortion = distortion;
   decode(setup_.targets.photos[photo_index][l], target_images_);
   weigh_pixels(clock);
+  point_at_masks();
   model_.forward(scene_, photo.view, frame_);
   const double l1 = blame(photo);
 
@@ -126,8 +142,14 @@ double Trainer::descend(uint32_t photo_index) {
                         .target_srgb = target_,
                         .weight = weight_,
                         .diffuse = &scene_.diffuse,
-                        .targets = target_images_.spans()};
-  LossGradient gradient{.raster = &frame_.grad_diffuse, .prediction_srgb = frame_.grad_srgb, .diffuse = &grad_.diffuse};
+                        .targets = target_images_.spans(),
+                        .reflection = loss_rays(frame_.reflection),
+                        .transmission = loss_rays(frame_.transmission)};
+  LossGradient gradient{.raster = &frame_.grad_diffuse,
+                        .prediction_srgb = frame_.grad_srgb,
+                        .diffuse = &grad_.diffuse,
+                        .reflection_first_hit = frame_.reflection.gradients.first_hit,
+                        .transmission_first_hit = frame_.transmission.gradients.first_hit};
   const LossValues values = config().loss.evaluate(f, input, gradient);
   model_.backward(scene_, frame_, grad_);
   update(clock, photo.view.name);
@@ -137,22 +159,36 @@ double Trainer::descend(uint32_t photo_index) {
 
 void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   damping_.clear();
-  if (clock.begun(LayerKind::Transmittance)) {  // glass stays where it is, whatever is seen through it
+  if (begun_[static_cast<size_t>(LayerKind::Transmittance)]) {  // glass stays where it is, whatever is seen through it
     const auto factor = static_cast<float>(config().phases.transmittance.glass_factor);
     damping_.resize(scene_.diffuse.size());
-    for (size_t i = 0; i < damping_.size(); ++i)
-      damping_[i] = 1 + (factor - 1) * sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
+    for (size_t i = 0; i < damping_.size(); ++i) {
+      const float opaque = 1 - sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
+      damping_[i] = opaque + factor * (1 - opaque);
+      frame_.statistics.error[i] *= opaque;  // nor is it to blame for it
+    }
   }
-  const DescentCounts diffuse = training(LayerKind::Diffuse)
-                                    .descend(grad_.diffuse, clock.rates(LayerKind::Diffuse, config().rates, kSceneRadius),
-                                             frame_.statistics, damping_, scene_.diffuse);
-  const bool broken = diffuse.active == 0 || double(diffuse.skipped) > kBadShare * double(diffuse.active);
+  DescentCounts worst;
+  bool broken = false;
+  for (LayerKind kind : kAllLayers) {
+    const SurfelStatistics& statistics = kind == LayerKind::Diffuse      ? frame_.statistics
+                                         : kind == LayerKind::Reflection ? frame_.reflection.statistics
+                                                                         : frame_.transmission.statistics;
+    const bool diffuse = kind == LayerKind::Diffuse;
+    if (!diffuse && statistics.weight.empty()) continue;  // the pass had nothing to do
+    const std::span<const float> damping = diffuse ? std::span<const float>(damping_) : std::span<const float>();
+    const DescentCounts done = training(kind).descend(grad_.layer(kind), clock.rates(kind, config().rates, kSceneRadius),
+                                                      statistics, damping, scene_.layer(kind));
+    const bool bad = (diffuse && done.active == 0) || double(done.skipped) > kBadShare * double(done.active);
+    if (bad && !broken) worst = done;
+    broken |= bad;
+  }
   bad_streak_ = broken ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)
     throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
                 {.where = fmt::format("step {}, photo {}", step_, photo),
-                 .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", diffuse.skipped,
-                                    diffuse.active, bad_streak_),
+                 .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", worst.skipped,
+                                    worst.active, bad_streak_),
                  .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
                  .code = "GRADIENTS_NOT_FINITE"});
 }
@@ -172,7 +208,7 @@ void Trainer::move_surfels() {
     training(kind).move(d,
                         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
                                     .step = step_,
-                                    .cap = cap(kind),
+                                    .cap = first ? diffuse_cap() : cap(kind),
                                     .scene_radius = kSceneRadius},
                          .now = step_ % static_cast<uint64_t>(d.every) == 0,
                          .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
@@ -181,7 +217,29 @@ void Trainer::move_surfels() {
   }
 }
 
-void Trainer::begin_phases() {}
+// A layer begins with what the diffuse layer knows at that moment.
+void Trainer::begin_phases() {
+  const PhaseClock clock = this->clock();
+  const LayerInitDesc desc{.config = config(), .capture = setup_.capture, .targets = setup_.targets, .sh_degree = sh_degree()};
+  bool changed = false;
+  for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance}) {
+    uint8_t& begun = begun_[static_cast<size_t>(kind)];
+    if (begun || !clock.begun(kind)) continue;
+    begun = 1;
+    changed = true;
+    if (kind == LayerKind::Reflection) {
+      begin_reflection(desc, cap(kind), scene_);
+    } else {
+      const TransmittanceCounts counts = begin_transmittance(desc, cap(kind), cap(LayerKind::Diffuse), scene_);
+      log_info("glass: {} surfels on the hull of its masks, {} moved behind it", counts.hull, counts.moved);
+    }
+    log_info("step {}: the {} layer begins with {} surfels", step_, name(kind), scene_.layer(kind).size());
+    training(kind).restart(scene_.layer(kind));
+  }
+  if (!changed) return;
+  training(LayerKind::Diffuse).restart(scene_.diffuse);  // other surfels, other attributes
+  grad_ = scene_.zeros_like();
+}
 
 void Trainer::record(double loss, double l1) {
   recent_loss_ = step_ == 0 ? loss : recent_loss_ + kRecentLossDecay * (loss - recent_loss_);
@@ -196,12 +254,34 @@ void Trainer::record(double loss, double l1) {
 }
 
 void Trainer::set_up_passes() const {
-  diffuse_pass_->set_sh_degree(fraction() < config().sh_from ? 0 : config().sh_degree);
-  diffuse_pass_->set_distortion(false);
+  const ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
+  model_.diffuse->options() = options.diffuse;
+  model_.surface->options() = options.surface;
+  model_.reflection->options() = options.reflection;
+  model_.transmission->options() = options.transmission;
+  model_.composite->options() = options.composite;
 }
 
-void Trainer::picture(uint32_t photo, Frame& frame) const {
+// Masks ask for rays; those of glass only when there is a layer behind it.
+void Trainer::point_at_masks() {
+  frame_.seed = static_cast<uint64_t>(config().seed);
+  frame_.step = step_;
+  frame_.specular_mask = target_images_.mask(MaskClass::Specular);
+  frame_.transparent_mask = {};
+  const auto transparent = target_images_.mask(MaskClass::Transparent);
+  if (begun_[static_cast<size_t>(LayerKind::Transmittance)]) {
+    frame_.transparent_mask = transparent;
+  } else if (!transparent.empty() && !frame_.specular_mask.empty()) {
+    gloss_.assign(frame_.specular_mask.begin(), frame_.specular_mask.end());
+    for (size_t i = 0; i < gloss_.size(); ++i) gloss_[i] *= 1 - transparent[i];
+    frame_.specular_mask = gloss_;
+  }
+}
+
+void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
   set_up_passes();
+  model_.surface->options().ray_budget = 0;
+  model_.composite->options().layer_images = layers;
   model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, frame);
 }
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/model/image_model.h"
+#include "core/model/layered_model.h"
 #include "core/optim/archive.h"
 #include "stages/optimize/capture.h"
 #include "stages/optimize/layers.h"
@@ -47,8 +47,8 @@ class Trainer {
   static size_t cap(const TrainerSetup& setup, LayerKind kind);  // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
-  // Renders one photo's view at full size (frame.srgb is what the photo should show).
-  void picture(uint32_t photo, Frame& frame) const;
+  // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays; `layers`: taken apart too.
+  void picture(uint32_t photo, bool layers, Frame& frame) const;
 
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
@@ -61,7 +61,10 @@ class Trainer {
   const LayerTraining& training(LayerKind kind) const { return training_[static_cast<size_t>(kind)]; }
   size_t level() const;
   uint32_t photo_of_step();
+  int sh_degree() const { return fraction() < config().sh_from ? 0 : config().sh_degree; }
+  size_t diffuse_cap() const;
   void set_up_passes() const;
+  void point_at_masks();
   void begin_phases();
   double descend(uint32_t photo);
   double blame(const PhotoLevel& photo);
@@ -71,8 +74,7 @@ class Trainer {
   void record(double loss, double l1);
 
   TrainerSetup setup_;
-  ImageModel model_;
-  DiffusePass* diffuse_pass_;  // owned by model_
+  LayeredModel model_;
 
   SplatScene scene_, grad_;
   std::vector<LayerTraining> training_;    // [layer kind]
@@ -87,6 +89,7 @@ class Trainer {
   std::vector<float> target_;
   TargetImages target_images_;
   std::vector<float> weight_;    // [h,w] of the picture losses; empty: one
+  std::vector<float> gloss_;     // [h,w] specular mask without what no layer explains yet
   std::vector<float> damping_;   // [diffuse surfels]
   std::vector<uint32_t> order_;  // photos of one epoch, in turn
   uint64_t order_epoch_ = ~uint64_t(0);

@@ -1,0 +1,220 @@
+#include "stages/optimize/layer_init.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/base/rng.h"
+#include "core/math/rigid.h"
+#include "core/model/diffuse_pass.h"
+#include "core/optim/adam.h"
+#include "core/scene/activation.h"
+#include "stages/optimize/hull.h"
+#include "stages/optimize/initialise.h"
+#include "stages/optimize/neighbours.h"
+
+namespace vitrine {
+
+namespace {
+
+enum : uint64_t { kCopyStream = 0x1a01, kShellStream = 0x1a02, kHullStream = 0x1a03 };
+
+constexpr size_t kEvidenceLevel = 1;               // half-size photos say enough about masks
+constexpr double kInitialShare = 0.7;              // of a layer's cap, so that it can grow where pictures are wrong
+constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
+constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
+constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
+constexpr float kDull = 0.002f;                    // specular weight outside the masks: sends no rays
+constexpr float kMostlyInside = 0.5f;
+// Surfels that are seen almost only through glass are not of the diffuse layer.
+constexpr float kBehindGlass = 0.9f;
+constexpr float kLeastWeight = 0.5f;  // pixels that a surfel fills inside the mask, to be worth a copy
+constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
+constexpr float kBlack = 0.02f;         // glass scatters no light of its own
+constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
+
+void set(SplatLayer& layer, Attribute a, size_t i, double value) {
+  std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
+}
+
+// Sums over the training photos; per-photo depths come for free.
+struct Survey {
+  MaskEvidence evidence;
+  std::vector<std::vector<float>> depths;  // [photo] empty where held out
+};
+
+Survey survey(const LayerInitDesc& desc, const SplatScene& scene, MaskClass mask) {
+  const size_t n = scene.diffuse.size();
+  Survey found{{std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}, {}};
+  found.depths.resize(desc.capture.photos.size());
+  DiffusePass pass({.sh_degree = desc.sh_degree});
+  const SplatScene diffuse{.diffuse = scene.diffuse};
+  SplatScene ignored{.diffuse = scene.diffuse.zeros_like()};
+  Frame frame;
+  for (uint32_t photo : desc.capture.train) {
+    const auto& inside = desc.targets.photos[photo][kEvidenceLevel].masks[static_cast<size_t>(mask)];
+    frame.view = &desc.capture.photos[photo].levels[kEvidenceLevel].view;
+    pass.forward(diffuse, frame);
+    const size_t pixels = frame.pixel_count();
+    const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha);
+    found.depths[photo].resize(pixels);
+    for (size_t i = 0; i < pixels; ++i) found.depths[photo][i] = alpha[i] > 0.5f ? z[i] / alpha[i] : 0;
+    if (inside.empty()) continue;
+    frame.error_image.resize(pixels);
+    for (size_t i = 0; i < pixels; ++i) frame.error_image[i] = float(inside[i]) / 255.f;
+    frame.grad_linear.assign(3 * pixels, 0.f);
+    pass.backward(diffuse, frame, ignored);
+    for (size_t i = 0; i < n; ++i) {
+      found.evidence.weight[i] += frame.statistics.weight[i];
+      found.evidence.inside[i] += frame.statistics.error[i];
+    }
+  }
+  return found;
+}
+
+// `count` of `from`, drawn without order, ascending.
+std::vector<uint32_t> drawn(std::vector<uint32_t> from, size_t count, uint64_t seed, uint64_t stream) {
+  if (from.size() <= count) return from;
+  Rng rng(seed, stream);
+  for (size_t i = from.size() - 1; i > 0; --i) std::swap(from[i], from[rng.below(static_cast<uint32_t>(i + 1))]);
+  from.resize(count);
+  std::sort(from.begin(), from.end());
+  return from;
+}
+
+// Appearance and shape of a surfel of another layer; spherical harmonics as far as both go.
+void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, float growth) {
+  for (Attribute a :
+       {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
+    std::copy_n(from.at(a, i), std::min(from.width(a), to.width(a)), to.at(a, j));
+  for (size_t c = 0; c < 2; ++c) to.at(Attribute::LogScale, j)[c] += std::log(growth);
+}
+
+// Copies of the surfels at `indices` at the end of `layer`, of at most `count`; fewer copies are larger.
+void append_copies(const SplatLayer& from, const std::vector<uint32_t>& indices, size_t count, uint64_t seed, SplatLayer& layer) {
+  const std::vector<uint32_t> taken = drawn(indices, count, seed, kCopyStream);
+  if (taken.empty()) return;
+  const float growth = std::min(kLargestGrowth, std::sqrt(float(indices.size()) / float(taken.size())));
+  const size_t first = layer.size();
+  layer.resize(first + taken.size());
+  for (size_t k = 0; k < taken.size(); ++k) copy_between(from, taken[k], layer, first + k, growth);
+}
+
+Vec3f mean_color(const SplatLayer& layer) {
+  Vec3f sum{};
+  for (size_t i = 0; i < layer.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) sum[c] += layer.at(Attribute::ShDc, i)[c] / float(layer.size());
+  return sum;
+}
+
+// Far surfels that face the scene, evenly over directions and over the logarithm of the distance.
+void append_shell(size_t count, const Vec3f& sh_dc, uint64_t seed, SplatLayer& layer) {
+  const size_t first = layer.size();
+  layer.resize(first + count);
+  for (size_t k = 0; k < count; ++k) {
+    Rng rng(seed, mix64(kShellStream, k));
+    const double z = 2 * rng.uniform_double() - 1, azimuth = 2 * std::numbers::pi * rng.uniform_double();
+    const double radius = kShellNear * std::pow(kShellFar / kShellNear, rng.uniform_double());
+    const Vec3d out{std::sqrt(1 - z * z) * std::cos(azimuth), std::sqrt(1 - z * z) * std::sin(azimuth), z};
+    const size_t i = first + k;
+    const Quatf q = rotation_facing(cast<float>(-out));
+    const float rotation[] = {q.w, q.x, q.y, q.z};
+    std::copy_n(rotation, 4, layer.at(Attribute::Rotation, i));
+    const double spacing = radius * std::sqrt(4 * std::numbers::pi / double(count));
+    for (size_t c = 0; c < 3; ++c) {
+      layer.at(Attribute::Mean, i)[c] = float(radius * out[c]);
+      layer.at(Attribute::ShDc, i)[c] = sh_dc[c];
+    }
+    set(layer, Attribute::LogScale, i, spacing / 2);
+    set(layer, Attribute::Opacity, i, kFaint);
+  }
+}
+
+// Diffuse surfels on the hull, with the materials of glass.
+size_t append_hull(const LayerInitDesc& desc, const Hull& hull, size_t limit, SplatLayer& layer) {
+  std::vector<uint32_t> all(hull.points.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const std::vector<uint32_t> taken = drawn(all, limit, static_cast<uint64_t>(desc.config.seed), kHullStream);
+  if (taken.empty()) return 0;
+  const double spacing = hull.spacing * std::sqrt(double(all.size()) / double(taken.size()));
+  const size_t first = layer.size();
+  layer.resize(first + taken.size());
+  for (size_t k = 0; k < taken.size(); ++k) {
+    const HullPoint& point = hull.points[taken[k]];
+    const size_t i = first + k;
+    const Quatf q = rotation_facing(point.normal);
+    const float rotation[] = {q.w, q.x, q.y, q.z};
+    std::copy_n(rotation, 4, layer.at(Attribute::Rotation, i));
+    for (size_t c = 0; c < 3; ++c) {
+      layer.at(Attribute::Mean, i)[c] = point.position[c];
+      layer.at(Attribute::ShDc, i)[c] = (kBlack - 0.5f) / kShDc;
+    }
+    set(layer, Attribute::LogScale, i, kHullScale * spacing);
+    set(layer, Attribute::Opacity, i, kHullOpacity);
+    set(layer, Attribute::Roughness, i, row(Attribute::Roughness).initial);
+  }
+  return taken.size();
+}
+
+void make_glass(const TransmittancePhase& phase, SplatLayer& layer, size_t i) {
+  set(layer, Attribute::F0, i, phase.f0);
+  set(layer, Attribute::SpecularWeight, i, phase.specular_weight);
+  set(layer, Attribute::Transmission, i, phase.transmission);
+}
+
+}  // namespace
+
+void begin_reflection(const LayerInitDesc& desc, size_t cap, SplatScene& scene) {
+  const ReflectionPhase& phase = desc.config.phases.reflection;
+  SplatLayer& diffuse = scene.diffuse;
+  const MaskEvidence specular = survey(desc, scene, MaskClass::Specular).evidence;
+  const MaskEvidence transparent = survey(desc, scene, MaskClass::Transparent).evidence;
+  const bool masked = desc.targets.any(MaskClass::Specular);
+  std::vector<uint32_t> dull;
+  for (size_t i = 0; i < diffuse.size(); ++i) {
+    const float gloss = masked ? std::max(specular.share(i) - transparent.share(i), 0.f) : 1.f;
+    const auto mixed = [&](Attribute a, double outside, double inside) {
+      set(diffuse, a, i, outside + gloss * (inside - outside));
+    };
+    mixed(Attribute::SpecularWeight, kDull, phase.specular_weight);
+    mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0);
+    if (!masked || specular.share(i) < kMostlyInside) dull.push_back(static_cast<uint32_t>(i));
+  }
+  const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
+  const auto far = static_cast<size_t>(kShellShare * double(count)), seed = static_cast<size_t>(desc.config.seed);
+  append_copies(diffuse, dull, count - far, seed, scene.reflection);
+  append_shell(far, mean_color(diffuse), seed, scene.reflection);
+}
+
+TransmittanceCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
+  const TransmittancePhase& phase = desc.config.phases.transmittance;
+  const auto seed = static_cast<uint64_t>(desc.config.seed);
+  const Survey seen = survey(desc, scene, MaskClass::Transparent);
+  const Hull hull =
+      transparent_hull({.capture = desc.capture, .targets = desc.targets, .depths = seen.depths, .level = kEvidenceLevel});
+  const bool closed = !hull.points.empty() && phase.hull_points > 0;
+
+  SplatLayer& diffuse = scene.diffuse;
+  const bool masked = desc.targets.any(MaskClass::Transparent);
+  std::vector<uint32_t> through, stay;
+  for (size_t i = 0; i < diffuse.size(); ++i) {
+    const auto index = static_cast<uint32_t>(i);
+    if (!masked || seen.evidence.inside[i] > kLeastWeight) through.push_back(index);
+    if (!closed || seen.evidence.share(i) < kBehindGlass) stay.push_back(index);
+    if (!closed && seen.evidence.share(i) > kMostlyInside) make_glass(phase, diffuse, i);
+  }
+  const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
+  append_copies(diffuse, through, count, seed, scene.transmittance);
+
+  TransmittanceCounts counts;
+  if (!closed) return counts;
+  counts.moved = diffuse.size() - stay.size();
+  keep_surfels(diffuse, stay);
+  const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
+  counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), diffuse);
+  for (size_t i = first; i < diffuse.size(); ++i) make_glass(phase, diffuse, i);
+  return counts;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,37 @@
+// What the later phases start from (algorithms 5.7), out of the diffuse layer as it is when they begin.
+//   Which surfels a mask means is measured by rendering: the mean of the mask over the pixels of all training photos, weighted as
+//   the surfel is blended there.
+//   reflection     materials of the diffuse layer; copies of it, because mirrors show what is around, and a shell of far surfels
+//   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
+#pragma once
+
+#include "core/scene/splat_scene.h"
+#include "stages/optimize/capture.h"
+#include "stages/optimize/optimize.h"
+#include "stages/optimize/targets.h"
+
+namespace vitrine {
+
+struct LayerInitDesc {
+  const OptimizeConfig& config;
+  const Capture& capture;
+  const Targets& targets;
+  int sh_degree = 0;  // that the diffuse layer is rendered with
+};
+
+// Of every diffuse surfel, over all training photos that have the mask.
+struct MaskEvidence {
+  std::vector<float> weight;  // sum of blending weights
+  std::vector<float> inside;  // of it inside the mask
+  float share(size_t i) const { return weight[i] > 0 ? inside[i] / weight[i] : 0; }
+};
+
+// Both change the diffuse layer and give `scene` its new layer, of at most `cap` surfels.
+void begin_reflection(const LayerInitDesc& desc, size_t cap, SplatScene& scene);
+struct TransmittanceCounts {
+  size_t hull = 0, moved = 0;  // surfels put on the hull; surfels that left the diffuse layer
+};
+// The diffuse layer grows to `diffuse_cap` at most.
+TransmittanceCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
+
+}  // namespace vitrine
