@@ -4,12 +4,17 @@
 #include <cmath>
 #include <optional>
 #include <queue>
+#include <utility>
+
+#include "core/stereo/patch_score.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kEdgeCost = 40;      // of a step across a full change of brightness, in pixels
+constexpr float kFarHandicap = 0.025f;  // of brightness: by how much the far background must fit better than the plane
+constexpr double kLongestBlind = 40;   // path that a plane is followed where no other photo looks
 constexpr int kFitRadius = 10;        // pixels around a source that its plane is fitted to
 constexpr double kSamePlane = 0.02;   // relative difference of inverse depth up to which a pixel lies on the plane
 constexpr double kMostStretched = 4;  // of a source's depth: how far its plane may be followed
@@ -50,9 +55,33 @@ InversePlane fitted_plane(const Intrinsics& k, const DepthMap& map, int x, int y
   return plane;
 }
 
+// Mean difference in brightness to the two photos that the plane fits best; 1 where none sees it.
+class Explanation {
+ public:
+  Explanation(std::span<const StereoPhoto> photos, size_t index) : photos_(photos), photo_(photos[index]) {
+    for (uint32_t n : photo_.neighbours) transfers_.push_back(transfer_between(photo_.view, photos[n].view));
+  }
+  float difference(const ReferencePatch& patch, const InversePlane& plane, double x, double y) const {
+    float best = 1, second = 1;
+    for (size_t i = 0; i < transfers_.size(); ++i) {
+      const float d = patch_difference(patch, photos_[photo_.neighbours[i]].luma, transfers_[i], {plane.a, plane.b, plane.c}, x, y);
+      if (d < 0) continue;
+      if (d < best) second = std::exchange(best, d);
+      else if (d < second) second = d;
+    }
+    return second < 1 ? 0.5f * (best + second) : best;
+  }
+
+ private:
+  std::span<const StereoPhoto> photos_;
+  const StereoPhoto& photo_;
+  std::vector<Transfer> transfers_;
+};
+
 }  // namespace
 
-void extend_planes(const StereoPhoto& photo, DepthMap& map) {
+void extend_planes(std::span<const StereoPhoto> photos, size_t index, DepthMap& map) {
+  const StereoPhoto& photo = photos[index];
   const Intrinsics& k = photo.view.intrinsics;
   const size_t pixels = map.zdepth.size();
   std::vector<double> cost(pixels, 1e300);
@@ -85,6 +114,8 @@ void extend_planes(const StereoPhoto& photo, DepthMap& map) {
   std::vector<float> zdepth = map.zdepth;
   std::vector<Vec3f> normal = map.normal;
   std::vector<std::optional<InversePlane>> fitted(pixels);
+  const Explanation explanation(photos, index);
+  const InversePlane far{0, 0, 1 / photo.far_z};
   for (size_t i = 0; i < pixels; ++i) {
     if (map.reliable(i)) continue;
     const uint32_t from = source[i];
@@ -93,6 +124,13 @@ void extend_planes(const StereoPhoto& photo, DepthMap& map) {
     const double x = double(int(i) % map.width) + 0.5, y = double(int(i) / map.width) + 0.5;
     const Vec3d ray = k.ray(x, y);
     const double near = double(map.zdepth[from]), w = plane.at(x, y);
+    const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
+    const float near_difference = explanation.difference(patch, plane, x, y);
+    if (near_difference >= 1 ? cost[i] > kLongestBlind : explanation.difference(patch, far, x, y) + kFarHandicap < near_difference) {
+      zdepth[i] = float(photo.far_z);
+      normal[i] = cast<float>(-normalized(ray));
+      continue;
+    }
     const bool met = w * near < kMostStretched && w * near > 1 / kMostStretched;  // else seen too much along: on at its depth
     zdepth[i] = float(std::clamp(met ? 1 / w : near, photo.near_z, photo.far_z));
     // n/d in the components of the ray: the camera is on the side where it is positive, so the normal towards it is its negative.

@@ -8,6 +8,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kBrightnessReach = 0.15f;
+constexpr float kUnseen = -2;
 
 struct Offsets {
   alignas(32) std::array<float, kPatchLanes> x{}, y{};
@@ -29,11 +30,46 @@ float lane_sum(Term&& term) {
   return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]));
 }
 
+// The patch's pixels as the other photo shows them; false where it does not see them.
+bool carried(const ImageF& other, const Transfer& transfer, const Vec3d& m, double x, double y,
+             std::array<float, kPatchLanes>& value) {
+  const Mat3d& a = transfer.rotation_part;
+  const Vec3d& b = transfer.translation_part;
+  // Columns of the homography, and the image of the centre.
+  const Vec3d h0 = a.c0 + m.x * b, h1 = a.c1 + m.y * b, h2 = a.c2 + m.z * b;
+  const Vec3d centre = x * h0 + y * h1 + h2;
+  const double reach = kPatchRadius * (std::abs(h0.z) + std::abs(h1.z));
+  if (!(centre.z > 1e-9) || !(centre.z > 2 * reach)) return false;
+  const double u0 = centre.x / centre.z, v0 = centre.y / centre.z;
+  const int width = other.width(), height = other.height();
+  if (!(u0 >= 1 && v0 >= 1 && u0 <= width - 1 && v0 <= height - 1)) return false;
+
+  const float cx = float(centre.x), cy = float(centre.y), cz = float(centre.z);
+  const float h0x = float(h0.x), h0y = float(h0.y), h0z = float(h0.z), h1x = float(h1.x), h1y = float(h1.y), h1z = float(h1.z);
+  const float last_x = float(width) - 1.001f, last_y = float(height) - 1.001f;
+  const float* pixels = other.data().data();
+  for (size_t i = 0; i < kPatchLanes; ++i) {
+    const float dx = kOffsets.x[i], dy = kOffsets.y[i];
+    const float inverse = 1.f / (cz + h0z * dx + h1z * dy);
+    float u = (cx + h0x * dx + h1x * dy) * inverse - 0.5f, v = (cy + h0y * dx + h1y * dy) * inverse - 0.5f;
+    u = u > 0.f ? u : 0.f;
+    v = v > 0.f ? v : 0.f;
+    u = u < last_x ? u : last_x;
+    v = v < last_y ? v : last_y;
+    const int ui = int(u), vi = int(v), at = vi * width + ui;
+    const float fu = u - float(ui), fv = v - float(vi);
+    const float top = pixels[at] + fu * (pixels[at + 1] - pixels[at]);
+    const float bottom = pixels[at + width] + fu * (pixels[at + width + 1] - pixels[at + width]);
+    value[i] = top + fv * (bottom - top);
+  }
+  return true;
+}
+
 }  // namespace
 
 ReferencePatch reference_patch(const ImageF& luma, int x, int y) {
   ReferencePatch patch;
-  std::array<float, kPatchLanes> value{};
+  std::array<float, kPatchLanes>& value = patch.value;
   const float centre = luma.at(x, y);
   float total = 0, mean = 0;
   for (size_t i = 0; i < kPatchPixels; ++i) {
@@ -66,39 +102,10 @@ Transfer transfer_between(const View& reference, const View& other) {
   return t;
 }
 
-float patch_score(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& m, double x,
+float patch_score(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel, double x,
                   double y) {
-  constexpr float kUnseen = -2;
-  const Mat3d& a = transfer.rotation_part;
-  const Vec3d& b = transfer.translation_part;
-  // Columns of the homography, and the image of the centre.
-  const Vec3d h0 = a.c0 + m.x * b, h1 = a.c1 + m.y * b, h2 = a.c2 + m.z * b;
-  const Vec3d centre = x * h0 + y * h1 + h2;
-  const double reach = kPatchRadius * (std::abs(h0.z) + std::abs(h1.z));
-  if (!(centre.z > 1e-9) || !(centre.z > 2 * reach)) return kUnseen;
-  const double u0 = centre.x / centre.z, v0 = centre.y / centre.z;
-  const int width = other.width(), height = other.height();
-  if (!(u0 >= 1 && v0 >= 1 && u0 <= width - 1 && v0 <= height - 1)) return kUnseen;
-
   alignas(32) std::array<float, kPatchLanes> value;
-  const float cx = float(centre.x), cy = float(centre.y), cz = float(centre.z);
-  const float h0x = float(h0.x), h0y = float(h0.y), h0z = float(h0.z), h1x = float(h1.x), h1y = float(h1.y), h1z = float(h1.z);
-  const float last_x = float(width) - 1.001f, last_y = float(height) - 1.001f;
-  const float* pixels = other.data().data();
-  for (size_t i = 0; i < kPatchLanes; ++i) {
-    const float dx = kOffsets.x[i], dy = kOffsets.y[i];
-    const float inverse = 1.f / (cz + h0z * dx + h1z * dy);
-    float u = (cx + h0x * dx + h1x * dy) * inverse - 0.5f, v = (cy + h0y * dx + h1y * dy) * inverse - 0.5f;
-    u = u > 0.f ? u : 0.f;
-    v = v > 0.f ? v : 0.f;
-    u = u < last_x ? u : last_x;
-    v = v < last_y ? v : last_y;
-    const int ui = int(u), vi = int(v), at = vi * width + ui;
-    const float fu = u - float(ui), fv = v - float(vi);
-    const float top = pixels[at] + fu * (pixels[at + 1] - pixels[at]);
-    const float bottom = pixels[at + width] + fu * (pixels[at + width + 1] - pixels[at + width]);
-    value[i] = top + fv * (bottom - top);
-  }
+  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseen;
   const float* w = patch.weight.data();
   const float mean = lane_sum([&](size_t i) { return w[i] * value[i]; });
   const float squares = lane_sum([&](size_t i) { return w[i] * (value[i] - mean) * (value[i] - mean); });
@@ -106,6 +113,13 @@ float patch_score(const ReferencePatch& patch, const ImageF& other, const Transf
   const float variance = squares * patch.variance;
   if (!(variance > 1e-12f)) return -1;
   return std::clamp(product / std::sqrt(variance), -1.f, 1.f);
+}
+
+float patch_difference(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel,
+                       double x, double y) {
+  alignas(32) std::array<float, kPatchLanes> value;
+  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseen;
+  return lane_sum([&](size_t i) { return patch.weight[i] * std::abs(value[i] - patch.value[i]); });
 }
 
 }  // namespace vitrine

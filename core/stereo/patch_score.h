@@ -18,6 +18,7 @@ inline constexpr size_t kPatchLanes = 56;  // kPatchPixels, padded with weightle
 struct ReferencePatch {
   alignas(32) std::array<float, kPatchLanes> weight{};          // sums to 1
   alignas(32) std::array<float, kPatchLanes> weighted_value{};  // weight * (value - mean)
+  alignas(32) std::array<float, kPatchLanes> value{};
   float variance = 0;
 
   bool flat() const { return variance < 1.5e-4f; }
@@ -36,5 +37,9 @@ Transfer transfer_between(const View& reference, const View& other);
 // camera's frame; `plane_by_pixel` = K^-T normal / offset. -2 where the other photo does not see it.
 float patch_score(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel,
                   double x, double y);
+
+// Mean absolute difference in brightness in the same way, which also says something about patches without texture; -2 unseen.
+float patch_difference(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel,
+                       double x, double y);
 
 }  // namespace vitrine

@@ -81,7 +81,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   }
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
-  parallel_for(dense.maps.size(), 1, [&](size_t v) { extend_planes(dense.photos[v], dense.maps[v]); });
+  parallel_for(dense.maps.size(), 1, [&](size_t v) { extend_planes(dense.photos, v, dense.maps[v]); });
   return dense;
 }
 

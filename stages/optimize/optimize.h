@@ -21,7 +21,7 @@ struct ResolutionConfig {
 
 struct InitialConfig {
   int frustum_points = 20000;
-  double far_factor = 2.0;
+  double far_factor = 5.0;
   int stereo_side = 320;
   double opacity = 0.3;
   double scale = 1.0;

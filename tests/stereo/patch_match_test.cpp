@@ -97,7 +97,7 @@ TEST(ExtendPlanes, PlasterContinuesTheWall) {
   const StereoPhoto& photo = room[2];
   DepthMap& map = maps[2];
   const std::vector<uint8_t> trusted = map.trusted;
-  extend_planes(photo, map);
+  extend_planes(room, 2, map);
   EXPECT_EQ(map.trusted, trusted);
   size_t plain = 0, right = 0;
   for (int y = 0; y < map.height; ++y)
