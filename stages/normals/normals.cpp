@@ -14,6 +14,7 @@
 #include "stages/normals/capture.h"
 #include "stages/normals/files.h"
 #include "stages/normals/geometric.h"
+#include "stages/normals/network.h"
 #include "stages/normals/space.h"
 
 namespace vitrine {
@@ -32,13 +33,15 @@ class NormalsRun {
       : config_(config),
         context_(context),
         capture_(load_normal_capture(context.input("sfm"), context.optional_input("masks"), config.holdout_every)),
-        folder_(context.optional_input("normals")) {}
+        folder_(context.optional_input("normals")),
+        network_(context.optional_input("network")) {}
 
   void run() {
-    const std::string source = config_.source != "auto" ? config_.source : folder_ ? "files" : "geometric";
+    const std::string source = config_.source != "auto" ? config_.source : folder_ ? "files" : network_ ? "onnx" : "geometric";
     report_["source"] = source;
     if (source == "geometric") geometric();
     if (source == "files") files();
+    if (source == "onnx") onnx();
     finish(source);
   }
 
@@ -88,6 +91,29 @@ class NormalsRun {
     const auto map_of = [&](uint32_t v) { return read_normal_file(*found[v], capture_.set.views[v]); };
     const NormalSpace space = chosen_space(config_.files.space, views, map_of, folder_->string());
     given_maps(views, map_of, space, config_.files.confidence, folder_->string());
+  }
+
+  void onnx() {
+    OnnxConfig config = config_.onnx;
+    if (!network_) {  // its input and output are known; trust in it is yours
+      config = built_in_network_config();
+      config.confidence = config_.onnx.confidence, config.glass_confidence = config_.onnx.glass_confidence;
+    }
+    NormalNetwork network(network_, config);
+    report_["network"] = {{"built_in", network.built_in()}, {"sha256", network.sha256()}};
+    const auto map_of = [&](uint32_t v) {
+      const Intrinsics& k = capture_.set.views[v].intrinsics;
+      const auto [w, h] = network.input_size(k.width, k.height);
+      NormalMap map = network.predict(capture_.photo(v, w, h));
+      // Predictors see glass less well than what is painted.
+      if (const auto glass = capture_.mask("transparent", v, map.normal.width(), map.normal.height()))
+        for (size_t i = 0; i < glass->data().size(); ++i)
+          map.confidence.data()[i] *= 1 + glass->data()[i] * float(config.glass_confidence - 1);
+      return map;
+    };
+    const std::string what = network_ ? network_->string() : "the network that is built in";
+    const NormalSpace space = chosen_space(config.space, all_views(), map_of, what);
+    given_maps(all_views(), map_of, space, config.confidence, what);
   }
 
   // The declared frame, or what the sign test finds on a few photos.
@@ -190,7 +216,7 @@ class NormalsRun {
   const NormalsConfig& config_;
   StageContext& context_;
   NormalCapture capture_;
-  std::optional<fs::path> folder_;
+  std::optional<fs::path> folder_, network_;
   Json report_, photos_ = Json::array();
   double known_ = 0, sure_ = 0;
 };
@@ -216,9 +242,30 @@ void describe(Describer& d, NormalFilesConfig& c) {
       .range(0, 1);
 }
 
+void describe(Describer& d, OnnxConfig& c) {
+  std::vector<std::string> spaces = normal_space_names();
+  spaces.insert(spaces.begin(), "auto");
+  d.option("space", c.space, "Frame of the network's normals; auto = found by comparing with the photos' geometry.")
+      .choices(spaces);
+  d.option("width", c.width, "Width of the network's input; 0 = from max_side.").range(0, 8192);
+  d.option("height", c.height, "Height of the network's input; 0 = from max_side.").range(0, 8192);
+  d.option("max_side", c.max_side, "Longest side of its input, when its size is free.").range(16, 8192);
+  d.option("multiple", c.multiple, "Both sides of its input are a multiple of this, when its size is free.").range(1, 1024);
+  d.option("layout", c.layout, "Order of its input: planes of channels, or channels of pixels.").choices({"nchw", "nhwc"});
+  d.option("channels", c.channels, "Order of the channels.").choices({"rgb", "bgr"});
+  d.option("mean", c.mean, "Subtracted from the photo, sRGB in [0,1], per channel.");
+  d.option("deviation", c.deviation, "What that is divided by, per channel.");
+  d.option("output", c.output, "vector: the normal itself; rgb: (n + 1) / 2.").choices({"vector", "rgb"});
+  d.option("doubt", c.doubt, "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.")
+      .choices({"smoothness", "kappa"});
+  d.option("confidence", c.confidence, "Factor on the confidence.").range(0, 1);
+  d.option("glass_confidence", c.glass_confidence, "Factor on the confidence inside transparent masks.").range(0, 1);
+  d.option("sha256", c.sha256, "SHA-256 that the network's file must have; empty = any.");
+}
+
 void describe(Describer& d, NormalsConfig& c) {
-  d.option("source", c.source, "Where normals come from; auto = files where a folder is given, else geometric.")
-      .choices({"auto", "files", "geometric", "none"});
+  d.option("source", c.source, "Where normals come from; auto = files or onnx where such an input is given, else geometric.")
+      .choices({"auto", "files", "onnx", "geometric", "none"});
   d.option("max_side", c.max_side, "Longest side of the written maps, pixels; what is known more coarsely stays so.")
       .range(16, 16384);
   d.option("holdout_every", c.holdout_every,
@@ -227,21 +274,42 @@ void describe(Describer& d, NormalsConfig& c) {
   d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.group("geometric", c.geometric, "Normals from stereo between the photos.");
   d.group("files", c.files, "Normal maps of your own.");
+  d.group("onnx", c.onnx, "The network given as input.network. The one that is built in needs only the confidences.");
 }
 
 void run_normals(const NormalsConfig& config, StageContext& context) { NormalsRun(config, context).run(); }
 
+namespace {
+
+std::string config_problem(const NormalsConfig& c) {
+  if (c.onnx.mean.size() != 3 || c.onnx.deviation.size() != 3) return "onnx.mean and onnx.deviation take three numbers each";
+  for (double d : c.onnx.deviation)
+    if (!(d > 0)) return "onnx.deviation must be positive";
+  if ((c.onnx.width == 0) != (c.onnx.height == 0)) return "onnx.width and onnx.height are given together, or neither";
+  return {};
+}
+
+}  // namespace
+
 Stage normals_stage() {
-  StageInfo info{.name = "normals",
-                 .version = 1,
-                 .summary = "surface normals of the photos, from stereo or from files",
-                 .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
-                            {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
-                            {.name = "normals",
-                             .artifact = false,
-                             .optional = true,
-                             .doc = "normal maps of the photos: <stem>.png or <stem>.exr"}}};
-  return make_stage<NormalsConfig>(std::move(info), run_normals);
+  StageInfo info{
+      .name = "normals",
+      .version = 1,
+      .summary = "surface normals of the photos, from stereo, files or a network",
+      .inputs = {
+          {.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
+          {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
+          {.name = "normals", .artifact = false, .optional = true, .doc = "normal maps of the photos: <stem>.png or <stem>.exr"},
+          {.name = "network",
+           .artifact = false,
+           .optional = true,
+           .doc = "a network that predicts normals from a photo (ONNX)"}}};
+  return make_stage<NormalsConfig>(
+      std::move(info), run_normals,
+      [] {
+        return std::map<std::string, std::string>{{"network", built_in_network_sha256().substr(0, 16)}};
+      },
+      config_problem);
 }
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
 // Stage `normals`: the surface normal of every photo's pixels, with a confidence, as a hint for training (README.md).
-//   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps of the user's
+//   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps or a network of the user's
 //   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
 // version 1: first.
 #pragma once
@@ -28,6 +28,23 @@ struct NormalFilesConfig {
 };
 void describe(Describer& d, NormalFilesConfig& c);
 
+struct OnnxConfig {
+  std::string space = "auto";
+  int width = 0, height = 0;
+  int max_side = 384;
+  int multiple = 32;
+  std::string layout = "nchw";
+  std::string channels = "rgb";
+  std::vector<double> mean{0, 0, 0};
+  std::vector<double> deviation{1, 1, 1};
+  std::string output = "vector";
+  std::string doubt = "smoothness";
+  double confidence = 0.7;
+  double glass_confidence = 0.5;
+  std::string sha256 = "";
+};
+void describe(Describer& d, OnnxConfig& c);
+
 struct NormalsConfig {
   std::string source = "auto";
   int max_side = 480;
@@ -35,6 +52,7 @@ struct NormalsConfig {
   int seed = 0;
   GeometricConfig geometric;
   NormalFilesConfig files;
+  OnnxConfig onnx;
 };
 void describe(Describer& d, NormalsConfig& c);
 
