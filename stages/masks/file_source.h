@@ -1,8 +1,7 @@
 // Masks that the user made, in photo coordinates, brought onto the undistorted photos.
 #pragma once
 
-#include <memory>
-
+#include "core/camera/photo_masks.h"
 #include "stages/masks/mask_source.h"
 #include "stages/masks/masks.h"
 
@@ -18,16 +17,12 @@ class FileSource final : public MaskSource {
   std::string_view name() const override { return "files"; }
   std::optional<SoftMask> at(size_t view) const override;
   void report(nlohmann::ordered_json& j) const override;
-  size_t matched() const { return matched_; }
+  size_t matched() const { return masks_.matched(); }
 
  private:
-  ImageF upright_mask(size_t view) const;  // as in the file, polarity applied
   const MaskCapture& capture_;
   std::string frame_;
-  bool black_belongs_ = false;
-  MaskExtent extent_;
-  std::vector<std::optional<MaskFile>> files_;  // [view]
-  size_t matched_ = 0;
+  PhotoMasks masks_;
 };
 
 }  // namespace vitrine

@@ -42,6 +42,8 @@ std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
   if (p.registered) return {};
   if (p.pose_missing) return "no pose was given for it";
   if (p.weak_points) return fmt::format("its pose would hang on {} points only", *p.weak_points);
+  if (p.masked > 0 && p.features - p.masked < kFewFeatures)
+    return fmt::format("{} features, {} of them masked", p.features, p.masked);
   if (p.features < kFewFeatures) return fmt::format("{} features: blurred, dark or without texture", p.features);
   if (p.matches < size_t(config.min_matches)) return fmt::format("{} features, nothing like them in other photos", p.features);
   if (p.neighbours == 0) return fmt::format("{} matches, none agree on a camera motion", p.matches);

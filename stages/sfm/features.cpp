@@ -153,21 +153,37 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
 }
 
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database) {
-  const std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
+  std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
+  const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
   Timer timer;
+  // Index in `features` and index of the photo differ when a picture could not be read.
+  std::vector<size_t> photo_of;
+  for (const PhotoFeatures& f : features) {
+    const std::optional<size_t> photo = index_of_safe_name(f.name);
+    VITRINE_CHECK(photo && *photo < desc.photos.size(), "a name in the database is not ours");
+    photo_of.push_back(*photo);
+  }
+  std::optional<MaskEffect> effect;
+  std::vector<std::vector<uint32_t>> kept_features;
+  if (desc.masks != nullptr) {
+    kept_features = suppress_features(*desc.masks, rules, photo_of, features, effect.emplace());
+    if (desc.timing) desc.timing("masks", timer.seconds());
+    timer.restart();
+  }
   std::vector<PackedDescriptors> packed(features.size());
   parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
   const std::vector<PhotoPair> pairs = candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit,
                                                                   .window = config.window,
                                                                   .retrieved = config.retrieved,
                                                                   .seed = static_cast<uint64_t>(config.seed)});
-  const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
   std::vector<std::vector<Match>> matches(pairs.size());
   std::atomic<size_t> done{0};
   std::mutex reporting;
   parallel_for(pairs.size(), 1, [&](size_t i) {
     throw_if_interrupted();
     matches[i] = match(packed[pairs[i].first], packed[pairs[i].second], rules);
+    if (!kept_features.empty())
+      for (Match& m : matches[i]) m = {.a = kept_features[pairs[i].first][m.a], .b = kept_features[pairs[i].second][m.b]};
     const size_t n = ++done;
     if (desc.progress && (n % 50 == 0 || n == pairs.size())) {
       const std::lock_guard lock(reporting);
@@ -176,18 +192,16 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   });
   if (desc.timing) desc.timing("match", timer.seconds());
 
-  // Index in `features` and index of the photo differ when a picture could not be read.
-  MatchCounts counts{.compared = pairs.size(), .per_photo = std::vector<size_t>(desc.photos.size(), 0)};
+  MatchCounts counts{
+      .compared = pairs.size(), .per_photo = std::vector<size_t>(desc.photos.size(), 0), .masks = std::move(effect)};
   std::vector<PhotoPair> kept_pairs;
   std::vector<std::vector<Match>> kept;
   for (size_t i = 0; i < pairs.size(); ++i) {
-    const std::optional<size_t> a = index_of_safe_name(features[pairs[i].first].name),
-                                b = index_of_safe_name(features[pairs[i].second].name);
-    VITRINE_CHECK(a && b && *a < desc.photos.size() && *b < desc.photos.size(), "a name in the database is not ours");
-    counts.per_photo[*a] += matches[i].size();
-    counts.per_photo[*b] += matches[i].size();
+    const size_t a = photo_of[pairs[i].first], b = photo_of[pairs[i].second];
+    counts.per_photo[a] += matches[i].size();
+    counts.per_photo[b] += matches[i].size();
     if (matches[i].size() < static_cast<size_t>(config.min_matches)) continue;
-    kept_pairs.push_back({static_cast<uint32_t>(*a), static_cast<uint32_t>(*b)});
+    kept_pairs.push_back({static_cast<uint32_t>(a), static_cast<uint32_t>(b)});
     kept.push_back(std::move(matches[i]));
   }
   counts.matched = kept_pairs.size();

@@ -1,6 +1,7 @@
 // The first half of a reconstruction: a database with features, matches and two-view geometries.
 #pragma once
 
+#include "stages/sfm/feature_masks.h"
 #include "stages/sfm/pairs.h"
 #include "stages/sfm/reconstruct.h"
 
@@ -18,6 +19,7 @@ struct FeatureEffort {
 struct MatchCounts {
   size_t compared = 0, matched = 0;
   std::vector<size_t> per_photo;  // matches over all pairs
+  std::optional<MaskEffect> masks;
 };
 
 // Links the pictures into work/pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.

@@ -63,6 +63,23 @@ nlohmann::json camera_json(const ColmapCamera& c) {
           {"params", c.params}};
 }
 
+nlohmann::json masks_json(const MaskEffect& effect) {
+  nlohmann::json j{{"features", effect.before}, {"features_used", effect.after}};
+  for (MaskClass kind : kMaskClasses)
+    if (effect.photos[size_t(kind)] > 0)
+      j["classes"][std::string(name(kind))] = {{"photos_with_mask", effect.photos[size_t(kind)]},
+                                               {"features_removed", effect.removed[size_t(kind)]}};
+  j["turntable"] = {{"option", effect.turntable}, {"object_mask_applied", effect.object_applied}};
+  if (const auto& e = effect.evidence; e)
+    j["turntable"]["evidence"] = {{"why", e->why},
+                                  {"pairs", e->pairs},
+                                  {"outside_told", e->outside_told},
+                                  {"outside_still", e->outside_still},
+                                  {"inside_told", e->inside_told},
+                                  {"inside_moves", e->inside_moves}};
+  return j;
+}
+
 }  // namespace
 
 void write_pictures(const PicturesDesc& desc) {
@@ -90,6 +107,7 @@ void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
   j["connected_groups"] = r.groups;
   for (const Attempt& a : r.attempts)
     j["attempts"].push_back({{"what", a.what}, {"registered", a.registered}, {"model_sizes", a.model_sizes}});
+  if (r.masks) j["masks"] = masks_json(*r.masks);
   size_t registered = 0;
   j["photos"] = nlohmann::json::array();
   for (const PhotoReport& p : r.photos) {
@@ -101,6 +119,7 @@ void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
                        {"neighbours", p.neighbours},
                        {"registered", p.registered},
                        {"observations", p.observations}};
+    if (r.masks) row["masked_features"] = p.masked;
     if (!p.registered) row["reason"] = reason_left_out(p, *desc.config);
     j["photos"].push_back(std::move(row));
   }

@@ -101,6 +101,9 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
       ++out.photos[i].neighbours;
     }
   }
+  out.masks = counts.masks;
+  if (counts.masks)
+    for (size_t i = 0; i < counts.masks->removed_of_photo.size(); ++i) out.photos[i].masked = counts.masks->removed_of_photo[i];
   out.pairs_compared = counts.compared;
   out.pairs_matched = counts.matched;
   out.pairs_verified = edges.size();

@@ -17,6 +17,7 @@
 #include "core/camera/colmap_model.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/database.h"
+#include "stages/sfm/feature_masks.h"
 
 namespace vitrine {
 
@@ -33,6 +34,7 @@ struct SfmPhoto {
 // What is known about a photo after the attempts.
 struct PhotoReport {
   std::string name;
+  size_t masked = 0;                                                                 // of its features: not used, by the masks
   size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
   bool registered = false;
   bool pose_missing = false;          // poses were given, but none for this photo
@@ -51,12 +53,14 @@ struct Reconstruction {
   std::vector<Attempt> attempts;
   std::vector<size_t> groups;  // sizes of groups connected by verified pairs, largest first
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
+  std::optional<MaskEffect> masks;  // of the attempt that counts
 };
 
 struct ReconstructDesc {
   std::vector<SfmPhoto> photos;  // sorted by name
   fs::path work_folder;          // emptied first
   int threads = 1;
+  const FeatureMasks* masks = nullptr;  // null: every feature is used
   std::function<void(double fraction, const std::string& text)> progress;
   std::function<void(const std::string& name, double seconds)> timing;
 };

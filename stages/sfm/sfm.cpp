@@ -57,10 +57,30 @@ struct Solved {
   std::string colmap = "none";
 };
 
+std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext& context, const std::vector<SfmPhoto>& photos) {
+  const std::optional<fs::path> folder = context.optional_input("masks");
+  if (!folder) {
+    if (config.turntable == "yes")
+      throw Error(ErrorKind::Usage, "sfm.turntable=yes needs masks of the object",
+                  {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-sfm)", .code = "SFM_TURNTABLE_WITHOUT_MASKS"});
+    return std::nullopt;
+  }
+  FeatureMasks masks(*folder, config.masks, config.turntable, photos);
+  if (masks.other_shape() > 0)
+    context.warning("SFM_MASKS_OTHER_SHAPE",
+                    fmt::format("{} masks have another shape than their photos as taken: features are not held to them",
+                                masks.other_shape()));
+  if (masks.empty()) return std::nullopt;
+  return masks;
+}
+
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
-  const ReconstructDesc desc{.photos = sfm_photos(ingest, photos),
+  const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
+  const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
+  const ReconstructDesc desc{.photos = list,
                              .work_folder = context.scratch() / "colmap",
                              .threads = context.threads(),
+                             .masks = masks ? &*masks : nullptr,
                              .progress =
                                  [&](double fraction, const std::string& text) {
                                    context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
@@ -238,18 +258,27 @@ void describe(Describer& d, SfmConfig& c) {
   d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
       .range(0, 100);
   d.option("jpeg_quality", c.jpeg_quality, "Quality of undistorted photos with JPEG names.").range(50, 100);
+  d.option("turntable", c.turntable,
+           "Does the object turn before a camera that stands still? Then features outside its masks are not used; auto: shown by "
+           "matches that stand still around an object that moves.")
+      .choices({"auto", "yes", "no"});
+  d.group("masks", c.masks, "Which masks keep features out.");
   d.group("points", c.points, "Which triangulated points are kept.");
 }
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 1,
+                 .version = 2,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",
                              .artifact = false,
                              .optional = true,
-                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices"}}};
+                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices"},
+                            {.name = "masks",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore"}}};
   return make_stage<SfmConfig>(
       std::move(info), run,
       [] {

@@ -1,11 +1,12 @@
 // Stage `sfm`: photos -> calibrated, undistorted views in a normalised frame with sparse points (README.md).
-//   reads   ingest (photos.json, linear EXRs, 8-bit copies); optionally given poses
+//   reads   ingest (photos.json, linear EXRs, 8-bit copies); optionally given poses, and the user's masks
 //   writes  images/ linear/ sparse/0 transforms.json scene.json sfm/gains.json sfm/report.json
-// Version history: 1 first.
+// Version history: 1 first; 2 uses masks.
 #pragma once
 
 #include <string>
 
+#include "stages/sfm/feature_masks.h"
 #include "stages/stage.h"
 
 namespace vitrine {
@@ -36,6 +37,8 @@ struct SfmConfig {
   std::string up = "auto";
   double pose_scale = 0;
   int jpeg_quality = 97;
+  std::string turntable = "auto";
+  FeatureMasksConfig masks;
   SfmFilterConfig points;
 };
 

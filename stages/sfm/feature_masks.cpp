@@ -1,0 +1,175 @@
+#include "stages/sfm/feature_masks.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/config/describe.h"
+#include "stages/sfm/reconstruct.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr uint8_t bit(MaskClass kind) { return uint8_t(1u << unsigned(kind)); }
+constexpr float kInside = 0.5f;
+
+MaskClass class_of(const std::string& word) {
+  const auto found = std::find_if(kMaskClasses.begin(), kMaskClasses.end(), [&](MaskClass kind) { return word == name(kind); });
+  VITRINE_CHECK(found != kMaskClasses.end(), "'{}' passed the list of choices", word);
+  return *found;
+}
+
+const std::string& word_of(const FeatureMasksConfig& c, MaskClass kind) {
+  const std::string* words[] = {&c.object, &c.transparent, &c.specular, &c.ignore};
+  return *words[size_t(kind)];
+}
+
+// What the masks did, for the reader of the log.
+void log_mask_effect(const MaskEffect& effect) {
+  std::string classes;
+  for (MaskClass kind : kMaskClasses)
+    if (effect.photos[size_t(kind)] > 0)
+      classes += fmt::format("{} {} {}", classes.empty() ? ":" : ",", name(kind), effect.removed[size_t(kind)]);
+  log_info("sfm: masks keep {} of {} features out{}", effect.before - effect.after, effect.before, classes);
+  if (effect.evidence)
+    log_info("sfm: {}: {}", effect.object_applied ? "a turntable, the object's masks apply" : "no turntable",
+             effect.evidence->why);
+}
+
+}  // namespace
+
+void describe(Describer& d, FeatureMasksConfig& c) {
+  d.option("flat", c.flat, "Class of mask files that do not lie in a folder called like a class.")
+      .choices({"object", "transparent", "specular", "ignore"});
+  const auto polarity = [&](const char* key, std::string& value, const char* doc) {
+    d.option(key, value, doc).choices({"auto", "white", "black", "off"});
+  };
+  polarity("object", c.object,
+           "On a turntable features outside are not used. What belongs to the class in files: white, black, or white after a "
+           "check that this can be (auto); off: these masks are not used here.");
+  polarity("transparent", c.transparent, "Features inside are not used; words as above.");
+  polarity("specular", c.specular, "Features inside are not used; words as above.");
+  polarity("ignore", c.ignore, "Features inside are not used; words as above.");
+}
+
+FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
+                           const std::vector<SfmPhoto>& photos)
+    : turntable_(turntable) {
+  const MaskFolder files(folder, class_of(config.flat));
+  std::vector<std::string> names;
+  for (const SfmPhoto& p : photos) {
+    names.push_back(p.name);
+    sizes_.push_back({p.width, p.height});
+    sides_.push_back(std::max(p.width, p.height));
+  }
+  for (MaskClass kind : kMaskClasses) {
+    const std::string& polarity = word_of(config, kind);
+    if (polarity == "off" || files.file_count(kind) == 0 || (kind == MaskClass::Object && turntable == "no")) continue;
+    const std::string option = fmt::format("sfm.masks.{}", name(kind));
+    std::atomic<size_t> other_shape{0};
+    masks_[size_t(kind)].emplace(PhotoMasksDesc{.folder = files,
+                                                .kind = kind,
+                                                .photos = names,
+                                                .polarity = polarity,
+                                                .polarity_option = option,
+                                                .off_setting = option + "=off",
+                                                .usable = [&](size_t photo, const MaskFile& file, const ImageF& mask) {
+                                                  const auto [w, h] = sizes_[photo];
+                                                  if (same_shape(mask.width(), mask.height(), w, h)) return true;
+                                                  if (same_shape(mask.width(), mask.height(), h, w))
+                                                    throw_wrong_mask_size(file, mask, w, h, true);
+                                                  ++other_shape;
+                                                  return false;
+                                                }});
+    other_shape_ += other_shape;
+    if (masks_[size_t(kind)]->matched() == 0) masks_[size_t(kind)].reset();
+  }
+  if (turntable == "yes" && !has(MaskClass::Object))
+    throw Error(ErrorKind::Input, "a turntable needs masks of the object",
+                {.where = folder.string(),
+                 .why = "sfm.turntable=yes says that the room moves against the object, and no mask says which is which",
+                 .hint = "put one mask per photo into " + (folder / "object").string() + ", or --set sfm.turntable=no",
+                 .code = "SFM_TURNTABLE_WITHOUT_MASKS"});
+}
+
+bool FeatureMasks::empty() const {
+  return std::none_of(masks_.begin(), masks_.end(), [](const auto& m) { return m.has_value(); });
+}
+
+std::vector<uint8_t> FeatureMasks::classes_at(size_t photo, std::span<const float> xy) const {
+  std::vector<uint8_t> classes(xy.size() / 2, 0);
+  for (MaskClass kind : kMaskClasses) {
+    if (!has_mask(kind, photo)) {
+      if (kind == MaskClass::Object)
+        for (uint8_t& c : classes) c |= bit(kind);
+      continue;
+    }
+    const ImageF mask = masks_[size_t(kind)]->at(photo);
+    const double sx = double(mask.width()) / sizes_[photo].first, sy = double(mask.height()) / sizes_[photo].second;
+    for (size_t i = 0; i < classes.size(); ++i) {
+      const int x = std::clamp(int(sx * double(xy[2 * i])), 0, mask.width() - 1);
+      const int y = std::clamp(int(sy * double(xy[2 * i + 1])), 0, mask.height() - 1);
+      if (mask.at(x, y) > kInside) classes[i] |= bit(kind);
+    }
+  }
+  return classes;
+}
+
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const MatchRules& rules,
+                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
+                                                     MaskEffect& effect) {
+  const size_t n = features.size();
+  std::vector<std::vector<uint8_t>> classes(n);
+  parallel_for(n, 1, [&](size_t i) {
+    throw_if_interrupted();
+    classes[i] = masks.classes_at(photo_of[i], features[i].xy);
+  });
+  effect.turntable = masks.turntable();
+  effect.object_applied = masks.turntable() == "yes";
+  if (masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
+    std::vector<std::vector<uint8_t>> inside(n);
+    std::vector<double> sides(n);
+    for (size_t i = 0; i < n; ++i) {
+      sides[i] = masks.longest_side(photo_of[i]);
+      if (!masks.has_mask(MaskClass::Object, photo_of[i])) continue;
+      for (uint8_t c : classes[i]) inside[i].push_back((c & bit(MaskClass::Object)) != 0);
+    }
+    effect.evidence = turntable_evidence({.photos = features, .inside = inside, .sides = sides, .rules = rules});
+    effect.object_applied = effect.evidence->turntable;
+  }
+  std::vector<std::vector<uint32_t>> kept(n);
+  for (size_t i = 0; i < n; ++i) {
+    PhotoFeatures& f = features[i];
+    effect.before += f.count;
+    for (size_t k = 0; k < f.count; ++k) {
+      bool keep = true;
+      for (MaskClass kind : kMaskClasses) {
+        const bool inside = (classes[i][k] & bit(kind)) != 0;
+        const bool remove = kind == MaskClass::Object ? effect.object_applied && !inside : inside;
+        effect.removed[size_t(kind)] += remove;
+        keep &= !remove;
+      }
+      if (!keep) continue;
+      const size_t to = kept[i].size();
+      kept[i].push_back(uint32_t(k));
+      std::copy_n(f.xy.begin() + long(2 * k), 2, f.xy.begin() + long(2 * to));
+      std::copy_n(f.descriptors.begin() + long(kDescriptorBytes * k), kDescriptorBytes,
+                  f.descriptors.begin() + long(kDescriptorBytes * to));
+    }
+    if (effect.removed_of_photo.size() <= photo_of[i]) effect.removed_of_photo.resize(photo_of[i] + 1, 0);
+    effect.removed_of_photo[photo_of[i]] = f.count - kept[i].size();
+    f.count = kept[i].size();
+    f.xy.resize(2 * f.count);
+    f.descriptors.resize(kDescriptorBytes * f.count);
+    effect.after += f.count;
+  }
+  for (MaskClass kind : kMaskClasses) effect.photos[size_t(kind)] = masks.photos_with(kind);
+  log_mask_effect(effect);
+  return kept;
+}
+
+}  // namespace vitrine

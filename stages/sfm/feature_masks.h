@@ -1,0 +1,72 @@
+// Features that must not be used to find the cameras, by the user's masks (distorted photo coordinates, like the features):
+//   specular, transparent   what they show is elsewhere: in a mirror, behind glass; it moves against the scene
+//   ignore                  passers-by
+//   object                  everything outside, when the object stands on a turntable (turntable.h); otherwise the room helps
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/photo_masks.h"
+#include "stages/sfm/database.h"
+#include "stages/sfm/matcher.h"
+#include "stages/sfm/turntable.h"
+
+namespace vitrine {
+
+struct SfmPhoto;
+class Describer;
+
+// Per class what belongs to it in files: white, black, auto (white, after a look); off = this class is not used here.
+struct FeatureMasksConfig {
+  std::string flat = "object";
+  std::string object = "auto", transparent = "auto", specular = "auto", ignore = "auto";
+};
+void describe(Describer& d, FeatureMasksConfig& c);
+
+class FeatureMasks {
+ public:
+  // `turntable`: auto, yes, no. Throws Error{Input} for masks that cannot be right, and for "yes" without masks of the object.
+  FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
+               const std::vector<SfmPhoto>& photos);
+
+  const std::string& turntable() const { return turntable_; }
+  bool has(MaskClass kind) const { return masks_[size_t(kind)].has_value(); }
+  size_t photos_with(MaskClass kind) const { return has(kind) ? masks_[size_t(kind)]->matched() : 0; }
+  bool empty() const;
+  // Masks of another shape than their photo: probably drawn on undistorted photos, which do not exist yet.
+  size_t other_shape() const { return other_shape_; }
+  // Per feature: bit `1 << class` where it lies in the mask. A photo without a mask lies in no class, but wholly on the object.
+  std::vector<uint8_t> classes_at(size_t photo, std::span<const float> xy) const;
+  bool has_mask(MaskClass kind, size_t photo) const { return has(kind) && masks_[size_t(kind)]->file(photo).has_value(); }
+  double longest_side(size_t photo) const { return sides_[photo]; }
+
+ private:
+  std::string turntable_;
+  std::vector<std::pair<int, int>> sizes_;
+  std::vector<double> sides_;
+  std::array<std::optional<PhotoMasks>, kMaskClassCount> masks_;
+  size_t other_shape_ = 0;
+};
+
+// What masks did to the features of a capture.
+struct MaskEffect {
+  std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
+  size_t before = 0, after = 0;                             // a feature in two masks is removed once
+  std::vector<size_t> removed_of_photo;                     // [photo]
+  std::string turntable;                                    // the option
+  bool object_applied = false;
+  std::optional<TurntableEvidence> evidence;  // for "auto" with masks of the object
+};
+
+// Takes the features out of `features`; returns for every photo what the features that stay were called before.
+// `photo_of[i]`: index of the photo that features[i] belongs to.
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const MatchRules& rules,
+                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
+                                                     MaskEffect& effect);
+
+}  // namespace vitrine
