@@ -15,7 +15,8 @@ void describe(Describer& d, InitialConfig& c) {
   d.option("far_factor", c.far_factor,
            "Distance of surfels on rays without a sparse point nearby, relative to the farthest points.")
       .range(1, 100);
-  d.option("stereo_side", c.stereo_side, "Longest side of the photos that are matched for depth, about; more is finer and slower.")
+  d.option("stereo_side", c.stereo_side,
+           "Longest side of the photos that are matched for depth, about; more is finer and slower.")
       .range(32, 16384);
   d.option("opacity", c.opacity, "Opacity of the first surfels.").range(0.01, 0.99);
   d.option("scale", c.scale, "Scale of the first surfels, relative to the distance of their neighbours.").range(0.05, 5);

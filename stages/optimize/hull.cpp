@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kPercentile = 0.02, kMargin = 0.2;  // of the sparse points: where things are looked for
 constexpr double kInsideShare = 0.6;                 // of the photos that see a point: fewer is chance
-constexpr double kOutsideShare = 0.08;               // of those with an opinion: masks have errors
+// Of those with an opinion, that a point may contradict: masks have errors, and panes have frames.
+constexpr double kGlassOutside = 0.25, kGlossOutside = 0.08;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
@@ -51,11 +52,11 @@ Box box_of_points(const ViewSet& set) {
 
 struct Judge {
   const View* view;
-  std::span<const uint8_t> mask;
+  std::span<const uint8_t> mask, other;  // empty: nowhere
   std::span<const float> depth;
 };
 
-bool inside_hull(const std::vector<Judge>& judges, const Vec3d& p) {
+bool inside_hull(const std::vector<Judge>& judges, double outside_share, const Vec3d& p) {
   int seen = 0, inside = 0, outside = 0;
   for (const Judge& judge : judges) {
     const Intrinsics& k = judge.view->intrinsics;
@@ -63,17 +64,18 @@ bool inside_hull(const std::vector<Judge>& judges, const Vec3d& p) {
     if (q.z <= 0) continue;
     const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
     if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
-    ++seen;
     const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
+    if (!judge.other.empty() && judge.other[pixel] >= 128) continue;
+    ++seen;
     if (judge.mask[pixel] >= 128)
       ++inside;
     else if (!(judge.depth[pixel] > 0 && judge.depth[pixel] < kInFront * float(q.z)))
       ++outside;
   }
-  return inside >= kFewestPhotos && inside >= kInsideShare * seen && outside <= kOutsideShare * (inside + outside);
+  return inside >= kFewestPhotos && inside >= kInsideShare * seen && outside <= outside_share * (inside + outside);
 }
 
-Grid carved(const std::vector<Judge>& judges, const Box& box, int cells) {
+Grid carved(const std::vector<Judge>& judges, double outside_share, const Box& box, int cells) {
   const Vec3d extent = box.high - box.low;
   Grid grid;
   grid.cell = std::max({extent.x, extent.y, extent.z}) / cells;
@@ -83,7 +85,7 @@ Grid carved(const std::vector<Judge>& judges, const Box& box, int cells) {
   parallel_for(size_t(grid.size[2]), 1, [&](size_t z) {
     for (int y = 0; y < grid.size[1]; ++y)
       for (int x = 0; x < grid.size[0]; ++x)
-        grid.inside[grid.index(x, y, int(z))] = inside_hull(judges, grid.centre(x, y, int(z)));
+        grid.inside[grid.index(x, y, int(z))] = inside_hull(judges, outside_share, grid.centre(x, y, int(z)));
   });
   return grid;
 }
@@ -122,16 +124,22 @@ Vec3d outward(const Grid& grid, int x, int y, int z) {
 
 }  // namespace
 
-Hull transparent_hull(const HullDesc& desc) {
+Hull mask_hull(const HullDesc& desc) {
   std::vector<Judge> judges;
   for (uint32_t photo : desc.capture.train) {
-    const auto& mask = desc.targets.photos[photo][desc.level].masks[size_t(MaskClass::Transparent)];
-    if (!mask.empty()) judges.push_back({&desc.capture.photos[photo].levels[desc.level].view, mask, desc.depths[photo]});
+    const auto& masks = desc.targets.photos[photo][desc.level].masks;
+    const bool glass = desc.kind == HullClass::Glass;
+    const auto& transparent = masks[size_t(MaskClass::Transparent)];
+    const auto& mask = glass ? transparent : masks[size_t(MaskClass::Specular)];
+    if (mask.empty()) continue;
+    judges.push_back({&desc.capture.photos[photo].levels[desc.level].view, mask,
+                      glass ? std::span<const uint8_t>() : std::span<const uint8_t>(transparent), desc.depths[photo]});
   }
+  const double outside_share = desc.kind == HullClass::Glass ? kGlassOutside : kGlossOutside;
   Hull hull;
   Box box = box_of_points(desc.capture.view_set);
-  if (judges.empty() || !tighten(carved(judges, box, kCoarseCells), box)) return hull;
-  const Grid grid = carved(judges, box, desc.cells);
+  if (judges.empty() || !tighten(carved(judges, outside_share, box, kCoarseCells), box)) return hull;
+  const Grid grid = carved(judges, outside_share, box, desc.cells);
   hull.spacing = float(grid.cell);
   for (int z = 0; z < grid.size[2]; ++z)
     for (int y = 0; y < grid.size[1]; ++y)

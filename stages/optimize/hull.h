@@ -1,6 +1,6 @@
-// The hull of transparent things: the points that every training photo that sees them shows inside its transparent mask
-// (Laurentini 1994, with the depths of what is opaque: a photo says nothing about points behind it). Glass has no texture to
-// match; its outline is what photos tell about its place.
+// The hull of things of glass or of polished metal: the points that every training photo that sees them shows inside its mask
+// (Laurentini 1994, with the depths of what is dull: a photo says nothing about points behind it). Neither has a texture that
+// stays on it; the outline is what photos tell about its place.
 #pragma once
 
 #include <vector>
@@ -20,15 +20,20 @@ struct Hull {
   float spacing = 0;              // of the grid
 };
 
+// Gloss: the specular mask without the transparent one, whose pixels then say nothing.
+enum class HullClass : unsigned char { Glass, Gloss };
+
 struct HullDesc {
+  HullClass kind = HullClass::Glass;
+
   const Capture& capture;
   const Targets& targets;
   // [photo] z-depth of the diffuse layer at `level`, 0 = none; empty for held-out photos.
   std::span<const std::vector<float>> depths;
-  size_t level = 1;
+  size_t level = 0;
   int cells = 128;  // along the longest side of the hull
 };
 // Empty when no closed region agrees with the masks, of a window for example.
-Hull transparent_hull(const HullDesc& desc);
+Hull mask_hull(const HullDesc& desc);
 
 }  // namespace vitrine

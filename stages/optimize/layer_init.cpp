@@ -20,19 +20,21 @@ namespace {
 
 enum : uint64_t { kCopyStream = 0x1a01, kShellStream = 0x1a02, kHullStream = 0x1a03 };
 
-constexpr size_t kEvidenceLevel = 1;               // half-size photos say enough about masks
+constexpr size_t kEvidenceLevel = 0;
 constexpr double kInitialShare = 0.7;              // of a layer's cap, so that it can grow where pictures are wrong
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
-constexpr float kDull = 0.002f;                    // specular weight outside the masks: sends no rays
+constexpr float kDull = 0.002f;                    // specular weight and transmission outside the masks: send no rays
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
 constexpr float kBehindGlass = 0.9f;
 constexpr float kLeastWeight = 0.5f;  // pixels that a surfel fills inside the mask, to be worth a copy
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
-constexpr float kBlack = 0.02f;         // glass scatters no light of its own
 constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
+
+// Glass scatters hardly any light of its own.
+const Vec3f kGlassColor = (0.02f - 0.5f) / kShDc * Vec3f{1, 1, 1};
 
 void set(SplatLayer& layer, Attribute a, size_t i, double value) {
   std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
@@ -101,10 +103,10 @@ void append_copies(const SplatLayer& from, const std::vector<uint32_t>& indices,
   for (size_t k = 0; k < taken.size(); ++k) copy_between(from, taken[k], layer, first + k, growth);
 }
 
-Vec3f mean_color(const SplatLayer& layer) {
+Vec3f mean_color(const SplatLayer& layer, const std::vector<uint32_t>& indices) {
   Vec3f sum{};
-  for (size_t i = 0; i < layer.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) sum[c] += layer.at(Attribute::ShDc, i)[c] / float(layer.size());
+  for (uint32_t i : indices)
+    for (size_t c = 0; c < 3; ++c) sum[c] += layer.at(Attribute::ShDc, i)[c] / float(indices.size());
   return sum;
 }
 
@@ -131,8 +133,8 @@ void append_shell(size_t count, const Vec3f& sh_dc, uint64_t seed, SplatLayer& l
   }
 }
 
-// Diffuse surfels on the hull, with the materials of glass.
-size_t append_hull(const LayerInitDesc& desc, const Hull& hull, size_t limit, SplatLayer& layer) {
+// Diffuse surfels on the hull, at the end of the layer.
+size_t append_hull(const LayerInitDesc& desc, const Hull& hull, size_t limit, const Vec3f& sh_dc, SplatLayer& layer) {
   std::vector<uint32_t> all(hull.points.size());
   std::iota(all.begin(), all.end(), 0u);
   const std::vector<uint32_t> taken = drawn(all, limit, static_cast<uint64_t>(desc.config.seed), kHullStream);
@@ -148,11 +150,12 @@ size_t append_hull(const LayerInitDesc& desc, const Hull& hull, size_t limit, Sp
     std::copy_n(rotation, 4, layer.at(Attribute::Rotation, i));
     for (size_t c = 0; c < 3; ++c) {
       layer.at(Attribute::Mean, i)[c] = point.position[c];
-      layer.at(Attribute::ShDc, i)[c] = (kBlack - 0.5f) / kShDc;
+      layer.at(Attribute::ShDc, i)[c] = sh_dc[c];
     }
     set(layer, Attribute::LogScale, i, kHullScale * spacing);
     set(layer, Attribute::Opacity, i, kHullOpacity);
-    set(layer, Attribute::Roughness, i, row(Attribute::Roughness).initial);
+    for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
+      set(layer, a, i, row(a).initial);
   }
   return taken.size();
 }
@@ -165,34 +168,63 @@ void make_glass(const TransmittancePhase& phase, SplatLayer& layer, size_t i) {
 
 }  // namespace
 
-void begin_reflection(const LayerInitDesc& desc, size_t cap, SplatScene& scene) {
+HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
   const ReflectionPhase& phase = desc.config.phases.reflection;
+  const auto seed = static_cast<uint64_t>(desc.config.seed);
   SplatLayer& diffuse = scene.diffuse;
-  const MaskEvidence specular = survey(desc, scene, MaskClass::Specular).evidence;
+  const Survey specular = survey(desc, scene, MaskClass::Specular);
   const MaskEvidence transparent = survey(desc, scene, MaskClass::Transparent).evidence;
   const bool masked = desc.targets.any(MaskClass::Specular);
-  std::vector<uint32_t> dull;
+  Hull hull;
+  if (masked && phase.hull_points > 0)
+    hull = mask_hull({.kind = HullClass::Gloss,
+                      .capture = desc.capture,
+                      .targets = desc.targets,
+                      .depths = specular.depths,
+                      .level = kEvidenceLevel});
+
+  std::vector<uint32_t> dull, stay, gone;
   for (size_t i = 0; i < diffuse.size(); ++i) {
-    const float gloss = masked ? std::max(specular.share(i) - transparent.share(i), 0.f) : 1.f;
+    const auto index = static_cast<uint32_t>(i);
+    const float share = specular.evidence.share(i);
+    const float gloss = masked ? std::max(share - transparent.share(i), 0.f) : 1.f;
     const auto mixed = [&](Attribute a, double outside, double inside) {
       set(diffuse, a, i, outside + gloss * (inside - outside));
     };
     mixed(Attribute::SpecularWeight, kDull, phase.specular_weight);
     mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0);
-    if (!masked || specular.share(i) < kMostlyInside) dull.push_back(static_cast<uint32_t>(i));
+    if (!masked || share < kMostlyInside) dull.push_back(index);
+    (hull.points.empty() || gloss < kBehindGlass ? stay : gone).push_back(index);
   }
   const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
-  const auto far = static_cast<size_t>(kShellShare * double(count)), seed = static_cast<size_t>(desc.config.seed);
+  const auto far = static_cast<size_t>(kShellShare * double(count));
   append_copies(diffuse, dull, count - far, seed, scene.reflection);
-  append_shell(far, mean_color(diffuse), seed, scene.reflection);
+  append_shell(far, mean_color(diffuse, dull), seed, scene.reflection);
+
+  HullCounts counts;
+  if (hull.points.empty()) return counts;
+  // What the diffuse layer has there are pictures in the mirror, at their depths.
+  counts.moved = gone.size();
+  const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
+  keep_surfels(diffuse, stay);
+  const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
+  counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), color, diffuse);
+  for (size_t i = first; i < diffuse.size(); ++i) {
+    set(diffuse, Attribute::SpecularWeight, i, phase.specular_weight);
+    set(diffuse, Attribute::F0, i, phase.f0);
+  }
+  return counts;
 }
 
-TransmittanceCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
+HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
   const TransmittancePhase& phase = desc.config.phases.transmittance;
   const auto seed = static_cast<uint64_t>(desc.config.seed);
   const Survey seen = survey(desc, scene, MaskClass::Transparent);
-  const Hull hull =
-      transparent_hull({.capture = desc.capture, .targets = desc.targets, .depths = seen.depths, .level = kEvidenceLevel});
+  const Hull hull = mask_hull({.kind = HullClass::Glass,
+                               .capture = desc.capture,
+                               .targets = desc.targets,
+                               .depths = seen.depths,
+                               .level = kEvidenceLevel});
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
 
   SplatLayer& diffuse = scene.diffuse;
@@ -200,19 +232,19 @@ TransmittanceCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, s
   std::vector<uint32_t> through, stay;
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
+    set(diffuse, Attribute::Transmission, i, kDull);
     if (!masked || seen.evidence.inside[i] > kLeastWeight) through.push_back(index);
     if (!closed || seen.evidence.share(i) < kBehindGlass) stay.push_back(index);
     if (!closed && seen.evidence.share(i) > kMostlyInside) make_glass(phase, diffuse, i);
   }
-  const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
-  append_copies(diffuse, through, count, seed, scene.transmittance);
+  append_copies(diffuse, through, std::min(static_cast<size_t>(phase.initial_surfels), cap), seed, scene.transmittance);
 
-  TransmittanceCounts counts;
+  HullCounts counts;
   if (!closed) return counts;
   counts.moved = diffuse.size() - stay.size();
   keep_surfels(diffuse, stay);
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), diffuse);
+  counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), kGlassColor, diffuse);
   for (size_t i = first; i < diffuse.size(); ++i) make_glass(phase, diffuse, i);
   return counts;
 }

@@ -1,7 +1,8 @@
 // What the later phases start from (algorithms 5.7), out of the diffuse layer as it is when they begin.
 //   Which surfels a mask means is measured by rendering: the mean of the mask over the pixels of all training photos, weighted as
 //   the surfel is blended there.
-//   reflection     materials of the diffuse layer; copies of it, because mirrors show what is around, and a shell of far surfels
+//   reflection     materials of the diffuse layer; copies of it, because mirrors show what is around, and a shell of far surfels;
+//                  mirrors themselves are put on the hull of their masks
 //   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
 #pragma once
 
@@ -26,12 +27,11 @@ struct MaskEvidence {
   float share(size_t i) const { return weight[i] > 0 ? inside[i] / weight[i] : 0; }
 };
 
-// Both change the diffuse layer and give `scene` its new layer, of at most `cap` surfels.
-void begin_reflection(const LayerInitDesc& desc, size_t cap, SplatScene& scene);
-struct TransmittanceCounts {
-  size_t hull = 0, moved = 0;  // surfels put on the hull; surfels that left the diffuse layer
+struct HullCounts {
+  size_t hull = 0, moved = 0;  // surfels put on the hull; surfels that left the diffuse layer for them
 };
-// The diffuse layer grows to `diffuse_cap` at most.
-TransmittanceCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
+// Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
+HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
+HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 
 }  // namespace vitrine

@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/timer.h"
+#include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
 #include "stages/optimize/capture.h"
 #include "stages/optimize/checkpoint.h"
@@ -128,6 +129,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind))
       write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
+  if (layers.any()) write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
   make_folders(previews);

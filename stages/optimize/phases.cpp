@@ -13,6 +13,9 @@ void describe_layer(Describer& d, LayerPhase& c) {
   d.option("densify_until", c.densify_until, "Part of the run after which its surfels are no longer moved or added.").range(0, 1);
   d.option("share", c.share, "Its part of max_gaussians.").range(0, 0.9);
   d.option("initial_surfels", c.initial_surfels, "Surfels that it starts from, at most.").range(1, 10000000);
+  d.option("hull_points", c.hull_points,
+           "Diffuse surfels that are placed on the hull of its masks (specular without transparent; transparent).")
+      .range(0, 10000000);
   d.option("sh_degree", c.sh_degree, "View dependence of its colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("geometry_factor", c.geometry_factor,
            "Factor on the diffuse layer's rates of position, rotation and scale from this phase on.")
@@ -61,8 +64,6 @@ void describe(Describer& d, TransmittancePhase& c) {
        "Factor on the diffuse layer's rates of geometry and opacity where it is transparent: what is seen through it must not "
        "move it.")
       .range(0, 1);
-  d.option("hull_points", c.hull_points, "Diffuse surfels that are placed on the hull of the transparent masks.")
-      .range(0, 10000000);
 }
 
 void describe(Describer& d, JointPhase& c) {
@@ -79,8 +80,11 @@ void describe(Describer& d, PhasesConfig& c) {
 }
 
 PhasesConfig::PhasesConfig() {
-  transmittance.from = 0.5;
-  transmittance.geometry_factor = 0.1;
+  reflection.share = 0.1;
+  reflection.hull_points = 1000;
+  transmittance.from = 0.4;
+  transmittance.share = 0.35;
+  transmittance.initial_surfels = 100000;
 }
 
 std::string phases_problem(const PhasesConfig& c) {
@@ -145,8 +149,7 @@ AttributeRates PhaseClock::rates(LayerKind kind, const RatesConfig& rates, doubl
     r = diffuse_rates(rates, scene_radius);
   } else if (training(kind)) {
     const LayerPhase& phase = config_.of(kind);
-    const double span = std::max(1 - phase.from, 1e-9);
-    r = rates_at(rates, (fraction_ - phase.from) / span, scene_radius);
+    r = rates_at(rates, fraction_, scene_radius);  // copies of what is trained already: no second start
     for (float& rate : r) rate *= static_cast<float>(ramp(phase));
   }
   if (layers_.any() && fraction_ >= config_.joint.from)

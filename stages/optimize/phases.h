@@ -30,8 +30,9 @@ struct LayerPhase {
   double densify_until = 0.75;
   double share = 0.2;  // of max_gaussians
   int initial_surfels = 6000;
+  int hull_points = 4000;  // diffuse surfels on the hull of this phase's masks
   int sh_degree = 2;
-  double geometry_factor = 0.3;  // of the diffuse layer's rates of geometry, from now on
+  double geometry_factor = 1;  // of the diffuse layer's rates of geometry, from now on
 };
 
 struct ReflectionPhase : LayerPhase {
@@ -40,9 +41,8 @@ struct ReflectionPhase : LayerPhase {
   double surface_from = 0.36;  // rays turn and move surfaces
 };
 struct TransmittancePhase : LayerPhase {
-  double transmission = 0.9, specular_weight = 0.06, f0 = 0.08;  // of glass, to start from
-  double glass_factor = 0.05;                                    // on top, where the diffuse layer is transparent
-  int hull_points = 4000;
+  double transmission = 0.98, specular_weight = 0.06, f0 = 0.08;  // of glass, to start from
+  double glass_factor = 0.05;                                     // on top, where the diffuse layer is transparent
 };
 struct DiffusePhase {
   double specular_weight = 0.3;  // of the picture losses inside the specular mask, until reflection begins
@@ -50,13 +50,13 @@ struct DiffusePhase {
 // How the layers become a picture (core/model).
 struct ShadingConfig {
   std::string blend = "layered", lobe = "mirror";
-  int ray_budget = 8000;
+  int ray_budget = 0;
   double gate = 4, diffuse_in_transparent = 1;
 };
 void describe(Describer& d, ShadingConfig& c);
 
 struct JointPhase {
-  double from = 0.87;
+  double from = 0.9;
   double rate_factor = 0.2;
 };
 
@@ -88,7 +88,7 @@ class PhaseClock {
   }
   // The passes' options at this moment, for training; `sh_degree`: of the diffuse layer.
   ImageOptions image_options(const ShadingConfig& shading, Backend backend, int sh_degree) const;
-  // Step sizes of a layer: of `rates` over the layer's own span, zero for what no phase trains yet.
+  // Step sizes of a layer: of `rates` zero for what no phase trains yet.
   AttributeRates rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const;
 
  private:

@@ -45,11 +45,14 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial)
   for (LayerKind kind : kAllLayers) training_.emplace_back(scene_.layer(kind));
 }
 
-// Room is left for glass until there is glass.
+// Room is left for hulls until their phases have begun.
 size_t Trainer::diffuse_cap() const {
   const size_t all = cap(LayerKind::Diffuse);
-  const bool waits = setup_.layers.transmittance && !begun_[static_cast<size_t>(LayerKind::Transmittance)];
-  return waits ? all - std::min(static_cast<size_t>(config().phases.transmittance.hull_points), all / 5) : all;
+  size_t room = 0;
+  for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
+    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)])
+      room += std::min(static_cast<size_t>(config().phases.of(kind).hull_points), all / 10);
+  return all - room;
 }
 
 size_t Trainer::cap(const TrainerSetup& setup, LayerKind kind) {
@@ -227,12 +230,9 @@ void Trainer::begin_phases() {
     if (begun || !clock.begun(kind)) continue;
     begun = 1;
     changed = true;
-    if (kind == LayerKind::Reflection) {
-      begin_reflection(desc, cap(kind), scene_);
-    } else {
-      const TransmittanceCounts counts = begin_transmittance(desc, cap(kind), cap(LayerKind::Diffuse), scene_);
-      log_info("glass: {} surfels on the hull of its masks, {} moved behind it", counts.hull, counts.moved);
-    }
+    const auto begin = kind == LayerKind::Reflection ? begin_reflection : begin_transmittance;
+    const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
+    log_info("{} surfels on the hull of its masks, {} were moved from there", counts.hull, counts.moved);
     log_info("step {}: the {} layer begins with {} surfels", step_, name(kind), scene_.layer(kind).size());
     training(kind).restart(scene_.layer(kind));
   }
@@ -253,8 +253,10 @@ void Trainer::record(double loss, double l1) {
   epoch_ = {};
 }
 
+ImageOptions Trainer::image_options() const { return clock().image_options(config().shading, backend_of(config()), sh_degree()); }
+
 void Trainer::set_up_passes() const {
-  const ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
+  const ImageOptions options = image_options();
   model_.diffuse->options() = options.diffuse;
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;

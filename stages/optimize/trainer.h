@@ -50,6 +50,9 @@ class Trainer {
   // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays; `layers`: taken apart too.
   void picture(uint32_t photo, bool layers, Frame& frame) const;
 
+  // Of the passes at this moment.
+  ImageOptions image_options() const;
+
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
 

@@ -11,7 +11,8 @@
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
-#include "core/render/renderer.h"
+#include "core/image/ldr.h"
+#include "core/model/layered_model.h"
 #include "core/scene/activation.h"
 
 namespace vitrine::testing {
@@ -64,25 +65,52 @@ inline std::vector<View> ring_of_views(int count, int width, int height) {
   return views;
 }
 
-// sparse/0, scene.json, sfm/gains.json and linear/*.exr of the tiny scene. Sparse points: every third surfel, with noise.
-inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36) {
-  const SplatLayer scene = tiny_scene();
+// The tiny scene with an upright mirror, and what the mirror shows: another floor and a bright wall that no camera sees directly.
+inline SplatScene tiny_mirror_scene() {
+  SplatScene scene{.diffuse = tiny_scene()};
+  const size_t first = scene.diffuse.size();
+  for (int z = 0; z < 7; ++z)
+    for (int x = -4; x <= 4; ++x)
+      add_surfel(scene.diffuse, {0.08 * x, 0.3, 0.08 * z - 0.25}, {0, -1, 0}, 0.06, {0.02f, 0.02f, 0.02f});
+  for (size_t i = 0; i < scene.diffuse.size(); ++i)
+    for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission}) {
+      const bool mirror = i >= first && (a == Attribute::F0 || a == Attribute::SpecularWeight);
+      std::fill_n(scene.diffuse.at(a, i), scene.diffuse.width(a), logit(mirror ? 0.95f : 0.002f));
+    }
+  SplatLayer shown = tiny_scene();
+  for (int z = 0; z < 10; ++z)
+    for (int x = -10; x <= 10; ++x)
+      add_surfel(shown, {0.2 * x, -1.6, 0.2 * z - 0.3}, {0, 1, 0}, 0.12,
+                 (x + z) % 2 ? Vec3f{0.8f, 0.3f, 0.1f} : Vec3f{0.9f, 0.9f, 0.5f});
+  scene.reflection = SplatLayer(LayerKind::Reflection, 0, shown.size());
+  for (size_t i = 0; i < shown.size(); ++i)
+    for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+      std::copy_n(shown.at(a, i), shown.width(a), scene.reflection.at(a, i));
+  return scene;
+}
+
+// sparse/0, scene.json, sfm/gains.json and linear/*.exr of a scene, and masks/specular/*.png when it has a mirror. Sparse points:
+// every third surfel, with noise.
+inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width = 48, int height = 36,
+                           const SplatScene& photographed = {.diffuse = tiny_scene()}) {
+  const SplatLayer& scene = photographed.diffuse;
   const std::vector<View> views = ring_of_views(view_count, width, height);
-  const auto renderer = make_renderer(Backend::Cpu);
+  const LayeredModel image_model{ImageOptions{}};
+  Frame frame;
   ColmapModel model;
   Gains gains;
   for (size_t v = 0; v < views.size(); ++v) {
-    RasterDesc desc;
-    desc.intrinsics = views[v].intrinsics;
-    desc.cam_from_world = views[v].cam_from_world;
-    desc.sh_degree = 0;
-    RasterImages images;
-    renderer->forward(scene, desc, images);
+    image_model.forward(photographed, views[v], frame);
     ImageF photo(width, height, 3);
     const size_t pixels = photo.pixel_count();
     for (size_t i = 0; i < pixels; ++i)
-      for (size_t c = 0; c < 3; ++c) photo.data()[3 * i + c] = float(views[v].gain[c]) * images.plane(Aov::Color)[c * pixels + i];
+      for (size_t c = 0; c < 3; ++c) photo.data()[3 * i + c] = float(views[v].gain[c]) * frame.linear[c * pixels + i];
     write_exr_rgb(linear_image_path(folder, views[v]), photo);
+    if (photographed.reflection.size() > 0) {
+      Image8 mask(width, height, 1);
+      for (size_t i = 0; i < pixels; ++i) mask.data()[i] = frame.diffuse.plane(Aov::SpecularWeight)[i] > 0.4f ? 255 : 0;
+      write_ldr(folder / "masks/specular" / (views[v].stem() + ".png"), mask);
+    }
     const Intrinsics& k = views[v].intrinsics;
     const auto id = static_cast<uint32_t>(v + 1);
     model.cameras.push_back({id, 1, uint64_t(width), uint64_t(height), {k.fx, k.fy, k.cx, k.cy}});

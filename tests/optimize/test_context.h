@@ -1,0 +1,53 @@
+// The stage's world in a test: folders, and a hook after every step.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+
+#include "core/base/file.h"
+#include "stages/stage.h"
+
+namespace vitrine::testing {
+
+struct Stopped {};
+
+class TestContext final : public StageContext {
+ public:
+  TestContext(fs::path sfm, fs::path work) : sfm_(std::move(sfm)), output_(work / "output"), scratch_(work / "scratch") {
+    make_folders(output_);
+    make_folders(scratch_);
+  }
+  fs::path input(std::string_view name) const override {
+    EXPECT_EQ(name, "sfm");
+    return sfm_;
+  }
+  std::optional<fs::path> optional_input(std::string_view name) const override { return name == "masks" ? masks : std::nullopt; }
+  const fs::path& output() const override { return output_; }
+  const fs::path& scratch() const override { return scratch_; }
+  int threads() const override { return thread_count; }
+  size_t max_memory_bytes() const override { return memory; }
+  void progress(const Progress& p) override {
+    last_progress = p;
+    if (after_step) after_step(int(p.values.at("step")));
+  }
+  void metric(std::string_view name, double value) override { metrics[std::string(name)] = value; }
+  void warning(std::string_view code, std::string_view) override { warnings.emplace_back(code); }
+  void summary(std::string_view text) override { summary_text = text; }
+  void timing(std::string_view, double) override {}
+
+  int thread_count = 2;
+  size_t memory = 0;
+  std::optional<fs::path> masks;  // an artifact of the masks stage
+  std::function<void(int)> after_step;
+  Progress last_progress;
+  std::map<std::string, double> metrics;
+  std::vector<std::string> warnings;
+  std::string summary_text;
+
+ private:
+  fs::path sfm_, output_, scratch_;
+};
+
+}  // namespace vitrine::testing
