@@ -12,8 +12,10 @@ namespace {
 
 constexpr double kPercentile = 0.02, kMargin = 0.2;  // of the sparse points: where things are looked for
 constexpr double kInsideShare = 0.6;                 // of the photos that see a point: fewer is chance
-// Of those with an opinion, that a point may contradict: masks have errors, and panes have frames.
-constexpr double kGlassOutside = 0.25, kGlossOutside = 0.08;
+// Of those with an opinion, that a point may contradict: masks have errors, and panes have frames. More lets the hull bulge.
+constexpr double kOutsideShare = 0.08;
+// Of all photos with a mask, that see a point inside it: what few look at is contradicted by nobody.
+constexpr double kSeenShare = 0.3;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
@@ -56,7 +58,7 @@ struct Judge {
   std::span<const float> depth;
 };
 
-bool inside_hull(const std::vector<Judge>& judges, double outside_share, const Vec3d& p) {
+bool inside_hull(const std::vector<Judge>& judges, const Vec3d& p) {
   int seen = 0, inside = 0, outside = 0;
   for (const Judge& judge : judges) {
     const Intrinsics& k = judge.view->intrinsics;
@@ -72,10 +74,11 @@ bool inside_hull(const std::vector<Judge>& judges, double outside_share, const V
     else if (!(judge.depth[pixel] > 0 && judge.depth[pixel] < kInFront * float(q.z)))
       ++outside;
   }
-  return inside >= kFewestPhotos && inside >= kInsideShare * seen && outside <= outside_share * (inside + outside);
+  return inside >= kFewestPhotos && inside >= kSeenShare * double(judges.size()) && inside >= kInsideShare * seen &&
+         outside <= kOutsideShare * (inside + outside);
 }
 
-Grid carved(const std::vector<Judge>& judges, double outside_share, const Box& box, int cells) {
+Grid carved(const std::vector<Judge>& judges, const Box& box, int cells) {
   const Vec3d extent = box.high - box.low;
   Grid grid;
   grid.cell = std::max({extent.x, extent.y, extent.z}) / cells;
@@ -85,7 +88,7 @@ Grid carved(const std::vector<Judge>& judges, double outside_share, const Box& b
   parallel_for(size_t(grid.size[2]), 1, [&](size_t z) {
     for (int y = 0; y < grid.size[1]; ++y)
       for (int x = 0; x < grid.size[0]; ++x)
-        grid.inside[grid.index(x, y, int(z))] = inside_hull(judges, outside_share, grid.centre(x, y, int(z)));
+        grid.inside[grid.index(x, y, int(z))] = inside_hull(judges, grid.centre(x, y, int(z)));
   });
   return grid;
 }
@@ -135,11 +138,10 @@ Hull mask_hull(const HullDesc& desc) {
     judges.push_back({&desc.capture.photos[photo].levels[desc.level].view, mask,
                       glass ? std::span<const uint8_t>() : std::span<const uint8_t>(transparent), desc.depths[photo]});
   }
-  const double outside_share = desc.kind == HullClass::Glass ? kGlassOutside : kGlossOutside;
   Hull hull;
   Box box = box_of_points(desc.capture.view_set);
-  if (judges.empty() || !tighten(carved(judges, outside_share, box, kCoarseCells), box)) return hull;
-  const Grid grid = carved(judges, outside_share, box, desc.cells);
+  if (judges.empty() || !tighten(carved(judges, box, kCoarseCells), box)) return hull;
+  const Grid grid = carved(judges, box, desc.cells);
   hull.spacing = float(grid.cell);
   for (int z = 0; z < grid.size[2]; ++z)
     for (int y = 0; y < grid.size[1]; ++y)

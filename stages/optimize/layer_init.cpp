@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/math/rigid.h"
 #include "core/model/diffuse_pass.h"
@@ -29,7 +30,6 @@ constexpr float kDull = 0.002f;                    // specular weight and transm
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
 constexpr float kBehindGlass = 0.9f;
-constexpr float kLeastWeight = 0.5f;  // pixels that a surfel fills inside the mask, to be worth a copy
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
 constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
 
@@ -93,14 +93,42 @@ void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, fl
   for (size_t c = 0; c < 2; ++c) to.at(Attribute::LogScale, j)[c] += std::log(growth);
 }
 
+// The standard deviation of the rasteriser's screen-space low-pass (core/render/kernels/constants.h: exp(-d^2)), in world units
+// where a surfel is seen: the mean over the photos that have it in the picture. Rays know no pixels; a copy that is smaller than
+// that would lose to them what the rasteriser had made of it.
+float pixel_footprint(const Capture& capture, const Vec3d& p) {
+  constexpr double kLowPass = 0.70710678;
+  double sum = 0, count = 0;
+  for (uint32_t photo : capture.train) {
+    const View& view = capture.photos[photo].levels[0].view;
+    const Intrinsics& k = view.intrinsics;
+    const Vec3d q = view.cam_from_world * p;
+    if (!(q.z > 1e-6)) continue;
+    const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
+    if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
+    sum += kLowPass * q.z / k.fx;
+    count += 1;
+  }
+  return count > 0 ? static_cast<float>(sum / count) : 0.f;
+}
+
 // Copies of the surfels at `indices` at the end of `layer`, of at most `count`; fewer copies are larger.
-void append_copies(const SplatLayer& from, const std::vector<uint32_t>& indices, size_t count, uint64_t seed, SplatLayer& layer) {
+void append_copies(const Capture& capture, const SplatLayer& from, const std::vector<uint32_t>& indices, size_t count,
+                   uint64_t seed, SplatLayer& layer) {
   const std::vector<uint32_t> taken = drawn(indices, count, seed, kCopyStream);
   if (taken.empty()) return;
   const float growth = std::min(kLargestGrowth, std::sqrt(float(indices.size()) / float(taken.size())));
   const size_t first = layer.size();
   layer.resize(first + taken.size());
-  for (size_t k = 0; k < taken.size(); ++k) copy_between(from, taken[k], layer, first + k, growth);
+  parallel_for(taken.size(), 256, [&](size_t k) {
+    copy_between(from, taken[k], layer, first + k, growth);
+    const float* mean = layer.at(Attribute::Mean, first + k);
+    const float smallest = pixel_footprint(capture, {mean[0], mean[1], mean[2]});
+    for (size_t c = 0; c < 2 && smallest > 0; ++c) {
+      float& scale = layer.at(Attribute::LogScale, first + k)[c];
+      scale = std::max(scale, std::log(smallest));
+    }
+  });
 }
 
 Vec3f mean_color(const SplatLayer& layer, const std::vector<uint32_t>& indices) {
@@ -198,7 +226,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   }
   const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
   const auto far = static_cast<size_t>(kShellShare * double(count));
-  append_copies(diffuse, dull, count - far, seed, scene.reflection);
+  append_copies(desc.capture, diffuse, dull, count - far, seed, scene.reflection);
   append_shell(far, mean_color(diffuse, dull), seed, scene.reflection);
 
   HullCounts counts;
@@ -228,16 +256,17 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
 
   SplatLayer& diffuse = scene.diffuse;
-  const bool masked = desc.targets.any(MaskClass::Transparent);
-  std::vector<uint32_t> through, stay;
+  // Everything: what no training photo shows through the glass may be what the next view shows.
+  std::vector<uint32_t> through(diffuse.size()), stay;
+  std::iota(through.begin(), through.end(), 0u);
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
     set(diffuse, Attribute::Transmission, i, kDull);
-    if (!masked || seen.evidence.inside[i] > kLeastWeight) through.push_back(index);
     if (!closed || seen.evidence.share(i) < kBehindGlass) stay.push_back(index);
     if (!closed && seen.evidence.share(i) > kMostlyInside) make_glass(phase, diffuse, i);
   }
-  append_copies(diffuse, through, std::min(static_cast<size_t>(phase.initial_surfels), cap), seed, scene.transmittance);
+  append_copies(desc.capture, diffuse, through, std::min(static_cast<size_t>(phase.initial_surfels), cap), seed,
+                scene.transmittance);
 
   HullCounts counts;
   if (!closed) return counts;

@@ -41,7 +41,7 @@ struct ReflectionPhase : LayerPhase {
   double surface_from = 0.36;  // rays turn and move surfaces
 };
 struct TransmittancePhase : LayerPhase {
-  double transmission = 0.98, specular_weight = 0.06, f0 = 0.08;  // of glass, to start from
+  double transmission = 0.98, specular_weight = 0.01, f0 = 0.04;  // of glass, to start from
   double glass_factor = 0.05;                                     // on top, where the diffuse layer is transparent
 };
 struct DiffusePhase {

@@ -208,7 +208,10 @@ void Trainer::move_surfels() {
     if (!begun_[static_cast<size_t>(kind)] || f < from || f > until) continue;
     const auto seed = static_cast<uint64_t>(config().seed);
     const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
-    training(kind).move(d,
+    // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
+    DensifyConfig own = d;
+    if (kind == LayerKind::Transmittance) own.idle_weight = 0;
+    training(kind).move(own,
                         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
                                     .step = step_,
                                     .cap = first ? diffuse_cap() : cap(kind),
