@@ -22,7 +22,7 @@ struct ResolutionConfig {
 struct InitialConfig {
   int frustum_points = 20000;
   double far_factor = 5.0;
-  int stereo_side = 320;
+  int stereo_side = 160;
   double opacity = 0.3;
   double scale = 1.0;
 };
