@@ -81,7 +81,13 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   }
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
-  parallel_for(dense.maps.size(), 1, [&](size_t v) { extend_planes(dense.photos, v, dense.maps[v]); });
+  parallel_for(dense.maps.size(), 1, [&](size_t v) {
+    DepthMap& map = dense.maps[v];
+    if (std::count(map.trusted.begin(), map.trusted.end(), 1) == 0)
+      map = {};  // what nobody confirms is chance, and there is no plane to continue
+    else
+      extend_planes(dense.photos, v, map);
+  });
   return dense;
 }
 

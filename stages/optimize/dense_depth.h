@@ -11,7 +11,7 @@ namespace vitrine {
 
 struct DenseDepth {
   std::vector<StereoPhoto> photos;  // [capture.photos]; without a picture for held-out photos
-  std::vector<DepthMap> maps;       // same order; empty where nothing could be matched
+  std::vector<DepthMap> maps;       // same order; empty where no other photo confirms a pixel
   double reliable_share() const;    // of all pixels
 };
 

@@ -138,19 +138,18 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double width_ratio = double(matched.width) / k.width, height_ratio = double(matched.height) / k.height;
     const double mean_demand = (demanded[t + 1] - demanded[t]);
-    std::vector<ProjectedPoint> known;
+    std::vector<ProjectedPoint> known;  // for a photo that stereo could not match at all
     for (const Vec3d& h : dense.photos[v].hints) known.push_back({h.x / width_ratio, h.y / height_ratio, h.z});
-    struct Unknown {
-      double x, y;
-    };
-    std::vector<Unknown> unknown;
     const auto spacing = [&](double pixel_demand) { return std::sqrt(area * mean_demand / (double(share) * pixel_demand)); };
     Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, v));
     for (size_t s = 0; s < share;) {
       const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height, chance = rng.uniform_double();
       if (map.zdepth.empty()) {
-        unknown.push_back({x, y});
         ++s;
+        const auto z = borrowed_depth(known, x, y, reach, dense.photos[v].far_z);
+        if (!z) continue;
+        found[t].push_back(pixel_seed(photo, x, y, *z));
+        found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * *z / k.fx);
         continue;
       }
       const int mx = std::min(int(x * width_ratio), map.width - 1), my = std::min(int(y * height_ratio), map.height - 1);
@@ -166,13 +165,6 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       found[t].push_back(pixel_seed(photo, x, y, z));
       found[t].back().normal = cast<float>(transposed_times(photo.view.cam_from_world.rotation, normal));
       found[t].back().spacing_limit = static_cast<float>(spacing(wanted) * z / k.fx);
-      known.push_back({x, y, z});
-    }
-    for (const Unknown& p : unknown) {
-      const auto z = borrowed_depth(known, p.x, p.y, reach, dense.photos[v].far_z);
-      if (!z) continue;
-      found[t].push_back(pixel_seed(photo, p.x, p.y, *z));
-      found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * *z / k.fx);
     }
   });
   for (const auto& of_view : found) seeds.insert(seeds.end(), of_view.begin(), of_view.end());

@@ -33,6 +33,8 @@ inline void add_surfel(SplatLayer& layer, Vec3d position, Vec3d normal, double s
   *layer.at(Attribute::Opacity, i) = logit(0.95f);
 }
 
+inline constexpr int kTinyBall = 150;  // the surfels of the ball; they are the last ones
+
 inline SplatLayer tiny_scene() {
   SplatLayer layer(LayerKind::Diffuse, 0, 0);
   for (int y = -8; y <= 8; ++y)
@@ -40,9 +42,8 @@ inline SplatLayer tiny_scene() {
       const bool dark = (x / 2 + y / 2) % 2 == 0;
       add_surfel(layer, {0.1 * x, 0.1 * y, -0.3}, {0, 0, 1}, 0.06, dark ? Vec3f{0.05f, 0.1f, 0.3f} : Vec3f{0.7f, 0.6f, 0.4f});
     }
-  constexpr int kBall = 150;
-  for (int i = 0; i < kBall; ++i) {  // Fibonacci points
-    const double z = 1 - 2 * (i + 0.5) / kBall, angle = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
+  for (int i = 0; i < kTinyBall; ++i) {  // Fibonacci points
+    const double z = 1 - 2 * (i + 0.5) / kTinyBall, angle = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     const Vec3d n{r * std::cos(angle), r * std::sin(angle), z};
     add_surfel(layer, 0.25 * n, n, 0.03, {float(0.5 + 0.4 * n.x), float(0.5 + 0.4 * n.y), float(0.4 + 0.3 * n.z)});
   }
@@ -65,23 +66,29 @@ inline std::vector<View> ring_of_views(int count, int width, int height) {
   return views;
 }
 
-// The tiny scene with an upright mirror, and what the mirror shows: another floor and a bright wall that no camera sees directly.
+// The tiny scene with a polished ball and what it shows: the floor, and a dome of bright patches that no camera sees directly.
+// A curved mirror, because a flat one is a window: a diffuse layer alone explains it by surfels behind it.
 inline SplatScene tiny_mirror_scene() {
   SplatScene scene{.diffuse = tiny_scene()};
-  const size_t first = scene.diffuse.size();
-  for (int z = 0; z < 7; ++z)
-    for (int x = -4; x <= 4; ++x)
-      add_surfel(scene.diffuse, {0.08 * x, 0.3, 0.08 * z - 0.25}, {0, -1, 0}, 0.06, {0.02f, 0.02f, 0.02f});
-  for (size_t i = 0; i < scene.diffuse.size(); ++i)
+  const size_t first = scene.diffuse.size() - kTinyBall;
+  for (size_t i = 0; i < scene.diffuse.size(); ++i) {
+    const bool mirror = i >= first;
+    if (mirror) std::fill_n(scene.diffuse.at(Attribute::ShDc, i), 3, -0.48f / kShDc);
     for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission}) {
-      const bool mirror = i >= first && (a == Attribute::F0 || a == Attribute::SpecularWeight);
-      std::fill_n(scene.diffuse.at(a, i), scene.diffuse.width(a), logit(mirror ? 0.95f : 0.002f));
+      const bool high = mirror && (a == Attribute::F0 || a == Attribute::SpecularWeight);
+      std::fill_n(scene.diffuse.at(a, i), scene.diffuse.width(a), logit(high ? 0.95f : 0.002f));
     }
+  }
   SplatLayer shown = tiny_scene();
-  for (int z = 0; z < 10; ++z)
-    for (int x = -10; x <= 10; ++x)
-      add_surfel(shown, {0.2 * x, -1.6, 0.2 * z - 0.3}, {0, 1, 0}, 0.12,
-                 (x + z) % 2 ? Vec3f{0.8f, 0.3f, 0.1f} : Vec3f{0.9f, 0.9f, 0.5f});
+  shown.resize(first);
+  constexpr int kAround = 32, kUp = 8;
+  for (int e = 0; e < kUp; ++e)
+    for (int a = 0; a < kAround; ++a) {
+      const double azimuth = 2 * std::numbers::pi * a / kAround, elevation = 0.5 * std::numbers::pi * (e + 0.5) / kUp;
+      const Vec3d out{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
+      const Vec3f colors[] = {{0.9f, 0.2f, 0.1f}, {0.9f, 0.9f, 0.5f}, {0.1f, 0.5f, 0.9f}, {0.05f, 0.05f, 0.05f}};
+      add_surfel(shown, 2.0 * out, -out, 0.16, colors[(a / 8 + 2 * (e / 4)) % 4]);
+    }
   scene.reflection = SplatLayer(LayerKind::Reflection, 0, shown.size());
   for (size_t i = 0; i < shown.size(); ++i)
     for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})

@@ -1,0 +1,75 @@
+// What a reflection layer is for: a curved mirror, seen by held-out photos.
+#include <gtest/gtest.h>
+
+#include "core/picture/trained_scene.h"
+#include "core/scene/scene_io.h"
+#include "stages/optimize/optimize.h"
+#include "tests/optimize/test_context.h"
+#include "tests/optimize/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using testing::TestContext;
+
+// PSNR inside the mirror, over the held-out photos, of what a reader of the artifact renders.
+double mirror_psnr(const fs::path& sfm, const fs::path& artifact) {
+  const TrainedScene trained = read_trained_scene(artifact);
+  LayeredModel model(trained.image);
+  double sum = 0, count = 0;
+  Frame frame;
+  const std::vector<View> views = testing::ring_of_views(18, 48, 36);
+  for (size_t v = 0; v < views.size(); v += 6) {
+    model.forward(trained.surfels, views[v], frame);
+    const ImageF photo = srgb_from_linear_image(read_exr_rgb(linear_image_path(sfm, views[v])));
+    const Image8 mask = read_grey8(sfm / "masks/specular" / (views[v].stem() + ".png"));
+    const size_t pixels = photo.pixel_count();
+    for (size_t i = 0; i < pixels; ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const double d = frame.srgb[c * pixels + i] - std::clamp(photo.data()[3 * i + c], 0.f, 1.f);
+        if (mask.data()[i] < 128) continue;
+        sum += d * d;
+        count += 1;
+      }
+  }
+  return -10 * std::log10(sum / count);
+}
+
+TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
+  const TemporaryFolder folder("mirror-test");
+  const fs::path sfm = folder.path() / "sfm";
+  testing::write_tiny_sfm(sfm, 18, 48, 36, testing::tiny_mirror_scene());
+  OptimizeConfig config;
+  config.iterations = 600;
+  config.max_gaussians = 1500;
+  config.initial.frustum_points = 500;
+  config.initial.stereo_side = 48;
+  config.densify.every = 10;
+  config.preview_every = 0;
+  config.holdout_every = 6;
+  config.phases.reflection.hull_points = 150;
+  config.phases.reflection.share = 0.4;
+  config.phases.reflection.from = 0.1;
+  config.phases.reflection.surface_from = 0.2;
+
+  config.layers = "diffuse";
+  TestContext alone(sfm, folder.path() / "alone");
+  run_optimize(config, alone);
+  EXPECT_FALSE(fs::exists(alone.output() / "gaussians/reflection.ply"));
+  config.layers = "auto";
+  TestContext layered(sfm, folder.path() / "layered");
+  layered.masks = sfm;
+  run_optimize(config, layered);
+  EXPECT_FALSE(fs::exists(layered.output() / "gaussians/transmittance.ply"));
+  const size_t surfels = read_layer(layered.output() / "gaussians/diffuse.ply").size() +
+                         read_layer(layered.output() / "gaussians/reflection.ply").size();
+  EXPECT_LE(surfels, 1500u);
+  const double before = mirror_psnr(sfm, alone.output()), after = mirror_psnr(sfm, layered.output());
+  RecordProperty("mirror_gain", std::to_string(after - before));
+  // Measured +3.2 dB (8.9 -> 12.1), and +1.6 to +3.5 dB with other phases and blends. The photos are of 48x36 pixels, and what
+  // they show on the ball changes from pixel to pixel.
+  EXPECT_GT(after, before + 0.5) << before;
+}
+
+}  // namespace
+}  // namespace vitrine
