@@ -1,0 +1,39 @@
+// What the relight stage found for every surfel of gaussians/diffuse.ply, in the same order: materials freed of the light of the
+// photos. The file is a binary PLY, one vertex per surfel, floats in the order of the members below:
+//   albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
+// All are activated values: albedo in [0, 1] linear, the others in [0, 1]. Algorithms 7.1: radiance of a diffuse surface =
+// albedo / pi times irradiance, in the units of relight/environment.exr.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/math/vec.h"
+
+namespace vitrine {
+
+struct RelightMaterials {
+  std::vector<Vec3f> albedo;           // [surfels] linear
+  std::vector<float> roughness;        // [surfels] GGX alpha = roughness^2
+  std::vector<Vec3f> f0;               // [surfels] reflectance head on
+  std::vector<float> specular_weight;  // [surfels]
+  std::vector<float> transmission;     // [surfels]
+
+  size_t size() const { return albedo.size(); }
+  void resize(size_t surfels);
+};
+
+// Inside an artifact of the relight stage.
+inline std::filesystem::path relight_materials_path(const std::filesystem::path& folder) {
+  return folder / "relight" / "materials.ply";
+}
+inline std::filesystem::path relight_environment_path(const std::filesystem::path& folder) {
+  return folder / "relight" / "environment.exr";
+}
+
+// `folder`: an artifact of the relight stage, or an output folder. Throws Error{Input} with file and cause (missing, truncated,
+// other properties, a value that is not in [0, 1]). Whether the count fits the surfels is the caller's to check.
+RelightMaterials read_relight_materials(const std::filesystem::path& folder);
+void write_relight_materials(const std::filesystem::path& folder, const RelightMaterials& materials);
+
+}  // namespace vitrine
