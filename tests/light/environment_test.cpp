@@ -1,0 +1,196 @@
+#include "core/light/environment.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/base/file.h"
+#include "core/base/rng.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/light/radiance_hdr.h"
+#include "tests/support/error_of.h"
+
+namespace vitrine {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Smooth, with one lamp of a few texels.
+Environment lamp(int width = 64) {
+  ImageF map(width, width / 2, 3);
+  for (int y = 0; y < width / 2; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        map.at(x, y, c) = 0.2f + 0.1f * float(c) * float(x) / float(width) + (x / 3 == 5 && y / 3 == 3 ? 40.f : 0.f);
+  return Environment(std::move(map));
+}
+
+Vec3f on_sphere(Rng& rng) {
+  const float z = 2 * rng.uniform() - 1, a = 2 * float(kPi) * rng.uniform(), s = std::sqrt(1 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+TEST(Environment, AxisProbeLandsWhereTheConventionsSay) {
+  const Environment probe = axis_probe(128);
+  const auto is = [&](const Environment& e, const Vec3f& d, const Vec3f& color) {
+    EXPECT_LT(length(e.radiance(d) - color), 1e-6);
+  };
+  is(probe, {1, 0, 0}, {1, 0, 0});
+  is(probe, {-1, 0, 0}, {0, 1, 1});
+  is(probe, {0, 1, 0}, {0, 1, 0});
+  is(probe, {0, -1, 0}, {1, 0, 1});
+  is(probe, {0, 0, 1}, {0, 0, 1});
+  is(probe, {0, 0, -1}, {1, 1, 0});
+  const auto texel = [&](int x, int y) {
+    return Vec3f{probe.map().at(x, y, 0), probe.map().at(x, y, 1), probe.map().at(x, y, 2)};
+  };
+  EXPECT_EQ(texel(64, 32), (Vec3f{1, 0, 0}));  // centre = +x
+  EXPECT_EQ(texel(96, 32), (Vec3f{1, 0, 1}));  // three quarters = -y
+  EXPECT_EQ(texel(10, 0), (Vec3f{0, 0, 1}));   // first row = up
+  // A quarter turn takes the light of +x to +y.
+  is(probe.rotated(90), {0, 1, 0}, {1, 0, 0});
+  is(probe.rotated(-90), {0, -1, 0}, {1, 0, 0});
+}
+
+TEST(Environment, CoordinatesAndDirectionsAreInverse) {
+  Rng rng(1);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3f d = on_sphere(rng);
+    const Vec2f uv = lat_long_coordinates(d);
+    EXPECT_LT(length(lat_long_direction(uv.x, uv.y) - d), 1e-5);
+  }
+}
+
+TEST(Environment, AWholeTurnIsTheIdentity) {
+  const Environment a = lamp(), b = a.rotated(360), c = a.rotated(-720);
+  Rng rng(2);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f d = on_sphere(rng);
+    const Vec2f u{rng.uniform(), rng.uniform()};
+    EXPECT_EQ(a.radiance(d), b.radiance(d));
+    EXPECT_EQ(a.radiance(d), c.radiance(d));
+    EXPECT_EQ(a.sample(u).direction, b.sample(u).direction);
+  }
+}
+
+TEST(Environment, DensityIntegratesToOneAndSamplesFollowIt) {
+  const Environment e = lamp().rotated(30);
+  Rng rng(3);
+  double integral = 0;
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) integral += e.pdf(on_sphere(rng)) * 4 * kPi / n;
+  EXPECT_NEAR(integral, 1, 0.03);
+  // The mean of radiance / pdf is the integral of the radiance, whatever the light; mean() knows it exactly.
+  Vec3d sum{};
+  double squares = 0, even_squares = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Environment::Sample s = e.sample({rng.uniform(), rng.uniform()});
+    ASSERT_GT(s.pdf, 0);
+    EXPECT_NEAR(length(s.direction), 1, 1e-5);
+    EXPECT_NEAR(e.pdf(s.direction) / s.pdf, 1, 0.9) << "only at an edge of a texel may rounding choose its neighbour";
+    sum += cast<double>(s.radiance / s.pdf) / 20000.0;
+    squares += std::pow(s.radiance.y / s.pdf, 2) / 20000;
+    even_squares += std::pow(e.radiance(on_sphere(rng)).y * 4 * kPi, 2) / 20000;
+  }
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / (4 * kPi * e.mean()[c]), 1, 0.02);
+  // Far less spread than with directions drawn evenly.
+  const double mean2 = std::pow(4 * kPi * e.mean().y, 2);
+  EXPECT_LT(squares - mean2, 0.05 * (even_squares - mean2));
+}
+
+TEST(Environment, ConstantLightIsConstant) {
+  const Environment e(ImageF(8, 4, 3, 0.7f));
+  EXPECT_NEAR(e.mean().x, 0.7f, 1e-6);
+  EXPECT_NEAR(e.pdf({0, 0, 1}), 1 / (4 * kPi), 1e-6);
+  EXPECT_NEAR(e.sample({0.3f, 0.6f}).pdf, 1 / (4 * kPi), 1e-6);
+  EXPECT_TRUE(Environment().black());
+  EXPECT_TRUE(Environment(ImageF(8, 4, 3, 0.f)).black());
+  EXPECT_EQ(Environment(ImageF(8, 4, 3, 0.f)).sample({0.5f, 0.5f}).pdf, 0);
+}
+
+TEST(Environment, IsReadBackAsWritten) {
+  const TemporaryFolder folder;
+  write_environment(folder.path() / "a.exr", lamp());
+  EXPECT_EQ(read_environment(folder.path() / "a.exr").map(), lamp().map());
+}
+
+// --- Radiance HDR ------------------------------------------------------------------------------------------------------
+
+std::string header(int w, int h) { return fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", h, w); }
+
+TEST(RadianceHdr, FlatOldAndNewRunsGiveTheSamePicture) {
+  const int w = 8, h = 4;
+  std::string flat = header(w, h), old = header(w, h), coded = header(w, h);
+  for (int y = 0; y < h; ++y) {
+    const char e = char(129 + y);
+    for (int x = 0; x < w; ++x) flat += {char(128), char(64), char(y), e};
+    old += {char(128), char(64), char(y), e, 1, 1, 1, char(w - 1)};
+    coded += {2, 2, 0, char(w)};
+    coded += {char(128 + w), char(128)};
+    coded += {char(128 + w), char(64)};
+    coded += {3, char(y), char(y), char(y), char(128 + 5), char(y)};
+    coded += {char(128 + w), e};
+  }
+  const ImageF a = parse_radiance_hdr(flat, "a.hdr");
+  EXPECT_EQ(a.at(0, 0, 0), 1.f);  // 128 * 2^(129-136)
+  EXPECT_EQ(a.at(7, 3, 1), 4.f);
+  EXPECT_EQ(a.at(7, 3, 2), 3.f / 16);
+  EXPECT_EQ(parse_radiance_hdr(old, "b.hdr"), a);
+  EXPECT_EQ(parse_radiance_hdr(coded, "c.hdr"), a);
+  const TemporaryFolder folder;
+  write_file(folder.path() / "sky.pic", coded);
+  EXPECT_EQ(read_environment(folder.path() / "sky.pic").map(), a);
+  for (const std::string& whole : {flat, old, coded})  // cut anywhere: an error, never a crash
+    for (size_t n = 0; n < whole.size(); n += 3)
+      EXPECT_EQ(error_of([&] { parse_radiance_hdr(std::string_view(whole).substr(0, n), "cut.hdr"); }).detail().code, "BAD_HDR");
+}
+
+TEST(RadianceHdr, DamageIsNamed) {
+  const auto why = [](const std::string& text) { return error_of([&] { parse_radiance_hdr(text, "x.hdr"); }).detail().why; };
+  EXPECT_NE(why("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n").find("xyze"), std::string::npos);
+  EXPECT_NE(why("#?RADIANCE\n\n+Y 4 +X 8\n").find("size"), std::string::npos);
+  EXPECT_NE(why("#?RADIANCE\n\n-Y 99999 +X 99999\n").find("plausible"), std::string::npos);
+  EXPECT_NE(why(header(8, 1) + std::string({2, 2, 0, 8, char(255), 0})).find("leaves its scanline"), std::string::npos);
+  EXPECT_NE(why(header(8, 1) + std::string({1, 1, 1, 7, 1, 1, 1, 7})).find("leaves its scanline"), std::string::npos);
+}
+
+// --- bad maps ----------------------------------------------------------------------------------------------------------
+
+TEST(EnvironmentFile, WhatCannotLightASceneIsRefusedWithItsReason) {
+  const TemporaryFolder folder;
+  const auto code = [&](const char* file) {
+    const Error e = error_of([&] { read_environment(folder.path() / file); });
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_NE(std::string(e.what()).find(file), std::string::npos) << e.what();
+    EXPECT_FALSE(e.detail().hint.empty());
+    return e.detail().code;
+  };
+  write_ldr(folder.path() / "sky.png", Image8(8, 4, 3));
+  write_ldr(folder.path() / "sky.jpg", Image8(8, 4, 3));
+  fs::copy_file(folder.path() / "sky.png", folder.path() / "named.exr");
+  EXPECT_EQ(code("sky.png"), "ENV_LDR");
+  EXPECT_EQ(code("sky.jpg"), "ENV_LDR");
+  EXPECT_EQ(code("named.exr"), "ENV_LDR");
+  write_exr_rgb(folder.path() / "square.exr", ImageF(8, 8, 3));
+  EXPECT_EQ(code("square.exr"), "ENV_SHAPE");
+  EXPECT_EQ(code("none.exr"), "MISSING_INPUT");
+  write_file(folder.path() / "text.hdr", "hello");
+  EXPECT_EQ(code("text.hdr"), "ENV_FORMAT");
+  write_file(folder.path() / "empty.hdr", "");
+  EXPECT_EQ(code("empty.hdr"), "ENV_FORMAT");
+  write_file(folder.path() / "cut.exr", std::string("\x76\x2f\x31\x01 and no more"));
+  EXPECT_EQ(code("cut.exr"), "BAD_EXR");
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -0.5f}) {
+    ImageF map(8, 4, 3, 1.f);
+    map.at(5, 2, 1) = bad;
+    write_exr_rgb(folder.path() / "bad.exr", map, ExrPrecision::Float);
+    EXPECT_EQ(code("bad.exr"), "ENV_BAD_TEXELS");
+    const std::string text = error_of([&] { read_environment(folder.path() / "bad.exr"); }).what();
+    EXPECT_NE(text.find("column 5, row 2"), std::string::npos) << text;
+    EXPECT_NE(text.find(std::isnan(bad) ? "1 NaN" : bad < 0 ? "1 negative" : "1 infinite"), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
