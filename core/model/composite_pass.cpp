@@ -42,7 +42,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
   const size_t pixels = frame.pixel_count();
   if (options_.layer_images) start_layers(frame);
   if (s.groups() == 0) return;
-  const bool gated = options_.gate > 0 && !frame.reflection.rays.empty() && !frame.transmission.rays.empty();
+  const bool gated = options_.gate > 0 && !frame.reflection.radiance.empty() && !frame.transmission.radiance.empty();
   reflected_.resize(gated ? pixels : 0);
   parallel_chunks(reflected_.size(), kPixels,
                   [&](size_t, size_t begin, size_t end) { std::fill(reflected_.data() + begin, reflected_.data() + end, 0.f); });

@@ -32,9 +32,12 @@ void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
   parallel_chunks(grad_color.size(), kGrain, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) grad_color[i] += frame.grad_linear[i];
   });
-  // The renderer adds to what it finds, and what it finds is the last picture.
-  for (auto* values : {&frame.statistics.screen_gradient, &frame.statistics.weight, &frame.statistics.error})
-    values->assign(scene.diffuse.size(), 0.f);
+  // The renderer adds to what it finds: the last picture, or what was seen through glass in this one.
+  if (!frame.seen_through.weight.empty())
+    std::swap(frame.statistics, frame.seen_through);
+  else
+    for (auto* values : {&frame.statistics.screen_gradient, &frame.statistics.weight, &frame.statistics.error})
+      values->assign(scene.diffuse.size(), 0.f);
   renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad.diffuse, &frame.statistics);
 }
 

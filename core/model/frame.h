@@ -41,6 +41,7 @@ struct Frame {
   std::vector<float> grad_linear, grad_srgb;
   std::vector<float> error_image;  // [h,w] or empty: what the surfels are to be blamed for (densification)
   SurfelStatistics statistics;     // of the diffuse layer, filled by the reverse of its pass
+  SurfelStatistics seen_through;   // what its surfels show behind glass (ThinGlassPass); the statistics begin with it
 
   size_t pixel_count() const {
     return static_cast<size_t>(view->intrinsics.width) * static_cast<size_t>(view->intrinsics.height);

@@ -42,7 +42,14 @@ struct ReflectionOptions {
   float max_footprint = 0.2f;  // Lobe::Cone: scene units. Every surfel's box grows by it: dear. Wider lobes do not learn.
 };
 
+// How what is behind glass comes to the pixel.
+enum class Glass : unsigned char {
+  Traced,  // rays through the transmittance layer, from just behind the surface (TransmissionPass)
+  Thin,    // straight on: the opaque surfels of the diffuse layer and the transmittance layer, rasterised (ThinGlassPass)
+};
+
 struct TransmissionOptions {
+  Glass glass = Glass::Traced;
   TracerBackend backend = TracerBackend::Embree;
   int sh_degree = 1;
   float near = 0.01f;  // scene units behind the surface

@@ -20,6 +20,7 @@
 #include "core/model/image_model.h"
 #include "core/model/reflection_pass.h"
 #include "core/model/surface_pass.h"
+#include "core/model/thin_glass_pass.h"
 #include "core/model/transmission_pass.h"
 
 namespace vitrine {
@@ -33,6 +34,7 @@ class LayeredModel : public ImageModel {
   SurfacePass* surface;
   ReflectionPass* reflection;
   TransmissionPass* transmission;
+  ThinGlassPass* thin_glass;
   CompositePass* composite;
 };
 

@@ -20,7 +20,7 @@ void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
   SecondaryRays& r = frame.transmission;
   const ShadedPixels& s = frame.shaded;
   r.clear();
-  if (scene.transmittance.size() == 0 || s.groups() == 0) return;
+  if (options_.glass != Glass::Traced || scene.transmittance.size() == 0 || s.groups() == 0) return;
   tracer_->build(scene.transmittance);
   rays_.clear();
   for (size_t g = 0; g < s.groups(); ++g) {

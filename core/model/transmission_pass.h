@@ -1,6 +1,7 @@
 // Traces the transmittance layer straight on from just behind the chosen pixels' surfaces: radiance = color, and the layer's
 // residual transmittance. No gradient reaches the surface: a straight ray does not depend on its normal, and hits do not change
-// when its origin slides along it. Does nothing while the layer is empty.
+// when its origin slides along it. Does nothing while the layer is empty, or when the
+// glass is thin (TransmissionOptions::glass): then ThinGlassPass does this work.
 //   What lies behind the layer is the business of a pass after this one: it adds inner_transmittance * C_out to
 // frame.transmission.radiance, and in reverse to frame.transmission.gradients.transmittance.
 #pragma once

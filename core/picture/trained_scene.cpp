@@ -19,12 +19,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
 constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
+constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
 
 // Every word and number of the file, in its order: one table for both directions.
 template <class Options, class Word, class Number>
 void visit(Options& o, const Word& word, const Number& number) {
   word("blend", o.composite.blend, kBlends);
   word("lobe", o.reflection.lobe, kLobes);
+  word("glass", o.transmission.glass, kGlasses);
   number("min_alpha", o.surface.min_alpha);
   number("mirror_below", o.reflection.mirror_below);
   number("max_footprint", o.reflection.max_footprint);

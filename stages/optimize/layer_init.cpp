@@ -194,6 +194,23 @@ void make_glass(const TransmittancePhase& phase, SplatLayer& layer, size_t i) {
   set(layer, Attribute::Transmission, i, phase.transmission);
 }
 
+// The transmittance layer of thin glass: the surfels that are seen through the glass alone leave the diffuse layer as they are,
+// at most `cap` of them and at least one, so that there is a layer. The picture does not change.
+void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) {
+  SplatLayer& diffuse = scene.diffuse;
+  std::vector<uint32_t> by_share(diffuse.size());
+  std::iota(by_share.begin(), by_share.end(), 0u);
+  std::stable_sort(by_share.begin(), by_share.end(), [&](uint32_t a, uint32_t b) { return seen.share(a) > seen.share(b); });
+  size_t count = 0;
+  while (count < std::min(cap, by_share.size()) && (count == 0 || seen.share(by_share[count]) >= kBehindGlass)) ++count;
+  std::vector<uint32_t> moved(by_share.begin(), by_share.begin() + static_cast<ptrdiff_t>(count));
+  std::vector<uint32_t> stay(by_share.begin() + static_cast<ptrdiff_t>(count), by_share.end());
+  for (auto* indices : {&moved, &stay}) std::sort(indices->begin(), indices->end());
+  scene.transmittance.resize(count);
+  for (size_t k = 0; k < count; ++k) copy_between(diffuse, moved[k], scene.transmittance, k, 1);
+  keep_surfels(diffuse, stay);
+}
+
 }  // namespace
 
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
@@ -256,6 +273,19 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
 
   SplatLayer& diffuse = scene.diffuse;
+  HullCounts counts;
+  const auto place_glass = [&] {
+    const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
+    counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), kGlassColor, diffuse);
+    for (size_t i = first; i < diffuse.size(); ++i) make_glass(phase, diffuse, i);
+  };
+  if (desc.config.shading.glass == "thin") {
+    for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
+    move_behind_glass(seen.evidence, cap, scene);
+    counts.moved = scene.transmittance.size();
+    if (closed) place_glass();
+    return counts;
+  }
   // Everything: what no training photo shows through the glass may be what the next view shows.
   std::vector<uint32_t> through(diffuse.size()), stay;
   std::iota(through.begin(), through.end(), 0u);
@@ -268,13 +298,10 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   append_copies(desc.capture, diffuse, through, std::min(static_cast<size_t>(phase.initial_surfels), cap), seed,
                 scene.transmittance);
 
-  HullCounts counts;
   if (!closed) return counts;
   counts.moved = diffuse.size() - stay.size();
   keep_surfels(diffuse, stay);
-  const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), kGlassColor, diffuse);
-  for (size_t i = first; i < diffuse.size(); ++i) make_glass(phase, diffuse, i);
+  place_glass();
   return counts;
 }
 

@@ -49,6 +49,10 @@ void describe(Describer& d, ShadingConfig& c) {
        "Rays of rough surfaces, from phases.reflection.roughness_from on: mirror ignores roughness, cone traces one wide ray, "
        "sampled one drawn ray.")
       .choices({"mirror", "cone", "sampled"});
+  d.option("glass", c.glass,
+           "What is seen through glass: thin shows the scene behind it straight on, the transmittance layer among it; traced "
+           "sends rays through the transmittance layer alone.")
+      .choices({"thin", "traced"});
   d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a training step; 0 = all that reflect or transmit.")
       .range(0, 100000000);
   d.option("gate", c.gate, "Damps gradients of the transmitted layer where reflections vary strongly; 0 = off.").range(0, 1000);
@@ -118,6 +122,7 @@ ImageOptions PhaseClock::image_options(const ShadingConfig& shading, Backend bac
   o.reflection.backend = o.transmission.backend = tracer;
   o.reflection.sh_degree = reflection.sh_degree;
   o.reflection.lobe = lobe;
+  o.transmission.glass = shading.glass == "thin" ? Glass::Thin : Glass::Traced;
   o.transmission.sh_degree = config_.transmittance.sh_degree;
   o.composite.blend = shading.blend == "rtrgs" ? LayerBlend::RtrGs : LayerBlend::Layered;
   o.composite.gate = static_cast<float>(shading.gate);

@@ -49,7 +49,7 @@ struct DiffusePhase {
 };
 // How the layers become a picture (core/model).
 struct ShadingConfig {
-  std::string blend = "layered", lobe = "mirror";
+  std::string blend = "layered", lobe = "mirror", glass = "thin";
   int ray_budget = 0;
   double gate = 4, diffuse_in_transparent = 1;
 };

@@ -22,6 +22,7 @@ constexpr double kRecentLossDecay = 0.02;
 // a row, is a failing run.
 constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
+constexpr float kOpaque = 0.9f;  // 1 - tau of what is no glass
 
 LossRays loss_rays(const SecondaryRays& rays) {
   return {.first_hit = rays.values.first_hit,
@@ -169,6 +170,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
       const float opaque = 1 - sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
       damping_[i] = opaque + factor * (1 - opaque);
       frame_.statistics.error[i] *= opaque;  // nor is it to blame for it
+      // What began opaque stays so: masks reach over the rim of the glass, and what stands behind must not be taken for it.
+      if (opaque > kOpaque) *grad_.diffuse.at(Attribute::Transmission, i) = 0;
     }
   }
   DescentCounts worst;
@@ -263,7 +266,8 @@ void Trainer::set_up_passes() const {
   model_.diffuse->options() = options.diffuse;
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
-  model_.transmission->options() = options.transmission;
+  model_.transmission->options() = model_.thin_glass->options() = options.transmission;
+  model_.thin_glass->set_diffuse_sh_degree(options.diffuse.sh_degree);
   model_.composite->options() = options.composite;
 }
 

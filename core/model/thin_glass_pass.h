@@ -1,0 +1,45 @@
+// What thin glass shows of what stands behind it. A thin pane does not bend rays (algorithms 5.1), so the transmitted ray is the
+// rest of the pixel's own: C_t is a picture from the same camera of everything but the glass. The opaque surfels of the diffuse
+// layer and the transmittance layer are rasterised together, in exact depth order:
+//
+//   C_t = sum w c  over  { i in D : tau_i <= 1/2 }  and  T
+//
+// which is C_in + T_in C_out of the README with the diffuse layer as what lies outside. The rasteriser is the tracer's equal
+// there (a test of core/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
+// stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
+// through it only. Does nothing unless TransmissionOptions::glass is Glass::Thin and the layer is there.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/model/image_options.h"
+#include "core/model/pass.h"
+
+namespace vitrine {
+
+class ThinGlassPass final : public Pass {
+ public:
+  // `backend`: of the rasteriser.
+  ThinGlassPass(const TransmissionOptions& options, Backend backend) : options_(options), renderer_(make_renderer(backend)) {}
+  std::string_view name() const override { return "thin_glass"; }
+  TransmissionOptions& options() { return options_; }
+  void set_diffuse_sh_degree(int degree) { diffuse_sh_degree_ = degree; }
+
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
+
+ private:
+  void merge(const SplatScene& scene);
+
+  TransmissionOptions options_;
+  int diffuse_sh_degree_ = 3;
+  std::unique_ptr<Renderer> renderer_;
+  std::vector<uint32_t> opaque_;  // of the diffuse layer
+  SplatLayer behind_, grad_;      // those, then the transmittance layer
+  RasterImages picture_, gradients_;
+  std::vector<float> blame_;
+  SurfelStatistics statistics_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,133 @@
+// What stands behind thin glass: the picture of the scene without the glass, and its gradients.
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.h"
+#include "core/model/layered_model.h"
+#include "tests/model/tiny_rooms.h"
+#include "tests/support/gradcheck.h"
+
+namespace vitrine {
+namespace {
+
+constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
+                                        Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
+
+ImageOptions thin_glass() {
+  ImageOptions options;
+  options.diffuse.backend = Backend::Reference;
+  options.surface.normal_quantile = 1;
+  options.composite.gate = 0;
+  options.transmission.glass = Glass::Thin;
+  return options;
+}
+
+// A pane; behind it surfels of the diffuse layer and, among them, of the transmittance layer.
+TinyRoom shop_window(uint64_t seed) {
+  TinyRoom r = room({.transmission = 0.85}, seed, 13, 11);
+  const size_t glass = r.scene.diffuse.size();
+  const Rigid world_from_cam = inverse(r.view.cam_from_world);
+  const Vec3d axis = world_from_cam.rotation * Vec3d{0, 0, 1};
+  scatter(r.scene.diffuse, world_from_cam * Vec3d{0, 0, 4}, axis, 4, seed + 100);
+  scatter(r.scene.transmittance, world_from_cam * Vec3d{0, 0, 4.15}, axis, 4, seed + 200);
+  for (size_t i = glass; i < r.scene.diffuse.size(); ++i) *r.scene.diffuse.at(Attribute::Transmission, i) = logit(0.05f);
+  return r;
+}
+
+// The scene without its glass in one layer, as a photographer who opens the window would see it.
+SplatScene opened(const SplatScene& scene) {
+  SplatScene out{.diffuse = SplatLayer(LayerKind::Diffuse, 1, 0)};
+  const auto take = [&](const SplatLayer& from, size_t i) {
+    const size_t k = out.diffuse.size();
+    out.diffuse.resize(k + 1);
+    for (Attribute a : kShapeAndColor) std::copy_n(from.at(a, i), from.width(a), out.diffuse.at(a, k));
+  };
+  for (size_t i = 0; i < scene.diffuse.size(); ++i)
+    if (*scene.diffuse.at(Attribute::Transmission, i) < 0) take(scene.diffuse, i);
+  for (size_t i = 0; i < scene.transmittance.size(); ++i) take(scene.transmittance, i);
+  return out;
+}
+
+TEST(ThinGlass, ShowsTheSceneWithoutTheGlass) {
+  const TinyRoom r = shop_window(3);
+  ImageOptions options = thin_glass();
+  options.composite.layer_images = true;
+  LayeredModel model(options), plain(options);
+  Frame frame, without;
+  model.forward(r.scene, r.view, frame);
+  plain.forward(opened(r.scene), r.view, without);
+  ASSERT_EQ(frame.shaded.groups(), frame.pixel_count());
+  EXPECT_EQ(frame.layers.transmitted, without.linear);
+  // Blended as any transmitted light is.
+  const auto tau = frame.diffuse.plane(Aov::Transmission);
+  for (size_t i = 0; i < frame.pixel_count(); ++i) EXPECT_NEAR(frame.layers.transmission[i], tau[i] * without.linear[i], 1e-6);
+}
+
+TEST(ThinGlass, GradientsMatchFiniteDifferences) {
+  TinyRoom r = shop_window(5);
+  LayeredModel model(thin_glass());
+  Frame frame;
+  const auto loss = [&] {
+    model.forward(r.scene, r.view, frame);
+    double sum = 0;
+    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
+    return sum;
+  };
+  loss();
+  frame.grad_srgb.resize(frame.srgb.size());
+  for (size_t i = 0; i < frame.srgb.size(); ++i) frame.grad_srgb[i] = frame.srgb[i] - 0.3f;
+  frame.error_image.assign(frame.pixel_count(), 1.f);
+  SplatScene grad = r.scene.zeros_like();
+  model.backward(r.scene, frame, grad);
+  // Whoever is seen through the glass is to blame for what is wrong there, in both layers.
+  ASSERT_EQ(frame.statistics.error.size(), r.scene.diffuse.size());
+  ASSERT_EQ(frame.transmission.statistics.error.size(), r.scene.transmittance.size());
+  for (size_t i = 4; i < r.scene.diffuse.size(); ++i) EXPECT_GT(frame.statistics.error[i], 0.5f);
+  for (float error : frame.transmission.statistics.error) EXPECT_GT(error, 0.5f);
+  for (LayerKind kind : {LayerKind::Diffuse, LayerKind::Transmittance}) {
+    for (Attribute a : kShapeAndColor) {
+      auto values = r.scene.layer(kind).values(a);
+      std::vector<double> differences;
+      for (float& value : values) {
+        const float kept = value, h = 2e-3f;
+        const auto slope = [&](float step) {
+          value = kept + step;
+          const double up = loss();
+          value = kept - step;
+          const double down = loss();
+          value = kept;
+          return (up - down) / (2 * double(step));
+        };
+        differences.push_back((4 * slope(h) - slope(2 * h)) / 3);
+      }
+      const auto actual = grad.layer(kind).values(a);
+      expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
+                        {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05},
+                        std::string(name(kind)) + " " + std::string(row(a).name));
+    }
+  }
+}
+
+TEST(ThinGlass, BytesDoNotDependOnThreads) {
+  const TinyRoom r = shop_window(7);
+  std::vector<std::vector<float>> pictures, gradients;
+  for (int threads : {1, 3}) {
+    set_thread_limit(threads);
+    ImageOptions options = thin_glass();
+    options.diffuse.backend = Backend::Cpu;
+    LayeredModel model(options);
+    Frame frame;
+    model.forward(r.scene, r.view, frame);
+    frame.grad_srgb.assign(frame.srgb.size(), 1.f);
+    SplatScene grad = r.scene.zeros_like();
+    model.backward(r.scene, frame, grad);
+    pictures.push_back(frame.srgb);
+    const auto means = grad.diffuse.values(Attribute::Mean);
+    gradients.emplace_back(means.begin(), means.end());
+  }
+  set_thread_limit(0);
+  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_EQ(gradients[0], gradients[1]);
+}
+
+}  // namespace
+}  // namespace vitrine
