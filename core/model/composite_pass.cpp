@@ -18,10 +18,19 @@ float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3.f; }
 // What a pixel of the group can show: what it asked for, as far as the group's rays brought it.
 LayersPresent present(const Frame& frame, size_t group, uint32_t entry) {
   const LayersPresent asks = frame.shaded.asks[entry], sent = frame.shaded.asked(group);
-  return {.reflection = asks.reflection && sent.reflection, .transmission = asks.transmission && sent.transmission};
+  return {.reflection = asks.reflection && sent.reflection,
+          .transmission = asks.transmission && (sent.transmission || !frame.behind.radiance.empty())};
 }
 
 Vec3f radiance(const SecondaryRays& rays, size_t group) { return rays.radiance.empty() ? Vec3f{} : rays.radiance[group]; }
+
+// What is seen through the glass: behind thin glass every pixel has its own.
+Vec3f transmitted(const Frame& frame, size_t group, uint32_t pixel) {
+  const std::vector<float>& own = frame.behind.radiance;
+  if (own.empty()) return radiance(frame.transmission, group);
+  const size_t pixels = frame.pixel_count();
+  return {own[pixel], own[pixels + pixel], own[2 * pixels + pixel]};
+}
 
 void write(std::vector<float>& plane, size_t pixels, uint32_t pixel, const Vec3f& v) {
   for (size_t c = 0; c < 3; ++c) plane[c * pixels + pixel] = v[c];
@@ -42,16 +51,18 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
   const size_t pixels = frame.pixel_count();
   if (options_.layer_images) start_layers(frame);
   if (s.groups() == 0) return;
-  const bool gated = options_.gate > 0 && !frame.reflection.radiance.empty() && !frame.transmission.radiance.empty();
+  const bool gated = options_.gate > 0 && !frame.reflection.radiance.empty() &&
+                     (!frame.transmission.radiance.empty() || !frame.behind.radiance.empty());
   reflected_.resize(gated ? pixels : 0);
   parallel_chunks(reflected_.size(), kPixels,
                   [&](size_t, size_t begin, size_t end) { std::fill(reflected_.data() + begin, reflected_.data() + end, 0.f); });
   const GBuffer buffer(frame);
   parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g) {
-      const Vec3f c_r = radiance(frame.reflection, g), c_t = radiance(frame.transmission, g);
+      const Vec3f c_r = radiance(frame.reflection, g);
       for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) {
         const uint32_t pixel = s.pixels[i];
+        const Vec3f c_t = transmitted(frame, g, pixel);
         const BlendMaterial<float> material = buffer.material(pixel);
         const LayersPresent shown = present(frame, g, i);
         const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
@@ -63,6 +74,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
           if (!frame.reflection.picture_weight.empty()) frame.reflection.picture_weight[g] = mean(w.reflection);
           if (!frame.transmission.picture_weight.empty()) frame.transmission.picture_weight[g] = mean(w.transmission);
         }
+        if (!frame.behind.picture_weight.empty()) frame.behind.picture_weight[pixel] = mean(w.transmission);
         if (!options_.layer_images) continue;
         LayerImages& l = frame.layers;
         write(l.diffuse, pixels, pixel, diffuse);
@@ -74,7 +86,8 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
         }
         if (shown.transmission) {
           write(l.transmitted, pixels, pixel, c_t);
-          l.inner_transmittance[pixel] = frame.transmission.inner_transmittance[g];
+          l.inner_transmittance[pixel] =
+              frame.behind.radiance.empty() ? frame.transmission.inner_transmittance[g] : frame.behind.inner_transmittance[pixel];
         }
       }
     }
@@ -97,6 +110,19 @@ float CompositePass::gate(const Frame& frame, uint32_t pixel) const {
   return std::exp(-options_.gate * std::max(0.f, squares / count - average * average));
 }
 
+// Every pixel of the group to what it shows of its own.
+void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const {
+  const ShadedPixels& s = frame.shaded;
+  for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
+    const uint32_t pixel = s.pixels[i];
+    const LayersPresent shown = present(frame, group, i);
+    if (!shown.transmission) continue;
+    const LayerWeights<float> w = layer_weights(options_.blend, buffer.material(pixel), shown);
+    write(frame.behind.grad_radiance, frame.pixel_count(), pixel,
+          gate(frame, pixel) * hadamard(buffer.rgb(frame.grad_linear, pixel), w.transmission));
+  }
+}
+
 void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   ShadedPixels& s = frame.shaded;
   if (s.groups() == 0) return;
@@ -106,6 +132,7 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
     for (size_t g = first; g < last; ++g) {
       const uint32_t pixel = s.chosen_pixel(g);
       const Vec3f grad = s.weight(g) * buffer.rgb(frame.grad_linear, pixel);
+      if (!frame.behind.radiance.empty()) behind_backward(frame, buffer, g);
       for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) write(frame.grad_linear, pixels, s.pixels[i], {});
 
       const BlendMaterial<float> material = buffer.material(pixel);
@@ -115,14 +142,15 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
           layer_weights_vjp(options_.blend, material, shown,
                             {.diffuse = hadamard(grad, buffer.rgb(buffer.color, pixel)),
                              .reflection = hadamard(grad, radiance(frame.reflection, g)),
-                             .transmission = hadamard(grad, radiance(frame.transmission, g))});
+                             .transmission = hadamard(grad, transmitted(frame, g, pixel))});
       SurfacePoint<float>& point = s.grad_points[g];
       point.f0 += grad_material.f0;
       point.cosine += grad_material.cosine;
       frame.grad_diffuse.plane(Aov::SpecularWeight)[pixel] += grad_material.specular;
       frame.grad_diffuse.plane(Aov::Transmission)[pixel] += grad_material.transmission;
       if (shown.reflection) frame.reflection.grad_radiance[g] = hadamard(grad, w.reflection);
-      if (shown.transmission) frame.transmission.grad_radiance[g] = gate(frame, pixel) * hadamard(grad, w.transmission);
+      if (shown.transmission && frame.behind.radiance.empty())
+        frame.transmission.grad_radiance[g] = gate(frame, pixel) * hadamard(grad, w.transmission);
       const bool glass = !frame.transparent_mask.empty() && frame.transparent_mask[pixel] > 0.5f;
       write(frame.grad_linear, pixels, pixel, (glass ? options_.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
     }

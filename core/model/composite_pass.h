@@ -8,6 +8,8 @@
 
 namespace vitrine {
 
+class GBuffer;
+
 class CompositePass final : public Pass {
  public:
   explicit CompositePass(const CompositeOptions& options) : options_(options) {}
@@ -19,6 +21,7 @@ class CompositePass final : public Pass {
 
  private:
   float gate(const Frame& frame, uint32_t pixel) const;
+  void behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
 
   CompositeOptions options_;
   std::vector<float> reflected_;  // [h,w] sqrt of the mean of w_r C_r, for the gate

@@ -33,8 +33,8 @@ void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
     for (size_t i = begin; i < end; ++i) grad_color[i] += frame.grad_linear[i];
   });
   // The renderer adds to what it finds: the last picture, or what was seen through glass in this one.
-  if (!frame.seen_through.weight.empty())
-    std::swap(frame.statistics, frame.seen_through);
+  if (!frame.behind.statistics.weight.empty())
+    std::swap(frame.statistics, frame.behind.statistics);
   else
     for (auto* values : {&frame.statistics.screen_gradient, &frame.statistics.weight, &frame.statistics.error})
       values->assign(scene.diffuse.size(), 0.f);

@@ -22,6 +22,15 @@ struct LayerImages {
   std::vector<float> inner_transmittance;                // [h,w] what the transmittance layer lets through to whatever is behind
 };
 
+// What thin glass shows of what stands behind it (ThinGlassPass): of every pixel, whichever of them send rays. Empty without.
+struct BehindGlass {
+  std::vector<float> radiance, grad_radiance;  // [3,h,w]
+  std::vector<float> inner_transmittance;      // [h,w] past the last surfel
+  std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (composite)
+  SurfelStatistics statistics;        // of the diffuse surfels that are seen so; Frame::statistics begins with them
+  void clear();
+};
+
 struct Frame {
   const View* view = nullptr;  // pose, gains, and intrinsics at the size of the picture
 
@@ -33,15 +42,15 @@ struct Frame {
   RasterImages diffuse;                    // channels of the diffuse pass
   ShadedPixels shaded;                     // pixels that send rays
   SecondaryRays reflection, transmission;  // their rays through the two other layers
-  std::vector<float> linear;               // [3,h,w] radiance towards the camera, before the view's gain
-  std::vector<float> srgb;                 // [3,h,w] what the photo should show
+  BehindGlass behind;
+  std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain
+  std::vector<float> srgb;    // [3,h,w] what the photo should show
   LayerImages layers;
 
   RasterImages grad_diffuse;
   std::vector<float> grad_linear, grad_srgb;
   std::vector<float> error_image;  // [h,w] or empty: what the surfels are to be blamed for (densification)
   SurfelStatistics statistics;     // of the diffuse layer, filled by the reverse of its pass
-  SurfelStatistics seen_through;   // what its surfels show behind glass (ThinGlassPass); the statistics begin with it
 
   size_t pixel_count() const {
     return static_cast<size_t>(view->intrinsics.width) * static_cast<size_t>(view->intrinsics.height);

@@ -21,6 +21,11 @@ size_t used_width(const SplatLayer& layer, Attribute a, int degree) {
 
 }  // namespace
 
+void BehindGlass::clear() {
+  for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &picture_weight}) plane->clear();
+  for (auto* sums : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) sums->clear();
+}
+
 void ThinGlassPass::merge(const SplatScene& scene) {
   const SplatLayer& diffuse = scene.diffuse;
   opaque_.clear();
@@ -29,9 +34,9 @@ void ThinGlassPass::merge(const SplatScene& scene) {
   const int of_diffuse = std::min(diffuse_sh_degree_, diffuse.sh_degree());
   const int of_layer = std::min(options_.sh_degree, scene.transmittance.sh_degree()), degree = std::max(of_diffuse, of_layer);
   const size_t count = opaque_.size() + scene.transmittance.size();
-  if (behind_.kind() != LayerKind::Transmittance || behind_.sh_degree() != degree)
-    behind_ = SplatLayer(LayerKind::Transmittance, degree, count);
-  behind_.resize(count);
+  if (merged_.kind() != LayerKind::Transmittance || merged_.sh_degree() != degree)
+    merged_ = SplatLayer(LayerKind::Transmittance, degree, count);
+  merged_.resize(count);
   parallel_chunks(count, kGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const bool own = k >= opaque_.size();
@@ -39,17 +44,16 @@ void ThinGlassPass::merge(const SplatScene& scene) {
       const size_t i = own ? k - opaque_.size() : opaque_[k];
       for (Attribute a : kShapeAndColor) {
         const size_t used = used_width(from, a, own ? of_layer : of_diffuse);
-        std::fill(std::copy_n(from.at(a, i), used, behind_.at(a, k)), behind_.at(a, k) + behind_.width(a), 0.f);
+        std::fill(std::copy_n(from.at(a, i), used, merged_.at(a, k)), merged_.at(a, k) + merged_.width(a), 0.f);
       }
     }
   });
 }
 
 void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
-  SecondaryRays& r = frame.transmission;
   const ShadedPixels& s = frame.shaded;
-  for (auto* values : {&frame.seen_through.screen_gradient, &frame.seen_through.weight, &frame.seen_through.error})
-    values->clear();
+  BehindGlass& behind = frame.behind;
+  behind.clear();
   if (options_.glass != Glass::Thin || scene.transmittance.size() == 0) return;
   if (std::none_of(s.asks.begin(), s.asks.end(), [](const LayersPresent& asks) { return asks.transmission; })) return;
   merge(scene);
@@ -57,60 +61,44 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;
   desc.features = FeatureSet::Surface;
-  desc.sh_degree = behind_.sh_degree();
-  renderer_->forward(behind_, desc, picture_);
-
-  const size_t groups = s.groups(), pixels = frame.pixel_count();
+  desc.sh_degree = merged_.sh_degree();
+  renderer_->forward(merged_, desc, picture_);
   const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
-  r.begin.assign(groups + 1, 0);
-  for (size_t g = 0; g < groups; ++g) r.begin[g + 1] = r.begin[g] + (s.asked(g).transmission ? 1 : 0);
-  r.radiance.assign(groups, Vec3f{});
-  r.grad_radiance.assign(groups, Vec3f{});
-  r.inner_transmittance.assign(groups, 1.f);
-  r.picture_weight.assign(groups, 0.f);
-  for (size_t g = 0; g < groups; ++g) {
-    if (!s.asked(g).transmission) continue;
-    const uint32_t p = s.chosen_pixel(g);
-    r.radiance[g] = {color[p], color[pixels + p], color[2 * pixels + p]};
-    r.inner_transmittance[g] = 1.f - alpha[p];
-  }
+  behind.radiance.assign(color.begin(), color.end());
+  behind.grad_radiance.assign(color.size(), 0.f);
+  behind.inner_transmittance.resize(alpha.size());
+  std::transform(alpha.begin(), alpha.end(), behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
+  behind.picture_weight.assign(alpha.size(), 0.f);
 }
 
 void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
-  SecondaryRays& r = frame.transmission;
-  const ShadedPixels& s = frame.shaded;
-  if (options_.glass != Glass::Thin || r.radiance.empty()) return;
-  const size_t pixels = frame.pixel_count();
+  BehindGlass& behind = frame.behind;
+  if (behind.radiance.empty()) return;
   gradients_.width = picture_.width;
   gradients_.height = picture_.height;
-  std::vector<float>& color = gradients_.planes[static_cast<size_t>(Aov::Color)];
-  color.assign(3 * pixels, 0.f);
-  blame_.assign(frame.error_image.empty() ? 0 : pixels, 0.f);
-  for (size_t g = 0; g < s.groups(); ++g) {
-    if (!s.asked(g).transmission) continue;
-    const uint32_t p = s.chosen_pixel(g);
-    for (size_t c = 0; c < 3; ++c) color[c * pixels + p] = r.grad_radiance[g][c];
-    if (!blame_.empty()) blame_[p] = s.weight(g) * r.picture_weight[g] * frame.error_image[p];
-  }
-  if (grad_.size() != behind_.size() || grad_.sh_degree() != behind_.sh_degree())
-    grad_ = behind_.zeros_like();
+  std::swap(gradients_.planes[static_cast<size_t>(Aov::Color)], behind.grad_radiance);
+  blame_.resize(frame.error_image.size());
+  for (size_t i = 0; i < blame_.size(); ++i) blame_[i] = behind.picture_weight[i] * frame.error_image[i];
+  if (grad_.size() != merged_.size() || grad_.sh_degree() != merged_.sh_degree())
+    grad_ = merged_.zeros_like();
   else
     grad_.fill(0.f);
   const auto reset = [](SurfelStatistics& statistics, size_t size) {
     for (auto* values : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) values->assign(size, 0.f);
   };
-  reset(statistics_, behind_.size());
+  reset(statistics_, merged_.size());
   renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_, &statistics_);
 
-  reset(frame.seen_through, scene.diffuse.size());
-  reset(r.statistics, scene.transmittance.size());
-  parallel_chunks(behind_.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  SurfelStatistics& of_layer = frame.transmission.statistics;
+  reset(behind.statistics, scene.diffuse.size());
+  reset(of_layer, scene.transmittance.size());
+  parallel_chunks(merged_.size(), kGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const bool own = k >= opaque_.size();
       SplatLayer& to = own ? grad.transmittance : grad.diffuse;
-      SurfelStatistics& statistics = own ? r.statistics : frame.seen_through;
+      SurfelStatistics& statistics = own ? of_layer : behind.statistics;
       const size_t i = own ? k - opaque_.size() : opaque_[k];
-      const int degree = own ? std::min(options_.sh_degree, to.sh_degree()) : std::min(diffuse_sh_degree_, to.sh_degree());
+      const int degree = std::min(own ? options_.sh_degree : diffuse_sh_degree_, to.sh_degree());
       for (Attribute a : kShapeAndColor)
         for (size_t c = 0, used = used_width(to, a, degree); c < used; ++c) to.at(a, i)[c] += grad_.at(a, k)[c];
       statistics.screen_gradient[i] = statistics_.screen_gradient[k];

@@ -7,7 +7,8 @@
 // which is C_in + T_in C_out of the README with the diffuse layer as what lies outside. The rasteriser is the tracer's equal
 // there (a test of core/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
 // stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
-// through it only. Does nothing unless TransmissionOptions::glass is Glass::Thin and the layer is there.
+// through it only. Every pixel has its own C_t, whichever pixels of a group send rays. Does nothing unless
+// TransmissionOptions::glass is Glass::Thin and the layer is there.
 #pragma once
 
 #include <memory>
@@ -36,7 +37,7 @@ class ThinGlassPass final : public Pass {
   int diffuse_sh_degree_ = 3;
   std::unique_ptr<Renderer> renderer_;
   std::vector<uint32_t> opaque_;  // of the diffuse layer
-  SplatLayer behind_, grad_;      // those, then the transmittance layer
+  SplatLayer merged_, grad_;      // those, then the transmittance layer
   RasterImages picture_, gradients_;
   std::vector<float> blame_;
   SurfelStatistics statistics_;

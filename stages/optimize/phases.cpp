@@ -87,7 +87,7 @@ PhasesConfig::PhasesConfig() {
   reflection.share = 0.1;
   reflection.hull_points = 1000;
   transmittance.from = 0.4;
-  transmittance.share = 0.45;
+  transmittance.share = 0.15;
   transmittance.initial_surfels = 100000;
 }
 

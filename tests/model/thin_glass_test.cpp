@@ -62,6 +62,19 @@ TEST(ThinGlass, ShowsTheSceneWithoutTheGlass) {
   for (size_t i = 0; i < frame.pixel_count(); ++i) EXPECT_NEAR(frame.layers.transmission[i], tau[i] * without.linear[i], 1e-6);
 }
 
+TEST(ThinGlass, EveryPixelHasItsOwnViewWhateverTheRayBudget) {
+  const TinyRoom r = shop_window(3);
+  ImageOptions options = thin_glass();
+  LayeredModel all(options);
+  options.surface.ray_budget = 9;
+  LayeredModel few(options);
+  Frame of_all, of_few;
+  all.forward(r.scene, r.view, of_all);
+  few.forward(r.scene, r.view, of_few);
+  ASSERT_EQ(of_few.shaded.groups(), 9u);
+  EXPECT_EQ(of_few.linear, of_all.linear);
+}
+
 TEST(ThinGlass, GradientsMatchFiniteDifferences) {
   TinyRoom r = shop_window(5);
   LayeredModel model(thin_glass());
