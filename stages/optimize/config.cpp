@@ -25,8 +25,10 @@ void describe(Describer& d, InitialConfig& c) {
 void describe(Describer& d, OptimizeConfig& c) {
   d.option("iterations", c.iterations, "Training steps; each looks at one photo.").range(1, 10000000);
   d.option("max_gaussians", c.max_gaussians, "Most surfels that all layers together may grow to.").range(1, 100000000);
-  d.option("layers", c.layers,
-           "diffuse: opaque scenes; reflection: mirrors and gloss too; full: glass too; auto: what the masks ask for.")
+  d.option(
+       "layers", c.layers,
+       "diffuse: opaque scenes; reflection: mirrors and gloss too; full: glass too; auto: what masks ask for that are not mere "
+       "proposals.")
       .choices({"auto", "diffuse", "reflection", "full"});
   d.option("sh_degree", c.sh_degree, "View dependence of the colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("sh_from", c.sh_from, "Part of the run after which the colour may depend on the view.").range(0, 1);
@@ -64,7 +66,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 2,
+                 .version = 3,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},

@@ -105,7 +105,10 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   const Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
-  const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));
+  const LayerChoice layers =
+      chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
+  if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
+    log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
   const size_t max_surfels = affordable_surfels(config, capture, targets, context);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");

@@ -30,7 +30,7 @@ struct InitialConfig {
 struct OptimizeConfig {
   int iterations = 6000;
   int max_gaussians = 100000;
-  std::string layers = "diffuse";
+  std::string layers = "auto";
   int sh_degree = 1;
   double sh_from = 0.15;
   std::string backend = "cpu";

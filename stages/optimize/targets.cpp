@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/image/exr.h"
@@ -81,6 +84,19 @@ std::vector<double> load_class(const Capture& capture, const fs::path& folder, s
   return coverage;
 }
 
+// Where the masks stage has them from (its report.json). Masks without a report are the user's own.
+bool is_guessed(const fs::path& artifact, const std::string& mask) {
+  const fs::path path = artifact / "masks/report.json";
+  if (!fs::exists(path)) return false;
+  try {
+    const auto report = nlohmann::json::parse(read_file(path));
+    return report.at("classes").at(mask).at("source").get<std::string>() == "proposed";
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorKind::Input, "the report of the masks is unusable",
+                {.where = path.string(), .why = e.what(), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});
+  }
+}
+
 void load_masks(const Capture& capture, const fs::path& artifact, Targets& targets) {
   for (size_t mask = 0; mask < kMaskClassCount; ++mask) {
     const std::string name(vitrine::name(static_cast<MaskClass>(mask)));
@@ -105,6 +121,7 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
       targets.warnings.push_back(
           {"MASKS_INCOMPLETE", fmt::format("{} of {} photos have no {} mask", coverage.size() - found, coverage.size(), name)});
     targets.has[mask] = marked > 0;
+    targets.guessed[mask] = is_guessed(artifact, name);
     if (marked == 0) {
       targets.warnings.push_back({"MASK_EMPTY", fmt::format("the {} masks are black in every photo: not used", name)});
       for (auto& photo : targets.photos)

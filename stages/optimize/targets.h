@@ -30,11 +30,13 @@ struct TargetProblem {
 struct Targets {
   std::vector<std::array<TargetLevel, kLevels>> photos;  // in the order of Capture::photos
   std::array<bool, kMaskClassCount> has{};               // some photo has some of the class
+  std::array<bool, kMaskClassCount> guessed{};           // proposed by the masks stage itself, by nobody's word
   bool has_normals = false;
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;
 
   bool any(MaskClass mask) const { return has[static_cast<size_t>(mask)]; }
+  bool vouched(MaskClass mask) const { return any(mask) && !guessed[static_cast<size_t>(mask)]; }
 };
 
 // Throws Error{Input} when masks match no photo or have another size than theirs, or normals are no normals.

@@ -71,6 +71,26 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
   EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
 }
 
+TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
+  const fs::path masks = folder_->path() / "proposed";
+  fs::create_directories(masks / "masks");
+  fs::copy(folder_->path() / "sfm/masks/specular", masks / "masks/specular");
+  const auto has_reflection = [&](const char* name, const std::string& report, const std::string& layers) {
+    if (!report.empty()) write_file(masks / "masks/report.json", report);
+    OptimizeConfig config = short_config(8);
+    config.layers = layers;
+    TestContext c = context(name);
+    c.masks = masks;
+    run_optimize(config, c);
+    return fs::exists(c.output() / "gaussians/reflection.ply");
+  };
+  EXPECT_TRUE(has_reflection("own", "", "auto"));
+  EXPECT_TRUE(has_reflection("files", R"({"classes": {"specular": {"source": "files"}}})", "auto"));
+  EXPECT_FALSE(has_reflection("guess", R"({"classes": {"specular": {"source": "proposed"}}})", "auto"));
+  EXPECT_TRUE(has_reflection("forced", R"({"classes": {"specular": {"source": "proposed"}}})", "full"));
+  EXPECT_THROW(has_reflection("broken", "{", "auto"), Error);
+}
+
 TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
   OptimizeConfig config = short_config(3);
   const auto code_of = [&](const fs::path& masks) {
