@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/png.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -93,16 +94,16 @@ Image8 read_grey8(const fs::path& path) {
 
 namespace {
 
-void encode(const fs::path& path, const cv::Mat& mat, const std::vector<int>& parameters) {
+std::string encoded(const std::string& extension, const cv::Mat& mat, const std::vector<int>& parameters) {
   std::vector<uchar> bytes;
   bool ok = false;
   try {
-    ok = cv::imencode(path.extension().string(), mat, bytes, parameters);
+    ok = cv::imencode(extension, mat, bytes, parameters);
   } catch (const cv::Exception& e) {
-    throw Error(ErrorKind::Internal, "cannot encode an image", {.where = path.string(), .why = e.what()});
+    throw Error(ErrorKind::Internal, "cannot encode an image", {.where = extension, .why = e.what()});
   }
-  VITRINE_CHECK(ok, "no encoder for {}", path.string());
-  write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  VITRINE_CHECK(ok, "no encoder for {}", extension);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 template <class T> cv::Mat bgr(const Image<T>& image, int type) {
@@ -117,11 +118,17 @@ template <class T> cv::Mat bgr(const Image<T>& image, int type) {
 }  // namespace
 
 void write_ldr(const fs::path& path, const Image8& image, int jpeg_quality) {
-  encode(path, bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3),
-         {cv::IMWRITE_JPEG_QUALITY, jpeg_quality, cv::IMWRITE_PNG_COMPRESSION, 3});
+  write_file(path, encoded(path.extension().string(), bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3),
+                           {cv::IMWRITE_JPEG_QUALITY, jpeg_quality, cv::IMWRITE_PNG_COMPRESSION, 3}));
 }
 
-void write_png16(const fs::path& path, const Image16& image) { encode(path, bgr(image, image.channels() == 1 ? CV_16UC1 : CV_16UC3), {}); }
+std::string png_bytes(const Image8& image) {
+  return encoded(".png", bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3), {cv::IMWRITE_PNG_COMPRESSION, 6});
+}
+
+void write_png16(const fs::path& path, const Image16& image) {
+  write_file(path, encoded(path.extension().string(), bgr(image, image.channels() == 1 ? CV_16UC1 : CV_16UC3), {}));
+}
 
 namespace {
 

@@ -14,6 +14,15 @@ void describe(Describer& d, ExportConfig& c) {
   std::vector<std::string> names;
   for (const ExportFormat& f : export_formats()) names.emplace_back(f.name);
   d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.").choices(names);
+  d.option("axes", c.axes,
+           "Handedness and up axis of the files: right or left, z or y. GLB is always rhyu; the COLMAP copy stays as it is.")
+      .choices({"rhzu", "rhyu", "lhzu", "lhyu"});
+  d.option("scale", c.scale,
+           "File units per scene unit (the radius of the camera ring); 0 = metres where the scene knows them, else 1.")
+      .range(0, 1e6);
+  d.option("texture_size", c.texture_size,
+           "Side of the baked textures in texels; 0 = four texels per edge of the mesh, a power of two.")
+      .range(0, 8192);
 }
 
 std::string problem(const ExportConfig& config) {
@@ -24,7 +33,11 @@ std::string problem(const ExportConfig& config) {
 }
 
 void run_export(const ExportConfig& config, StageContext& context) {
-  ExportSource source(context.input("sfm"), context.input("optimize"), context.input("mesh"));
+  ExportSource source({.sfm = context.input("sfm"),
+                       .optimize = context.input("optimize"),
+                       .mesh = context.input("mesh"),
+                       .relight = context.optional_input("relight")},
+                      {.axes = config.axes, .scale = config.scale, .texture_size = config.texture_size});
   const fs::path folder = context.output() / "export";
   make_folders(folder);
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
@@ -51,11 +64,12 @@ void run_export(const ExportConfig& config, StageContext& context) {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 1;
+  info.version = 2;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},
-                 {.name = "mesh", .doc = "the mesh"}};
+                 {.name = "mesh", .doc = "the mesh"},
+                 {.name = "relight", .optional = true, .doc = "materials freed of the light of the photos"}};
   return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);
 }
 

@@ -1,7 +1,8 @@
 // export: the scene in other programs' formats (formats/registry.cpp). README.md in this folder lists them.
-//   reads   sfm/{images,sparse/0,scene.json}, gaussians/diffuse.ply, mesh/mesh.ply
+//   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, relight/materials.ply (optional)
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
-// version 1: first.
+//
+// Version history: 1 = first; 2 = textured GLB, materials, axes and scale.
 #pragma once
 
 #include "stages/stage.h"
@@ -9,7 +10,10 @@
 namespace vitrine {
 
 struct ExportConfig {
-  std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap", "mesh-ply", "mesh-obj"};
+  std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap", "mesh-ply", "mesh-obj", "mesh-glb"};
+  std::string axes = "rhzu";
+  double scale = 0;
+  int texture_size = 0;
 };
 void describe(Describer& d, ExportConfig& c);
 std::string problem(const ExportConfig& config);  // empty, or which format is listed twice

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/scene/layers.h"
+#include "stages/export/formats/frame.h"
 
 namespace vitrine {
 
@@ -23,6 +24,9 @@ struct GaussianPlyDesc {
 };
 
 constexpr float kFlatScale = 1e-6f;  // scene units: flat for every viewer, and its square is still a float
+
+// The header comment that nerfstudio's readers look for.
+inline std::string vertical_axis(const ExportFrame& frame) { return frame.y_up() ? "Vertical Axis: y" : "Vertical Axis: z"; }
 
 void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& layer, const GaussianPlyDesc& desc);
 

@@ -7,10 +7,11 @@ namespace vitrine {
 namespace {
 
 std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+  const ExportFrame frame = source.frame();
   const std::string file = "gaussians_2dgs.ply";
-  write_gaussian_ply(
-      folder / file, source.diffuse(),
-      {.comments = {"vitrine_format 1", "SplatRenderMode: 2dgs", "Vertical Axis: z", "color lin_rec709"}, .disk_normals = true});
+  write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
+                     {.comments = {"vitrine_format 1", "SplatRenderMode: 2dgs", vertical_axis(frame), "color lin_rec709"},
+                      .disk_normals = true});
   return {file};
 }
 

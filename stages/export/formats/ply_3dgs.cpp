@@ -8,9 +8,10 @@ namespace vitrine {
 namespace {
 
 std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+  const ExportFrame frame = source.frame();
   const std::string file = "gaussians_3dgs.ply";
-  write_gaussian_ply(folder / file, source.diffuse(),
-                     {.comments = {"vitrine_format 1", "Vertical Axis: z", "color srgb_rec709"},
+  write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
+                     {.comments = {"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"},
                       .third_scale = true,
                       .convert_color = encode_sh_for_display});
   return {file};

@@ -1,7 +1,5 @@
 #include <algorithm>
 
-#include "core/mesh/mesh_io.h"
-#include "core/scene/scene_io.h"
 #include "stages/export/formats/format.h"
 
 // The export formats: one line per format; ply_2dgs lives in ply_2dgs.cpp, and so on.
@@ -10,7 +8,8 @@
   FORMAT(ply_3dgs)                     \
   FORMAT(colmap)                       \
   FORMAT(mesh_ply)                     \
-  FORMAT(mesh_obj)
+  FORMAT(mesh_obj)                     \
+  FORMAT(mesh_glb)
 
 namespace vitrine {
 
@@ -29,16 +28,6 @@ const ExportFormat* find_export_format(std::string_view name) {
   const auto formats = export_formats();
   const auto it = std::find_if(formats.begin(), formats.end(), [&](const ExportFormat& f) { return f.name == name; });
   return it == formats.end() ? nullptr : &*it;
-}
-
-const SplatLayer& ExportSource::diffuse() {
-  if (!diffuse_) diffuse_ = read_layer(optimize_ / "gaussians" / "diffuse.ply");
-  return *diffuse_;
-}
-
-const TriMesh& ExportSource::mesh() {
-  if (!mesh_) mesh_ = read_mesh_ply(mesh_folder_ / "mesh" / "mesh.ply");
-  return *mesh_;
 }
 
 }  // namespace vitrine

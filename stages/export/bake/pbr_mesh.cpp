@@ -1,0 +1,152 @@
+#include "stages/export/bake/pbr_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/math/color.h"
+#include "stages/export/bake/fill_gaps.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kDielectricUpTo = kSpecularColorFactor * kDielectricF0, kMetalFrom = 0.6f;  // mean reflectance
+constexpr float kTrustedNormal = 0.5f;  // cosine: a surfel that leans further away from the mesh says nothing about it
+
+uint8_t byte(float v) { return uint8_t(std::lround(255.f * std::clamp(v, 0.f, 1.f))); }
+uint8_t srgb_byte(float linear) { return byte(srgb_from_linear(std::clamp(linear, 0.f, 1.f))); }
+
+Vec3f blended(std::span<const Vec3f> at, const std::array<uint32_t, 3>& v, const Vec3f& b) {
+  return b.x * at[v[0]] + b.y * at[v[1]] + b.z * at[v[2]];
+}
+
+SurfelMaterial blended(std::span<const SurfaceSample> at, const std::array<uint32_t, 3>& v, const Vec3f& b) {
+  SurfelMaterial out{.roughness = 0};
+  for (size_t k = 0; k < 3; ++k) {
+    const SurfelMaterial& m = at[v[k]].material;
+    out.color += b[k] * m.color;
+    out.f0 += b[k] * m.f0;
+    out.roughness += b[k] * m.roughness;
+    out.transmission += b[k] * m.transmission;
+  }
+  return out;
+}
+
+// One vertex for each pair of (vertex, chart), in order of first use.
+void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const SurfaceSample> at_vertex, PbrMesh& out) {
+  // Vertices of one mesh vertex form a chain through `next`.
+  std::vector<uint32_t> first(mesh.positions.size(), kNoFace), next, chart_of;
+  for (size_t f = 0; f < mesh.faces.size(); ++f) {
+    const uint32_t chart = atlas.chart_of_face[f];
+    std::array<uint32_t, 3> face{};
+    float transmission = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t v = mesh.faces[f][k];
+      transmission += at_vertex[v].material.transmission / 3;
+      uint32_t found = first[v];
+      while (found != kNoFace && chart_of[found] != chart) found = next[found];
+      if (found == kNoFace) {
+        found = uint32_t(out.positions.size());
+        const Vec3f& n = mesh.normals[v];
+        const AtlasChart& c = atlas.charts[chart];
+        Vec3f t = c.u - dot(n, c.u) * n;
+        if (!(squared_length(t) > 1e-8f)) t = cross(n, std::abs(n.z) < 0.9f ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0});
+        const Vec2f texel = atlas.texel(chart, mesh.positions[v]);
+        out.positions.push_back(mesh.positions[v]);
+        out.normals.push_back(n);
+        out.tangents.push_back(normalized(t));
+        out.uv.push_back({texel.x / float(atlas.size), texel.y / float(atlas.size)});
+        out.source_vertex.push_back(v);
+        next.push_back(first[v]);
+        chart_of.push_back(chart);
+        first[v] = found;
+      }
+      face[k] = found;
+    }
+    (transmission > kGlassTransmission ? out.glass : out.opaque).push_back(face);
+  }
+}
+
+void bake(const TriMesh& mesh, const Atlas& atlas, const MaterialSource& source, std::span<const SurfaceSample> at_vertex,
+          float reach, PbrMesh& out) {
+  const int size = atlas.size;
+  PbrTextures& t = out.textures;
+  t.base_color = Image8(size, size, 3);
+  t.metallic_roughness = Image8(size, size, 3);
+  t.normal = Image8(size, size, 3);
+  t.specular_color = Image8(size, size, 3);
+  t.transmission = Image8(size, size, 1);
+  const std::vector<AtlasTexel> texels = covered_texels(atlas, mesh);
+  std::vector<Vec3f> points(texels.size()), normals(texels.size());
+  for (size_t i = 0; i < texels.size(); ++i) {
+    const auto& v = mesh.faces[texels[i].face];
+    points[i] = blended(mesh.positions, v, texels[i].barycentric);
+    const Vec3f n = blended(mesh.normals, v, texels[i].barycentric);
+    const float l = length(n);
+    normals[i] = l > 1e-6f ? n / l : mesh.normals[v[0]];
+  }
+  const std::vector<SurfaceSample> samples = sample_surface(source, points, normals, reach);
+  std::vector<uint8_t> known(size_t(size) * size_t(size), 0);
+  size_t met = 0;
+  for (size_t i = 0; i < texels.size(); ++i) {
+    const AtlasTexel& texel = texels[i];
+    const int x = int(texel.x), y = int(texel.y);
+    const bool hit = samples[i].weight > 0;
+    met += hit;
+    const PbrValues p = pbr_values(hit ? samples[i].material : blended(at_vertex, mesh.faces[texel.face], texel.barycentric));
+    known[size_t(y) * size_t(size) + size_t(x)] = 1;
+    for (int c = 0; c < 3; ++c) {
+      t.base_color.at(x, y, c) = srgb_byte(p.base_color[size_t(c)]);
+      t.specular_color.at(x, y, c) = srgb_byte(p.specular_color[size_t(c)]);
+    }
+    t.metallic_roughness.at(x, y, 0) = 255;
+    t.metallic_roughness.at(x, y, 1) = byte(p.roughness);
+    t.metallic_roughness.at(x, y, 2) = byte(p.metallic);
+    t.transmission.at(x, y) = byte(p.transmission);
+    // In the tangent frame of the texel: tangent = the chart's u made orthogonal to the normal.
+    const AtlasChart& chart = atlas.charts[atlas.chart_of_face[texel.face]];
+    const Vec3f& n = normals[i];
+    Vec3f local{0, 0, 1};
+    const Vec3f tangent = chart.u - dot(n, chart.u) * n;
+    if (dot(samples[i].normal, n) > kTrustedNormal && squared_length(tangent) > 1e-4f) {
+      const Vec3f unit = normalized(tangent);
+      local = {dot(samples[i].normal, unit), dot(samples[i].normal, cross(n, unit)), dot(samples[i].normal, n)};
+    }
+    for (size_t c = 0; c < 3; ++c) t.normal.at(x, y, int(c)) = byte(0.5f * local[c] + 0.5f);
+    for (size_t c = 0; c < 3; ++c) out.any_specular |= std::abs(p.specular_color[c] * kSpecularColorFactor - 1) > 0.02f;
+  }
+  out.covered = texels.empty() ? 0 : double(met) / double(texels.size());
+  for (Image8* image : {&t.base_color, &t.metallic_roughness, &t.normal, &t.specular_color, &t.transmission})
+    fill_gaps(*image, known);
+}
+
+}  // namespace
+
+PbrValues pbr_values(const SurfelMaterial& m) {
+  PbrValues out;
+  const float mean = (m.f0.x + m.f0.y + m.f0.z) / 3;
+  out.metallic = std::clamp((mean - kDielectricUpTo) / (kMetalFrom - kDielectricUpTo), 0.f, 1.f);
+  out.roughness = std::clamp(m.roughness, 0.f, 1.f);
+  out.transmission = std::clamp(m.transmission, 0.f, 1.f) * (1 - out.metallic);
+  for (size_t c = 0; c < 3; ++c) {
+    const float below = (1 - out.transmission) * std::clamp(m.color[c], 0.f, 1.f) + out.transmission;
+    out.base_color[c] = (1 - out.metallic) * below + out.metallic * std::clamp(m.f0[c], 0.f, 1.f);
+    out.specular_color[c] = std::clamp(m.f0[c] / kDielectricUpTo, 0.f, 1.f);
+  }
+  return out;
+}
+
+PbrMesh make_pbr_mesh(const TriMesh& mesh, const MaterialSource& source, std::span<const SurfaceSample> at_vertex,
+                      const PbrDesc& desc) {
+  VITRINE_CHECK(mesh.normals.size() == mesh.positions.size(), "the mesh needs vertex normals");
+  VITRINE_CHECK(at_vertex.size() == mesh.positions.size(), "one sample per vertex");
+  PbrMesh out;
+  const Atlas atlas = make_atlas(mesh, {.size = desc.texture_size});
+  split_vertices(mesh, atlas, at_vertex, out);
+  out.charts = atlas.charts.size();
+  bake(mesh, atlas, source, at_vertex, desc.reach, out);
+  return out;
+}
+
+}  // namespace vitrine

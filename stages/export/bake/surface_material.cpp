@@ -1,0 +1,125 @@
+#include "stages/export/bake/surface_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/math/rigid.h"
+#include "core/trace/tracer.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kLeastWeight = 0.05f;  // below: the ray only brushed the tail of something
+constexpr size_t kBatch = 1 << 18;     // rays traced at once: bounds the memory of the hit lists
+
+std::vector<Vec3f> disk_normals(const SplatLayer& layer) {
+  std::vector<Vec3f> out(layer.size());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* q = layer.at(Attribute::Rotation, i);
+    out[i] = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
+  }
+  return out;
+}
+
+}  // namespace
+
+double mean_edge_length(const TriMesh& mesh) {
+  double sum = 0;
+  for (const auto& v : mesh.faces)
+    for (size_t k = 0; k < 3; ++k) sum += double(length(mesh.positions[v[(k + 1) % 3]] - mesh.positions[v[k]]));
+  return mesh.faces.empty() ? 0 : sum / double(3 * mesh.faces.size());
+}
+
+std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::span<const Vec3f> points,
+                                          std::span<const Vec3f> normals, float reach) {
+  const SplatLayer& layer = *source.surfels;
+  VITRINE_CHECK(source.materials.size() == layer.size(), "one material per surfel");
+  VITRINE_CHECK(points.size() == normals.size(), "one normal per point");
+  std::vector<SurfaceSample> out(points.size());
+  const std::vector<Vec3f> disk_normal = disk_normals(layer);
+  const auto tracer = make_tracer();
+  tracer->build(layer);
+  const TraceDesc desc{.sh_degree = layer.sh_degree()};
+
+  std::vector<Vec3f> origins, directions;
+  RayValues values;
+  HitLists hits;
+  for (size_t begin = 0; begin < points.size(); begin += kBatch) {
+    const size_t n = std::min(kBatch, points.size() - begin);
+    origins.resize(n), directions.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      origins[i] = points[begin + i] + reach * normals[begin + i];
+      directions[i] = -normals[begin + i];
+    }
+    const std::vector<float> far(n, 2 * reach);
+    tracer->forward({.origins = origins, .directions = directions, .far = far}, desc, values, &hits);
+    for (size_t i = 0; i < n; ++i) {
+      SurfaceSample& s = out[begin + i];
+      SurfelMaterial sum{.roughness = 0};
+      float through = 1, weight = 0;
+      for (const TraceHit& h : hits.of(i)) {
+        const float w = h.alpha * through;
+        through *= 1 - h.alpha;
+        weight += w;
+        const SurfelMaterial& m = source.materials[h.surfel];
+        sum.color += w * (source.has_albedo ? m.color : h.color);
+        sum.f0 += w * m.f0;
+        sum.roughness += w * m.roughness;
+        sum.transmission += w * m.transmission;
+        const Vec3f& disk = disk_normal[h.surfel];
+        s.normal += (dot(disk, directions[i]) > 0 ? -w : w) * disk;
+      }
+      if (!(weight > kLeastWeight)) {
+        s.normal = {};
+        continue;
+      }
+      s.weight = weight;
+      s.material = {sum.color / weight, sum.f0 / weight, sum.roughness / weight, sum.transmission / weight};
+      const float l = length(s.normal);
+      s.normal = l > 0.1f * weight ? s.normal / l : Vec3f{};
+    }
+  }
+  return out;
+}
+
+std::vector<SurfaceSample> sample_vertices(const MaterialSource& source, const TriMesh& mesh, float reach) {
+  VITRINE_CHECK(mesh.normals.size() == mesh.positions.size(), "the mesh needs vertex normals");
+  std::vector<SurfaceSample> samples = sample_surface(source, mesh.positions, mesh.normals, reach);
+  constexpr int kRings = 64;
+  for (int ring = 0; ring < kRings; ++ring) {
+    std::vector<SurfaceSample> sum(samples.size());
+    std::vector<int> count(samples.size(), 0);
+    for (const auto& v : mesh.faces)
+      for (size_t k = 0; k < 3; ++k)
+        for (uint32_t from : {v[(k + 1) % 3], v[(k + 2) % 3]}) {
+          if (samples[v[k]].weight > 0 || !(samples[from].weight > 0)) continue;
+          const SurfelMaterial& m = samples[from].material;
+          SurfelMaterial& s = sum[v[k]].material;
+          s.color += m.color;
+          s.f0 += m.f0;
+          s.roughness += m.roughness;
+          s.transmission += m.transmission;
+          ++count[v[k]];
+        }
+    bool changed = false;
+    for (size_t i = 0; i < samples.size(); ++i) {
+      if (count[i] == 0) continue;
+      const float n = float(count[i]);
+      const SurfelMaterial& s = sum[i].material;  // its roughness began at 1
+      samples[i].material = {s.color / n, s.f0 / n, (s.roughness - 1) / n, s.transmission / n};
+      samples[i].weight = kLeastWeight;
+      changed = true;
+    }
+    if (!changed) break;
+  }
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (!(samples[i].weight > 0)) {
+      samples[i].material.color = mesh.colors.empty() ? Vec3f{0.5f, 0.5f, 0.5f} : mesh.colors[i];
+      samples[i].material.f0 = {0.04f, 0.04f, 0.04f};
+    }
+  return samples;
+}
+
+}  // namespace vitrine

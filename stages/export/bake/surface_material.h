@@ -1,0 +1,46 @@
+// What the surface looks like and is made of, read off the diffuse surfels: at points of the mesh (texels, vertices) a short ray
+// crosses the surfels from outside to inside, and what they carry is blended with the weights of the ray, w_i = alpha_i T_i.
+// Where no surfel is met, the answer is spread from the neighbours on the mesh.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/mesh/tri_mesh.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+// Materials of every diffuse surfel in glTF's sense: what is exported.
+struct SurfelMaterial {
+  Vec3f color{};        // linear: albedo, or the radiance that the surfel was trained to show
+  Vec3f f0{};           // reflectance at normal incidence
+  float roughness = 1;  // perceptual (GGX alpha = roughness^2)
+  float transmission = 0;
+};
+
+struct SurfaceSample {
+  SurfelMaterial material;
+  Vec3f normal{};    // blended disk normals, facing out; zero where unknown
+  float weight = 0;  // summed blending weight; 0: nothing was met
+};
+
+struct MaterialSource {
+  const SplatLayer* surfels = nullptr;
+  std::span<const SurfelMaterial> materials;  // [surfels]
+  // True: `color` of the materials counts. False: the trained colour, seen along the ray, counts (spherical harmonics).
+  bool has_albedo = false;
+};
+
+// Points on the surface with outward unit normals; rays run from `reach` outside to `reach` inside.
+std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::span<const Vec3f> points,
+                                          std::span<const Vec3f> normals, float reach);
+
+// Sampled at the vertices of the mesh; vertices that met nothing take the mean of their neighbours, ring by ring; vertices out
+// of reach of any take the mesh's own colour.
+std::vector<SurfaceSample> sample_vertices(const MaterialSource& source, const TriMesh& mesh, float reach);
+
+double mean_edge_length(const TriMesh& mesh);
+
+}  // namespace vitrine

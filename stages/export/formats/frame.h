@@ -1,0 +1,34 @@
+// The frame that files are written in: the scene's frame (right-handed, +z up), turned or mirrored to the axes that a program
+// expects, and scaled to a unit of length.
+//   rhzu  right-handed, z up: the scene's own     rhyu  right-handed, y up (x, z, -y): glTF, three.js
+//   lhzu  left-handed, z up (x, -y, z): Unreal    lhyu  left-handed, y up (x, z, y): Unity
+#pragma once
+
+#include <string_view>
+
+#include "core/math/rigid.h"
+#include "core/mesh/tri_mesh.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+struct ExportFrame {
+  Mat3d axes = Mat3d::identity();  // orthogonal; determinant -1 where the handedness changes
+  double scale = 1;                // file units per scene unit
+
+  // Of one of the four words above.
+  static ExportFrame named(std::string_view axes, double scale);
+
+  bool identity() const { return axes == Mat3d::identity() && scale == 1; }
+  bool mirrored() const { return determinant(axes) < 0; }
+  bool y_up() const { return axes(1, 2) != 0; }
+  Vec3f point(const Vec3f& p) const { return float(scale) * direction(p); }
+  Vec3f direction(const Vec3f& d) const { return cast<float>(axes) * d; }
+};
+
+// The same surface in the frame: points, normals, and the order of corners where the frame is mirrored.
+TriMesh in_frame(const TriMesh& mesh, const ExportFrame& frame);
+// Means, disks, sizes and spherical harmonics (a band turns into itself: the matrix of each band is found by projection).
+SplatLayer in_frame(const SplatLayer& layer, const ExportFrame& frame);
+
+}  // namespace vitrine

@@ -1,0 +1,97 @@
+// mesh-glb: the mesh as binary glTF 2.0 with textures baked from the surfels (bake/pbr_mesh.h says how our materials become
+// glTF's). One primitive per class: "opaque" and "glass". Glass is KHR_materials_transmission, which is the thin-walled case:
+// light goes straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a single sheet. The
+// file is +Y up whatever the axes of the other formats: glTF knows no other.
+#include "core/image/png.h"
+#include "stages/export/formats/format.h"
+#include "stages/export/formats/glb_file.h"
+
+namespace vitrine {
+namespace {
+
+using Json = GlbFile::Json;
+
+struct TextureIndices {
+  int base_color, metallic_roughness, normal, specular_color, transmission;
+};
+
+Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, bool glass) {
+  const auto use = [](int index) { return Json{{"index", index}}; };
+  Json m = {{"name", glass ? "glass" : "opaque"},
+            {"pbrMetallicRoughness",
+             {{"baseColorTexture", use(texture.base_color)}, {"metallicRoughnessTexture", use(texture.metallic_roughness)}}},
+            {"normalTexture", use(texture.normal)}};
+  Json& extensions = m["extensions"];
+  if (mesh.any_specular) {
+    glb.use_extension("KHR_materials_specular");
+    extensions["KHR_materials_specular"] = {{"specularColorFactor", Json::array()},
+                                            {"specularColorTexture", use(texture.specular_color)}};
+    for (int c = 0; c < 3; ++c) extensions["KHR_materials_specular"]["specularColorFactor"].push_back(kSpecularColorFactor);
+  }
+  glb.use_extension("KHR_materials_ior");
+  extensions["KHR_materials_ior"] = {{"ior", 1.5}};
+  if (glass) {
+    glb.use_extension("KHR_materials_transmission");
+    extensions["KHR_materials_transmission"] = {{"transmissionFactor", 1.0}, {"transmissionTexture", use(texture.transmission)}};
+    m["doubleSided"] = true;
+  }
+  return m;
+}
+
+std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+  const std::string file = "mesh.glb";
+  const PbrMesh& mesh = source.pbr_mesh();
+  const ExportFrame frame = source.frame("rhyu");
+  std::vector<Vec3f> positions, normals;
+  std::vector<std::array<float, 4>> tangents;
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    positions.push_back(frame.point(mesh.positions[i]));
+    normals.push_back(frame.direction(mesh.normals[i]));
+    const Vec3f t = frame.direction(mesh.tangents[i]);
+    tangents.push_back({t.x, t.y, t.z, 1});
+  }
+  GlbFile glb("vitrine");
+  glb.json["asset"]["extras"] = {{"base_color", color_note(source)},
+                                 {"unit", source.metric() ? "metre" : "the scene's: camera ring of radius 1"}};
+  glb.json["scenes"] = {{{"nodes", {0}}}};
+  glb.json["nodes"] = {{{"name", "scene"}, {"mesh", 0}}};
+  const Json attributes = {{"POSITION", glb.add(positions, true)},
+                           {"NORMAL", glb.add(normals)},
+                           {"TANGENT", glb.add(tangents)},
+                           {"TEXCOORD_0", glb.add(mesh.uv)}};
+  const PbrTextures& t = mesh.textures;
+  TextureIndices texture{};
+  texture.base_color = glb.add_texture("base_color", png_bytes(t.base_color));
+  texture.metallic_roughness = glb.add_texture("metallic_roughness", png_bytes(t.metallic_roughness));
+  texture.normal = glb.add_texture("normal", png_bytes(t.normal));
+  if (mesh.any_specular) texture.specular_color = glb.add_texture("specular_color", png_bytes(t.specular_color));
+  if (!mesh.glass.empty()) texture.transmission = glb.add_texture("transmission", png_bytes(t.transmission));
+  Json& primitives = glb.json["meshes"] = {{{"name", "mesh"}, {"primitives", Json::array()}}};
+  for (const bool glass : {false, true}) {
+    const auto& faces = glass ? mesh.glass : mesh.opaque;
+    if (faces.empty()) continue;
+    glb.json["materials"].push_back(material(glb, mesh, texture, glass));
+    primitives[0]["primitives"].push_back({{"attributes", attributes},
+                                           {"indices", glb.add_indices(faces, positions.size())},
+                                           {"material", glb.json["materials"].size() - 1},
+                                           {"mode", 4}});
+  }
+  glb.write(folder / file);
+  return {file};
+}
+
+}  // namespace
+
+ExportFormat mesh_glb_format() {
+  return {.name = "mesh-glb",
+          .summary = "the mesh with baked materials as binary glTF 2.0, +Y up",
+          .holds =
+              "triangles, normals, tangents, texture coordinates; textures for base colour, metalness and roughness, normals, "
+              "specular colour and transmission; glass as KHR_materials_transmission, double-sided",
+          .loses =
+              "view dependence; what stands behind glass and was seen only through it (the mesh ends at the glass); refraction "
+              "by thick glass; base colours above 1; without the relight stage the photos' light is part of the base colour",
+          .write = write};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,140 @@
+#include "stages/export/formats/source.h"
+
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/kernels/layer_blend.h"
+#include "core/picture/relight_materials.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kReachEdges = 3;      // surfels count up to this many mean edges away from the mesh
+constexpr float kPlainRoughness = 1;  // of surfaces whose reflection nobody measured
+
+void add_normals(TriMesh& mesh) {
+  mesh.normals.assign(mesh.positions.size(), Vec3f{});
+  for (const auto& v : mesh.faces) {
+    const Vec3f n = cross(mesh.positions[v[1]] - mesh.positions[v[0]], mesh.positions[v[2]] - mesh.positions[v[0]]);
+    for (uint32_t k : v) mesh.normals[k] += n;
+  }
+  for (Vec3f& n : mesh.normals) n = length(n) > 1e-20f ? normalized(n) : Vec3f{0, 0, 1};
+}
+
+// Reflectance at normal incidence of a surface with specular weight k_s and Fresnel f0 (bake/pbr_mesh.h).
+Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0) {
+  if (blend == LayerBlend::RtrGs) return specular * f0;
+  const float share = (1 - specular) * fresnel_gate(specular);
+  return Vec3f{specular, specular, specular} + share * f0;
+}
+
+std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
+  const SplatLayer& layer = scene.surfels.diffuse;
+  const bool reflects = scene.surfels.reflection.size() > 0, transmits = scene.surfels.transmittance.size() > 0;
+  std::vector<SurfelMaterial> out(layer.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    SurfelMaterial& m = out[i];
+    m.f0 = {kDielectricF0, kDielectricF0, kDielectricF0};
+    m.roughness = kPlainRoughness;
+    if (transmits) m.transmission = sigmoid(*layer.at(Attribute::Transmission, i));
+    if (!reflects) continue;
+    const float specular = sigmoid(*layer.at(Attribute::SpecularWeight, i));
+    const float* raw = layer.at(Attribute::F0, i);
+    const Vec3f found = reflectance(scene.image.composite.blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])});
+    // Where a surface sends no rays, its roughness was never looked at.
+    const float measured = fresnel_gate(specular);
+    m.f0 = measured * found + (1 - measured) * m.f0;
+    m.roughness = measured * sigmoid(*layer.at(Attribute::Roughness, i)) + (1 - measured) * kPlainRoughness;
+  }
+  return out;
+}
+
+std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder, size_t surfels) {
+  const RelightMaterials found = read_relight_materials(folder);
+  if (found.size() != surfels)
+    throw Error(ErrorKind::Input, "the materials belong to another scene",
+                {.where = relight_materials_path(folder).string(),
+                 .why = fmt::format("{} materials, {} surfels", found.size(), surfels),
+                 .hint = "run the relight stage again",
+                 .code = "RELIGHT_MISMATCH"});
+  std::vector<SurfelMaterial> out(surfels);
+  for (size_t i = 0; i < surfels; ++i)
+    out[i] = {found.albedo[i], reflectance(LayerBlend::Layered, found.specular_weight[i], found.f0[i]), found.roughness[i],
+              found.transmission[i]};
+  return out;
+}
+
+}  // namespace
+
+const SceneInfo& ExportSource::scene_info() {
+  if (!info_) info_ = read_scene_info(inputs_.sfm / "scene.json");
+  return *info_;
+}
+
+bool ExportSource::metric() { return settings_.scale > 0 || scene_info().scale_known; }
+
+ExportFrame ExportSource::frame(std::string_view axes) {
+  double scale = settings_.scale;
+  // The poses' own frame is in metres when their scale is known.
+  if (!(scale > 0)) scale = scene_info().scale_known ? 1 / scene_info().scene_from_colmap.scale : 1;
+  return ExportFrame::named(axes.empty() ? std::string_view(settings_.axes) : axes, scale);
+}
+
+const TrainedScene& ExportSource::scene() {
+  if (!scene_) scene_ = read_trained_scene(inputs_.optimize);
+  return *scene_;
+}
+
+const TriMesh& ExportSource::mesh() {
+  if (mesh_) return *mesh_;
+  const auto path = inputs_.mesh / "mesh" / "mesh.ply";
+  TriMesh mesh = read_mesh_ply(path);
+  const auto refuse = [&](std::string why) {
+    throw Error(ErrorKind::Input, "the mesh cannot be exported",
+                {.where = path.string(), .why = std::move(why), .hint = "run the mesh stage again", .code = "BAD_MESH"});
+  };
+  if (mesh.faces.empty()) refuse("it has no faces");
+  constexpr float kFarthest = 1e6f;
+  for (const Vec3f& p : mesh.positions)
+    for (size_t c = 0; c < 3; ++c)
+      if (!(std::abs(p[c]) < kFarthest)) refuse("a vertex is not finite, or absurdly far away");
+  bool unit = mesh.normals.size() == mesh.positions.size();
+  for (const Vec3f& n : mesh.normals) unit = unit && std::abs(length(n) - 1) < 0.01f;
+  if (!unit) add_normals(mesh);
+  mesh_ = std::move(mesh);
+  return *mesh_;
+}
+
+const std::vector<SurfelMaterial>& ExportSource::materials() {
+  if (!materials_)
+    materials_ = inputs_.relight ? relit_materials(*inputs_.relight, diffuse().size()) : trained_materials(scene());
+  return *materials_;
+}
+
+MaterialSource ExportSource::material_source() {
+  return {.surfels = &diffuse(), .materials = materials(), .has_albedo = has_albedo()};
+}
+
+float ExportSource::reach() { return kReachEdges * float(mean_edge_length(mesh())); }
+
+const std::vector<SurfaceSample>& ExportSource::vertex_samples() {
+  if (!vertex_samples_) vertex_samples_ = sample_vertices(material_source(), mesh(), reach());
+  return *vertex_samples_;
+}
+
+const PbrMesh& ExportSource::pbr_mesh() {
+  if (!pbr_mesh_)
+    pbr_mesh_ =
+        make_pbr_mesh(mesh(), material_source(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
+  return *pbr_mesh_;
+}
+
+std::string color_note(const ExportSource& source) {
+  return source.has_albedo() ? "colours are albedo, found by the relight stage"
+                             : "colours are the diffuse radiance of the photos: their light and shadows are in them";
+}
+
+}  // namespace vitrine

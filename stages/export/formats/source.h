@@ -1,0 +1,69 @@
+// What is exported: the artifacts of the stages before, read when a format first asks and then kept, and the frame to write them
+// in.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/scene_info.h"
+#include "core/mesh/tri_mesh.h"
+#include "core/picture/trained_scene.h"
+#include "stages/export/bake/pbr_mesh.h"
+#include "stages/export/formats/frame.h"
+
+namespace vitrine {
+
+struct ExportInputs {
+  std::filesystem::path sfm, optimize, mesh;
+  std::optional<std::filesystem::path> relight;
+};
+
+struct ExportSettings {
+  std::string axes = "rhzu";
+  double scale = 0;      // file units per scene unit; 0: metres where their size is known, else 1
+  int texture_size = 0;  // 0: by the mesh
+};
+
+class ExportSource {
+ public:
+  ExportSource(ExportInputs inputs, ExportSettings settings) : inputs_(std::move(inputs)), settings_(std::move(settings)) {}
+  const std::filesystem::path& sfm() const { return inputs_.sfm; }
+  const std::filesystem::path& optimize() const { return inputs_.optimize; }
+  const std::optional<std::filesystem::path>& relight() const { return inputs_.relight; }
+
+  // The frame of the settings; `axes` replaces theirs for formats that have only one.
+  ExportFrame frame(std::string_view axes = {});
+  bool metric();  // lengths are metres
+  const TrainedScene& scene();
+  const SplatLayer& diffuse() { return scene().surfels.diffuse; }
+  // With vertex normals; checked: finite, not empty.
+  const TriMesh& mesh();
+  // Of every diffuse surfel, and whether their colour is an albedo (of the relight stage) or has the photos' light in it.
+  const std::vector<SurfelMaterial>& materials();
+  bool has_albedo() const { return inputs_.relight.has_value(); }
+  // At the vertices of mesh().
+  const std::vector<SurfaceSample>& vertex_samples();
+  const PbrMesh& pbr_mesh();
+
+ private:
+  const SceneInfo& scene_info();
+  MaterialSource material_source();
+  float reach();
+
+  ExportInputs inputs_;
+  ExportSettings settings_;
+  std::optional<SceneInfo> info_;
+  std::optional<TrainedScene> scene_;
+  std::optional<TriMesh> mesh_;
+  std::optional<std::vector<SurfelMaterial>> materials_;
+  std::optional<std::vector<SurfaceSample>> vertex_samples_;
+  std::optional<PbrMesh> pbr_mesh_;
+};
+
+// One sentence on where the colours of the mesh formats come from.
+std::string color_note(const ExportSource& source);
+
+}  // namespace vitrine
