@@ -5,7 +5,6 @@
 // version 1: first.
 #pragma once
 
-#include "core/camera/view.h"
 #include "stages/stage.h"
 
 namespace vitrine {
@@ -17,10 +16,6 @@ struct RenderConfig {
   std::string backend = "cpu";
 };
 void describe(Describer& d, RenderConfig& c);
-
-// The same camera with a picture of exactly this size: square pixels stay square, and what does not fit the new shape is cut off
-// on two sides.
-Intrinsics covering(const Intrinsics& intrinsics, int width, int height);
 
 void run_render(const RenderConfig& config, StageContext& context);
 Stage render_stage();

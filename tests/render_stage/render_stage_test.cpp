@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/image/metrics.h"
+#include "core/picture/picture_views.h"
 #include "core/picture/trained_scene.h"
 #include "tests/evaluate/tiny_capture.h"
 #include "tests/support/error_of.h"

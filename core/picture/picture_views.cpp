@@ -1,0 +1,61 @@
+#include "core/picture/picture_views.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
+
+namespace vitrine {
+
+namespace {
+
+// The cameras of a path; the pictures are numbered, because the names in such a file need not fit this file system.
+std::vector<View> path_views(const std::filesystem::path& path) {
+  std::vector<View> views = read_transforms_json(path);
+  for (size_t i = 0; i < views.size(); ++i) views[i].name = fmt::format("frame_{:04}.png", i);
+  return views;
+}
+
+std::vector<View> photo_views(const PictureViewsDesc& desc) {
+  const std::vector<View> all = load_view_set(desc.sfm).views;
+  const std::filesystem::path list = desc.optimize / "optimize" / "views.json";
+  const ViewSplit split = read_view_split(list, all);
+  std::vector<View> views;
+  const auto take = [&](const std::vector<size_t>& indices) {
+    for (size_t i : indices) views.push_back(all[i]);
+  };
+  if (desc.which != "train") take(split.heldout);
+  if (desc.which != "heldout") take(split.train);
+  if (views.empty())
+    throw Error(ErrorKind::Input, fmt::format("the scene has no {} views", desc.which == "train" ? "training" : "held-out"),
+                {.where = list.string(), .hint = "--views all", .code = "NO_VIEWS"});
+  std::ranges::sort(views, {}, &View::name);
+  for (View& v : views) v.intrinsics = v.intrinsics.limited_to(split.max_side);
+  return views;
+}
+
+}  // namespace
+
+Intrinsics covering(const Intrinsics& k, int width, int height) {
+  const double s = std::max(double(width) / k.width, double(height) / k.height);
+  return {
+      width, height, k.fx * s, k.fy * s, 0.5 * width + (k.cx - 0.5 * k.width) * s, 0.5 * height + (k.cy - 0.5 * k.height) * s};
+}
+
+std::vector<View> picture_views(const PictureViewsDesc& desc) {
+  if (desc.which == "path" && !desc.path)
+    throw Error(ErrorKind::Usage, "which camera path?",
+                {.hint = "--input path=FILE, a transforms.json", .code = "MISSING_INPUT"});
+  std::vector<View> views = desc.which == "path" ? path_views(*desc.path) : photo_views(desc);
+  for (View& v : views) {
+    if (desc.width > 0) v.intrinsics = covering(v.intrinsics, desc.width, desc.height);
+    if (std::max(v.intrinsics.width, v.intrinsics.height) > kMaxPictureSide)
+      throw Error(ErrorKind::Input,
+                  fmt::format("a picture of {}x{} pixels is too large", v.intrinsics.width, v.intrinsics.height),
+                  {.where = v.name, .hint = "give a smaller size: width, height", .code = "PICTURE_TOO_LARGE"});
+  }
+  return views;
+}
+
+}  // namespace vitrine

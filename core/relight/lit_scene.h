@@ -1,0 +1,50 @@
+// A scene under one lighting: the light that every vertex of the mesh sends on, found once and then looked up by all rays.
+//   E(x) = sum of samples  L V n.l / pdf  (environment by its luminance, lamps)  +  light from the scene by cosine-weighted rays
+//   B(x) = reflectance E / pi                 radiance of the mesh as if it were matt, iterated for the bounces
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/light/lighting.h"
+#include "core/relight/scene_surface.h"
+
+namespace vitrine {
+
+struct LitSceneDesc {
+  int light_samples = 64;  // of the environment and of each area lamp, a vertex
+  int gather_rays = 32;    // of each vertex, for light from the rest of the scene
+  int bounces = 3;
+  uint64_t seed = 1;
+};
+
+class LitScene {
+ public:
+  // Both must live as long as this.
+  LitScene(const SceneSurface& surface, const Lighting& lighting, const LitSceneDesc& desc = {});
+
+  const SceneSurface& surface() const { return *surface_; }
+  const Lighting& lighting() const { return *lighting_; }
+  const std::vector<Vec3f>& radiance() const { return radiance_; }  // [v] B
+
+  // Light that comes along a ray: from the mesh, and the share that comes from outside of the scene.
+  struct Arrival {
+    Vec3f from_scene{};
+    float from_outside = 1;
+  };
+  Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
+  // Mean over all directions of the light that arrives at a point in the open, lamps included (algorithms 7.4).
+  Vec3f fluence(const Vec3f& point, uint64_t stream, int samples) const;
+
+ private:
+  std::vector<Vec3f> direct_irradiance() const;
+  void bounce(const std::vector<Vec3f>& direct);
+  void smooth(std::vector<Vec3f>& per_vertex) const;
+
+  const SceneSurface* surface_;
+  const Lighting* lighting_;
+  LitSceneDesc desc_;
+  std::vector<Vec3f> radiance_;
+};
+
+}  // namespace vitrine

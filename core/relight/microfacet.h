@@ -1,0 +1,125 @@
+// The surface of a relit pixel: what it scatters of light from l towards the eye v, in a frame whose z is the normal.
+//   f(v, l) = w_d albedo/pi + R(v.h) D G / (4 n.v n.l)      half vector h, GGX distribution D, Schlick-Smith G
+//   (core/model/kernels)
+// R and w_d are what the scene was trained with (core/model/kernels/layer_blend.h):
+//   rtrgs    R(c) = k_s F(c)                      w_d = 1 - k_s                    w_t = k_s tau (1 - F(n.v))
+//   layered  R(c) = k_s + (1 - k_s) g(k_s) F(c)   w_d = (1 - R(n.v)) (1 - tau)     w_t = (1 - R(n.v)) tau
+// Directions are drawn from a mixture of cosine-weighted ones and of mirrors of visible normals (Dupuy and Benyoub 2023,
+// spherical caps), with  pdf = (1 - p) n.l/pi + p D G1(v) / (4 n.v).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/model/kernels/ggx.h"
+#include "core/model/kernels/layer_blend.h"
+#include "core/model/kernels/surface_point.h"
+
+namespace vitrine {
+
+struct RelitMaterial {
+  Vec3f albedo{}, f0{};
+  float roughness = 1, specular = 0, transmission = 0;  // specular = k_s, transmission = tau
+};
+
+class Microfacet {
+ public:
+  static constexpr float kPi = std::numbers::pi_v<float>;
+
+  // `view`: unit, z > 0.
+  Microfacet(LayerBlend blend, const RelitMaterial& m, const Vec3f& view) : blend_(blend), m_(m), view_(view) {
+    alpha_ = std::max(m.roughness, float(kMinRoughness));
+    alpha_ *= alpha_;
+    const Vec3f r = reflectance(view.z);
+    for (size_t c = 0; c < 3; ++c) {
+      if (blend == LayerBlend::RtrGs) {
+        const float f = m.specular > 0 ? r[c] / m.specular : 0.f;
+        diffuse_[c] = (1 - m.specular) * m.albedo[c];
+        transmission_[c] = m.specular * m.transmission * (1 - f);
+      } else {
+        diffuse_[c] = (1 - r[c]) * (1 - m.transmission) * m.albedo[c];
+        transmission_[c] = (1 - r[c]) * m.transmission;
+      }
+    }
+    const float specular = mean(r), diffuse = mean(diffuse_);
+    specular_share_ = specular + diffuse > 0 ? specular / (specular + diffuse) : 0.f;
+    // Never so rare that one sample outweighs all others.
+    if (specular_share_ > 0 && diffuse > 0) specular_share_ = std::clamp(specular_share_, 0.1f, 0.9f);
+  }
+
+  const Vec3f& transmission_weight() const { return transmission_; }
+  bool scatters() const { return mean(diffuse_) > 0 || specular_share_ > 0; }
+
+  // f(v, l) n.l
+  Vec3f value(const Vec3f& l) const {
+    if (!(l.z > 0)) return {};
+    Vec3f out = (l.z / kPi) * diffuse_;
+    if (specular_share_ > 0) {
+      const Vec3f h = normalized(view_ + l);
+      const float k = 0.5f * alpha_, nv = std::max(view_.z, float(kMinCosine));
+      const float lobe = ggx_distribution(alpha_, h.z).value * smith_g1(nv, k) * smith_g1(l.z, k) / (4 * nv);
+      out += lobe * reflectance(dot(view_, h));
+    }
+    return out;
+  }
+  float pdf(const Vec3f& l) const {
+    if (!(l.z > 0)) return 0;
+    float p = (1 - specular_share_) * l.z / kPi;
+    if (specular_share_ > 0) p += specular_share_ * mirror_pdf(normalized(view_ + l));
+    return p;
+  }
+  // A direction of density pdf(); z <= 0: below the surface, counts as no light. `choice`, `u`: numbers in [0, 1).
+  Vec3f sample(float choice, const Vec2f& u) const {
+    if (choice < specular_share_) return reflected(view_, visible_normal(u));
+    const float r = std::sqrt(u.x), phi = 2 * kPi * u.y;
+    return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(1 - u.x, 0.f))};
+  }
+
+ private:
+  static float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3; }
+  Vec3f reflectance(float cosine) const {
+    const Vec3f f = schlick(m_.f0, cosine).value;
+    if (blend_ == LayerBlend::RtrGs) return m_.specular * f;
+    const float gate = (1 - m_.specular) * fresnel_gate(m_.specular);
+    return {m_.specular + gate * f.x, m_.specular + gate * f.y, m_.specular + gate * f.z};
+  }
+  float mirror_pdf(const Vec3f& h) const {
+    const float nv = std::max(view_.z, float(kMinCosine)), a2 = alpha_ * alpha_;
+    const float g1_over_nv = 2 / (nv + std::sqrt(a2 + (1 - a2) * nv * nv));
+    return 0.25f * g1_over_nv * ggx_distribution(alpha_, h.z).value;
+  }
+  Vec3f visible_normal(const Vec2f& u) const {
+    const Vec3f v = normalized(Vec3f{alpha_ * view_.x, alpha_ * view_.y, view_.z});
+    const float phi = 2 * kPi * u.x, z = (1 - u.y) * (1 + v.z) - v.z, s = std::sqrt(std::clamp(1 - z * z, 0.f, 1.f));
+    const Vec3f h = Vec3f{s * std::cos(phi), s * std::sin(phi), z} + v;
+    return normalized(Vec3f{alpha_ * h.x, alpha_ * h.y, h.z});
+  }
+
+  LayerBlend blend_;
+  RelitMaterial m_;
+  Vec3f view_, diffuse_{}, transmission_{};
+  float alpha_, specular_share_ = 0;
+};
+
+// Share of light that a surface sends on in all directions, roughly: what bounces between surfaces.
+inline Vec3f bounce_reflectance(LayerBlend blend, const RelitMaterial& m) {
+  const Vec3f f = schlick(m.f0, 0.7f).value;
+  Vec3f out;
+  for (size_t c = 0; c < 3; ++c) {
+    const float r =
+        blend == LayerBlend::RtrGs ? m.specular * f[c] : m.specular + (1 - m.specular) * fresnel_gate(m.specular) * f[c];
+    const float w_d = blend == LayerBlend::RtrGs ? 1 - m.specular : (1 - r) * (1 - m.transmission);
+    out[c] = std::min(w_d * m.albedo[c] + r, 1.f);
+  }
+  return out;
+}
+// Share of light that goes straight through.
+inline float straight_transmittance(LayerBlend blend, const RelitMaterial& m) {
+  const Vec3f f = schlick(m.f0, 0.7f).value;
+  const float fresnel = (f.x + f.y + f.z) / 3;
+  if (blend == LayerBlend::RtrGs) return m.specular * m.transmission * (1 - fresnel);
+  return (1 - m.specular - (1 - m.specular) * fresnel_gate(m.specular) * fresnel) * m.transmission;
+}
+
+}  // namespace vitrine

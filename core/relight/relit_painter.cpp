@@ -1,0 +1,234 @@
+#include "core/relight/relit_painter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/model/gbuffer.h"
+#include "core/relight/sample_points.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kLeastCoverage = 1 / 255.f;
+constexpr float kSnap = 3;             // in grains: a surfel's place and the mesh this near are the same surface
+constexpr float kLift = 1;             // in grains: where rays start above it
+constexpr float kLeastCosine = 0.02f;  // n.v: normals of blended surfels may look away at an outline
+constexpr float kMeanNearMedian_rel = 0.01f;
+constexpr int kFluenceSamples = 48;
+constexpr float kMostBrighter = 50;  // of what stands behind glass
+constexpr int kBandRows = 8;
+constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
+
+ImageOptions options_of(const RelitScene& scene) {
+  ImageOptions o = scene.trained.image;
+  o.diffuse.materials = true;
+  o.diffuse.sh_degree = 0;
+  o.surface.ray_budget = 0;
+  o.composite.layer_images = true;
+  return o;
+}
+
+// The frame of a normal: z is the normal.
+struct ShadingFrame {
+  Vec3f t0, t1, n;
+  explicit ShadingFrame(const Vec3f& normal) : n(normal) { tangents(normal, t0, t1); }
+  Vec3f local(const Vec3f& v) const { return {dot(v, t0), dot(v, t1), dot(v, n)}; }
+  Vec3f world(const Vec3f& v) const { return v.x * t0 + v.y * t1 + v.z * n; }
+};
+
+// One pixel under the lighting, without what shines through.
+class PixelShader {
+ public:
+  PixelShader(const LitScene& lit, const Microfacet& scatter, const ShadingFrame& frame, const Vec3f& place, const Vec3f& origin)
+      : lit_(lit), light_(lit.lighting()), scatter_(scatter), frame_(frame), place_(place), origin_(origin) {}
+
+  Vec3f shade(const SamplePoints& points, int samples) const {
+    if (!scatter_.scatters()) return {};
+    Vec3f sum{};
+    for (uint32_t i = 0; i < static_cast<uint32_t>(samples); ++i) {
+      if (!light_.environment.black()) sum += towards_environment(points.point(kLightPlane, i));
+      for (size_t lamp = light_.sharp_lamps(); lamp < light_.lamps(); ++lamp)
+        sum += towards_lamp(lamp, points.point(kLampPlane + static_cast<uint32_t>(lamp), i));
+      sum += along_lobe(points.point(kLobePlane, i), points.point(kChoicePlane, i).x);
+    }
+    sum = sum / float(samples);
+    for (size_t lamp = 0; lamp < light_.sharp_lamps(); ++lamp) sum += towards_lamp(lamp, {});
+    return sum;
+  }
+
+ private:
+  float visibility(const Vec3f& direction, float far = Lighting::kFar) const {
+    return lit_.surface().visibility(origin_, direction, far);
+  }
+  // Balance heuristic: radiance f cos / pdf with weight pdf / (pdf + other).
+  Vec3f towards_environment(const Vec2f& u) const {
+    const Environment::Sample s = light_.environment.sample(u);
+    const Vec3f l = frame_.local(s.direction);
+    if (!(l.z > 0)) return {};
+    const Vec3f f = scatter_.value(l);
+    return (visibility(s.direction) / (s.pdf + scatter_.pdf(l))) * hadamard(f, s.radiance);
+  }
+  Vec3f towards_lamp(size_t lamp, const Vec2f& u) const {
+    const LampSample s = light_.sample_lamp(lamp, place_, u);
+    if (!(s.pdf > 0)) return {};
+    const Vec3f l = frame_.local(s.direction);
+    if (!(l.z > 0)) return {};
+    const float other = lamp < light_.sharp_lamps() ? 0.f : scatter_.pdf(l);
+    return (visibility(s.direction, s.distance) / (s.pdf + other)) * hadamard(scatter_.value(l), s.radiance);
+  }
+  Vec3f along_lobe(const Vec2f& u, float choice) const {
+    const Vec3f l = scatter_.sample(choice, u);
+    const float pdf = scatter_.pdf(l);
+    if (!(l.z > 0 && pdf > 0)) return {};
+    const Vec3f d = frame_.world(l);
+    const LitScene::Arrival a = lit_.arriving(origin_, d);
+    Vec3f radiance = a.from_scene / pdf;
+    if (a.from_outside > 0 && !light_.environment.black())
+      radiance += (a.from_outside / (pdf + light_.environment.pdf(d))) * light_.environment.radiance(d);
+    for (size_t lamp = light_.sharp_lamps(); lamp < light_.lamps(); ++lamp) {
+      const AreaLight& area = light_.areas[lamp - light_.sharp_lamps()];
+      const auto t = area.hit(origin_, d);
+      if (!t) continue;
+      const float area_pdf = *t * *t / (-dot(d, area.normal) * area.area());
+      radiance += (visibility(d, *t) / (pdf + area_pdf)) * area.radiance;
+    }
+    return hadamard(scatter_.value(l), radiance);
+  }
+
+  const LitScene& lit_;
+  const Lighting& light_;
+  const Microfacet& scatter_;
+  const ShadingFrame& frame_;
+  Vec3f place_, origin_;  // rays start a little above the place
+};
+
+Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
+  const float cosine = dot(normal, view);
+  return cosine >= kLeastCosine ? normal : normalized(normal + (kLeastCosine - cosine) * view);
+}
+
+}  // namespace
+
+RelitPainter::RelitPainter(RelitScene scene)
+    : scene_(std::move(scene)), surface_(scene_), shown_{.diffuse = material_layer(scene_)}, model_(options_of(scene_)) {
+  shown_.transmittance = scene_.trained.surfels.transmittance;
+  captured_.environment = scene_.captured;
+}
+
+RelitPainter::~RelitPainter() = default;
+
+void RelitPainter::set_lighting(Lighting lighting, const LitSceneDesc& desc) {
+  lighting_ = std::move(lighting);
+  lit_ = std::make_unique<LitScene>(surface_, lighting_, desc);
+  if (scene_.trained.surfels.transmittance.size() > 0) relight_transmittance(desc);
+}
+
+// Algorithms 7.4: what stands behind glass keeps its trained colours, times the ratio of the light there now and in the photos.
+void RelitPainter::relight_transmittance(const LitSceneDesc& desc) {
+  const SplatLayer& trained = scene_.trained.surfels.transmittance;
+  const auto fluence = [&](const LitScene& lit) {
+    std::vector<Vec3f> out(trained.size());
+    parallel_for(out.size(), 64, [&](size_t i) {
+      const float* m = trained.at(Attribute::Mean, i);
+      out[i] = lit.fluence({m[0], m[1], m[2]}, i, kFluenceSamples);
+    });
+    return out;
+  };
+  if (!lit_before_) {
+    lit_before_ = std::make_unique<LitScene>(surface_, captured_, desc);
+    fluence_before_ = fluence(*lit_before_);
+  }
+  const std::vector<Vec3f> now = fluence(*lit_);
+  const Vec3f mean = scene_.captured.mean();
+  const float least = 1e-3f * (mean.x + mean.y + mean.z) / 3 + 1e-12f;
+  shown_.transmittance = trained;
+  for (size_t i = 0; i < trained.size(); ++i) {
+    float *dc = shown_.transmittance.at(Attribute::ShDc, i), *rest = shown_.transmittance.at(Attribute::ShRest, i);
+    const size_t rest_width = trained.width(Attribute::ShRest);
+    for (size_t c = 0; c < 3; ++c) {
+      const float ratio = std::min((now[i][c] + least) / (fluence_before_[i][c] + least), kMostBrighter);
+      dc[c] = (ratio * (0.5f + kShDc * dc[c]) - 0.5f) / kShDc;
+      for (size_t k = c; k < rest_width; k += 3) rest[k] *= ratio;
+    }
+  }
+}
+
+RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& desc) {
+  VITRINE_CHECK(lit_ != nullptr, "a relit picture needs a lighting");
+  frame_.differentiable = false;
+  model_.forward(shown_, view, frame_);
+  const GBuffer g(frame_);
+  const auto median_z = frame_.diffuse.plane(Aov::MedianZ);
+  const int width = g.width, height = g.height;
+  const bool transmits = shown_.transmittance.size() > 0;
+  const float snap = kSnap * surface_.grain(), lift = kLift * surface_.grain();
+  const Environment& sky = lighting_.environment;
+  RelitPicture out{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1)};
+
+  const auto shade = [&](uint32_t pixel) {
+    const PixelRay<float> ray = g.ray(pixel);
+    const float alpha = g.alpha[pixel];
+    const Vec3f behind = alpha < 1 - kLeastCoverage ? (1 - alpha) * sky.radiance(-ray.view) : Vec3f{};
+    if (alpha < kLeastCoverage) return sky.radiance(-ray.view);
+    const Vec3f blended = g.rgb(g.normal, pixel);
+    const Vec3f normal = turned_to(squared_length(blended) > 0 ? normalized(blended) : ray.view, ray.view);
+    const RelitMaterial material{.albedo = g.rgb(g.color, pixel) / alpha,
+                                 .f0 = g.rgb(g.f0, pixel) / alpha,
+                                 .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
+                                 .specular = g.specular[pixel] / alpha,
+                                 .transmission = transmits ? g.transmission[pixel] / alpha : 0.f};
+    const float mean_z = g.zdepth[pixel] / alpha, median = median_z[pixel];
+    const float z = median > 0 && std::abs(mean_z - median) > kMeanNearMedian_rel * median ? median : mean_z;
+    Vec3f place = ray.eye + z * ray.direction_per_z;
+    // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
+    // (thin coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside.
+    Vec3f outwards = ray.view;
+    const float t = z * length(ray.direction_per_z);
+    if (const auto hit = surface_.first_hit(ray.eye, -ray.view); hit && hit->t < t + snap) {
+      outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
+      place = ray.eye - hit->t * ray.view;
+    }
+    const Vec3f origin = place + lift * outwards;
+    const ShadingFrame frame(normal);
+    const Microfacet scatter(scene_.blend(), material, frame.local(ray.view));
+    Vec3f radiance = PixelShader(*lit_, scatter, frame, place, origin).shade(SamplePoints(desc.seed, pixel), desc.samples);
+    if (transmits) {
+      const LayerImages& l = frame_.layers;
+      Vec3f through = g.rgb(l.transmitted, pixel);
+      if (const float rest = l.inner_transmittance[pixel]; rest > kLeastCoverage && material.transmission > 0) {
+        const Vec3f beyond = place - lift * normal;
+        const LitScene::Arrival a = lit_->arriving(beyond, -ray.view);
+        through += rest * (a.from_scene + a.from_outside * sky.radiance(-ray.view));
+      }
+      radiance += hadamard(scatter.transmission_weight(), through);
+    }
+    return alpha * radiance + behind;
+  };
+
+  for (int top = 0; top < height; top += kBandRows) {
+    throw_if_interrupted();
+    const int rows = std::min(kBandRows, height - top);
+    constexpr int kRun = 32;  // pixels of one task
+    const int runs = (width + kRun - 1) / kRun;
+    parallel_for(static_cast<size_t>(rows) * static_cast<size_t>(runs), 1, [&](size_t task) {
+      const int y = top + static_cast<int>(task) / runs, left = static_cast<int>(task) % runs * kRun;
+      for (int x = left; x < std::min(left + kRun, width); ++x) {
+        const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(width) + static_cast<uint32_t>(x);
+        const Vec3f radiance = shade(pixel), albedo = g.rgb(g.color, pixel);
+        for (size_t c = 0; c < 3; ++c) {
+          out.radiance.at(x, y, int(c)) = radiance[c];
+          out.albedo.at(x, y, int(c)) = albedo[c];
+        }
+        out.coverage.at(x, y) = g.alpha[pixel];
+      }
+    });
+    if (desc.progress) desc.progress(double(top + rows) / height);
+  }
+  return out;
+}
+
+}  // namespace vitrine

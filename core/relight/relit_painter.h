@@ -1,0 +1,56 @@
+// Pictures of a scene under another light (README): what each pixel shows is rasterised from the surfels, then shaded with the
+// materials of the relight stage; rays for shadows, reflections and one bounce run through the mesh.
+//
+//   RelitPainter painter(scene);
+//   painter.set_lighting(lighting);                     // finds the light on the mesh and behind the glass, once
+//   RelitPicture p = painter.picture(view, {.samples = 64});
+//
+// Same scene, lighting, view and desc: same bytes, whatever the number of threads.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "core/model/layered_model.h"
+#include "core/relight/lit_scene.h"
+
+namespace vitrine {
+
+struct RelitPictureDesc {
+  int samples = 64;  // a pixel; each is one ray to the light and one into the material's lobe
+  uint64_t seed = 1;
+  std::function<void(double)> progress = {};  // share of the picture that is done; from one thread
+};
+
+struct RelitPicture {
+  ImageF radiance;  // [h, w, 3] linear, in the units of the lighting; the environment where there is no surface
+  ImageF albedo;    // [h, w, 3] of the surface, times its coverage
+  ImageF coverage;  // [h, w, 1] of the surfels
+};
+
+class RelitPainter {
+ public:
+  explicit RelitPainter(RelitScene scene);
+  ~RelitPainter();
+
+  void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
+  // At the size of the view's intrinsics; its gain takes no part.
+  RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});
+
+  const RelitScene& scene() const { return scene_; }
+  const LitScene& lit() const { return *lit_; }
+
+ private:
+  void relight_transmittance(const LitSceneDesc& desc);
+
+  RelitScene scene_;
+  SceneSurface surface_;
+  SplatScene shown_;  // albedo and materials; the transmittance layer under the lighting
+  LayeredModel model_;
+  Frame frame_;
+  Lighting lighting_, captured_;
+  std::unique_ptr<LitScene> lit_, lit_before_;
+  std::vector<Vec3f> fluence_before_;  // [surfels of the transmittance layer]
+};
+
+}  // namespace vitrine

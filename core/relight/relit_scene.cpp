@@ -1,0 +1,65 @@
+#include "core/relight/relit_scene.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/math/spherical_harmonics.h"
+#include "core/mesh/mesh_io.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+// Nearer to 0 or 1 the sigmoid's raw value runs away, and no picture shows the difference.
+constexpr float kOpenEnd = 1e-4f;
+
+float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd)); }
+
+}  // namespace
+
+RelitScene read_relit_scene(const RelitFolders& folders) {
+  RelitScene scene;
+  scene.trained = read_trained_scene(folders.optimize);
+  scene.materials = read_relight_materials(folders.relight);
+  if (scene.materials.size() != scene.trained.surfels.diffuse.size())
+    throw Error(ErrorKind::Input, "the materials belong to another scene",
+                {.where = relight_materials_path(folders.relight).string(),
+                 .why = fmt::format("{} materials for {} surfels", scene.materials.size(), scene.trained.surfels.diffuse.size()),
+                 .hint = "run the stage relight again",
+                 .code = "BAD_MATERIALS"});
+  scene.captured = read_environment(relight_environment_path(folders.relight));
+  const fs::path mesh = folders.mesh / "mesh" / "mesh.ply";
+  scene.mesh = read_mesh_ply(mesh);
+  if (scene.mesh.faces.empty())
+    throw Error(ErrorKind::Input, "the mesh is empty: nothing would throw a shadow",
+                {.where = mesh.string(), .hint = "run the stage mesh again, with other options", .code = "EMPTY_MESH"});
+  return scene;
+}
+
+SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors) {
+  VITRINE_CHECK(colors.size() == surfels.size(), "{} colours for {} surfels", colors.size(), surfels.size());
+  SplatLayer out(surfels.kind(), 0, surfels.size());
+  for (const AttributeRow& r : kAttributes) {
+    if (r.id == Attribute::ShDc || r.id == Attribute::ShRest) continue;
+    std::ranges::copy(surfels.values(r.id), out.values(r.id).begin());
+  }
+  for (size_t i = 0; i < colors.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) out.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
+  return out;
+}
+
+SplatLayer material_layer(const RelitScene& scene) {
+  SplatLayer out = painted_layer(scene.trained.surfels.diffuse, scene.materials.albedo);
+  for (size_t i = 0; i < out.size(); ++i) {
+    const RelitMaterial m = scene.material(i);
+    for (size_t c = 0; c < 3; ++c) out.at(Attribute::F0, i)[c] = raw(m.f0[c]);
+    *out.at(Attribute::Roughness, i) = raw(m.roughness);
+    *out.at(Attribute::SpecularWeight, i) = raw(m.specular);
+    *out.at(Attribute::Transmission, i) = raw(m.transmission);
+  }
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,39 @@
+// What a scene must know to be lit anew: the trained surfels, the materials that the relight stage found for them, the light that
+// it took out of the photos, and the mesh that throws the shadows.
+#pragma once
+
+#include <filesystem>
+
+#include "core/light/environment.h"
+#include "core/mesh/tri_mesh.h"
+#include "core/picture/relight_materials.h"
+#include "core/picture/trained_scene.h"
+#include "core/relight/microfacet.h"
+
+namespace vitrine {
+
+struct RelitScene {
+  TrainedScene trained;
+  RelightMaterials materials;  // of trained.surfels.diffuse
+  Environment captured;        // the light of the photos
+  TriMesh mesh;
+
+  RelitMaterial material(size_t surfel) const {
+    return {materials.albedo[surfel], materials.f0[surfel], materials.roughness[surfel], materials.specular_weight[surfel],
+            materials.transmission[surfel]};
+  }
+  LayerBlend blend() const { return trained.image.composite.blend; }
+};
+
+// From the artifacts of three stages. Throws Error{Input} with file and cause, also when they do not belong together.
+struct RelitFolders {
+  std::filesystem::path optimize, mesh, relight;
+};
+RelitScene read_relit_scene(const RelitFolders& folders);
+
+// The diffuse surfels with other colours that look the same from everywhere, [surfels].
+SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors);
+// The same with the albedo as colour and the materials of the relight stage: what the rasteriser blends for a relit picture.
+SplatLayer material_layer(const RelitScene& scene);
+
+}  // namespace vitrine

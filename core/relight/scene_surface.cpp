@@ -1,0 +1,112 @@
+#include "core/relight/scene_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/trace/tracer.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kLeastCoverage = 0.05f;  // of the surfels on a vertex's short ray; less tells nothing
+constexpr float kReach = 3;              // in grains: how far off the mesh its surfels are looked for
+constexpr float kLeastGlass = 0.05f;     // straight transmittance below this is a solid thing
+
+TriMesh with_normals(TriMesh mesh) {
+  if (mesh.normals.size() == mesh.positions.size()) return mesh;
+  mesh.normals.assign(mesh.positions.size(), {});
+  for (const auto& f : mesh.faces) {
+    const Vec3f& a = mesh.positions[f[0]];
+    const Vec3f n = cross(mesh.positions[f[1]] - a, mesh.positions[f[2]] - a);  // weighted by area
+    for (const uint32_t v : f) mesh.normals[v] += n;
+  }
+  for (Vec3f& n : mesh.normals) n = squared_length(n) > 0 ? normalized(n) : Vec3f{0, 0, 1};
+  return mesh;
+}
+
+float mean_edge(const TriMesh& mesh) {
+  double sum = 0;
+  for (const auto& f : mesh.faces)
+    for (size_t i = 0; i < 3; ++i) sum += length(mesh.positions[f[(i + 1) % 3]] - mesh.positions[f[i]]);
+  return static_cast<float>(sum / (3.0 * static_cast<double>(std::max<size_t>(mesh.faces.size(), 1))));
+}
+
+// Mean colour of a layer around each vertex; `rest` where there are no surfels.
+std::vector<Vec3f> colors_at_vertices(const SplatLayer& layer, const TriMesh& mesh, float reach, const Vec3f& rest) {
+  std::vector<Vec3f> origins(mesh.positions.size()), directions(mesh.positions.size());
+  for (size_t v = 0; v < origins.size(); ++v) {
+    directions[v] = -mesh.normals[v];
+    origins[v] = mesh.positions[v] + reach * mesh.normals[v];
+  }
+  const std::vector<float> far(origins.size(), 2 * reach);
+  const auto tracer = make_tracer();
+  tracer->build(layer);
+  RayValues values;
+  tracer->forward({.origins = origins, .directions = directions, .far = far}, {.sh_degree = 0}, values, nullptr);
+  for (size_t v = 0; v < origins.size(); ++v) {
+    const float coverage = 1 - values.transmittance[v];
+    values.color[v] = coverage > kLeastCoverage ? values.color[v] / coverage : rest;
+  }
+  return std::move(values.color);
+}
+
+}  // namespace
+
+SceneSurface::SceneSurface(const RelitScene& scene) : mesh_(with_normals(scene.mesh)), hits_(mesh_), grain_(mean_edge(mesh_)) {
+  take_materials(scene);
+}
+
+void SceneSurface::take_materials(const RelitScene& scene) {
+  const size_t n = scene.materials.size();
+  std::vector<Vec3f> reflectance(n), through(n);
+  Vec3d mean{};
+  for (size_t i = 0; i < n; ++i) {
+    const RelitMaterial m = scene.material(i);
+    const float t = straight_transmittance(scene.blend(), m);
+    reflectance[i] = bounce_reflectance(scene.blend(), m);
+    through[i] = {t, t, t};
+    mean += cast<double>(reflectance[i]) / double(n);
+    glass_ = glass_ || t > kLeastGlass;
+  }
+  const SplatLayer& surfels = scene.trained.surfels.diffuse;
+  reflectance_ = colors_at_vertices(painted_layer(surfels, reflectance), mesh_, kReach * grain_, cast<float>(mean));
+  // Sums of weighted means: rounding may leave the range.
+  for (Vec3f& r : reflectance_)
+    for (size_t c = 0; c < 3; ++c) r[c] = std::clamp(r[c], 0.f, 1.f);
+  if (!glass_) return;
+  const std::vector<Vec3f> at_vertices = colors_at_vertices(painted_layer(surfels, through), mesh_, kReach * grain_, {});
+  transmittance_.resize(mesh_.faces.size());
+  for (size_t f = 0; f < transmittance_.size(); ++f) {
+    float t = 0;
+    for (const uint32_t v : mesh_.faces[f]) t += at_vertices[v].x / 3;
+    transmittance_[f] = t > kLeastGlass ? std::min(t, 1.f) : 0.f;
+  }
+}
+
+float SceneSurface::visibility(const Vec3f& origin, const Vec3f& direction, float far) const {
+  if (!glass_) return hits_.occluded(origin, direction, 0, far) ? 0.f : 1.f;
+  float near = 0, share = 1;
+  for (int panes = 0; panes < kMostPanes; ++panes) {
+    const auto hit = hits_.first_hit(origin, direction, near, far);
+    if (!hit) return share;
+    share *= face_transmittance(hit->face);
+    if (share < kLeastShare) return 0;
+    near = next_near(hit->t);
+  }
+  return 0;
+}
+
+SurfacePlace SceneSurface::place(uint32_t face, const Vec3f& p) const {
+  const auto& f = mesh_.faces[face];
+  const Vec3f &a = mesh_.positions[f[0]], &b = mesh_.positions[f[1]], &c = mesh_.positions[f[2]];
+  const Vec3f n = cross(b - a, c - a);
+  const float area = squared_length(n);
+  if (!(area > 0)) return {face, {1, 0, 0}};
+  const float u = std::clamp(dot(cross(p - a, c - a), n) / area, 0.f, 1.f);
+  const float v = std::clamp(dot(cross(b - a, p - a), n) / area, 0.f, 1 - u);
+  return {face, {1 - u - v, u, v}};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,76 @@
+// The mesh of a scene as light meets it: what stops rays, what lets them through (panes of glass), and what share of light each
+// vertex sends on. Vertices take their materials from the surfels around them, by a short ray through them.
+#pragma once
+
+#include <vector>
+
+#include "core/relight/relit_scene.h"
+#include "core/trace/mesh_hits.h"
+
+namespace vitrine {
+
+// A place on the mesh: a face and weights of its corners.
+struct SurfacePlace {
+  uint32_t face = 0;
+  Vec3f weights{};
+};
+
+class SceneSurface {
+ public:
+  explicit SceneSurface(const RelitScene& scene);
+
+  const TriMesh& mesh() const { return mesh_; }                           // with normals
+  const std::vector<Vec3f>& reflectance() const { return reflectance_; }  // [v]
+  // Length of the mesh's edges: surfels and mesh agree to about as much. Rays start and places are compared with it.
+  float grain() const { return grain_; }
+
+  std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0) const {
+    return hits_.first_hit(origin, direction, near);
+  }
+  // Share of light that comes along a segment: 0 behind anything solid, less than 1 behind glass.
+  float visibility(const Vec3f& origin, const Vec3f& direction, float far = MeshHits::kFar) const;
+
+  // What a ray meets: solid places, and panes on the way, each with the share of the ray that it gets.
+  struct Meeting {
+    SurfacePlace place;
+    float share = 0;
+    bool front = true;
+  };
+  // Calls meet(Meeting) for each; returns the share that leaves the scene.
+  template <class Meet>
+  float follow(const Vec3f& origin, const Vec3f& direction, const Meet& meet) const {
+    float near = 0, share = 1;
+    for (int panes = 0; panes < kMostPanes; ++panes) {
+      const auto hit = hits_.first_hit(origin, direction, near);
+      if (!hit) return share;
+      const float through = face_transmittance(hit->face);
+      meet(Meeting{place(hit->face, origin + hit->t * direction), share * (1 - through), !hit->from_inside});
+      share *= through;
+      if (share < kLeastShare) return 0;
+      near = next_near(hit->t);
+    }
+    return 0;
+  }
+  Vec3f at(const std::vector<Vec3f>& per_vertex, const SurfacePlace& place) const {
+    const auto& f = mesh_.faces[place.face];
+    return place.weights.x * per_vertex[f[0]] + place.weights.y * per_vertex[f[1]] + place.weights.z * per_vertex[f[2]];
+  }
+
+ private:
+  static constexpr int kMostPanes = 12;
+  static constexpr float kLeastShare = 0.01f;
+
+  float face_transmittance(uint32_t face) const { return glass_ ? transmittance_[face] : 0.f; }
+  float next_near(float t) const { return t * (1 + 4e-6f) + 1e-3f * grain_; }
+  SurfacePlace place(uint32_t face, const Vec3f& position) const;
+  void take_materials(const RelitScene& scene);
+
+  TriMesh mesh_;
+  MeshHits hits_;
+  float grain_ = 0;
+  bool glass_ = false;
+  std::vector<Vec3f> reflectance_;    // [v]
+  std::vector<float> transmittance_;  // [f]
+};
+
+}  // namespace vitrine

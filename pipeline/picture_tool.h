@@ -1,0 +1,32 @@
+// What `vitrine render` and `vitrine relight` share: options of pictures, and a program beside the stages that is started with
+// the project's artifacts, and whose own artifact is linked where the user wants to see it.
+#pragma once
+
+#include "core/base/file.h"
+#include "core/config/cli.h"
+#include "pipeline/commands.h"
+
+namespace vitrine {
+
+struct PictureArguments {
+  std::string output, views = "heldout", size;
+  std::vector<std::string> sets;
+  int threads = 0;
+  bool force = false, no_progress = false, quiet = false, help = false;
+};
+// `folder`: what the pictures appear in.
+void add_picture_options(CommandLine& cli, PictureArguments& a, const std::string& folder);
+
+struct PictureTool {
+  std::string name;                 // "render": program vitrine-render, store and folder `render`
+  std::vector<std::string> stages;  // whose artifacts it reads
+  std::string missing;              // "there is no trained scene yet"
+  Words words;                      // more arguments for the program
+};
+// The project folder of the words that the command line left over, or the current folder.
+fs::path picture_project(const Words& rest);
+// --input NAME=PATH of a file that the user names. Throws Error{Input} when there is none.
+void add_input_file(const std::string& name, const std::string& path, const std::string& hint, Words& words);
+int run_picture_tool(const PictureTool& tool, const fs::path& project, const PictureArguments& a);
+
+}  // namespace vitrine

@@ -1,0 +1,246 @@
+#include "stages/relit/relit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/process.h"
+#include "core/base/rng.h"
+#include "core/camera/view_set.h"
+#include "core/image/bitmap_font.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/picture/picture_views.h"
+#include "core/relight/relit_painter.h"
+#include "stages/relit/turntable.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
+
+// The folder of a light: the name of its file without what a file system or a shell might not like.
+std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
+  std::string label = environment ? environment->stem().string() : lights ? lights->stem().string() : "captured";
+  for (char& c : label)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+  return label.find_first_not_of('.') == std::string::npos ? "light" : label;
+}
+
+Lighting chosen_lighting(const RelitConfig& config, const StageContext& context, const RelitScene& scene) {
+  Lighting lighting;
+  const auto environment = context.optional_input("env"), lights = context.optional_input("lights");
+  if (environment)
+    lighting.environment = read_environment(*environment);
+  else if (!lights)
+    lighting.environment = scene.captured;
+  lighting.environment = lighting.environment.rotated(config.rotate);
+  if (lights) read_lamps(*lights, lighting);
+  return lighting;
+}
+
+std::vector<View> chosen_views(const RelitConfig& config, const StageContext& context) {
+  PictureViewsDesc desc{.which = config.views,
+                        .sfm = context.input("sfm"),
+                        .optimize = context.input("optimize"),
+                        .path = context.optional_input("path"),
+                        .width = config.width,
+                        .height = config.height};
+  if (config.turntable == 0) return picture_views(desc);
+  desc.which = "all";
+  return turntable_views(picture_views(desc), config.turntable);
+}
+
+Image8 developed(const ImageF& radiance, double exposure) {
+  ImageF scaled = radiance;
+  const auto gain = static_cast<float>(std::exp2(exposure));
+  for (float& v : scaled.data()) v *= gain;
+  return srgb8_from_linear(scaled);
+}
+
+// Small copies of pictures on one sheet, with their names.
+class ContactSheet {
+ public:
+  void add(const Image8& picture, const std::string& name) {
+    if (cells_.size() == size_t(kMostSheetCells)) return;
+    const int width = std::min(kSheetCell, picture.width());
+    const int height = std::max(1, static_cast<int>(std::lround(double(picture.height()) * width / picture.width())));
+    ImageF whole(picture.width(), picture.height(), 3);
+    std::ranges::transform(picture.data(), whole.data().begin(), [](uint8_t v) { return float(v) / 255; });
+    const ImageF small = resized(whole, width, height);
+    Image8 cell(width, height, 3);
+    std::ranges::transform(small.data(), cell.data().begin(), [](float v) { return uint8_t(std::lround(v * 255)); });
+    draw_text(cell, 4, 4, name);
+    cells_.push_back(std::move(cell));
+  }
+  void write(const fs::path& path) const {
+    int cell_width = 1, cell_height = 1;
+    for (const Image8& c : cells_) cell_width = std::max(cell_width, c.width()), cell_height = std::max(cell_height, c.height());
+    const int columns = std::min(kSheetColumns, static_cast<int>(cells_.size()));
+    const int rows = (static_cast<int>(cells_.size()) + columns - 1) / columns;
+    Image8 sheet(columns * (cell_width + kGap) + kGap, rows * (cell_height + kGap) + kGap, 3, uint8_t(24));
+    for (size_t i = 0; i < cells_.size(); ++i) {
+      const Image8& c = cells_[i];
+      const int left = kGap + static_cast<int>(i) % columns * (cell_width + kGap);
+      const int top = kGap + static_cast<int>(i) / columns * (cell_height + kGap);
+      for (int y = 0; y < c.height(); ++y) std::copy_n(c.pixel(0, y), 3 * c.width(), sheet.pixel(left, top + y));
+    }
+    write_ldr(path, sheet);
+  }
+
+ private:
+  std::vector<Image8> cells_;
+};
+
+// A film of frame_0000.png on. Bytes depend on the frames and on ffmpeg alone.
+void write_film(const fs::path& ffmpeg, const fs::path& folder, const fs::path& film, double frame_rate) {
+  const ProcessResult r = run_process({.arguments = {ffmpeg.string(),
+                                                     "-nostdin",
+                                                     "-y",
+                                                     "-loglevel",
+                                                     "error",
+                                                     "-framerate",
+                                                     fmt::format("{}", frame_rate),
+                                                     "-i",
+                                                     (folder / "frame_%04d.png").string(),
+                                                     "-vf",
+                                                     "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                                     "-pix_fmt",
+                                                     "yuv420p",
+                                                     "-threads",
+                                                     "1",
+                                                     "-map_metadata",
+                                                     "-1",
+                                                     "-fflags",
+                                                     "+bitexact",
+                                                     "-flags:v",
+                                                     "+bitexact",
+                                                     film.string()}});
+  if (!r.ok())
+    throw Error(
+        ErrorKind::Dependency, "ffmpeg could not make the film",
+        {.where = film.string(), .why = r.tail, .hint = "the frames are fine: make the film by hand", .code = "FFMPEG_FAILED"});
+}
+
+std::string problem_of(const RelitConfig& c) {
+  return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
+}
+
+void write_settings(const fs::path& path, const RelitConfig& c, const Lighting& lighting) {
+  nlohmann::ordered_json json;
+  json["rotate_deg"] = c.rotate;
+  json["exposure_stops_of_png"] = c.exposure;
+  json["samples"] = c.samples;
+  json["seed"] = c.seed;
+  json["environment_orientation"] = "first row +z, centre +x, three quarters -y, before the rotation about +z";
+  const Vec3f mean = lighting.environment.mean();
+  json["environment_mean"] = {mean.x, mean.y, mean.z};
+  json["lamps"] = lighting.lamps();
+  json["approximations"] = {"what stands behind glass keeps its trained colours, scaled by the ratio of the light there",
+                            "light bounces between matt copies of the surfaces; no caustics"};
+  write_file(path, json.dump(2) + "\n");
+}
+
+}  // namespace
+
+void describe(Describer& d, RelitConfig& c) {
+  d.option("views", c.views, "Cameras: held-out photos, training photos, both, or those of the input `path`.")
+      .choices({"heldout", "train", "all", "path"});
+  d.option("turntable", c.turntable, "Frames of a camera that goes around the scene; 0 = the views.").range(0, 100000);
+  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("samples", c.samples, "Samples a pixel: noise halves with four times as many.").range(1, 65536);
+  d.option("seed", c.seed, "Another seed, another noise.").range(0, 1e9);
+  d.option("rotate", c.rotate, "Turns the environment about +z, counter-clockwise seen from above, degrees.")
+      .range(-36000, 36000);
+  d.option("exposure", c.exposure, "Stops that the PNG are brighter than the EXR.").range(-30, 30);
+  d.option("frame_rate", c.frame_rate, "Frames a second of the film of a turntable or path.").range(1, 240);
+}
+
+void run_relit(const RelitConfig& config, StageContext& context) {
+  // Bad light and bad cameras are told before anything is computed.
+  const std::vector<View> all_views = chosen_views(config, context);
+  RelitScene scene = read_relit_scene(
+      {.optimize = context.input("optimize"), .mesh = context.input("mesh"), .relight = context.input("relight")});
+  const Lighting lighting = chosen_lighting(config, context, scene);
+  const auto environment = context.optional_input("env");
+  const float brightest = lighting.environment.map().empty() ? 0.f : *std::ranges::max_element(lighting.environment.map().data());
+  if (environment && brightest <= 1)
+    context.warning("ENV_LOW_RANGE", fmt::format("no texel of {} is brighter than 1: was it made from a display picture?",
+                                                 environment->filename().string()));
+  const bool glass = scene.trained.surfels.transmittance.size() > 0;
+  RelitPainter painter(std::move(scene));
+  painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
+
+  std::vector<View> views = all_views;
+  const fs::path out = context.output() / "relit" / label_of(environment, context.optional_input("lights"));
+  make_folders(out);
+  ContactSheet sheet;
+  for (size_t i = 0; i < views.size(); ++i) {
+    throw_if_interrupted();
+    const std::string text = fmt::format("view {}/{}", i + 1, views.size());
+    const RelitPicture picture = painter.picture(
+        views[i],
+        {.samples = config.samples, .seed = mix64(static_cast<uint64_t>(config.seed), i), .progress = [&](double share) {
+           context.progress({.fraction = (double(i) + share) / double(views.size()), .text = text, .values = {}});
+         }});
+    const fs::path stem = out / views[i].stem();
+    make_folders(stem.parent_path());
+    write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
+    const Image8 png = developed(picture.radiance, config.exposure);
+    write_ldr(fs::path(stem.string() + ".png"), png);
+    sheet.add(png, views[i].stem());
+    views[i].name = views[i].stem() + ".png";
+  }
+  sheet.write(out / "contact_sheet.png");
+  write_transforms_json(out / "transforms.json", views, ".");
+  write_settings(out / "settings.json", config, lighting);
+  std::string film;
+  if (config.turntable > 0 || config.views == "path") {
+    if (const auto ffmpeg = find_program("ffmpeg")) {
+      film = config.turntable > 0 ? "turntable.mp4" : "path.mp4";
+      write_film(*ffmpeg, out, out / film, config.frame_rate);
+    } else {
+      context.warning("NO_FFMPEG", "ffmpeg is not installed: the frames are there, but no film");
+    }
+  }
+  context.metric("views", double(views.size()));
+  const Intrinsics& k = views[0].intrinsics;
+  context.summary(fmt::format("{} {} of {}x{} at {} spp{}{}", views.size(), views.size() == 1 ? "picture" : "pictures", k.width,
+                              k.height, config.samples, film.empty() ? "" : ", " + film,
+                              glass ? "; glass: its inside is relit approximately" : ""));
+}
+
+Stage relit_stage() {
+  StageInfo info{
+      .name = "relit",
+      .version = 1,
+      .summary = "pictures of a scene under another light",
+      .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
+                 {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                 {.name = "mesh", .doc = "The mesh that throws shadows and is seen in mirrors."},
+                 {.name = "relight", .doc = "Materials and the light of the photos."},
+                 {.name = "env",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "Environment: lat-long, 2:1, OpenEXR or Radiance HDR. Without env and lights: that of the photos."},
+                 {.name = "lights", .artifact = false, .optional = true, .doc = "Lamps: a YAML file."},
+                 {.name = "path",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "Cameras in the scene's frame: a transforms.json with w and h."}}};
+  return make_stage<RelitConfig>(
+      std::move(info), run_relit,
+      [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
+                                                  {"ffmpeg", find_program("ffmpeg") ? "present" : "none"}};
+      },
+      problem_of);
+}
+
+}  // namespace vitrine

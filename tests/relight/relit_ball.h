@@ -1,0 +1,34 @@
+// A ball of surfels with a mesh, ready to be relit.
+#pragma once
+
+#include "core/relight/relit_painter.h"
+#include "tests/evaluate/tiny_capture.h"
+
+namespace vitrine::test {
+
+inline RelitScene relit_ball(const Vec3f& albedo, double radius = 0.4) {
+  RelitScene s;
+  s.trained.surfels.diffuse = sphere_layer(radius);
+  s.materials.resize(s.trained.surfels.diffuse.size());
+  std::ranges::fill(s.materials.albedo, albedo);
+  std::ranges::fill(s.materials.roughness, 0.5f);
+  std::ranges::fill(s.materials.f0, Vec3f{0.04f, 0.04f, 0.04f});
+  s.captured = Environment(ImageF(8, 4, 3, 1.f));
+  s.mesh = sphere_mesh(radius);
+  return s;
+}
+
+inline View view_from(const Vec3d& eye, int width = 48, int height = 36) {
+  View v;
+  v.intrinsics = {width, height, 1.1 * width, 1.1 * width, width / 2.0, height / 2.0};
+  v.cam_from_world = looking_at(eye, {0, 0, 0});
+  return v;
+}
+
+inline Lighting constant_light(float radiance) {
+  Lighting l;
+  l.environment = Environment(ImageF(16, 8, 3, radiance));
+  return l;
+}
+
+}  // namespace vitrine::test
