@@ -15,6 +15,7 @@ struct NodeInput {
   std::string name;
   bool artifact = true, optional = false;
   std::string doc;
+  std::string skips;  // files with this extension are for other stages
 };
 
 struct StageNode {

@@ -36,7 +36,9 @@ CommandLine run_command_line(RunArguments& a) {
   cli.values("set", 0, "STAGE.OPTION=VALUE", a.sets, "One option; wins over files.");
   cli.value("poses", 0, "PATH", a.poses, "Known camera poses: a COLMAP model or a transforms.json.");
   cli.value("masks", 0, "DIR", a.masks,
-            "Masks of the photos: a folder per class (object, transparent, specular, ignore), or masks of the object alone.");
+            "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
+            "YAML file that "
+            "marks things in a few photos.");
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
   cli.value("truth", 0, "DIR", a.truth,
             "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");

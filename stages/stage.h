@@ -25,6 +25,7 @@ struct StageInput {
   bool artifact = true;  // false: an outside folder or file, digested by content
   bool optional = false;
   std::string doc;
+  std::string skips = {};  // of an outside input: files with this extension are for other stages (".yaml")
 };
 
 struct StageInfo {

@@ -21,7 +21,8 @@ CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   cli.section("configuration");
   cli.values("config", 'c', "FILE", a.configs, "YAML file with options; later files win.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "One option; wins over files.");
-  cli.values("set-from", 0, "ORIGIN|OPTION=VALUE", a.sets_from, "One option, with the place it was given in for messages and the manifest.");
+  cli.values("set-from", 0, "ORIGIN|OPTION=VALUE", a.sets_from,
+             "One option, with the place it was given in for messages and the manifest.");
   cli.flag("force", 0, a.force, "Compute even if the result is in the store.");
   cli.section("machine");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. The result does not depend on it.");
@@ -72,7 +73,8 @@ std::string stage_description(const StageInfo& info, const OptionTable& options)
   nlohmann::ordered_json out = {{"format", 1}, {"name", info.name}, {"version", info.version}, {"summary", info.summary}};
   out["inputs"] = nlohmann::ordered_json::array();
   for (const StageInput& i : info.inputs)
-    out["inputs"].push_back({{"name", i.name}, {"artifact", i.artifact}, {"optional", i.optional}, {"doc", i.doc}});
+    out["inputs"].push_back(
+        {{"name", i.name}, {"artifact", i.artifact}, {"optional", i.optional}, {"doc", i.doc}, {"skips", i.skips}});
   out.update(nlohmann::ordered_json::parse(options_to_json(options)));
   return out.dump(1);
 }

@@ -14,7 +14,6 @@ constexpr int kBlurPasses = 3;    // of a 3-voxel box: a bell of about 1.4 voxel
 constexpr int kPadding = 4;       // voxels around what is left, so that the blurred surface closes
 constexpr float kLevel = 0.5f;    // of occupancy: the surface
 constexpr double kSeenBy = 0.35;  // share of the photos that must see a voxel: a hull of few photos is no hull
-constexpr size_t kFewestViews = 3;
 
 struct Grid {
   Vec3d origin;  // corner of voxel (0, 0, 0)
@@ -32,11 +31,11 @@ Grid grid_over(const Bounds3& bounds, int resolution, int padding) {
   return grid;
 }
 
-// 1 where at most the share `dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks, so
+// 1 where at most the share `desc.dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks, so
 // that a coarse grid loses nothing.
-std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, double dissent, double slack) {
+std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, const HullDesc& desc, double slack) {
   std::vector<float> field(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0);
-  const size_t needed = std::max(kFewestViews, size_t(kSeenBy * double(masks.size())));
+  const size_t needed = std::max(desc.fewest_views, size_t(kSeenBy * double(masks.size())));
   parallel_for(size_t(grid.size[2]), 1, [&](size_t z) {
     for (int y = 0; y < grid.size[1]; ++y)
       for (int x = 0; x < grid.size[0]; ++x) {
@@ -57,7 +56,7 @@ std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, dou
                                    std::clamp(int(v) + dy, 0, m.mask.height() - 1)) >= 0.5f;
           outside += !inside;
         }
-        if (seen >= needed && double(outside) <= dissent * double(seen)) field[grid.index(x, y, int(z))] = 1;
+        if (seen >= needed && double(outside) <= desc.dissent * double(seen)) field[grid.index(x, y, int(z))] = 1;
       }
   });
   return field;
@@ -97,13 +96,13 @@ void blur(std::vector<float>& field, const Grid& grid) {
 }  // namespace
 
 VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
-  if (masks.size() < kFewestViews) return;
+  if (masks.size() < desc.fewest_views) return;
   const double r = desc.reach;
   const Grid coarse = grid_over({{-r, -r, -r}, {r, r, r}}, kCoarse, 0);
-  const Bounds3 rough = occupied(carved(masks, coarse, desc.dissent, 0.9), coarse);
+  const Bounds3 rough = occupied(carved(masks, coarse, desc, 0.9), coarse);
   if (rough.empty()) return;
   Grid fine = grid_over(rough, desc.resolution, kPadding);
-  std::vector<float> field = carved(masks, fine, desc.dissent, 0);
+  std::vector<float> field = carved(masks, fine, desc, 0);
   bounds_ = occupied(field, fine);
   if (bounds_.empty()) return;
   Vec3d mean{};

@@ -22,8 +22,12 @@ MaskClass class_of(const std::string& word) {
 }
 
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
-std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder) {
+std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder,
+                          const std::vector<MarkedThing>& marked) {
   if (config.source != "auto") return config.source;
+  if (!marked.empty())
+    return std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); }) ? "boxes"
+                                                                                                                      : "none";
   if (folder) return folder->file_count(kind) > 0 ? "files" : "none";
   return kind == MaskClass::Transparent || kind == MaskClass::Specular ? "proposed" : "none";
 }
@@ -66,9 +70,10 @@ const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
 }
 
 void describe(Describer& d, MaskClassConfig& c) {
-  d.option("source", c.source,
-           "Where its masks come from; auto: files where masks are given, else a proposal for glass and mirrors.")
-      .choices({"auto", "files", "proposed", "none"});
+  d.option(
+       "source", c.source,
+       "Where its masks come from; auto: files or boxes where masks or marks are given, else a proposal for glass and mirrors.")
+      .choices({"auto", "files", "boxes", "proposed", "none"});
   d.option("polarity", c.polarity,
            "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
       .choices({"auto", "white", "black"});
@@ -86,6 +91,7 @@ void describe(Describer& d, MasksConfig& c) {
        "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).")
       .choices({"auto", "photo", "undistorted"});
   d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
+  d.group("boxes", c.boxes, "Masks from a few marks of the user's, carried to all photos.");
   d.group("proposed", c.proposed, "Masks that nobody drew: what changes from view to view after a short diffuse fit.");
 }
 
@@ -93,7 +99,10 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const MaskCapture capture = read_mask_capture(context.input("sfm"));
   std::optional<MaskFolder> folder;
-  if (const auto path = context.optional_input("masks")) {
+  std::vector<MarkedThing> marked;
+  if (const auto path = context.optional_input("masks"); path && is_marks_file(*path)) {
+    marked = read_marks(*path, capture);
+  } else if (path) {
     folder.emplace(*path, class_of(config.flat));
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
@@ -106,9 +115,21 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   }
   MaskSources sources;
   std::shared_ptr<const Proposal> proposal;
+  std::shared_ptr<const MarkedMasks> carried;
   for (MaskClass kind : kMaskClasses) {
-    const std::string source = chosen_source(kind, config.of(kind), folder);
+    const std::string source = chosen_source(kind, config.of(kind), folder, marked);
     if (source == "files") sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
+    if (source == "boxes") {
+      if (marked.empty())
+        throw Error(
+            ErrorKind::Usage, fmt::format("masks.{}.source is 'boxes', and nothing is marked", name(kind)),
+            {.hint = "--masks MARKS.yaml (vitrine run), --input masks=MARKS.yaml (vitrine-masks)", .code = "MASKS_MISSING"});
+      if (!carried)
+        carried = carry_marks(config.boxes, capture, marked, [&](double f) {
+          context.progress({.fraction = 0.8 * f, .text = "carries the marks to all photos", .values = {}});
+        });
+      sources[size_t(kind)] = std::make_unique<MarkedSource>(carried, kind);
+    }
     if (source != "proposed") continue;
     if (!proposal) {
       const Timer timer;
@@ -141,14 +162,16 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 }
 
 Stage masks_stage() {
-  StageInfo info{.name = "masks",
-                 .version = 1,
-                 .summary = "which pixels are glass, mirror, object, or not to be used",
-                 .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
-                            {.name = "masks",
-                             .artifact = false,
-                             .optional = true,
-                             .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore"}}};
+  StageInfo info{
+      .name = "masks",
+      .version = 1,
+      .summary = "which pixels are glass, mirror, object, or not to be used",
+      .inputs = {
+          {.name = "sfm", .doc = "cameras and undistorted photos"},
+          {.name = "masks",
+           .artifact = false,
+           .optional = true,
+           .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"}}};
   return make_stage<MasksConfig>(
       std::move(info), run_masks,
       [] {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/camera/mask_files.h"
+#include "stages/masks/boxes/marked_source.h"
 #include "stages/masks/proposed/proposed_source.h"
 #include "stages/stage.h"
 
@@ -24,6 +25,7 @@ struct MasksConfig {
   std::string flat = "object";
   std::string frame = "auto";
   int bit_depth = 8;
+  BoxesConfig boxes;
   ProposedConfig proposed;
 
   const MaskClassConfig& of(MaskClass kind) const;

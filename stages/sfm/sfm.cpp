@@ -278,7 +278,8 @@ Stage sfm_stage() {
                             {.name = "masks",
                              .artifact = false,
                              .optional = true,
-                             .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore"}}};
+                             .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore",
+                             .skips = ".yaml"}}};
   return make_stage<SfmConfig>(
       std::move(info), run,
       [] {

@@ -231,6 +231,10 @@ TEST_F(Sandbox, OptionalInputsTakePart) {
   EXPECT_TRUE(read_file(out() / "collect/list.txt").starts_with("\nRemember\n"));
   ASSERT_EQ(call({"run", out().string(), "--set", "input.notes=none"}).exit, 0);
   EXPECT_EQ(states().at("collect"), "ran");
+  // A file of a kind that the stage leaves to others is none of its inputs.
+  write_file(folder.path() / "notes.yaml", "Remember\n");
+  ASSERT_EQ(call({"run", out().string(), "--set", "input.notes=notes.yaml"}).exit, 0);
+  EXPECT_EQ(states().at("collect"), "cached");
 }
 
 TEST_F(Sandbox, JsonRecordsTellTheWholeRun) {

@@ -1,0 +1,209 @@
+#include "stages/masks/boxes/marked_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/stereo/visual_hull.h"
+#include "stages/masks/boxes/grab_cut.h"
+#include "stages/masks/proposed/view_dependence.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kOneSided = 0.985;                // two photos 20 degrees apart
+constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
+constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
+
+// Even-odd rule at pixel centres.
+std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
+  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
+  const double sx = double(k.width) / full.width, sy = double(k.height) / full.height;
+  std::vector<double> crossings;
+  for (int y = 0; y < k.height; ++y) {
+    crossings.clear();
+    const double v = y + 0.5;
+    for (size_t i = 0; i < outline.size(); ++i) {
+      const Vec2d a{outline[i].x * sx, outline[i].y * sy};
+      const Vec2d &end = outline[(i + 1) % outline.size()], b{end.x * sx, end.y * sy};
+      if ((a.y <= v) != (b.y <= v)) crossings.push_back(a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x));
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (size_t c = 0; c + 1 < crossings.size(); c += 2)
+      for (int x = std::max(0, int(std::ceil(crossings[c] - 0.5))); x < k.width && x + 0.5 <= crossings[c + 1]; ++x)
+        inside[size_t(y) * size_t(k.width) + size_t(x)] = 1;
+  }
+  return inside;
+}
+
+HullMask hull_mask(const SmallPhoto& photo, const std::vector<uint8_t>& inside) {
+  const Intrinsics& k = photo.view.intrinsics;
+  HullMask mask{photo.view, ImageF(k.width, k.height, 1)};
+  std::copy(inside.begin(), inside.end(), mask.mask.data().begin());
+  return mask;
+}
+
+bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
+  const auto at = [&](int x, int y) { return inside[size_t(y) * size_t(k.width) + size_t(x)] != 0; };
+  for (int x = 0; x < k.width; ++x)
+    if (at(x, 0) || at(x, k.height - 1)) return true;
+  for (int y = 0; y < k.height; ++y)
+    if (at(0, y) || at(k.width - 1, y)) return true;
+  return false;
+}
+
+std::vector<std::vector<uint8_t>> silhouettes(const VisualHull& hull, const std::vector<SmallPhoto>& photos) {
+  std::vector<std::vector<uint8_t>> out(photos.size());
+  parallel_for(photos.size(), 1, [&](size_t v) {
+    if (interrupt_signal() != 0) return;
+    const View& view = photos[v].view;
+    const Intrinsics& k = view.intrinsics;
+    out[v].assign(size_t(k.width) * size_t(k.height), 0);
+    const Vec3d eye = view.centre_in_world();
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+        out[v][size_t(y) * size_t(k.width) + size_t(x)] = hull.first_hit(eye, direction).has_value();
+      }
+  });
+  throw_if_interrupted();
+  return out;
+}
+
+struct Carried {
+  std::vector<std::vector<uint8_t>> inside, doubted;  // [view][h,w]
+  MarkedMasks::Thing summary;
+};
+
+Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::vector<SmallPhoto>& photos,
+              const MarkedThing& thing) {
+  std::vector<HullMask> cones;
+  size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
+  std::vector<const Mark*> mark_of(photos.size(), nullptr);
+  std::vector<std::vector<uint8_t>> drawn(photos.size());
+  for (const Mark& mark : thing.marks) {
+    mark_of[mark.view] = &mark;
+    drawn[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, photos[mark.view].view.intrinsics);
+    cones.push_back(hull_mask(photos[mark.view], drawn[mark.view]));
+    whole += !touches_border(drawn[mark.view], photos[mark.view].view.intrinsics);
+  }
+  HullDesc desc{
+      .resolution = config.resolution, .dissent = 0, .fewest_views = std::max<size_t>(whole, 2), .most_one_sided = kOneSided};
+  const VisualHull hull(cones, desc);
+  if (hull.empty())
+    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing.name),
+                {.why = hull.one_sidedness() > kOneSided
+                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
+                            : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
+                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
+                 .code = "MARKS_DISAGREE"});
+  Carried out{silhouettes(hull, photos), std::vector<std::vector<uint8_t>>(photos.size()), {thing.name, thing.kind}};
+  out.summary.marks = thing.marks.size();
+  const Vec3d extent = hull.bounds().high - hull.bounds().low;
+  out.summary.edge = std::max({extent.x, extent.y, extent.z});
+  for (size_t v = 0; v < photos.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
+
+  if (thing.kind != MaskClass::Transparent) {
+    std::vector<std::vector<uint8_t>> found(photos.size());
+    parallel_for(photos.size(), 1, [&](size_t v) {
+      if (interrupt_signal() != 0) return;
+      const bool polygon = mark_of[v] != nullptr && !mark_of[v]->box;
+      found[v] = polygon ? drawn[v] : grab_cut(photos[v], out.inside[v]);
+    });
+    throw_if_interrupted();
+    std::vector<HullMask> outlines;
+    for (size_t v = 0; v < photos.size(); ++v)
+      if (!found[v].empty()) outlines.push_back(hull_mask(photos[v], found[v]));
+    out.summary.refined = outlines.size();
+    desc.dissent = config.dissent;
+    desc.fewest_views = 3;
+    const VisualHull second(outlines, desc);
+    if (!second.empty()) {
+      out.inside = silhouettes(second, photos);
+      out.summary.voted = true;
+    }
+    for (size_t v = 0; v < photos.size(); ++v)
+      for (size_t i = 0; i < found[v].size(); ++i) out.doubted[v][i] = found[v][i] != out.inside[v][i];
+  }
+  for (size_t v = 0; v < photos.size(); ++v) {
+    if (mark_of[v] == nullptr) continue;
+    if (!mark_of[v]->box) {
+      out.inside[v] = drawn[v];
+      std::fill(out.doubted[v].begin(), out.doubted[v].end(), uint8_t(0));
+    } else {
+      for (size_t i = 0; i < drawn[v].size(); ++i) out.inside[v][i] &= drawn[v][i];
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+bool marks_class(MaskClass kind, MaskClass of) {
+  return kind == of || (kind == MaskClass::Transparent && of == MaskClass::Specular);
+}
+
+void describe(Describer& d, BoxesConfig& c) {
+  d.option("max_side", c.max_side, "Longest side of the photos that outlines are looked for in, pixels.").range(64, 4096);
+  d.option("resolution", c.resolution, "Voxels along the longest side of a marked thing.").range(16, 512);
+  d.option("dissent", c.dissent, "Share of the photos that may see a point outside the thing before it is cut away.")
+      .range(0, 0.5);
+}
+
+std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,
+                                               const std::vector<MarkedThing>& things,
+                                               const std::function<void(double)>& progress) {
+  auto masks = std::make_shared<MarkedMasks>();
+  const std::vector<SmallPhoto> photos = small_photos(capture, config.max_side);
+  masks->inside.resize(photos.size());
+  masks->doubted.resize(photos.size());
+  for (size_t v = 0; v < photos.size(); ++v) {
+    masks->sizes.push_back(photos[v].view.intrinsics);
+    const size_t pixels = size_t(masks->sizes[v].width) * size_t(masks->sizes[v].height);
+    for (auto* planes : {&masks->inside[v], &masks->doubted[v]})
+      for (auto& plane : *planes) plane.assign(pixels, 0);
+  }
+  for (size_t t = 0; t < things.size(); ++t) {
+    const Carried carried = carry(config, capture, photos, things[t]);
+    log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
+             carried.summary.voted ? "; its outlines were looked for in all photos" : "");
+    masks->things.push_back(carried.summary);
+    for (size_t v = 0; v < photos.size(); ++v)
+      for (MaskClass kind : kMaskClasses) {
+        if (!marks_class(things[t].kind, kind)) continue;
+        for (size_t i = 0; i < carried.inside[v].size(); ++i) {
+          masks->inside[v][size_t(kind)][i] |= carried.inside[v][i];
+          masks->doubted[v][size_t(kind)][i] |= carried.doubted[v][i];
+        }
+      }
+    progress(double(t + 1) / double(things.size()));
+  }
+  return masks;
+}
+
+std::optional<SoftMask> MarkedSource::at(size_t view) const {
+  const Intrinsics& k = masks_->sizes[view];
+  const auto &inside = masks_->inside[view][size_t(kind_)], &doubted = masks_->doubted[view][size_t(kind_)];
+  std::vector<float> value(inside.begin(), inside.end());
+  blur_planes(value, k.width, k.height, kSoftEdge);
+  SoftMask soft{.value = ImageF(k.width, k.height, 1), .confidence = ImageF(k.width, k.height, 1)};
+  std::copy(value.begin(), value.end(), soft.value.data().begin());
+  for (size_t i = 0; i < doubted.size(); ++i) soft.confidence.data()[i] = doubted[i] ? kDoubted : kCarried;
+  return soft;
+}
+
+void MarkedSource::report(nlohmann::ordered_json& j) const {
+  j["things"] = nlohmann::ordered_json::array();
+  for (const MarkedMasks::Thing& t : masks_->things)
+    if (marks_class(t.kind, kind_))
+      j["things"].push_back(
+          {{"name", t.name}, {"marks", t.marks}, {"across", t.edge}, {"outlines_found", t.refined}, {"voted", t.voted}});
+}
+
+}  // namespace vitrine

@@ -1,0 +1,58 @@
+// Masks from a few marks of the user's. A mark cuts a cone out of space; where the cones of all marked photos meet is the thing's
+// visual hull, and the hull is seen by every camera:
+//   glass    its outline in the other photos is the hull's
+//   others   have colours of their own: in each photo GrabCut (Rother et al. 2004) looks for the outline near the hull's; a
+//   second
+//            hull, of all photos, lets them vote and gives the masks
+// A polygon is believed where it was drawn. Glass mirrors: what is marked transparent is specular, too.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "core/config/describe.h"
+#include "stages/masks/boxes/marks_file.h"
+
+namespace vitrine {
+
+struct BoxesConfig {
+  int max_side = 320;    // of the photos that outlines are looked for in
+  int resolution = 96;   // voxels along a hull's longest side
+  double dissent = 0.2;  // of the second hull
+};
+void describe(Describer& d, BoxesConfig& c);
+
+struct MarkedMasks {
+  struct Thing {
+    std::string name;
+    MaskClass kind;
+    size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found
+    double edge = 0;                // longest edge of the hull's box, scene units
+    bool voted = false;             // the second hull gave the masks
+  };
+  std::vector<Thing> things;
+  std::vector<Intrinsics> sizes;                                           // [view]
+  std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
+  std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
+};
+// Throws Error{Input} when no point of space lies inside all marks of a thing.
+std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,
+                                               const std::vector<MarkedThing>& things,
+                                               const std::function<void(double)>& progress);
+
+class MarkedSource final : public MaskSource {
+ public:
+  MarkedSource(std::shared_ptr<const MarkedMasks> masks, MaskClass kind) : masks_(std::move(masks)), kind_(kind) {}
+  std::string_view name() const override { return "boxes"; }
+  std::optional<SoftMask> at(size_t view) const override;
+  void report(nlohmann::ordered_json& j) const override;
+
+ private:
+  std::shared_ptr<const MarkedMasks> masks_;
+  MaskClass kind_;
+};
+
+// Whether marks of `kind` say something of `of`.
+bool marks_class(MaskClass kind, MaskClass of);
+
+}  // namespace vitrine
