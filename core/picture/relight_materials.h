@@ -31,6 +31,12 @@ inline std::filesystem::path relight_environment_path(const std::filesystem::pat
   return folder / "relight" / "environment.exr";
 }
 
+// The surroundings of the mesh (walls of the room), as triangles with their albedo as vertex colours: they block light and
+// reflect it. Absent where the photos show none.
+inline std::filesystem::path relight_surroundings_path(const std::filesystem::path& folder) {
+  return folder / "relight" / "surroundings.ply";
+}
+
 // `folder`: an artifact of the relight stage, or an output folder. Throws Error{Input} with file and cause (missing, truncated,
 // other properties, a value that is not in [0, 1]). Whether the count fits the surfels is the caller's to check.
 RelightMaterials read_relight_materials(const std::filesystem::path& folder);

@@ -9,7 +9,10 @@
 #include "core/image/ldr.h"
 #include "core/image/metrics.h"
 #include "core/mesh/mesh_io.h"
+#include "core/picture/relight_materials.h"
+#include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
+#include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/layer_pictures.h"
 #include "stages/evaluate/photo.h"
@@ -87,7 +90,39 @@ class Evaluator {
       return;
     }
     result_.truth->alignment = align_cameras(pairs, truth_->transforms_path().string());
+    truth_->align(result_.truth->alignment->truth_from_ours, views_);
+    open_albedo();
     result_.truth->poses = pose_errors(pairs, result_.truth->alignment->truth_from_ours);
+  }
+
+  void open_albedo() {
+    if (!truth_->has_maps("albedo")) return;
+    const auto folder = context_.optional_input("relight");
+    if (!folder) return not_measured("truth.albedo", "there is no relight artifact");
+    const RelightMaterials materials = read_relight_materials(*folder);
+    const SplatLayer& surfels = painter_.surfels().diffuse;
+    if (materials.size() != surfels.size())
+      throw Error(ErrorKind::Input, "the relit materials belong to another scene",
+                  {.where = relight_materials_path(*folder).string(),
+                   .why = fmt::format("{} of them for {} surfels", materials.size(), surfels.size()),
+                   .hint = "run the relight stage again",
+                   .code = "BAD_RELIGHT_MATERIALS"});
+    albedo_.emplace(surfels, materials.albedo);
+  }
+
+  void score_albedo(size_t index, const ViewPicture& render, const RegionMasks& masks) {
+    const auto truth = truth_->albedo(index, render.intrinsics);
+    if (!truth) return;
+    View view = views_[index];
+    view.intrinsics = render.intrinsics;
+    const auto mask = [&](const char* region) {
+      const auto it = masks.find(region);
+      return it == masks.end() ? nullptr : &it->second;
+    };
+    const ImageF albedo = albedo_->picture(view);
+    const ImageF* radiance = render.layer("diffuse");
+    albedo_error_.add({render.intrinsics, albedo, mask("object"), mask("transparent")}, *truth);
+    radiance_error_.add({render.intrinsics, *radiance, mask("object"), mask("transparent")}, *truth);
   }
 
   const Similarity* truth_from_ours() const {
@@ -137,6 +172,7 @@ class Evaluator {
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
+    if (albedo_) score_albedo(index, render, masks);
     if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
     if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
@@ -223,6 +259,11 @@ class Evaluator {
     if (const auto it = t.regions.find("object"); it != t.regions.end()) t.object_normal_mae_deg = it->second.normal_mae_deg;
     if (!transmitted_.empty()) t.transmitted_psnr = mean(transmitted_);
     t.transmitted_views = transmitted_.size();
+    if (albedo_) {
+      t.albedo = albedo_error_.scores();
+      t.undecomposed_psnr = radiance_error_.scores().psnr;
+      if (!t.albedo->psnr) not_measured("truth.albedo.psnr", "no truth albedo covers an object pixel of ours outside the glass");
+    }
     if (painter_.surfels().transmittance.size() > 0 && transmitted_.empty())
       not_measured("truth.transmitted", "no scored view has a truth/transmitted picture and a transparent mask");
     if (!surface_.zdepth_rel.empty())
@@ -248,8 +289,8 @@ class Evaluator {
       const size_t index = paired_[picked[i]];
       const View& camera = *truth_->camera(index);
       const Intrinsics k = camera.intrinsics.limited_to(kMeshViewSide);
-      return MeshView{k, camera.cam_from_world, truth_->zdepth(index, k).value_or(ImageF()),
-                      truth_->mask(index, MaskClass::Transparent, k).value_or(ImageF())};
+      return MeshView{k, camera.cam_from_world, truth_->zdepth(index, k, LookupFrame::Truths).value_or(ImageF()),
+                      truth_->mask(index, MaskClass::Transparent, k, LookupFrame::Truths).value_or(ImageF())};
     };
     MeshErrorDesc desc;
     desc.samples = size_t(config_.mesh_samples);
@@ -292,6 +333,10 @@ class Evaluator {
     }
     if (result_.truth && result_.truth->transmitted_psnr)
       summary += fmt::format(", behind glass {:.2f} dB", *result_.truth->transmitted_psnr);
+    if (result_.truth && result_.truth->albedo && result_.truth->albedo->psnr) {
+      context_.metric("truth.albedo.psnr", *result_.truth->albedo->psnr);
+      summary += fmt::format(", albedo {:.2f} dB", *result_.truth->albedo->psnr);
+    }
     context_.summary(summary);
   }
 
@@ -307,6 +352,8 @@ class Evaluator {
   SurfaceError surface_;        // outside the glass
   std::map<std::string, SurfaceError> region_surface_;
   std::vector<double> transmitted_;
+  std::optional<SurfelColors> albedo_;
+  AlbedoError albedo_error_, radiance_error_;
   std::vector<SheetRow> sheet_;
   Evaluation result_;
 };
@@ -334,12 +381,13 @@ void run_evaluate(const EvaluateConfig& config, StageContext& context) { Evaluat
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 2;
+  info.version = 3;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {{.name = "sfm", .doc = "cameras, gains and undistorted photos"},
                  {.name = "masks", .optional = true, .doc = "regions to score apart, where the truth has none"},
                  {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
                  {.name = "mesh", .doc = "the mesh"},
+                 {.name = "relight", .optional = true, .doc = "albedo, to compare with the truth's"},
                  {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
   return make_stage<EvaluateConfig>(std::move(info), run_evaluate, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};

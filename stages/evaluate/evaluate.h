@@ -1,9 +1,10 @@
 // evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
 // normals, depth and mesh against the truth. README.md in this folder defines every figure.
-//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks and truth
-//   folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
+//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, relight and
+//   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
 //   eval/layers/<layer>/<stem>.exr
 // version 1: first. 2: layers; regions from the masks stage; normals and depth per region; the transmitted radiance.
+// 3: albedo.
 #pragma once
 
 #include "stages/stage.h"

@@ -43,6 +43,12 @@ Json definitions(const Evaluation& e) {
       "PSNR of the transmitted radiance, times the view's gain, against truth/transmitted, both encoded to sRGB and clipped, "
       "over "
       "the transparent mask at the coarser of the two resolutions, mean over the views with such a truth";
+  d["truth.albedo.psnr"] =
+      "PSNR of the albedo, times one factor per channel for the whole scene (median of truth / ours over the object's pixels), "
+      "clipped to [0,1], to the power 1/2.2, squared error pooled over the pixels of the object outside the glass of a view, "
+      "mean "
+      "over all scored views; pixels where a channel of the truth is 0 (metal) do not count. through_glass: the object behind "
+      "glass, everywhere: all pixels with a truth, undecomposed: the diffuse radiance taken for an albedo; same factors' rule";
   d["truth.depth_rel"] = "median of |z - z_truth| / z_truth over the same pixels";
   d["truth.mesh"] = fmt::format(
       "lengths relative to the diagonal of the truth mesh's bounding box. accuracy = mean distance of our samples to the truth "
@@ -81,6 +87,16 @@ Json truth_json(const TruthScores& t) {
     if (!score.empty()) j["regions"][region] = score;
   }
   if (t.transmitted_psnr) j["transmitted"] = {{"psnr", *t.transmitted_psnr}, {"views", t.transmitted_views}};
+  if (t.albedo) {
+    Json& albedo = j["albedo"] = Json::object();
+    if (t.albedo->psnr) albedo["psnr"] = *t.albedo->psnr;
+    if (t.albedo->through_glass) albedo["through_glass_psnr"] = *t.albedo->through_glass;
+    if (t.albedo->everywhere) albedo["everywhere_psnr"] = *t.albedo->everywhere;
+    if (t.undecomposed_psnr) albedo["undecomposed_psnr"] = *t.undecomposed_psnr;
+    albedo["scale_mode"] = "one factor per channel for the whole scene: median of truth / ours over the object";
+    albedo["scale"] = {t.albedo->scale.x, t.albedo->scale.y, t.albedo->scale.z};
+    albedo["views"] = t.albedo->views;
+  }
   if (t.mesh) {
     const MeshError& m = *t.mesh;
     Json& mesh = j["mesh"] = Json::object();

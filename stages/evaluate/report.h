@@ -10,6 +10,7 @@
 
 #include "core/camera/view.h"
 #include "core/camera/view_split.h"
+#include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
 
@@ -35,6 +36,8 @@ struct TruthScores {
   std::map<std::string, SurfaceScore> regions;  // over all scored views
   std::optional<double> transmitted_psnr;       // mean over the views that have such a truth
   size_t transmitted_views = 0;
+  std::optional<AlbedoScores> albedo;
+  std::optional<double> undecomposed_psnr;  // of the diffuse radiance, taken for an albedo
   std::optional<MeshError> mesh;
 };
 

@@ -33,8 +33,8 @@ std::optional<double> transmitted_psnr(const TransmittedPicture& ours, const Tru
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       for (int c = 0; c < 3; ++c) picture.at(x, y, c) = encoded(ours.gain[size_t(c)] * picture.at(x, y, c));
-      const Vec3d d = k.ray(x + 0.5, y + 0.5);
-      const double u = from.fx * d.x + from.cx, v = from.fy * d.y + from.cy;
+      const Vec3d d = truth.truth_from_ours * k.ray(x + 0.5, y + 0.5);
+      const double u = from.fx * d.x / d.z + from.cx, v = from.fy * d.y / d.z + from.cy;
       if (!(mask.at(x, y) > 0.5f) || !(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
       float radiance[3];
       sample_bilinear(map, u, v, radiance);

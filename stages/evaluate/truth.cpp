@@ -7,12 +7,14 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "stages/evaluate/alignment.h"
 
 namespace vitrine {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr double kMaxAspectError_px = 2;  // rounding of a reduced map; more means another picture
+constexpr double kMaxTurn_deg = 3;
 constexpr int kMaskSubsamples = 3;        // odd: a majority always exists
 constexpr float kMaskLevel = 0.5f;
 
@@ -58,6 +60,7 @@ Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::mov
   if (!fs::is_directory(folder_))
     throw Error(ErrorKind::Input, "the truth is not a folder", {.where = folder_.string(), .code = "TRUTH_NOT_A_FOLDER"});
   cameras_.resize(views.size());
+  turns_.resize(views.size(), Mat3d::identity());
   for (const View& v : views) stems_.push_back(v.stem());
   has_transforms_ = fs::exists(transforms_path());
   if (!has_transforms_) return;
@@ -73,6 +76,15 @@ Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::mov
                    .why = "frame " + cameras_[i]->name,
                    .hint = "give w and h",
                    .code = "TRUTH_BAD_CAMERA"});
+}
+
+void Truth::align(const Similarity& truth_from_ours, const std::vector<View>& views) {
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    if (!cameras_[i]) continue;
+    const Mat3d turn =
+        cameras_[i]->cam_from_world.rotation * truth_from_ours.rotation * transposed(views[i].cam_from_world.rotation);
+    if (rotation_angle_deg(turn, Mat3d::identity()) < kMaxTurn_deg) turns_[i] = turn;
+  }
 }
 
 size_t Truth::matched_cameras() const {
@@ -102,38 +114,47 @@ Intrinsics Truth::map_intrinsics(size_t view, const Intrinsics& ours, const Imag
   return camera.scaled_to(map.width(), map.height());
 }
 
-ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours) {
+ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours,
+                            const Mat3d& map_from_ours) {
   ImageF out(ours.width, ours.height, map.channels());
   for (int y = 0; y < ours.height; ++y)
     for (int x = 0; x < ours.width; ++x) {
-      const Vec3d d = ours.ray(x + 0.5, y + 0.5);
-      const double u = map_intrinsics.fx * d.x + map_intrinsics.cx, v = map_intrinsics.fy * d.y + map_intrinsics.cy;
+      const Vec3d d = map_from_ours * ours.ray(x + 0.5, y + 0.5);
+      const double u = map_intrinsics.fx * d.x / d.z + map_intrinsics.cx, v = map_intrinsics.fy * d.y / d.z + map_intrinsics.cy;
       if (!(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
       for (int c = 0; c < map.channels(); ++c) out.at(x, y, c) = map.at(int(u), int(v), c);
     }
   return out;
 }
 
-std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics) const {
+std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics, LookupFrame frame) const {
   const fs::path path = folder_ / "depth" / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;
   const ImageF map = channels_of(read_exr(path), {"Z"}, path);
-  return sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics);
+  return sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics, turn(view, frame));
 }
 
 std::optional<TruthPicture> Truth::transmitted(size_t view, const Intrinsics& intrinsics) const {
-  const fs::path path = folder_ / "transmitted" / (stems_[view] + ".exr");
+  return picture("transmitted", view, intrinsics);
+}
+
+std::optional<TruthPicture> Truth::albedo(size_t view, const Intrinsics& intrinsics) const {
+  return picture("albedo", view, intrinsics);
+}
+
+std::optional<TruthPicture> Truth::picture(std::string_view kind, size_t view, const Intrinsics& intrinsics) const {
+  const fs::path path = folder_ / kind / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;
   ImageF map = read_exr_rgb(path);
   const Intrinsics k = map_intrinsics(view, intrinsics, map, path);
-  return TruthPicture{std::move(map), k};
+  return TruthPicture{std::move(map), k, turns_[view]};
 }
 
 std::optional<ImageF> Truth::normal(size_t view, const Intrinsics& intrinsics) const {
   const fs::path path = folder_ / "normal" / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;
   const ImageF map = channels_of(read_exr(path), {"X", "Y", "Z"}, path);
-  ImageF out = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics);
+  ImageF out = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics, turns_[view]);
   for (int y = 0; y < out.height(); ++y)
     for (int x = 0; x < out.width(); ++x) {
       float* n = out.pixel(x, y);
@@ -144,7 +165,7 @@ std::optional<ImageF> Truth::normal(size_t view, const Intrinsics& intrinsics) c
   return out;
 }
 
-std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& intrinsics) const {
+std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& intrinsics, LookupFrame frame) const {
   const fs::path path = folder_ / "mask" / name(c) / (stems_[view] + ".png");
   if (!fs::exists(path)) return std::nullopt;
   const Image8 grey = read_grey8(path);
@@ -152,7 +173,7 @@ std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& in
   for (size_t i = 0; i < map.data().size(); ++i) map.data()[i] = float(grey.data()[i]) / 255.f;
   // Area vote: nearest samples on a 3x3 grid inside each of our pixels, so that thin parts survive a coarser render.
   const Intrinsics fine = intrinsics.scaled_to(intrinsics.width * kMaskSubsamples, intrinsics.height * kMaskSubsamples);
-  const ImageF votes = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), fine);
+  const ImageF votes = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), fine, turn(view, frame));
   ImageF out(intrinsics.width, intrinsics.height, 1);
   for (int y = 0; y < out.height(); ++y)
     for (int x = 0; x < out.width(); ++x) {

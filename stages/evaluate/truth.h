@@ -1,8 +1,8 @@
-// The truth folder: transforms.json, {depth,normal}/<stem>.exr, mask/{object,transparent,specular}/<stem>.png, mesh.ply and
-// mesh_opaque.ply; every part is optional. Truth maps live in the photo's frame and at their own resolution, our renders in the
-// undistorted frame. Both cameras share centre and orientation, so a map is looked up by direction: our pixel -> ray in the
-// camera frame -> pixel of the truth camera (scaled to the map's size). A map without a truth camera is taken to show exactly
-// our frame. Nearest sample, never a blend: a mean of two depths or two classes is a place that does not exist.
+// The truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr, mask/{object,transparent,specular}/<stem>.png,
+// mesh.ply and mesh_opaque.ply; every part is optional. Truth maps live in the photo's frame and at their own resolution, our
+// renders in the undistorted frame. Both cameras share centre and orientation, so a map is looked up by direction: our pixel ->
+// ray in the camera frame -> pixel of the truth camera (scaled to the map's size). A map without a truth camera is taken to show
+// exactly our frame. Nearest sample, never a blend: a mean of two depths or two classes is a place that does not exist.
 #pragma once
 
 #include <array>
@@ -25,7 +25,10 @@ constexpr std::string_view name(MaskClass c) {
 struct TruthPicture {
   ImageF radiance;  // linear
   Intrinsics intrinsics;
+  Mat3d truth_from_ours = Mat3d::identity();  // camera frames
 };
+
+enum class LookupFrame : unsigned char { Ours, Truths };  // whose camera the given intrinsics belong to
 
 class Truth {
  public:
@@ -35,28 +38,36 @@ class Truth {
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path transforms_path() const { return folder_ / "transforms.json"; }
   bool has_cameras() const { return has_transforms_; }
+  // After the alignment of the cameras: from now on lookups turn rays by what is left between the orientations, up to a few
+  // degrees (more is a wrong pose, not a principal point).
+  void align(const Similarity& truth_from_ours, const std::vector<View>& views);
   size_t matched_cameras() const;
   const std::optional<View>& camera(size_t view) const { return cameras_[view]; }
 
   // Maps as seen through `intrinsics` (ours, at render size). nullopt: no such file. Error{Input}: a file that is broken.
-  std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics) const;  // truth units, 0 = nothing there
+  std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics, LookupFrame frame = LookupFrame::Ours) const;  // truth units, 0 = nothing there
   std::optional<ImageF> normal(size_t view, const Intrinsics& intrinsics) const;  // truth frame, unit; 0 0 0 = nothing there
-  std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics) const;  // 0 or 1
+  std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics, LookupFrame frame = LookupFrame::Ours) const;  // 0 or 1
   std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
-  bool has_maps(std::string_view kind) const;                                                // any file below folder/kind
+  std::optional<TruthPicture> albedo(size_t view, const Intrinsics& intrinsics) const;  // linear; of the first opaque surface
+  bool has_maps(std::string_view kind) const;                                           // any file below folder/kind
   // mesh_opaque.ply, else mesh.ply, else nullopt.
   std::optional<std::filesystem::path> mesh_path() const;
 
  private:
+  std::optional<TruthPicture> picture(std::string_view kind, size_t view, const Intrinsics& intrinsics) const;
+  Mat3d turn(size_t view, LookupFrame frame) const { return frame == LookupFrame::Ours ? turns_[view] : Mat3d::identity(); }
   Intrinsics map_intrinsics(size_t view, const Intrinsics& ours, const ImageF& map, const std::filesystem::path& path) const;
 
   std::filesystem::path folder_;
   bool has_transforms_ = false;
   std::vector<std::string> stems_;
   std::vector<std::optional<View>> cameras_;
+  std::vector<Mat3d> turns_;  // truth's camera frame from ours
 };
 
 // Nearest sample of `map` along each pixel's ray; 0 outside the map.
-ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours);
+ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours,
+                            const Mat3d& map_from_ours = Mat3d::identity());
 
 }  // namespace vitrine

@@ -20,6 +20,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"normals", "ran"},
                               {"optimize", "ran"},
                               {"mesh", "ran"},
+                              {"relight", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
   const auto metrics = json("eval/metrics.json");
@@ -48,6 +49,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"normals", "cached"},
                               {"optimize", "cached"},
                               {"mesh", "ran"},
+                              {"relight", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
 

@@ -1,0 +1,36 @@
+#include "core/picture/surfel_colors.h"
+
+#include <algorithm>
+
+namespace vitrine {
+
+namespace {
+constexpr float kOpaqueAlpha = 0.5f;
+}
+
+SurfelColors::SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors)
+    : layer_(layer.kind(), 0, layer.size()), renderer_(make_renderer(Backend::Cpu)) {
+  VITRINE_CHECK(colors.size() == layer.size(), "{} colours for {} surfels", colors.size(), layer.size());
+  for (const AttributeRow& r : kAttributes)
+    if (r.id != Attribute::ShRest) std::ranges::copy(layer.values(r.id), layer_.values(r.id).begin());
+  for (size_t i = 0; i < colors.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) layer_.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
+}
+
+ImageF SurfelColors::picture(const View& view) {
+  RasterDesc desc;
+  desc.intrinsics = view.intrinsics;
+  desc.cam_from_world = view.cam_from_world;
+  desc.features = FeatureSet::ColorOnly;
+  desc.sh_degree = 0;
+  renderer_->forward(layer_, desc, images_);
+  const auto color = images_.plane(Aov::Color), alpha = images_.plane(Aov::Alpha);
+  ImageF out(view.intrinsics.width, view.intrinsics.height, 3);
+  const size_t n = out.pixel_count();
+  for (size_t i = 0; i < n; ++i)
+    if (alpha[i] >= kOpaqueAlpha)
+      for (size_t c = 0; c < 3; ++c) out.data()[3 * i + c] = std::max(0.f, color[c * n + i]) / alpha[i];
+  return out;
+}
+
+}  // namespace vitrine

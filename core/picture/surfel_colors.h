@@ -1,0 +1,28 @@
+// Any colour per surfel as a picture: albedo, irradiance, roughness (grey) in place of the trained radiance, blended as the
+// diffuse layer is.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+#include "core/render/renderer.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+class SurfelColors {
+ public:
+  // `colors`: one per surfel of `layer`, not negative.
+  SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors);
+  // [h, w, 3] at the size of the view's intrinsics: the blended colour divided by alpha; 0 where alpha < 1/2.
+  ImageF picture(const View& view);
+
+ private:
+  SplatLayer layer_;
+  std::unique_ptr<Renderer> renderer_;
+  RasterImages images_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,47 @@
+// Albedo against the truth's (algorithms 8.2). Photos fix albedo up to one factor per channel, so ours are multiplied by
+//   k_c = median of truth_c / ours_c     one number per channel for the whole scene ("global median per channel")
+// over the pixels of the object that count, in linear values; then clipped to [0,1], raised to 1/2.2 and compared. Metal has no
+// diffuse albedo and counts nowhere: pixels with a channel of 0 in the truth are left out, and those that mix with such ones
+// where both pictures are brought to the coarser size.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+#include "stages/evaluate/truth.h"
+
+namespace vitrine {
+
+struct AlbedoPicture {
+  const Intrinsics& intrinsics;
+  const ImageF& albedo;  // linear; 0 where we have no surface
+  const ImageF* object;  // masks of 0 and 1 at that size; nullptr: everywhere
+  const ImageF* glass;   // nullptr: nowhere
+};
+
+struct AlbedoScores {
+  Vec3d scale{1, 1, 1};                 // k
+  std::optional<double> psnr;           // object, outside the glass
+  std::optional<double> through_glass;  // object behind glass
+  std::optional<double> everywhere;     // all pixels with a truth
+  size_t views = 0;
+};
+
+class AlbedoError {
+ public:
+  void add(const AlbedoPicture& ours, const TruthPicture& truth);
+  AlbedoScores scores() const;
+
+ private:
+  enum Region : unsigned char { kObject, kThroughGlass, kRest };
+  struct Pixel {
+    Vec3f ours, truth;
+    Region region;
+  };
+  std::optional<double> psnr(const Vec3d& scale, const std::vector<bool>& regions) const;
+  std::vector<std::vector<Pixel>> views_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,34 @@
+// Which points probably have the same albedo: neighbours of the same chromaticity, and points anywhere of the same cluster of
+// chromaticities (k-means). Light changes brightness much and chromaticity little, paint changes both.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/math/vec.h"
+
+namespace vitrine {
+
+struct AffinityDesc {
+  size_t near = 12, far = 24;  // partners of a point
+  float radius = 0.1f;         // of the neighbourhood, scene units
+  float chroma_sigma = 0.03f;  // of r and g of r + g + b = 1
+  float far_weight = 0.5f;
+  int clusters = 16;
+  uint64_t seed = 1;
+};
+
+struct Affinity {
+  struct Partner {
+    uint32_t point;
+    float weight;
+  };
+  std::vector<uint32_t> begin;  // [points + 1] into partners
+  std::vector<Partner> partners;
+  std::span<const Partner> of(size_t point) const { return {partners.data() + begin[point], begin[point + 1] - begin[point]}; }
+};
+
+Affinity affinity(std::span<const Vec3f> positions, std::span<const Vec3f> radiance, const AffinityDesc& desc);
+
+}  // namespace vitrine

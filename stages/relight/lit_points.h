@@ -1,0 +1,38 @@
+// Points on the surfaces that the photos show, with the radiance that leaves them: pixels of the rendered diffuse layer, merged
+// by voxel over all training views. What they are for: irradiance is found at them and spread to the surfels.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+struct LitPoint {
+  Vec3f position{}, normal{};  // unit, towards the cameras that saw it
+  Vec3f radiance{};            // mean over the views, linear, of the diffuse layer
+  float specular_weight = 0, transmission = 0;
+  float weight = 0;    // pixels that were merged, each counted by its cosine
+  float masked = 0;    // share of the pixels that a mask calls glass or mirror
+  bool inner = false;  // in the box of the mesh
+};
+
+struct LitPointsDesc {
+  Bounds3 inner;            // the mesh's box: fine voxels inside, coarse ones outside
+  double voxel = 0.01;      // scene units
+  double outer_factor = 6;  // voxels outside are so many times as large
+  int max_side = 320;       // of the rendered pictures, pixels
+  float min_alpha = 0.5f;
+  float min_cosine = 0.1f;  // grazing pixels say little
+  // One channel of the given size, above 1/2 on glass and mirrors; empty: none there.
+  std::function<ImageF(const View&, const Intrinsics&)> masked = {};
+};
+
+// In an order that depends on the views alone. `progress` gets a fraction and may throw.
+std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View>& views, const LitPointsDesc& desc,
+                                 const std::function<void(double)>& progress);
+
+}  // namespace vitrine

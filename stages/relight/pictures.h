@@ -1,0 +1,26 @@
+// What a person looks at: relight/albedo.png (photo, albedo, light on the surface) and relight/baked.png (what the product of the
+// two leaves unexplained).
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "core/scene/layers.h"
+
+namespace vitrine {
+
+struct RelightPicturesDesc {
+  const std::filesystem::path& sfm_folder;
+  const std::filesystem::path& output;  // the artifact
+  const SplatLayer& layer;
+  std::span<const Vec3f> albedo, irradiance;  // per surfel
+  const std::vector<View>& views;
+  int rows = 4, cell_width = 320;
+};
+
+// Returns the rms of the logarithm of photo / (albedo x irradiance / pi), over the pixels shown.
+double write_relight_pictures(const RelightPicturesDesc& desc);
+
+}  // namespace vitrine

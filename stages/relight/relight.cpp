@@ -1,0 +1,393 @@
+#include "stages/relight/relight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/log.h"
+#include "core/base/timer.h"
+#include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/light/environment.h"
+#include "core/mesh/mesh_io.h"
+#include "core/picture/relight_materials.h"
+#include "core/picture/surfel_colors.h"
+#include "core/picture/trained_scene.h"
+#include "core/scene/activation.h"
+#include "stages/relight/grey_card.h"
+#include "stages/relight/light_solver.h"
+#include "stages/relight/pictures.h"
+#include "stages/relight/point_grid.h"
+#include "stages/relight/spread.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kMaxAlbedo = 0.98f;
+constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
+constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
+constexpr float kMaxMasked = 0.5f;
+constexpr float kDarkest = 0.004f, kBrightest = 0.95f;  // radiances that a photo of 8 bits can tell
+constexpr double kOuterFactor = 6;
+constexpr size_t kFewestPoints = 64;
+
+double area_of(const TriMesh& mesh) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.faces)
+    area += 0.5 * double(length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
+  return area;
+}
+
+class Decomposition {
+ public:
+  Decomposition(const RelightConfig& config, StageContext& context)
+      : config_(config), context_(context), scene_(read_trained_scene(context.input("optimize"))) {
+    const ViewSet set = load_view_set(context.input("sfm"));
+    all_views_ = set.views;
+    const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
+    for (const size_t v : split.train.empty() ? split.heldout : split.train) {
+      views_.push_back(set.views[v]);
+      views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
+    }
+    if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
+    const fs::path mesh_path = context.input("mesh") / "mesh" / "mesh.ply";
+    mesh_ = read_mesh_ply(mesh_path);
+    if (mesh_.faces.empty() || mesh_.colors.size() != mesh_.positions.size())
+      throw Error(ErrorKind::Input, "the mesh is not usable for shadows",
+                  {.where = mesh_path.string(),
+                   .why = mesh_.faces.empty() ? "it has no triangles" : "it has no colours",
+                   .hint = "run the mesh stage again",
+                   .code = "NO_SURFACE"});
+    for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));
+    const Vec3d margin = 0.02 * (box_.high - box_.low) + Vec3d{1e-3, 1e-3, 1e-3};
+    box_.low = box_.low - margin;
+    box_.high = box_.high + margin;
+    voxel_ = std::sqrt(area_of(mesh_) / config.points);
+    edge_ = std::sqrt(2 * area_of(mesh_) / double(mesh_.faces.size()));
+  }
+
+  void run() {
+    gather();
+    trace();
+    solve();
+    spread();
+    write();
+  }
+
+ private:
+  void step(double fraction, std::string text) {
+    context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
+  }
+
+  // What the masks stage calls glass or mirror in this view.
+  ImageF masked(const View& view, const Intrinsics& k) const {
+    const auto folder = context_.optional_input("masks");
+    ImageF out;
+    if (!folder) return out;
+    for (const char* kind : {"transparent", "specular"}) {
+      const fs::path path = *folder / "masks" / kind / (view.stem() + ".png");
+      std::error_code ec;
+      if (!fs::exists(path, ec)) continue;
+      const Image8 grey = read_grey8(path);
+      ImageF mask(grey.width(), grey.height(), 1);
+      for (size_t i = 0; i < mask.data().size(); ++i) mask.data()[i] = float(grey.data()[i]) / 255.f;
+      mask = resized(mask, k.width, k.height);
+      if (out.empty()) out = ImageF(k.width, k.height, 1);
+      for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = std::max(out.data()[i], mask.data()[i]);
+    }
+    return out;
+  }
+
+  void gather() {
+    const Timer clock;
+    points_ = lit_points(scene_.surfels.diffuse, views_,
+                         {.inner = box_,
+                          .voxel = voxel_,
+                          .outer_factor = kOuterFactor,
+                          .max_side = config_.max_side,
+                          .masked = [&](const View& v, const Intrinsics& k) { return masked(v, k); }},
+                         [&](double f) { step(0.2 * f, "surface points"); });
+    if (points_.size() < kFewestPoints)
+      throw Error(ErrorKind::Input, "the views show too little surface to find the light",
+                  {.why = fmt::format("{} points", points_.size()),
+                   .hint = "look at optimize/previews; more points: relight.points",
+                   .code = "NO_SURFACE"});
+    around_ = surroundings(scene_.surfels.diffuse,
+                           {.inner = box_, .height = config_.panorama_height, .sky_distance = float(config_.sky_distance)});
+    shell_ = around_.shell();
+    context_.timing("points", clock.seconds());
+  }
+
+  void trace() {
+    const Timer clock;
+    std::vector<float> clear;
+    if (scene_.surfels.transmittance.size() > 0) clear = mesh_transmission();
+    transport_ = transport({.mesh = mesh_, .transmission = clear, .around = around_, .shell = shell_}, points_,
+                           {.grid = {.bands = size_t(config_.bands)},
+                            .reach = float(3 * edge_),
+                            .offset = float(0.1 * edge_),
+                            .outer_offset = float(kOuterFactor * voxel_),
+                            .seed = uint64_t(config_.seed)},
+                           [&](double f) { step(0.2 + 0.4 * f, fmt::format("light that reaches {} points", points_.size())); });
+    for (const float share : transport_.inside) usable_.push_back(share < kMaxInside);
+    context_.timing("rays", clock.seconds());
+  }
+
+  // Of the nearest surface points, per vertex of the mesh.
+  std::vector<float> mesh_transmission() const {
+    std::vector<Vec3f> positions;
+    for (const LitPoint& p : points_) positions.push_back(p.position);
+    const PointGrid grid(positions, float(2 * voxel_));
+    std::vector<float> out(mesh_.positions.size(), 0.f);
+    std::vector<PointGrid::Near> near;
+    for (size_t v = 0; v < out.size(); ++v) {
+      grid.nearest(mesh_.positions[v], 1, float(6 * voxel_), near);
+      if (!near.empty()) out[v] = points_[near[0].index].transmission;
+    }
+    return out;
+  }
+
+  void solve() {
+    const Timer clock;
+    step(0.6, "light and albedo by turns");
+    std::vector<uint32_t> speaking;
+    for (size_t i = 0; i < points_.size(); ++i) {
+      const LitPoint& p = points_[i];
+      const float brightest = std::max({p.radiance.x, p.radiance.y, p.radiance.z});
+      if (p.inner && usable_[i] && p.specular_weight < kMaxSpecular && p.transmission < kMaxSpecular && p.masked < kMaxMasked &&
+          brightest < kBrightest && luminance(p.radiance) > kDarkest)
+        speaking.push_back(uint32_t(i));
+    }
+    if (speaking.size() < kFewestPoints)
+      throw Error(ErrorKind::Input, "too few dull, well exposed surface points to find the light",
+                  {.why = fmt::format("{} of {} points", speaking.size(), points_.size()),
+                   .hint = "are the photos over- or underexposed?",
+                   .code = "NO_DULL_SURFACE"});
+    const size_t wanted = std::min(speaking.size(), size_t(config_.solver.points));
+    for (size_t i = 0; i < wanted; ++i) chosen_.push_back(speaking[i * speaking.size() / wanted]);
+    std::vector<Vec3f> positions, radiance;
+    for (const uint32_t i : chosen_) positions.push_back(points_[i].position), radiance.push_back(points_[i].radiance);
+    const double spacing = std::sqrt(area_of(mesh_) / double(wanted));
+    const Affinity partners = affinity(
+        positions, radiance,
+        {.radius = float(4 * spacing), .chroma_sigma = float(config_.solver.chroma_sigma), .seed = uint64_t(config_.seed)});
+    solution_ = solve_light({.transport = transport_, .points = points_, .chosen = chosen_, .affinity = partners},
+                            {.rounds = config_.solver.rounds,
+                             .ridge = float(config_.solver.ridge),
+                             .smooth = float(config_.solver.smooth),
+                             .range_sigma = float(config_.solver.range_sigma),
+                             .white = float(config_.white_albedo)});
+    context_.timing("light", clock.seconds());
+  }
+
+  void spread() {
+    step(0.8, "albedo of the surfels");
+    const SplatLayer& layer = scene_.surfels.diffuse;
+    std::vector<Vec3f> irradiance(points_.size());
+    for (size_t i = 0; i < points_.size(); ++i) irradiance[i] = transport_.irradiance(i, solution_.light);
+    irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_,
+                                    {.inner_radius = float(voxel_), .outer_radius = float(kOuterFactor * voxel_)});
+    std::vector<Vec3f> eyes;
+    for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
+    const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
+    materials_.resize(layer.size());
+    for (size_t i = 0; i < layer.size(); ++i) {
+      for (size_t c = 0; c < 3; ++c) {
+        materials_.albedo[i][c] = std::clamp(kPi * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]), 0.f, kMaxAlbedo);
+        materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
+      }
+      materials_.roughness[i] = sigmoid(*layer.at(Attribute::Roughness, i));
+      materials_.specular_weight[i] = sigmoid(*layer.at(Attribute::SpecularWeight, i));
+      materials_.transmission[i] = sigmoid(*layer.at(Attribute::Transmission, i));
+    }
+    if (card_) match_card();
+  }
+
+  void match_card() {
+    View view = all_views_[card_->view];
+    view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
+    const Vec3f found = median_in(*card_, all_views_[card_->view], SurfelColors(layer(), materials_.albedo).picture(view));
+    for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
+    for (size_t i = 0; i < materials_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        materials_.albedo[i][c] = std::min(kMaxAlbedo, materials_.albedo[i][c] * card_gain_[c]);
+        irradiance_[i][c] /= card_gain_[c];
+      }
+    for (Vec3f& l : solution_.light)
+      for (size_t c = 0; c < 3; ++c) l[c] /= card_gain_[c];
+  }
+
+  // Seen walls and sky as they are, the rest as solved.
+  ImageF environment() const {
+    const int h = config_.panorama_height;
+    ImageF out(2 * h, h, 3);
+    Vec3d sum{};
+    double count = 0;
+    for (size_t j = 0; j < solution_.light.size(); ++j)
+      if (solution_.free[j]) sum += cast<double>(solution_.light[j]), count += 1;
+    const Vec3f mean = count > 0 ? cast<float>(sum / count) : Vec3f{};
+    for (size_t t = 0; t < out.pixel_count(); ++t) {
+      const size_t cell = transport_.grid.cell_of(around_.direction(t));
+      Vec3f value = solution_.free[cell] ? solution_.light[cell] : mean;
+      if (around_.seen(t))
+        for (size_t c = 0; c < 3; ++c) value[c] = around_.radiance[t][c] / card_gain_[c];
+      for (size_t c = 0; c < 3; ++c) out.data()[3 * t + c] = value[c];
+    }
+    return out;
+  }
+
+  // The shell with the albedo of the nearest surfels in place of its radiance.
+  TriMesh painted_shell() const {
+    TriMesh shell = shell_;
+    std::vector<Vec3f> positions;
+    std::vector<uint32_t> index;
+    for (size_t i = 0; i < layer().size(); ++i) {
+      const float* p = layer().at(Attribute::Mean, i);
+      if (sigmoid(*layer().at(Attribute::Opacity, i)) < 0.5f) continue;
+      positions.push_back({p[0], p[1], p[2]});
+      index.push_back(uint32_t(i));
+    }
+    const float reach = float(4 * kOuterFactor * voxel_);
+    const PointGrid grid(positions, reach / 2);
+    std::vector<PointGrid::Near> near;
+    for (size_t v = 0; v < shell.positions.size(); ++v) {
+      grid.nearest(shell.positions[v], 6, reach, near);
+      Vec3f sum{};
+      for (const PointGrid::Near& n : near) sum += irradiance_[index[n.index]];
+      for (size_t c = 0; c < 3; ++c) {
+        const float e = near.empty() ? kPi : sum[c] / float(near.size());
+        shell.colors[v][c] = std::clamp(kPi * shell.colors[v][c] / std::max(1e-4f, e), 0.f, kMaxAlbedo);
+      }
+    }
+    return shell;
+  }
+
+  void write() {
+    step(0.9, "pictures and files");
+    const fs::path& out = context_.output();
+    make_folders(out / "relight");
+    write_relight_materials(out, materials_);
+    write_environment(relight_environment_path(out), Environment(environment()));
+    if (!shell_.faces.empty()) write_mesh_ply(relight_surroundings_path(out), painted_shell());
+    const fs::path sfm = context_.input("sfm");
+    const double baked = write_relight_pictures({.sfm_folder = sfm,
+                                                 .output = out,
+                                                 .layer = layer(),
+                                                 .albedo = materials_.albedo,
+                                                 .irradiance = irradiance_,
+                                                 .views = views_,
+                                                 .rows = config_.sheet_rows,
+                                                 .cell_width = config_.sheet_cell_width});
+    size_t usable = 0, inner = 0, free = 0;
+    for (size_t i = 0; i < points_.size(); ++i) usable += usable_[i], inner += points_[i].inner;
+    for (const bool f : solution_.free) free += f;
+    const Json report{
+        {"points",
+         {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
+        {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
+        {"surroundings", {{"share_of_sphere", around_.wall_share()}, {"faces", shell_.faces.size()}}},
+        {"light_known_share", solution_.known_share},
+        {"misfit_log_rms", solution_.misfit},
+        {"scale",
+         {{"by", card_ ? "grey_card" : "convention"},
+          {"meaning", card_
+                          ? fmt::format("the card has the albedo {}", config_.grey_albedo)
+                          : fmt::format("the open light is white in the mean, and the brightest twentieth of the surface has the "
+                                        "albedo {}",
+                                        config_.white_albedo)},
+          {"limited_by_bounced_light", solution_.scale_by_bounces}}},
+        {"baked_log_rms", baked}};
+    write_file(out / "relight" / "report.json", report.dump(2) + "\n");
+    context_.metric("misfit_log_rms", solution_.misfit.back());
+    context_.metric("light_known_share", solution_.known_share);
+    context_.metric("baked_log_rms", baked);
+    if (free == 0)
+      context_.warning("NO_OPEN_LIGHT", "no surface point looks past the mesh and its surroundings: all light counts as known");
+    if (solution_.scale_by_bounces)
+      context_.warning("ALBEDO_SCALE", "bounced light alone is brighter than the wanted scale of the albedo allows");
+    context_.summary(fmt::format("{}k points, {} of {} light cells solved, {:.0f} % of the light bounced or seen; albedo by {}",
+                                 (points_.size() + 500) / 1000, free, solution_.light.size(), 100 * solution_.known_share,
+                                 card_ ? "grey card" : "convention"));
+  }
+
+  const SplatLayer& layer() const { return scene_.surfels.diffuse; }
+
+  const RelightConfig& config_;
+  StageContext& context_;
+  TrainedScene scene_;
+  std::vector<View> all_views_, views_;
+  std::optional<GreyCard> card_;
+  TriMesh mesh_;
+  Bounds3 box_;
+  double voxel_ = 0, edge_ = 0;
+  std::vector<LitPoint> points_;
+  std::vector<bool> usable_;
+  Surroundings around_;
+  TriMesh shell_;
+  Transport transport_;
+  std::vector<uint32_t> chosen_;
+  LightSolution solution_;
+  std::vector<Vec3f> irradiance_;
+  RelightMaterials materials_;
+  Vec3f card_gain_{1, 1, 1};
+};
+
+}  // namespace
+
+void describe(Describer& d, RelightSolverConfig& c) {
+  d.option("points", c.points, "Surface points that the light is solved with.").range(64, 100000);
+  d.option("rounds", c.rounds, "Turns of albedo and light.").range(0, 1000);
+  d.option("ridge", c.ridge, "Pull of every light cell towards the mean light.").range(0, 1e3);
+  d.option("smooth", c.smooth, "Pull of neighbouring light cells towards each other.").range(0, 1e3);
+  d.option("range_sigma", c.range_sigma, "Log albedos that differ by much more count as different paint.").range(1e-3, 100);
+  d.option("chroma_sigma", c.chroma_sigma, "Chromaticities that differ by much more count as different paint.").range(1e-3, 10);
+}
+
+void describe(Describer& d, RelightConfig& c) {
+  d.option("points", c.points, "Surface points on the mesh at which irradiance is found, about.").range(100, 1000000);
+  d.option("bands", c.bands, "Light cells from zenith to nadir; twice as many around.").range(4, 64);
+  d.option("max_side", c.max_side, "Longest side of the pictures that surface points are taken from, pixels.").range(32, 4096);
+  d.option("panorama_height", c.panorama_height, "Rows of the panorama of the surroundings and of environment.exr.")
+      .range(16, 1024);
+  d.option("sky_distance", c.sky_distance,
+           "Surroundings farther than this from the centre are light, not walls; scene units (the cameras' ring has radius 1).")
+      .range(0.1, 1e6);
+  d.option("white_albedo", c.white_albedo, "By convention the brightest twentieth of the surface has this albedo.")
+      .range(0.05, 0.95);
+  d.option("grey_card", c.grey_card,
+           "A card of known albedo, \"photo:x,y,w,h\" in pixels of the undistorted photo; empty: scale by convention.");
+  d.option("grey_albedo", c.grey_albedo, "Albedo of the grey card.").range(0.01, 0.98);
+  d.option("sheet_rows", c.sheet_rows, "Views on albedo.png and baked.png.").range(0, 64);
+  d.option("sheet_cell_width", c.sheet_cell_width, "Width of a picture on them, pixels.").range(32, 4096);
+  d.option("seed", c.seed, "Of the jitter of rays.").range(0, 1e9);
+  d.group("solver", c.solver, "How light and albedo are told apart.");
+}
+
+void run_relight(const RelightConfig& config, StageContext& context) { Decomposition(config, context).run(); }
+
+Stage relight_stage() {
+  return make_stage<RelightConfig>(
+      {.name = "relight",
+       .version = 1,
+       .summary = "takes the diffuse colours apart into albedo and light",
+       .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
+                  {.name = "optimize", .doc = "The trained surfels and their training views."},
+                  {.name = "mesh", .doc = "What casts shadows."},
+                  {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}}},
+      run_relight, [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
+      });
+}
+
+}  // namespace vitrine

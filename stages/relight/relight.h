@@ -1,0 +1,44 @@
+// Relight, part one: the colours of the diffuse layer taken apart into albedo and light (algorithms 7.3, "bake then solve").
+// README.md teaches the method and the options.
+//   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
+//   writes  relight/materials.ply, relight/environment.exr, relight/surroundings.ply, relight/report.json, relight/albedo.png,
+//           relight/baked.png
+// version 1: first.
+#pragma once
+
+#include <string>
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct RelightSolverConfig {
+  int points = 5000;
+  int rounds = 20;
+  double ridge = 0.01;
+  double smooth = 0.02;
+  double range_sigma = 0.35;
+  double chroma_sigma = 0.03;
+};
+void describe(Describer& d, RelightSolverConfig& c);
+
+struct RelightConfig {
+  int points = 20000;
+  int bands = 16;
+  int max_side = 320;
+  int panorama_height = 64;
+  double sky_distance = 4;
+  double white_albedo = 0.8;
+  std::string grey_card;
+  double grey_albedo = 0.18;
+  int sheet_rows = 4;
+  int sheet_cell_width = 320;
+  int seed = 1;
+  RelightSolverConfig solver;
+};
+void describe(Describer& d, RelightConfig& c);
+
+void run_relight(const RelightConfig& config, StageContext& context);
+Stage relight_stage();
+
+}  // namespace vitrine

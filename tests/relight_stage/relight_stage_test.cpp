@@ -1,0 +1,210 @@
+#include "stages/relight/relight.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "core/light/environment.h"
+#include "core/picture/relight_materials.h"
+#include "stages/relight/affinity.h"
+#include "stages/relight/grey_card.h"
+#include "stages/relight/light_grid.h"
+#include "stages/relight/point_grid.h"
+#include "tests/relight_stage/lit_room.h"
+#include "tests/support/error_of.h"
+#include "tests/support/recording_context.h"
+
+namespace vitrine {
+namespace {
+
+const test::LitRoom& room() {
+  static const test::LitRoom instance;
+  return instance;
+}
+
+RelightConfig quick() {
+  RelightConfig config;
+  config.points = 2500;
+  config.bands = 12;
+  config.max_side = 112;
+  config.panorama_height = 16;
+  config.sheet_rows = 1;
+  config.solver.points = 1200;
+  config.solver.rounds = 10;
+  return config;
+}
+
+// rms of log(scale ours / truth) after one factor per channel, their mean ratio.
+double log_error(const std::vector<Vec3f>& ours, const std::vector<Vec3f>& truth) {
+  double squares = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    double mean = 0;
+    for (size_t i = 0; i < ours.size(); ++i) mean += std::log(double(ours[i][c]) / double(truth[i][c])) / double(ours.size());
+    for (size_t i = 0; i < ours.size(); ++i) {
+      const double d = std::log(double(ours[i][c]) / double(truth[i][c])) - mean;
+      squares += d * d;
+    }
+  }
+  return std::sqrt(squares / (3 * double(ours.size())));
+}
+
+TEST(Relight, FindsAlbedoAndLightOfAKnownScene) {
+  test::RecordingContext context(room().inputs());
+  run_relight(quick(), context);
+  const RelightMaterials materials = read_relight_materials(context.output());
+  ASSERT_EQ(materials.size(), room().albedo.size());
+  const double before = log_error(room().radiance, room().albedo), after = log_error(materials.albedo, room().albedo);
+  RecordProperty("log_error", fmt::format("{} -> {}", before, after));
+  EXPECT_LT(after, 0.17) << "undecomposed " << before;
+  EXPECT_LT(after, 0.4 * before);
+  for (const Vec3f& rho : materials.albedo)
+    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(rho[c] >= 0 && rho[c] <= 1);
+  EXPECT_NEAR(materials.f0[0].x, 0.04f, 1e-4f);
+  // The light comes from where it does.
+  const Environment light = read_environment(relight_environment_path(context.output()));
+  const auto mean_around = [&](const Vec3f& axis) {
+    float sum = 0;
+    int count = 0;
+    for (int k = 0; k < 400; ++k) {
+      const float z = float(k % 20) / 20, a = float(k / 20) * 0.314159f, s = std::sqrt(1 - z * z);
+      const Vec3f d{s * std::cos(a), s * std::sin(a), z};
+      if (dot(d, axis) > 0.85f) sum += light.radiance(d).y, ++count;
+    }
+    return sum / float(count);
+  };
+  const Vec3f lamp = normalized(Vec3f{0.7f, 0.3f, 0.65f});
+  EXPECT_GT(mean_around(lamp), 4 * mean_around(normalized(Vec3f{-0.7f, -0.3f, 0.65f})));
+  for (const char* file : {"albedo.png", "baked.png", "report.json"})
+    EXPECT_TRUE(fs::exists(context.output() / "relight" / file));
+  EXPECT_TRUE(std::ranges::is_sorted(context.fractions));
+  EXPECT_GT(context.metrics.at("light_known_share"), 0.01);
+}
+
+TEST(Relight, SameBytesForAnyNumberOfThreads) {
+  std::vector<std::string> bytes;
+  for (const int threads : {1, 3}) {
+    set_thread_limit(threads);
+    test::RecordingContext context(room().inputs());
+    RelightConfig config = quick();
+    config.solver.rounds = 2;
+    run_relight(config, context);
+    std::string all;
+    for (const char* file : {"materials.ply", "environment.exr", "report.json", "albedo.png", "baked.png"})
+      all += read_file(context.output() / "relight" / file);
+    bytes.push_back(std::move(all));
+  }
+  set_thread_limit(0);
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+TEST(Relight, GreyCardSetsTheScale) {
+  test::RecordingContext context(room().inputs());
+  RelightConfig config = quick();
+  config.solver.rounds = 1;
+  config.grey_card = "view_0.png:50,60,6,6";
+  config.grey_albedo = 0.3;
+  run_relight(config, context);
+  const auto report = nlohmann::json::parse(read_file(context.output() / "relight" / "report.json"));
+  EXPECT_EQ(report.at("scale").at("by"), "grey_card");
+  for (const char* wrong :
+       {"view_0.png", "view_0.png:1,2,3", "view_9.png:1,2,3,4", "view_0.png:100,60,50,6", "view_0.png:1,2,0,4"}) {
+    config.grey_card = wrong;
+    const Error e = error_of([&] { run_relight(config, context); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << wrong;
+    EXPECT_EQ(e.detail().code, "GREY_CARD");
+  }
+}
+
+TEST(Relight, RefusesScenesWithoutSurfaceOrDullLight) {
+  const auto refused = [](const std::function<void(const fs::path&)>& damage) {
+    const TemporaryFolder copy;
+    fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
+    damage(copy.path());
+    test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
+    const Error e = error_of([&] { run_relight(quick(), context); });
+    EXPECT_EQ(e.kind(), ErrorKind::Input) << e.what();
+    return e.detail().code;
+  };
+  EXPECT_EQ(refused([](const fs::path& f) { write_mesh_ply(f / "mesh/mesh.ply", TriMesh{}); }), "NO_SURFACE");
+  EXPECT_EQ(refused([](const fs::path& f) { write_layer(f / "gaussians/diffuse.ply", SplatLayer(LayerKind::Diffuse, 0, 0)); }),
+            "NO_SURFACE");
+  EXPECT_EQ(refused([](const fs::path& f) {
+              SplatLayer layer = read_layer(f / "gaussians/diffuse.ply");
+              std::ranges::fill(layer.values(Attribute::ShDc), 20.f);  // everything is overexposed
+              write_layer(f / "gaussians/diffuse.ply", layer);
+            }),
+            "NO_DULL_SURFACE");
+}
+
+TEST(RelightMaterials, RoundTripAndDamage) {
+  const TemporaryFolder folder;
+  RelightMaterials m;
+  m.resize(2);
+  m.albedo = {{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
+  m.f0 = {{0.04f, 0.05f, 0.06f}, {1, 1, 1}};
+  m.roughness = {0.3f, 0}, m.specular_weight = {0.5f, 0.25f}, m.transmission = {0, 1};
+  write_relight_materials(folder.path(), m);
+  const RelightMaterials back = read_relight_materials(folder.path());
+  EXPECT_EQ(back.albedo, m.albedo);
+  EXPECT_EQ(back.f0, m.f0);
+  EXPECT_EQ(back.roughness, m.roughness);
+  EXPECT_EQ(back.specular_weight, m.specular_weight);
+  EXPECT_EQ(back.transmission, m.transmission);
+  const fs::path path = relight_materials_path(folder.path());
+  const std::string good = read_file(path);
+  std::string not_a_number = good;
+  for (size_t i = good.size() - 4; i < good.size(); ++i) not_a_number[i] = char(0xff);
+  for (const std::string& bad :
+       {good.substr(0, good.size() - 3), good + "x", std::string("ply\n"), std::string(), not_a_number}) {
+    write_file(path, bad);
+    EXPECT_EQ(error_of([&] { read_relight_materials(folder.path()); }).kind(), ErrorKind::Input);
+  }
+}
+
+TEST(LightGrid, CellsHoldTheirDirectionsAndTileTheSphere) {
+  const LightGrid grid{.bands = 6};
+  EXPECT_NEAR(grid.solid_angle() * float(grid.cells()), 4 * std::numbers::pi, 1e-4);
+  Rng rng(5);
+  for (size_t j = 0; j < grid.cells(); ++j)
+    for (int k = 0; k < 8; ++k)
+      EXPECT_EQ(grid.cell_of(grid.direction(j, 0.01f + 0.98f * rng.uniform(), 0.01f + 0.98f * rng.uniform())), j);
+}
+
+TEST(PointGrid, AgreesWithASearchThroughAll) {
+  Rng rng(3);
+  std::vector<Vec3f> points(500);
+  for (Vec3f& p : points) p = {rng.uniform(), rng.uniform(), 0.2f * rng.uniform()};
+  const PointGrid grid(points, 0.05f);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vec3f q{1.2f * rng.uniform(), rng.uniform(), 0.3f * rng.uniform()};
+    std::vector<std::pair<float, uint32_t>> all;
+    for (size_t i = 0; i < points.size(); ++i)
+      if (const float d = squared_length(points[i] - q); d <= 0.09f) all.emplace_back(d, uint32_t(i));
+    std::ranges::sort(all);
+    std::vector<PointGrid::Near> near;
+    grid.nearest(q, 7, 0.3f, near);
+    ASSERT_EQ(near.size(), std::min<size_t>(7, all.size()));
+    for (size_t k = 0; k < near.size(); ++k) EXPECT_EQ(near[k].index, all[k].second);
+  }
+}
+
+TEST(Affinity, PairsTheSamePaintAndNoOther) {
+  std::vector<Vec3f> positions, radiance;
+  Rng rng(9);
+  for (int i = 0; i < 300; ++i) {
+    positions.push_back({rng.uniform(), rng.uniform(), 0});
+    const float light = 0.1f + rng.uniform();
+    radiance.push_back(light * (i % 2 ? Vec3f{0.8f, 0.2f, 0.2f} : Vec3f{0.2f, 0.3f, 0.8f}));
+  }
+  const Affinity a = affinity(positions, radiance, {.radius = 0.2f, .clusters = 4});
+  size_t partners = 0;
+  for (size_t i = 0; i < positions.size(); ++i)
+    for (const Affinity::Partner& p : a.of(i)) {
+      EXPECT_EQ(p.point % 2, i % 2);
+      ++partners;
+    }
+  EXPECT_GT(partners, 10 * positions.size());
+}
+
+}  // namespace
+}  // namespace vitrine
