@@ -63,6 +63,72 @@ Capture box_capture(int width, int height) {
   return capture;
 }
 
+// The upper half of the ball is glass, the lower one a mirror: a fifth of the picture.
+Targets ball_targets(const Capture& capture) {
+  Targets targets;
+  targets.has[size_t(MaskClass::Transparent)] = targets.has[size_t(MaskClass::Specular)] = true;
+  for (const auto& photo : capture.photos) {
+    auto& levels = targets.photos.emplace_back();
+    for (size_t l = 0; l < kLevels; ++l) {
+      const View& view = photo.levels[l].view;
+      const Intrinsics& k = view.intrinsics;
+      const Vec3d eye = view.centre_in_world();
+      auto& masks = levels[l].masks;
+      for (MaskClass kind : {MaskClass::Transparent, MaskClass::Specular})
+        masks[size_t(kind)].assign(size_t(k.width) * size_t(k.height), 0);
+      for (int y = 0; y < k.height; ++y)
+        for (int x = 0; x < k.width; ++x) {
+          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+          if (length(eye - dot(eye, d) * d) > 0.205) continue;
+          const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+          masks[size_t(MaskClass::Specular)][i] = 255;
+          if (2 * y < k.height) masks[size_t(MaskClass::Transparent)][i] = 255;
+        }
+    }
+  }
+  return targets;
+}
+
+// All three layers, 50k + 15k surfels and what moves behind the glass. `budget`: pixels that send reflected rays (0: all).
+void layered_training_step(benchmark::State& state) {
+  constexpr int kDiffuse = 50000, kAll = 80000;
+  OptimizeConfig config;
+  config.max_gaussians = kAll;
+  config.resolution.quarter_until = config.resolution.half_until = 0;
+  config.sh_from = 0;
+  config.iterations = 1000000000;
+  config.densify.strategy = "none";
+  config.shading.ray_budget = static_cast<int>(state.range(0));
+  PhasesConfig& p = config.phases;
+  p.reflection.from = p.transmittance.from = p.reflection.ramp = p.transmittance.ramp = p.reflection.surface_from = 0;
+  p.reflection.share = p.transmittance.share = 0.27;
+  p.reflection.initial_surfels = 15000;
+  const Capture capture = box_capture(480, 270);
+  const Targets targets = ball_targets(capture);
+  Trainer trainer({.config = config,
+                   .capture = capture,
+                   .targets = targets,
+                   .layers = {.reflection = true, .transmittance = true},
+                   .max_surfels = kAll},
+                  box_with_ball(kDiffuse));
+  trainer.step();
+  if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 2))
+    return state.SkipWithError("the first step gave an impossible loss");
+  for (auto _ : state) trainer.step();
+  double marked = 0;
+  for (const auto& photo : targets.photos)
+    for (uint8_t m : photo[0].masks[size_t(MaskClass::Specular)]) marked += m > 0;
+  state.counters["specular"] = marked / (480 * 270 * double(targets.photos.size()));
+  for (LayerKind kind : kAllLayers) state.counters[std::string(name(kind))] = double(trainer.scene().layer(kind).size());
+}
+BENCHMARK(layered_training_step)
+    ->ArgName("budget")
+    ->Arg(0)
+    ->Arg(12000)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
 void whole_training_step(benchmark::State& state) {
   const auto surfels = static_cast<size_t>(state.range(2));
   OptimizeConfig config;
@@ -72,8 +138,10 @@ void whole_training_step(benchmark::State& state) {
   config.iterations = 1000000000;
   config.densify.from = 0;
   const Capture capture = box_capture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
-  const Targets targets;
-  Trainer trainer({.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = surfels}, box_with_ball(surfels));
+  Targets targets;  // nobody says anything about any photo
+  targets.photos.resize(capture.photos.size());
+  Trainer trainer({.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = surfels},
+                  box_with_ball(surfels));
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 1)) {
     state.SkipWithError("the first step gave an impossible loss");
