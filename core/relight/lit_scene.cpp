@@ -90,9 +90,9 @@ void LitScene::bounce(const std::vector<Vec3f>& direct) {
     }
   });
   radiance_.resize(n);
-  std::vector<Vec3f> irradiance = direct;
+  irradiance_ = direct;
   for (int b = 1;; ++b) {
-    for (size_t v = 0; v < n; ++v) radiance_[v] = hadamard(surface_->reflectance()[v], irradiance[v]) / kPi;
+    for (size_t v = 0; v < n; ++v) radiance_[v] = hadamard(surface_->reflectance()[v], irradiance_[v]) / kPi;
     if (b >= desc_.bounces || gathered.empty()) break;
     std::vector<Vec3f> indirect(n);
     parallel_chunks(n, kGrain, [&](size_t, size_t first, size_t last) {
@@ -104,7 +104,7 @@ void LitScene::bounce(const std::vector<Vec3f>& direct) {
       }
     });
     smooth(indirect);
-    for (size_t v = 0; v < n; ++v) irradiance[v] = direct[v] + indirect[v];
+    for (size_t v = 0; v < n; ++v) irradiance_[v] = direct[v] + indirect[v];
   }
 }
 

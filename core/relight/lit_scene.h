@@ -25,7 +25,8 @@ class LitScene {
 
   const SceneSurface& surface() const { return *surface_; }
   const Lighting& lighting() const { return *lighting_; }
-  const std::vector<Vec3f>& radiance() const { return radiance_; }  // [v] B
+  const std::vector<Vec3f>& irradiance() const { return irradiance_; }  // [v] E
+  const std::vector<Vec3f>& radiance() const { return radiance_; }      // [v] B
 
   // Light that comes along a ray: from the mesh, and the share that comes from outside of the scene.
   struct Arrival {
@@ -44,7 +45,7 @@ class LitScene {
   const SceneSurface* surface_;
   const Lighting* lighting_;
   LitSceneDesc desc_;
-  std::vector<Vec3f> radiance_;
+  std::vector<Vec3f> irradiance_, radiance_;
 };
 
 }  // namespace vitrine

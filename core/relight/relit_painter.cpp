@@ -18,8 +18,6 @@ constexpr float kSnap = 3;             // in grains: a surfel's place and the me
 constexpr float kLift = 1;             // in grains: where rays start above it
 constexpr float kLeastCosine = 0.02f;  // n.v: normals of blended surfels may look away at an outline
 constexpr float kMeanNearMedian_rel = 0.01f;
-constexpr int kFluenceSamples = 48;
-constexpr float kMostBrighter = 50;  // of what stands behind glass
 constexpr int kBandRows = 8;
 constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
 
@@ -27,8 +25,6 @@ ImageOptions options_of(const RelitScene& scene) {
   ImageOptions o = scene.trained.image;
   o.diffuse.materials = true;
   o.diffuse.sh_degree = 0;
-  o.surface.ray_budget = 0;
-  o.composite.layer_images = true;
   return o;
 }
 
@@ -114,47 +110,16 @@ Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
 }  // namespace
 
 RelitPainter::RelitPainter(RelitScene scene)
-    : scene_(std::move(scene)), surface_(scene_), shown_{.diffuse = material_layer(scene_)}, model_(options_of(scene_)) {
-  shown_.transmittance = scene_.trained.surfels.transmittance;
-  captured_.environment = scene_.captured;
-}
-
-RelitPainter::~RelitPainter() = default;
+    : scene_(std::move(scene)),
+      surface_(scene_),
+      glass_(scene_, surface_),
+      shown_{.diffuse = material_layer(scene_)},
+      model_(options_of(scene_)) {}
 
 void RelitPainter::set_lighting(Lighting lighting, const LitSceneDesc& desc) {
   lighting_ = std::move(lighting);
   lit_ = std::make_unique<LitScene>(surface_, lighting_, desc);
-  if (scene_.trained.surfels.transmittance.size() > 0) relight_transmittance(desc);
-}
-
-// Algorithms 7.4: what stands behind glass keeps its trained colours, times the ratio of the light there now and in the photos.
-void RelitPainter::relight_transmittance(const LitSceneDesc& desc) {
-  const SplatLayer& trained = scene_.trained.surfels.transmittance;
-  const auto fluence = [&](const LitScene& lit) {
-    std::vector<Vec3f> out(trained.size());
-    parallel_for(out.size(), 64, [&](size_t i) {
-      const float* m = trained.at(Attribute::Mean, i);
-      out[i] = lit.fluence({m[0], m[1], m[2]}, i, kFluenceSamples);
-    });
-    return out;
-  };
-  if (!lit_before_) {
-    lit_before_ = std::make_unique<LitScene>(surface_, captured_, desc);
-    fluence_before_ = fluence(*lit_before_);
-  }
-  const std::vector<Vec3f> now = fluence(*lit_);
-  const Vec3f mean = scene_.captured.mean();
-  const float least = 1e-3f * (mean.x + mean.y + mean.z) / 3 + 1e-12f;
-  shown_.transmittance = trained;
-  for (size_t i = 0; i < trained.size(); ++i) {
-    float *dc = shown_.transmittance.at(Attribute::ShDc, i), *rest = shown_.transmittance.at(Attribute::ShRest, i);
-    const size_t rest_width = trained.width(Attribute::ShRest);
-    for (size_t c = 0; c < 3; ++c) {
-      const float ratio = std::min((now[i][c] + least) / (fluence_before_[i][c] + least), kMostBrighter);
-      dc[c] = (ratio * (0.5f + kShDc * dc[c]) - 0.5f) / kShDc;
-      for (size_t k = c; k < rest_width; k += 3) rest[k] *= ratio;
-    }
-  }
+  glass_.relight(*lit_, desc);
 }
 
 RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& desc) {
@@ -164,7 +129,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const GBuffer g(frame_);
   const auto median_z = frame_.diffuse.plane(Aov::MedianZ);
   const int width = g.width, height = g.height;
-  const bool transmits = shown_.transmittance.size() > 0;
+  const GlassContent::Picture* behind_glass = glass_.empty() ? nullptr : &glass_.picture(view);
   const float snap = kSnap * surface_.grain(), lift = kLift * surface_.grain();
   const Environment& sky = lighting_.environment;
   RelitPicture out{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1)};
@@ -180,7 +145,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
                                  .f0 = g.rgb(g.f0, pixel) / alpha,
                                  .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
                                  .specular = g.specular[pixel] / alpha,
-                                 .transmission = transmits ? g.transmission[pixel] / alpha : 0.f};
+                                 .transmission = behind_glass != nullptr ? g.transmission[pixel] / alpha : 0.f};
     const float mean_z = g.zdepth[pixel] / alpha, median = median_z[pixel];
     const float z = median > 0 && std::abs(mean_z - median) > kMeanNearMedian_rel * median ? median : mean_z;
     Vec3f place = ray.eye + z * ray.direction_per_z;
@@ -196,12 +161,10 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const ShadingFrame frame(normal);
     const Microfacet scatter(scene_.blend(), material, frame.local(ray.view));
     Vec3f radiance = PixelShader(*lit_, scatter, frame, place, origin).shade(SamplePoints(desc.seed, pixel), desc.samples);
-    if (transmits) {
-      const LayerImages& l = frame_.layers;
-      Vec3f through = g.rgb(l.transmitted, pixel);
-      if (const float rest = l.inner_transmittance[pixel]; rest > kLeastCoverage && material.transmission > 0) {
-        const Vec3f beyond = place - lift * normal;
-        const LitScene::Arrival a = lit_->arriving(beyond, -ray.view);
+    if (material.transmission > kLeastCoverage) {
+      Vec3f through = behind_glass->radiance(pixel);
+      if (const float rest = behind_glass->inner_transmittance(pixel); rest > kLeastCoverage) {
+        const LitScene::Arrival a = lit_->arriving(place - lift * normal, -ray.view);
         through += rest * (a.from_scene + a.from_outside * sky.radiance(-ray.view));
       }
       radiance += hadamard(scatter.transmission_weight(), through);

@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "core/model/layered_model.h"
-#include "core/relight/lit_scene.h"
+#include "core/relight/glass_content.h"
 
 namespace vitrine {
 
@@ -31,7 +31,8 @@ struct RelitPicture {
 class RelitPainter {
  public:
   explicit RelitPainter(RelitScene scene);
-  ~RelitPainter();
+  RelitPainter(const RelitPainter&) = delete;
+  RelitPainter& operator=(const RelitPainter&) = delete;
 
   void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
   // At the size of the view's intrinsics; its gain takes no part.
@@ -41,16 +42,14 @@ class RelitPainter {
   const LitScene& lit() const { return *lit_; }
 
  private:
-  void relight_transmittance(const LitSceneDesc& desc);
-
   RelitScene scene_;
   SceneSurface surface_;
-  SplatScene shown_;  // albedo and materials; the transmittance layer under the lighting
+  GlassContent glass_;
+  SplatScene shown_;  // diffuse surfels with albedo and materials
   LayeredModel model_;
   Frame frame_;
-  Lighting lighting_, captured_;
-  std::unique_ptr<LitScene> lit_, lit_before_;
-  std::vector<Vec3f> fluence_before_;  // [surfels of the transmittance layer]
+  Lighting lighting_;
+  std::unique_ptr<LitScene> lit_;
 };
 
 }  // namespace vitrine

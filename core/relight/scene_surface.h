@@ -27,6 +27,12 @@ class SceneSurface {
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0) const {
     return hits_.first_hit(origin, direction, near);
   }
+  // The place where a ray meets the front of the mesh before `far`.
+  std::optional<SurfacePlace> front_near(const Vec3f& origin, const Vec3f& direction, float far) const {
+    const auto hit = hits_.first_hit(origin, direction, 0, far);
+    if (!hit || hit->from_inside) return std::nullopt;
+    return place(hit->face, origin + hit->t * direction);
+  }
   // Share of light that comes along a segment: 0 behind anything solid, less than 1 behind glass.
   float visibility(const Vec3f& origin, const Vec3f& direction, float far = MeshHits::kFar) const;
 

@@ -1,0 +1,97 @@
+#include "core/relight/glass_content.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/base/parallel.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kFluenceSamples = 48;
+constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
+constexpr float kLeastFluence_rel = 1e-3f;
+constexpr float kMostlyClear = 0.5f;  // a surfel is glass above
+constexpr float kReach = 3;           // in grains: how far off the mesh a surfel still belongs to it
+constexpr size_t kTask = 64;          // surfels
+constexpr uint64_t kDiffuseStream = uint64_t(1) << 40;
+
+void set_color(SplatLayer& layer, size_t i, const Vec3f& color) {
+  for (size_t c = 0; c < 3; ++c) layer.at(Attribute::ShDc, i)[c] = (color[c] - 0.5f) / kShDc;
+}
+
+}  // namespace
+
+GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
+    : scene_(&scene), surface_(&surface), renderer_(make_renderer(Backend::Cpu)) {
+  if (empty()) return;
+  const SplatLayer &diffuse = scene.trained.surfels.diffuse, &inside = scene.trained.surfels.transmittance;
+  if (scene.trained.image.transmission.glass == Glass::Thin)
+    for (size_t i = 0; i < diffuse.size(); ++i)
+      if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
+  merged_ = SplatLayer(LayerKind::Transmittance, inside.sh_degree(), opaque_.size() + inside.size());
+  const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
+    for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
+      std::copy_n(from.at(a, i), from.width(a), merged_.at(a, to));
+  };
+  for (size_t k = 0; k < opaque_.size(); ++k) copy(diffuse, opaque_[k], k);
+  for (size_t i = 0; i < inside.size(); ++i) copy(inside, i, opaque_.size() + i);
+}
+
+std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
+  const SplatLayer& inside = scene_->trained.surfels.transmittance;
+  std::vector<Vec3f> out(inside.size());
+  parallel_for(out.size(), kTask, [&](size_t i) {
+    const float* m = inside.at(Attribute::Mean, i);
+    out[i] = lit.fluence({m[0], m[1], m[2]}, i, kFluenceSamples);
+  });
+  return out;
+}
+
+// From the place of the mesh that the surfel lies on; a surfel off the mesh gets the light from all sides.
+Vec3f GlassContent::matt_radiance(const LitScene& lit, size_t surfel) const {
+  const SplatLayer& layer = scene_->trained.surfels.diffuse;
+  const float *m = layer.at(Attribute::Mean, surfel), *q = layer.at(Attribute::Rotation, surfel);
+  const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
+  const Vec3f reflectance = bounce_reflectance(scene_->blend(), scene_->material(surfel));
+  const float reach = kReach * surface_->grain();
+  for (const Vec3f& n : {normal, -normal})
+    if (const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach))
+      return hadamard(reflectance, surface_->at(lit.irradiance(), *place)) / std::numbers::pi_v<float>;
+  return hadamard(reflectance, lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples));
+}
+
+void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
+  if (empty()) return;
+  if (fluence_before_.empty()) {
+    const Lighting captured{.environment = scene_->captured, .points = {}, .directionals = {}, .areas = {}};
+    fluence_before_ = fluence(LitScene(*surface_, captured, desc));
+  }
+  const std::vector<Vec3f> now = fluence(lit);
+  parallel_for(opaque_.size(), kTask, [&](size_t k) { set_color(merged_, k, matt_radiance(lit, opaque_[k])); });
+  const SplatLayer& inside = scene_->trained.surfels.transmittance;
+  const Vec3f mean = scene_->captured.mean();
+  const float least = kLeastFluence_rel * (mean.x + mean.y + mean.z) / 3 + 1e-12f;
+  for (size_t i = 0; i < inside.size(); ++i) {
+    const size_t to = opaque_.size() + i, width = inside.width(Attribute::ShRest);
+    for (size_t c = 0; c < 3; ++c) {
+      const float ratio = std::min((now[i][c] + least) / (fluence_before_[i][c] + least), kMostBrighter);
+      merged_.at(Attribute::ShDc, to)[c] = (ratio * (0.5f + kShDc * inside.at(Attribute::ShDc, i)[c]) - 0.5f) / kShDc;
+      for (size_t k = c; k < width; k += 3) merged_.at(Attribute::ShRest, to)[k] = ratio * inside.at(Attribute::ShRest, i)[k];
+    }
+  }
+}
+
+const GlassContent::Picture& GlassContent::picture(const View& view) {
+  RasterDesc desc;
+  desc.intrinsics = view.intrinsics;
+  desc.cam_from_world = view.cam_from_world;
+  desc.features = FeatureSet::Surface;
+  desc.sh_degree = merged_.sh_degree();
+  renderer_->forward(merged_, desc, picture_.images);
+  return picture_;
+}
+
+}  // namespace vitrine
