@@ -18,6 +18,7 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   desc.features = layered || options_.materials ? FeatureSet::Material : FeatureSet::Surface;
   desc.sh_degree = std::min(options_.sh_degree, scene.diffuse.sh_degree());
   desc.distortion = options_.distortion;
+  desc.near_z = options_.near_z;
   renderer_->forward(scene.diffuse, desc, frame.diffuse);
   const auto color = frame.diffuse.plane(Aov::Color);
   frame.linear.resize(color.size());

@@ -12,6 +12,7 @@ struct DiffuseOptions {
   Backend backend = Backend::Cpu;
   int sh_degree = 1;        // used for colour; at most the layer's
   bool distortion = false;  // compute the distortion channel
+  float near_z = 0.01f;     // scene units; surfels nearer to the camera's plane are not seen
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
 };
 

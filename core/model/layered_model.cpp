@@ -19,9 +19,8 @@ LayeredModel::LayeredModel(const ImageOptions& options)
       surface(append<SurfacePass>(*this, options.surface)),
       reflection(append<ReflectionPass>(*this, options.reflection)),
       transmission(append<TransmissionPass>(*this, options.transmission)),
-      thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse.backend)),
+      thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
       composite(append<CompositePass>(*this, options.composite)) {
-  thin_glass->set_diffuse_sh_degree(options.diffuse.sh_degree);
   append<DisplayPass>(*this);
 }
 

@@ -31,7 +31,7 @@ void ThinGlassPass::merge(const SplatScene& scene) {
   opaque_.clear();
   for (size_t i = 0; i < diffuse.size(); ++i)
     if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
-  const int of_diffuse = std::min(diffuse_sh_degree_, diffuse.sh_degree());
+  const int of_diffuse = std::min(diffuse_.sh_degree, diffuse.sh_degree());
   const int of_layer = std::min(options_.sh_degree, scene.transmittance.sh_degree()), degree = std::max(of_diffuse, of_layer);
   const size_t count = opaque_.size() + scene.transmittance.size();
   if (merged_.kind() != LayerKind::Transmittance || merged_.sh_degree() != degree)
@@ -61,6 +61,7 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;
   desc.features = FeatureSet::Surface;
+  desc.near_z = diffuse_.near_z;
   desc.sh_degree = merged_.sh_degree();
   renderer_->forward(merged_, desc, picture_);
   const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
@@ -98,7 +99,7 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
       SplatLayer& to = own ? grad.transmittance : grad.diffuse;
       SurfelStatistics& statistics = own ? of_layer : behind.statistics;
       const size_t i = own ? k - opaque_.size() : opaque_[k];
-      const int degree = std::min(own ? options_.sh_degree : diffuse_sh_degree_, to.sh_degree());
+      const int degree = std::min(own ? options_.sh_degree : diffuse_.sh_degree, to.sh_degree());
       for (Attribute a : kShapeAndColor)
         for (size_t c = 0, used = used_width(to, a, degree); c < used; ++c) to.at(a, i)[c] += grad_.at(a, k)[c];
       statistics.screen_gradient[i] = statistics_.screen_gradient[k];

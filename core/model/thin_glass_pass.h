@@ -21,11 +21,12 @@ namespace vitrine {
 
 class ThinGlassPass final : public Pass {
  public:
-  // `backend`: of the rasteriser.
-  ThinGlassPass(const TransmissionOptions& options, Backend backend) : options_(options), renderer_(make_renderer(backend)) {}
+  // `diffuse`: how the diffuse layer is shown; the backend stays what it was.
+  ThinGlassPass(const TransmissionOptions& options, const DiffuseOptions& diffuse)
+      : options_(options), diffuse_(diffuse), renderer_(make_renderer(diffuse.backend)) {}
   std::string_view name() const override { return "thin_glass"; }
   TransmissionOptions& options() { return options_; }
-  void set_diffuse_sh_degree(int degree) { diffuse_sh_degree_ = degree; }
+  DiffuseOptions& diffuse() { return diffuse_; }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
@@ -34,7 +35,7 @@ class ThinGlassPass final : public Pass {
   void merge(const SplatScene& scene);
 
   TransmissionOptions options_;
-  int diffuse_sh_degree_ = 3;
+  DiffuseOptions diffuse_;
   std::unique_ptr<Renderer> renderer_;
   std::vector<uint32_t> opaque_;  // of the diffuse layer
   SplatLayer merged_, grad_;      // those, then the transmittance layer

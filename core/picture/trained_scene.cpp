@@ -27,6 +27,7 @@ void visit(Options& o, const Word& word, const Number& number) {
   word("blend", o.composite.blend, kBlends);
   word("lobe", o.reflection.lobe, kLobes);
   word("glass", o.transmission.glass, kGlasses);
+  number("near_z", o.diffuse.near_z);
   number("min_alpha", o.surface.min_alpha);
   number("mirror_below", o.reflection.mirror_below);
   number("max_footprint", o.reflection.max_footprint);

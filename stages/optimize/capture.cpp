@@ -65,6 +65,24 @@ size_t pyramid_bytes(const ViewSet& view_set, int max_side) {
   return bytes;
 }
 
+float near_plane(const ViewSet& set) {
+  constexpr float kLeast = 0.01f, kMost = 0.1f, kPart = 0.5f;
+  constexpr double kQuantile = 0.01;
+  std::vector<float> depths;
+  for (const View& view : set.views)
+    for (const auto& point : set.points) {
+      const Vec3d p = view.cam_from_world * point.position;
+      const Intrinsics& k = view.intrinsics;
+      if (!(p.z > 0)) continue;
+      const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
+      if (x >= 0 && y >= 0 && x < k.width && y < k.height) depths.push_back(float(p.z));
+    }
+  if (depths.empty()) return kLeast;
+  const auto at = depths.begin() + static_cast<ptrdiff_t>(kQuantile * double(depths.size() - 1));
+  std::nth_element(depths.begin(), at, depths.end());
+  return std::clamp(kPart * *at, kLeast, kMost);
+}
+
 Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every) {
   Capture capture;
   capture.view_set = load_view_set(sfm_folder);
@@ -95,6 +113,7 @@ Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int 
                  .why = fmt::format("{} photos have poses and every {} is kept for the evaluation", views.size(), holdout_every),
                  .hint = "--set optimize.holdout_every=0, or take more photos",
                  .code = "NO_TRAINING_VIEW"});
+  capture.near_z = near_plane(capture.view_set);
   capture.memory_bytes = pyramid_bytes(capture.view_set, max_side);
   return capture;
 }

@@ -27,6 +27,9 @@ struct Capture {
   ViewSet view_set;
   std::vector<Photo> photos;             // in the order of view_set.views
   std::vector<uint32_t> train, heldout;  // indices into photos
+  // Nothing stands nearer to a camera: half the depth of the nearest sparse points, at most a tenth of the ring of cameras. A
+  // surfel there is in no training photo's way and would hang like a veil before a camera that comes by.
+  float near_z = 0.01f;
   size_t largest_pixel_count = 0;
   size_t memory_bytes = 0;  // of the pyramids
 };
@@ -36,6 +39,8 @@ Photo make_photo(const View& view, const ImageF& linear, int max_side);
 // Planar [3,h,w] floats of a level.
 void decode(const PhotoLevel& level, std::vector<float>& srgb);
 
+// Capture::near_z of these photos.
+float near_plane(const ViewSet& view_set);
 Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every);
 // Bytes that load_capture() will hold, from the intrinsics alone.
 size_t pyramid_bytes(const ViewSet& view_set, int max_side);

@@ -50,7 +50,7 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, MaskClass mask
   const size_t n = scene.diffuse.size();
   Survey found{{std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}, {}};
   found.depths.resize(desc.capture.photos.size());
-  DiffusePass pass({.sh_degree = desc.sh_degree});
+  DiffusePass pass({.sh_degree = desc.sh_degree, .near_z = desc.capture.near_z});
   const SplatScene diffuse{.diffuse = scene.diffuse};
   SplatScene ignored{.diffuse = scene.diffuse.zeros_like()};
   Frame frame;

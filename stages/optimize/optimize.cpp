@@ -132,7 +132,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind))
       write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
-  if (layers.any()) write_image_options(context.output() / "optimize/model.json", trainer->image_options());
+  write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
   make_folders(previews);

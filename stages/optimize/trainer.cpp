@@ -259,7 +259,11 @@ void Trainer::record(double loss, double l1) {
   epoch_ = {};
 }
 
-ImageOptions Trainer::image_options() const { return clock().image_options(config().shading, backend_of(config()), sh_degree()); }
+ImageOptions Trainer::image_options() const {
+  ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
+  options.diffuse.near_z = setup_.capture.near_z;
+  return options;
+}
 
 void Trainer::set_up_passes() const {
   const ImageOptions options = image_options();
@@ -267,7 +271,7 @@ void Trainer::set_up_passes() const {
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
   model_.transmission->options() = model_.thin_glass->options() = options.transmission;
-  model_.thin_glass->set_diffuse_sh_degree(options.diffuse.sh_degree);
+  model_.thin_glass->diffuse() = options.diffuse;
   model_.composite->options() = options.composite;
 }
 

@@ -222,6 +222,26 @@ TEST_F(OptimizeStage, SurfelsThatVanishEndAsDiverged) {
   }
 }
 
+TEST(Capture, NothingStandsNearerThanHalfTheNearestPoints) {
+  ViewSet set;
+  View view;
+  view.intrinsics = {100, 100, 100, 100, 50, 50};
+  set.views = {view};
+  EXPECT_EQ(near_plane(set), 0.01f);  // nobody knows
+  const auto points_at = [&](double z) {
+    set.points.clear();
+    for (int i = 0; i < 300; ++i) set.points.push_back({.position = {0, 0, z + 0.01 * i}});
+    set.points.push_back({.position = {0, 0, -1}});     // behind the camera
+    set.points.push_back({.position = {9, 0, 0.001}});  // outside the picture
+  };
+  points_at(0.1);
+  EXPECT_NEAR(near_plane(set), 0.5 * 0.12, 1e-6);  // two in three hundred may be wrong
+  points_at(3);
+  EXPECT_EQ(near_plane(set), 0.1f);
+  points_at(0.0001);
+  EXPECT_NEAR(near_plane(set), 0.01f, 0.002);
+}
+
 TEST(InitialLayer, FacesTheCamerasAndStaysBelowItsShare) {
   TemporaryFolder folder;
   write_tiny_sfm(folder.path(), 6);
