@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# From a bare Debian 12 to a reconstructed scene: installs what is missing, builds, runs the whole road on your photos.
+# From a bare Debian 12 to a relit scene: installs what is missing, builds, runs the whole road on your photos, and shows the scene
+# under other lamps.
 #
 #   pipeline/quickstart.sh [PHOTOS] [-o OUT] [vitrine run options...]
 #
@@ -11,23 +12,32 @@ photos="$VITRINE_ROOT/sample_data/cabinet/photos" out=out options=()
 if [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then photos="$1"; shift; fi
 while [ $# -gt 0 ]; do
   case "$1" in
-    -h | --help) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -o | --output) [ $# -gt 1 ] || { echo "error: $1 needs a folder" >&2; exit 2; }; out="$2"; shift 2 ;;
     *) options+=("$1"); shift ;;
   esac
 done
+# Somebody has marked the glass and the metal of the sample.
+if [ "$photos" = "$VITRINE_ROOT/sample_data/cabinet/photos" ] && [[ " ${options[*]} " != *" --masks"* ]]; then
+  options+=(--masks "$VITRINE_ROOT/sample_data/cabinet/marks.yaml")
+fi
 [ -d "$photos" ] || { echo "error: there is no photo folder '$photos'" >&2; exit 3; }
 
 install_packages "${VITRINE_PACKAGES[@]}"
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=OFF
 say "run: vitrine run $photos -o $out --preset preview"
 "$VITRINE_ROOT/build/bin/vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
+lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
+say "relight: vitrine relight $out --lights $lamps"
+"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps"
+"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16
 
 say "done. Where to look:"
 cat <<TXT
   $out/eval/contact_sheet.jpg   photo, render, error, normals and depth of the held-out views
   $out/mesh/mesh.ply            the mesh, with colours and normals (MeshLab, Blender, CloudCompare)
-  $out/export/                  Gaussians (2DGS and 3DGS PLY), COLMAP model, OBJ
+  $out/relit/                   held-out views and a turntable under two lamps (another light: vitrine relight $out --env HDRI)
+  $out/export/                  GLB with textures, Gaussians (2DGS and 3DGS PLY), COLMAP model, OBJ
   $out/eval/metrics.json        PSNR, SSIM; errors against truth when there is a truth folder
 again, or with other options:   $VITRINE_ROOT/build/bin/vitrine run $out --preset standard
 TXT
