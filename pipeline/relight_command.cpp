@@ -19,7 +19,8 @@ int relight_command(const Words& words) {
   cli.value("rotate", 0, "DEG", rotate, "Turn the environment about the vertical, counter-clockwise seen from above.");
   cli.value("turntable", 0, "N", turntable, 0, "N frames of a camera that goes around the scene, and a film if ffmpeg is there.");
   cli.value("spp", 0, "N", samples, 0, "Samples a pixel; default 64. Noise halves with four times as many.");
-  cli.value("exposure", 0, "STOPS", exposure, "How many stops brighter the PNG are than the EXR.");
+  cli.value("exposure", 0, "STOPS", exposure,
+            "How many stops brighter the PNG are than the EXR; default: surfaces become middle grey.");
   add_picture_options(cli, a, "relit");
   const Words rest = cli.parse(words);
   if (a.help) {
@@ -38,6 +39,7 @@ int relight_command(const Words& words) {
   if (!lights.empty()) add_input_file("lights", lights, "a YAML file of lights: stages/relit/README.md shows one", tool.words);
   set("rotate", rotate);
   set("exposure", exposure);
+  if (!exposure.empty()) set("auto_exposure", "false");
   if (turntable > 0) set("turntable", std::to_string(turntable));
   if (samples > 0) set("samples", std::to_string(samples));
   return run_picture_tool(tool, picture_project(rest), a);

@@ -23,6 +23,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
+constexpr double kMiddleGrey = 0.18;
 
 // The folder of a light: the name of its file without what a file system or a shell might not like.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
@@ -54,6 +55,15 @@ std::vector<View> chosen_views(const RelitConfig& config, const StageContext& co
   if (config.turntable == 0) return picture_views(desc);
   desc.which = "all";
   return turntable_views(picture_views(desc), config.turntable);
+}
+
+// Stops that make the geometric mean of what the mesh sends on a middle grey. The same for all pictures of a light.
+double exposure_of_scene(const LitScene& lit) {
+  double sum = 0;
+  size_t n = 0;
+  for (const Vec3f& b : lit.radiance())
+    if (const float l = 0.2126f * b.x + 0.7152f * b.y + 0.0722f * b.z; l > 0) sum += std::log2(l), ++n;
+  return n == 0 ? 0 : std::round(10 * (std::log2(kMiddleGrey) - sum / double(n))) / 10;
 }
 
 Image8 developed(const ImageF& radiance, double exposure) {
@@ -131,10 +141,10 @@ std::string problem_of(const RelitConfig& c) {
   return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
 }
 
-void write_settings(const fs::path& path, const RelitConfig& c, const Lighting& lighting) {
+void write_settings(const fs::path& path, const RelitConfig& c, double exposure, const Lighting& lighting) {
   nlohmann::ordered_json json;
   json["rotate_deg"] = c.rotate;
-  json["exposure_stops_of_png"] = c.exposure;
+  json["exposure_stops_of_png"] = exposure;
   json["samples"] = c.samples;
   json["seed"] = c.seed;
   json["environment_orientation"] = "first row +z, centre +x, three quarters -y, before the rotation about +z";
@@ -158,7 +168,10 @@ void describe(Describer& d, RelitConfig& c) {
   d.option("seed", c.seed, "Another seed, another noise.").range(0, 1e9);
   d.option("rotate", c.rotate, "Turns the environment about +z, counter-clockwise seen from above, degrees.")
       .range(-36000, 36000);
-  d.option("exposure", c.exposure, "Stops that the PNG are brighter than the EXR.").range(-30, 30);
+  d.option("auto_exposure", c.auto_exposure,
+           "Develop the PNG so that the surfaces of the scene are middle grey in the mean, whatever the units of the map.");
+  d.option("exposure", c.exposure, "Stops that the PNG are brighter than the EXR, or than auto_exposure makes them.")
+      .range(-30, 30);
   d.option("frame_rate", c.frame_rate, "Frames a second of the film of a turntable or path.").range(1, 240);
 }
 
@@ -177,6 +190,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
   RelitPainter painter(std::move(scene));
   painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
 
+  const double exposure = config.exposure + (config.auto_exposure ? exposure_of_scene(painter.lit()) : 0);
   std::vector<View> views = all_views;
   const fs::path out = context.output() / "relit" / label_of(environment, context.optional_input("lights"));
   make_folders(out);
@@ -192,14 +206,14 @@ void run_relit(const RelitConfig& config, StageContext& context) {
     const fs::path stem = out / views[i].stem();
     make_folders(stem.parent_path());
     write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
-    const Image8 png = developed(picture.radiance, config.exposure);
+    const Image8 png = developed(picture.radiance, exposure);
     write_ldr(fs::path(stem.string() + ".png"), png);
     sheet.add(png, views[i].stem());
     views[i].name = views[i].stem() + ".png";
   }
   sheet.write(out / "contact_sheet.png");
   write_transforms_json(out / "transforms.json", views, ".");
-  write_settings(out / "settings.json", config, lighting);
+  write_settings(out / "settings.json", config, exposure, lighting);
   std::string film;
   if (config.turntable > 0 || config.views == "path") {
     if (const auto ffmpeg = find_program("ffmpeg")) {

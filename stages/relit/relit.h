@@ -14,6 +14,7 @@ struct RelitConfig {
   int turntable = 0;  // frames
   int width = 0, height = 0, samples = 64, seed = 1;
   double rotate = 0, exposure = 0;
+  bool auto_exposure = true;
   double frame_rate = 25;
 };
 void describe(Describer& d, RelitConfig& c);

@@ -31,6 +31,11 @@ TEST_F(Sandbox, RenderWantsATrainedScene) {
   EXPECT_EQ(untrained.exit, 3);
   EXPECT_TRUE(untrained.has("there is no trained scene yet")) << untrained.text;
   EXPECT_EQ(call({"render", out().string(), "more"}).exit, 2);
+  const Outcome unlit = call({"relight", out().string(), "--env", "sky.exr"});
+  EXPECT_EQ(unlit.exit, 3);
+  EXPECT_TRUE(unlit.has("no such file")) << unlit.text;
+  EXPECT_EQ(call({"relight", out().string()}).exit, 3);
+  EXPECT_EQ(call({"relight", out().string(), "--turntable", "many"}).exit, 2);
 }
 
 TEST_F(Sandbox, OneOptionRerunsExactlyItsDependants) {

@@ -44,7 +44,7 @@ class RelitStage : public testing::Test {
 
 TEST_F(RelitStage, HeldOutViewsUnderANewLight) {
   RecordingContext context(inputs({{"env", probe()}}));
-  run_relit({.samples = 4, .exposure = 1}, context);
+  run_relit({.samples = 4, .exposure = 1, .auto_exposure = false}, context);
   const fs::path out = context.output() / "relit" / "probe";
   for (const char* file : {"view_0.png", "view_0.exr", "contact_sheet.png", "transforms.json", "settings.json"})
     EXPECT_TRUE(fs::exists(out / file)) << file;
@@ -67,6 +67,19 @@ TEST_F(RelitStage, WithoutALightTheOneOfThePhotosShines) {
   ASSERT_EQ(picture.width(), 32);
   EXPECT_NEAR(picture.at(16, 12, 0), 0.8, 0.03);  // constant light of 1: the albedo
   EXPECT_NEAR(picture.at(16, 12, 2), 0.2, 0.03);
+}
+
+TEST_F(RelitStage, PicturesAreDevelopedToMiddleGreyWhateverTheUnitsOfTheMap) {
+  std::vector<ImageF> pictures;
+  for (const float radiance : {0.02f, 50.f}) {
+    write_environment(folder.path() / "white.exr", Environment(ImageF(16, 8, 3, radiance)));
+    RecordingContext context(inputs({{"env", folder.path() / "white.exr"}}));
+    run_relit({.width = 32, .height = 24, .samples = 16}, context);
+    pictures.push_back(read_srgb(context.output() / "relit/white/view_0.png"));
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pictures[0].at(16, 12, c), pictures[1].at(16, 12, c), 0.03);
+  // The ball's albedo 0.8 0.4 0.2 has the luminance 0.47; it becomes 0.18.
+  EXPECT_NEAR(linear_from_srgb(pictures[0].at(16, 12, 1)), 0.4 / 0.47 * 0.18, 0.02);
 }
 
 TEST_F(RelitStage, RotationTurnsTheLight) {
