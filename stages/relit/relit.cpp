@@ -57,13 +57,11 @@ std::vector<View> chosen_views(const RelitConfig& config, const StageContext& co
   return turntable_views(picture_views(desc), config.turntable);
 }
 
-// Stops that make the geometric mean of what the mesh sends on a middle grey. The same for all pictures of a light.
+// Stops that make the mean of what the mesh sends on a middle grey. The same for all pictures of a light.
 double exposure_of_scene(const LitScene& lit) {
   double sum = 0;
-  size_t n = 0;
-  for (const Vec3f& b : lit.radiance())
-    if (const float l = 0.2126f * b.x + 0.7152f * b.y + 0.0722f * b.z; l > 0) sum += std::log2(l), ++n;
-  return n == 0 ? 0 : std::round(10 * (std::log2(kMiddleGrey) - sum / double(n))) / 10;
+  for (const Vec3f& b : lit.radiance()) sum += 0.2126 * b.x + 0.7152 * b.y + 0.0722 * b.z;
+  return sum > 0 ? std::round(10 * std::log2(kMiddleGrey * double(lit.radiance().size()) / sum)) / 10 : 0;
 }
 
 Image8 developed(const ImageF& radiance, double exposure) {
