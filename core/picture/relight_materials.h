@@ -2,7 +2,8 @@
 // photos. The file is a binary PLY, one vertex per surfel, floats in the order of the members below:
 //   albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
 // All are activated values: albedo in [0, 1] linear, the others in [0, 1]. Algorithms 7.1: radiance of a diffuse surface =
-// albedo / pi times irradiance, in the units of relight/environment.exr.
+// albedo / pi times irradiance, in the units of relight/environment.exr. A surfel that shows the sky (light from far away, no
+// surface) reflects nothing, albedo, f0 and specular weight are 0: under another light that light is seen in its place.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +21,7 @@ struct RelightMaterials {
   std::vector<float> transmission;     // [surfels]
 
   size_t size() const { return albedo.size(); }
+  bool shows_sky(size_t i) const { return albedo[i] == Vec3f{} && f0[i] == Vec3f{} && specular_weight[i] == 0; }
   void resize(size_t surfels);
 };
 

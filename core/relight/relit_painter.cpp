@@ -14,9 +14,10 @@ namespace vitrine {
 namespace {
 
 constexpr float kLeastCoverage = 1 / 255.f;
-constexpr float kSnap = 3;             // in grains: a surfel's place and the mesh this near are the same surface
-constexpr float kLift = 1;             // in grains: where rays start above it
-constexpr float kLeastCosine = 0.02f;  // n.v: normals of blended surfels may look away at an outline
+constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
+constexpr float kLift = 1;              // in grains: where rays start above it
+constexpr float kNearWall_rel = 0.75f;  // walls are coarse: one that hides its surfels by less is where they are
+constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 constexpr float kMeanNearMedian_rel = 0.01f;
 constexpr int kBandRows = 8;
 constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
@@ -153,7 +154,8 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     // (thin coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside.
     Vec3f outwards = ray.view;
     const float t = z * length(ray.direction_per_z);
-    if (const auto hit = surface_.first_hit(ray.eye, -ray.view); hit && hit->t < t + snap) {
+    if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
+        hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || hit->t > kNearWall_rel * t)) {
       outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
       place = ray.eye - hit->t * ray.view;
     }

@@ -15,6 +15,8 @@ namespace {
 // Nearer to 0 or 1 the sigmoid's raw value runs away, and no picture shows the difference.
 constexpr float kOpenEnd = 1e-4f;
 
+constexpr float kInvisible = -20;  // raw opacity
+
 float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd)); }
 
 }  // namespace
@@ -35,6 +37,15 @@ RelitScene read_relit_scene(const RelitFolders& folders) {
   if (scene.mesh.faces.empty())
     throw Error(ErrorKind::Input, "the mesh is empty: nothing would throw a shadow",
                 {.where = mesh.string(), .hint = "run the stage mesh again, with other options", .code = "EMPTY_MESH"});
+  const fs::path around = relight_surroundings_path(folders.relight);
+  std::error_code ec;
+  if (fs::exists(around, ec)) {
+    scene.surroundings = read_mesh_ply(around);
+    if (scene.surroundings.colors.size() != scene.surroundings.positions.size())
+      throw Error(
+          ErrorKind::Input, "the surroundings have no albedo",
+          {.where = around.string(), .why = "no vertex colours", .hint = "run the stage relight again", .code = "BAD_MATERIALS"});
+  }
   return scene;
 }
 
@@ -55,6 +66,7 @@ SplatLayer material_layer(const RelitScene& scene) {
   for (size_t i = 0; i < out.size(); ++i) {
     const RelitMaterial m = scene.material(i);
     for (size_t c = 0; c < 3; ++c) out.at(Attribute::F0, i)[c] = raw(m.f0[c]);
+    if (scene.materials.shows_sky(i)) *out.at(Attribute::Opacity, i) = kInvisible;
     *out.at(Attribute::Roughness, i) = raw(m.roughness);
     *out.at(Attribute::SpecularWeight, i) = raw(m.specular);
     *out.at(Attribute::Transmission, i) = raw(m.transmission);

@@ -1,5 +1,5 @@
 // What a scene must know to be lit anew: the trained surfels, the materials that the relight stage found for them, the light that
-// it took out of the photos, and the mesh that throws the shadows.
+// it took out of the photos, the mesh that throws the shadows, and the walls around it.
 #pragma once
 
 #include <filesystem>
@@ -17,6 +17,7 @@ struct RelitScene {
   RelightMaterials materials;  // of trained.surfels.diffuse
   Environment captured;        // the light of the photos
   TriMesh mesh;
+  TriMesh surroundings;  // walls around it, colours = albedo: they block light and send it on; empty: there are none
 
   RelitMaterial material(size_t surfel) const {
     return {materials.albedo[surfel], materials.f0[surfel], materials.roughness[surfel], materials.specular_weight[surfel],

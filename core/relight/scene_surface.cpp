@@ -26,6 +26,14 @@ TriMesh with_normals(TriMesh mesh) {
   return mesh;
 }
 
+TriMesh joined(TriMesh mesh, const TriMesh& more) {
+  const auto first = static_cast<uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
+  mesh.normals.insert(mesh.normals.end(), more.normals.begin(), more.normals.end());
+  for (const auto& f : more.faces) mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  return mesh;
+}
+
 float mean_edge(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& f : mesh.faces)
@@ -54,7 +62,12 @@ std::vector<Vec3f> colors_at_vertices(const SplatLayer& layer, const TriMesh& me
 
 }  // namespace
 
-SceneSurface::SceneSurface(const RelitScene& scene) : mesh_(with_normals(scene.mesh)), hits_(mesh_), grain_(mean_edge(mesh_)) {
+SceneSurface::SceneSurface(const RelitScene& scene)
+    : near_vertices_(scene.mesh.positions.size()),
+      near_faces_(scene.mesh.faces.size()),
+      grain_(mean_edge(scene.mesh)),
+      mesh_(joined(with_normals(scene.mesh), with_normals(scene.surroundings))),
+      hits_(mesh_) {
   take_materials(scene);
 }
 
@@ -72,13 +85,14 @@ void SceneSurface::take_materials(const RelitScene& scene) {
   }
   const SplatLayer& surfels = scene.trained.surfels.diffuse;
   reflectance_ = colors_at_vertices(painted_layer(surfels, reflectance), mesh_, kReach * grain_, cast<float>(mean));
+  std::ranges::copy(scene.surroundings.colors, reflectance_.begin() + static_cast<std::ptrdiff_t>(near_vertices_));
   // Sums of weighted means: rounding may leave the range.
   for (Vec3f& r : reflectance_)
     for (size_t c = 0; c < 3; ++c) r[c] = std::clamp(r[c], 0.f, 1.f);
   if (!glass_) return;
   const std::vector<Vec3f> at_vertices = colors_at_vertices(painted_layer(surfels, through), mesh_, kReach * grain_, {});
   transmittance_.resize(mesh_.faces.size());
-  for (size_t f = 0; f < transmittance_.size(); ++f) {
+  for (size_t f = 0; f < near_faces_; ++f) {
     float t = 0;
     for (const uint32_t v : mesh_.faces[f]) t += at_vertices[v].x / 3;
     transmittance_[f] = t > kLeastGlass ? std::min(t, 1.f) : 0.f;

@@ -19,7 +19,9 @@ class SceneSurface {
  public:
   explicit SceneSurface(const RelitScene& scene);
 
-  const TriMesh& mesh() const { return mesh_; }                           // with normals
+  // With normals; the surroundings' vertices and faces stand behind those of the scene's mesh.
+  const TriMesh& mesh() const { return mesh_; }
+  bool surrounding(uint32_t face) const { return face >= near_faces_; }
   const std::vector<Vec3f>& reflectance() const { return reflectance_; }  // [v]
   // Length of the mesh's edges: surfels and mesh agree to about as much. Rays start and places are compared with it.
   float grain() const { return grain_; }
@@ -71,9 +73,10 @@ class SceneSurface {
   SurfacePlace place(uint32_t face, const Vec3f& position) const;
   void take_materials(const RelitScene& scene);
 
+  size_t near_vertices_ = 0, near_faces_ = 0;
+  float grain_ = 0;
   TriMesh mesh_;
   MeshHits hits_;
-  float grain_ = 0;
   bool glass_ = false;
   std::vector<Vec3f> reflectance_;    // [v]
   std::vector<float> transmittance_;  // [f]

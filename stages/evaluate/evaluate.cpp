@@ -17,6 +17,7 @@
 #include "stages/evaluate/layer_pictures.h"
 #include "stages/evaluate/photo.h"
 #include "stages/evaluate/regions.h"
+#include "stages/evaluate/relit_error.h"
 #include "stages/evaluate/report.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/transmitted_error.h"
@@ -25,8 +26,8 @@
 namespace vitrine {
 namespace {
 
-constexpr int kMeshViewSide = 640;    // visibility needs no more
-constexpr double kRenderShare = 0.8;  // of the progress bar
+constexpr int kMeshViewSide = 640;                       // visibility needs no more
+constexpr double kRenderShare = 0.7, kRelitShare = 0.2;  // of the progress bar
 
 Backend backend_of(const EvaluateConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -270,9 +271,35 @@ class Evaluator {
       t.zdepth_rel = median(surface_.zdepth_rel);
     else if (t.alignment)
       not_measured("truth.depth_rel", "no truth depth covers an opaque pixel of ours");
+    if (t.alignment) score_relit();
     const auto truth_mesh = truth_->mesh_path();
     if (!truth_mesh) return not_measured("truth.mesh", "the truth has no mesh.ply");
     if (t.alignment) score_mesh(*truth_mesh);
+  }
+
+  void score_relit() {
+    TruthScores& t = *result_.truth;
+    if (config_.relit_samples == 0 || relit_environments(*truth_).empty()) return;
+    const auto relight = context_.optional_input("relight");
+    if (!relight) return not_measured("truth.relit", "there is no relight artifact");
+    RelitErrorDesc desc{.truth = *truth_,
+                        .views = views_,
+                        .truth_from_ours = t.alignment->truth_from_ours,
+                        .albedo_scale = {},
+                        .samples = config_.relit_samples,
+                        .max_views = config_.relit_views,
+                        .pictures = config_.write_pictures ? context_.output() / "eval" / "relit" : fs::path()};
+    if (t.albedo && t.albedo->psnr) desc.albedo_scale = t.albedo->scale;
+    t.relit_scale_mode = desc.albedo_scale ? "albedo times truth.albedo.scale, one factor per channel for the whole scene"
+                                           : "pictures times one factor per channel and environment: median of truth / ours over "
+                                             "the object (the truth has no albedo)";
+    t.relit = relit_scores(
+        read_relit_scene({.optimize = context_.input("optimize"), .mesh = context_.input("mesh"), .relight = *relight}),
+        [&](size_t view, MaskClass c, const Intrinsics& k) { return mask(view, c, k); }, desc,
+        [&](double f) {
+          throw_if_interrupted();
+          context_.progress({.fraction = kRenderShare + kRelitShare * f, .text = "other lights", .values = {}});
+        });
   }
 
   void score_mesh(const fs::path& truth_mesh_path) {
@@ -283,9 +310,10 @@ class Evaluator {
     const std::vector<size_t> picked = spread(paired_.size(), size_t(config_.mesh_views));
     const auto view = [&](size_t i) {
       throw_if_interrupted();
-      context_.progress({.fraction = kRenderShare + (1 - kRenderShare) * double(i) / double(picked.size()),
-                         .text = fmt::format("mesh visibility {}/{}", i + 1, picked.size()),
-                         .values = {}});
+      context_.progress(
+          {.fraction = kRenderShare + kRelitShare + (1 - kRenderShare - kRelitShare) * double(i) / double(picked.size()),
+           .text = fmt::format("mesh visibility {}/{}", i + 1, picked.size()),
+           .values = {}});
       const size_t index = paired_[picked[i]];
       const View& camera = *truth_->camera(index);
       const Intrinsics k = camera.intrinsics.limited_to(kMeshViewSide);
@@ -337,6 +365,10 @@ class Evaluator {
       context_.metric("truth.albedo.psnr", *result_.truth->albedo->psnr);
       summary += fmt::format(", albedo {:.2f} dB", *result_.truth->albedo->psnr);
     }
+    if (const auto relit = result_.truth ? mean_relit_psnr(*result_.truth) : std::nullopt) {
+      context_.metric("truth.relit.psnr", *relit);
+      summary += fmt::format(", relit {:.2f} dB", *relit);
+    }
     context_.summary(summary);
   }
 
@@ -370,6 +402,9 @@ void describe(Describer& d, EvaluateConfig& c) {
   d.option("write_pictures", c.write_pictures, "Write photo, render and error of every held-out view.");
   d.option("write_layers", c.write_layers, "Write the layers of the views on the contact sheet, where there is more than one.");
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
+  d.option("relit_samples", c.relit_samples, "Samples of a pixel under the truth's other lights; 0 = not measured.")
+      .range(0, 4096);
+  d.option("relit_views", c.relit_views, "Views to look at under each of the truth's other lights.").range(1, 10000);
   d.option("mesh_samples", c.mesh_samples, "Points spread over each mesh.").range(100, 1e8);
   d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
       .range(1e-6, 1);
@@ -387,7 +422,7 @@ Stage evaluate_stage() {
                  {.name = "masks", .optional = true, .doc = "regions to score apart, where the truth has none"},
                  {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
                  {.name = "mesh", .doc = "the mesh"},
-                 {.name = "relight", .optional = true, .doc = "albedo, to compare with the truth's"},
+                 {.name = "relight", .optional = true, .doc = "albedo and light, to compare with the truth's"},
                  {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
   return make_stage<EvaluateConfig>(std::move(info), run_evaluate, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};

@@ -2,9 +2,9 @@
 // normals, depth and mesh against the truth. README.md in this folder defines every figure.
 //   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, relight and
 //   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
-//   eval/layers/<layer>/<stem>.exr
+//   eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 // version 1: first. 2: layers; regions from the masks stage; normals and depth per region; the transmitted radiance.
-// 3: albedo.
+// 3: albedo, relit pictures.
 #pragma once
 
 #include "stages/stage.h"
@@ -21,6 +21,8 @@ struct EvaluateConfig {
   bool write_pictures = true;
   bool write_layers = true;
   int samples = 0;
+  int relit_samples = 32;
+  int relit_views = 4;
   int mesh_samples = 100'000;
   double mesh_threshold_rel = 0.01;
   int mesh_views = 64;

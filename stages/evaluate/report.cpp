@@ -49,6 +49,10 @@ Json definitions(const Evaluation& e) {
       "mean "
       "over all scored views; pixels where a channel of the truth is 0 (metal) do not count. through_glass: the object behind "
       "glass, everywhere: all pixels with a truth, undecomposed: the diffuse radiance taken for an albedo; same factors' rule";
+  d["truth.relit.psnr"] =
+      "PSNR of the scene under another environment against truth/relit, both encoded to sRGB and clipped, squared error pooled "
+      "over the pixels of the object outside the glass of a view, mean over views, then over environments; scale_mode says what "
+      "was multiplied before. with_glass: the object and what glass shows of it, everywhere: all pixels, ssim: all pixels";
   d["truth.depth_rel"] = "median of |z - z_truth| / z_truth over the same pixels";
   d["truth.mesh"] = fmt::format(
       "lengths relative to the diagonal of the truth mesh's bounding box. accuracy = mean distance of our samples to the truth "
@@ -97,6 +101,20 @@ Json truth_json(const TruthScores& t) {
     albedo["scale"] = {t.albedo->scale.x, t.albedo->scale.y, t.albedo->scale.z};
     albedo["views"] = t.albedo->views;
   }
+  if (const auto mean_psnr = mean_relit_psnr(t)) {
+    Json& relit = j["relit"] = Json::object();
+    relit["psnr"] = *mean_psnr;
+    relit["scale_mode"] = t.relit_scale_mode;
+    for (const RelitScore& r : t.relit) {
+      Json& score = relit["environments"][r.environment] = Json::object();
+      if (r.psnr) score["psnr"] = *r.psnr;
+      if (r.with_glass_psnr) score["with_glass_psnr"] = *r.with_glass_psnr;
+      if (r.everywhere_psnr) score["everywhere_psnr"] = *r.everywhere_psnr;
+      if (r.ssim) score["ssim"] = *r.ssim;
+      score["picture_scale"] = {r.scale.x, r.scale.y, r.scale.z};
+      score["views"] = r.views;
+    }
+  }
   if (t.mesh) {
     const MeshError& m = *t.mesh;
     Json& mesh = j["mesh"] = Json::object();
@@ -121,6 +139,13 @@ std::string csv_field(const std::string& text) {
 }
 
 }  // namespace
+
+std::optional<double> mean_relit_psnr(const TruthScores& t) {
+  std::vector<double> psnr;
+  for (const RelitScore& r : t.relit)
+    if (r.psnr) psnr.push_back(*r.psnr);
+  return psnr.empty() ? std::nullopt : std::optional(mean(psnr));
+}
 
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout) {
   std::vector<double> psnr, ssim;

@@ -13,6 +13,7 @@
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
+#include "stages/evaluate/relit_score.h"
 
 namespace vitrine {
 
@@ -38,6 +39,8 @@ struct TruthScores {
   size_t transmitted_views = 0;
   std::optional<AlbedoScores> albedo;
   std::optional<double> undecomposed_psnr;  // of the diffuse radiance, taken for an albedo
+  std::vector<RelitScore> relit;
+  std::string relit_scale_mode;
   std::optional<MeshError> mesh;
 };
 
@@ -57,6 +60,8 @@ struct MeanScore {
   double psnr = 0, ssim = 0;
   size_t views = 0;
 };
+// Mean over the environments, nullopt without one.
+std::optional<double> mean_relit_psnr(const TruthScores& t);
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout);
 std::string metrics_json(const Evaluation& e);
 std::string per_view_csv(const Evaluation& e);

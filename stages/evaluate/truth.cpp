@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxAspectError_px = 2;  // rounding of a reduced map; more means another picture
 constexpr double kMaxTurn_deg = 3;
-constexpr int kMaskSubsamples = 3;        // odd: a majority always exists
+constexpr int kMaskSubsamples = 3;  // odd: a majority always exists
 constexpr float kMaskLevel = 0.5f;
 
 // "../photos/img_0001" names the view "img_0001", "x/cam0/a" names "cam0/a"; "img_10" is not "0".
@@ -142,7 +142,15 @@ std::optional<TruthPicture> Truth::albedo(size_t view, const Intrinsics& intrins
   return picture("albedo", view, intrinsics);
 }
 
-std::optional<TruthPicture> Truth::picture(std::string_view kind, size_t view, const Intrinsics& intrinsics) const {
+std::optional<TruthPicture> Truth::relit(std::string_view name, size_t view, const Intrinsics& intrinsics) const {
+  return picture(fs::path("relit") / name, view, intrinsics);
+}
+
+bool Truth::has_relit(std::string_view name, size_t view) const {
+  return cameras_[view] && fs::exists(folder_ / "relit" / name / (stems_[view] + ".exr"));
+}
+
+std::optional<TruthPicture> Truth::picture(const fs::path& kind, size_t view, const Intrinsics& intrinsics) const {
   const fs::path path = folder_ / kind / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;
   ImageF map = read_exr_rgb(path);

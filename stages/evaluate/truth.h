@@ -1,4 +1,5 @@
-// The truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr, mask/{object,transparent,specular}/<stem>.png,
+// The truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr,
+// relit/<name>/<stem>.exr with env/<name>.exr, mask/{object,transparent,specular}/<stem>.png,
 // mesh.ply and mesh_opaque.ply; every part is optional. Truth maps live in the photo's frame and at their own resolution, our
 // renders in the undistorted frame. Both cameras share centre and orientation, so a map is looked up by direction: our pixel ->
 // ray in the camera frame -> pixel of the truth camera (scaled to the map's size). A map without a truth camera is taken to show
@@ -45,17 +46,22 @@ class Truth {
   const std::optional<View>& camera(size_t view) const { return cameras_[view]; }
 
   // Maps as seen through `intrinsics` (ours, at render size). nullopt: no such file. Error{Input}: a file that is broken.
-  std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics, LookupFrame frame = LookupFrame::Ours) const;  // truth units, 0 = nothing there
+  std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics,
+                               LookupFrame frame = LookupFrame::Ours) const;      // truth units, 0 = nothing there
   std::optional<ImageF> normal(size_t view, const Intrinsics& intrinsics) const;  // truth frame, unit; 0 0 0 = nothing there
-  std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics, LookupFrame frame = LookupFrame::Ours) const;  // 0 or 1
+  std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics,
+                             LookupFrame frame = LookupFrame::Ours) const;                   // 0 or 1
   std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
   std::optional<TruthPicture> albedo(size_t view, const Intrinsics& intrinsics) const;  // linear; of the first opaque surface
-  bool has_maps(std::string_view kind) const;                                           // any file below folder/kind
+  // Under the environment of that name.
+  std::optional<TruthPicture> relit(std::string_view name, size_t view, const Intrinsics& intrinsics) const;
+  bool has_relit(std::string_view name, size_t view) const;
+  bool has_maps(std::string_view kind) const;  // any file below folder/kind
   // mesh_opaque.ply, else mesh.ply, else nullopt.
   std::optional<std::filesystem::path> mesh_path() const;
 
  private:
-  std::optional<TruthPicture> picture(std::string_view kind, size_t view, const Intrinsics& intrinsics) const;
+  std::optional<TruthPicture> picture(const std::filesystem::path& kind, size_t view, const Intrinsics& intrinsics) const;
   Mat3d turn(size_t view, LookupFrame frame) const { return frame == LookupFrame::Ours ? turns_[view] : Mat3d::identity(); }
   Intrinsics map_intrinsics(size_t view, const Intrinsics& ours, const ImageF& map, const std::filesystem::path& path) const;
 

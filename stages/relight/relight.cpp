@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -55,6 +56,7 @@ class Decomposition {
       : config_(config), context_(context), scene_(read_trained_scene(context.input("optimize"))) {
     const ViewSet set = load_view_set(context.input("sfm"));
     all_views_ = set.views;
+    for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
     const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
     for (const size_t v : split.train.empty() ? split.heldout : split.train) {
       views_.push_back(set.views[v]);
@@ -123,10 +125,29 @@ class Decomposition {
                   {.why = fmt::format("{} points", points_.size()),
                    .hint = "look at optimize/previews; more points: relight.points",
                    .code = "NO_SURFACE"});
-    around_ = surroundings(scene_.surfels.diffuse,
-                           {.inner = box_, .height = config_.panorama_height, .sky_distance = float(config_.sky_distance)});
+    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : farthest_triangulated();
+    around_ =
+        surroundings(scene_.surfels.diffuse, {.inner = box_, .height = config_.panorama_height, .sky_distance = sky_distance_});
     shell_ = around_.shell();
     context_.timing("points", clock.seconds());
+  }
+
+  // What photos could triangulate is a surface; what lies clearly beyond all of it is sky.
+  float farthest_triangulated() const {
+    constexpr double kPercentile = 0.995;
+    constexpr float kBeyond = 1.25f;
+    if (sparse_.empty()) return std::numeric_limits<float>::max();
+    const Vec3f centre = cast<float>(box_.centre());
+    std::vector<float> distance;
+    for (const Vec3f& p : sparse_) distance.push_back(length(p - centre));
+    const auto at = distance.begin() + std::ptrdiff_t(kPercentile * double(distance.size() - 1));
+    std::nth_element(distance.begin(), at, distance.end());
+    return kBeyond * std::max(*at, float(0.5 * box_.diagonal()));
+  }
+
+  bool shows_sky(size_t surfel) const {
+    const float* p = layer().at(Attribute::Mean, surfel);
+    return length(Vec3f{p[0], p[1], p[2]} - around_.centre) > sky_distance_;
   }
 
   void trace() {
@@ -202,14 +223,17 @@ class Decomposition {
     for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
     const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
     materials_.resize(layer.size());
+    const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
     for (size_t i = 0; i < layer.size(); ++i) {
       for (size_t c = 0; c < 3; ++c) {
         materials_.albedo[i][c] = std::clamp(kPi * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]), 0.f, kMaxAlbedo);
         materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
       }
-      materials_.roughness[i] = sigmoid(*layer.at(Attribute::Roughness, i));
-      materials_.specular_weight[i] = sigmoid(*layer.at(Attribute::SpecularWeight, i));
-      materials_.transmission[i] = sigmoid(*layer.at(Attribute::Transmission, i));
+      // What no layer trained is a first guess, not a finding: matt and opaque.
+      materials_.roughness[i] = reflects ? sigmoid(*layer.at(Attribute::Roughness, i)) : 1.f;
+      materials_.specular_weight[i] = reflects ? sigmoid(*layer.at(Attribute::SpecularWeight, i)) : 0.f;
+      materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
+      if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
     if (card_) match_card();
   }
@@ -296,7 +320,8 @@ class Decomposition {
         {"points",
          {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
         {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
-        {"surroundings", {{"share_of_sphere", around_.wall_share()}, {"faces", shell_.faces.size()}}},
+        {"surroundings",
+         {{"share_of_sphere", around_.wall_share()}, {"faces", shell_.faces.size()}, {"sky_distance", sky_distance_}}},
         {"light_known_share", solution_.known_share},
         {"misfit_log_rms", solution_.misfit},
         {"scale",
@@ -330,7 +355,9 @@ class Decomposition {
   std::optional<GreyCard> card_;
   TriMesh mesh_;
   Bounds3 box_;
+  std::vector<Vec3f> sparse_;
   double voxel_ = 0, edge_ = 0;
+  float sky_distance_ = 0;
   std::vector<LitPoint> points_;
   std::vector<bool> usable_;
   Surroundings around_;
@@ -360,9 +387,11 @@ void describe(Describer& d, RelightConfig& c) {
   d.option("max_side", c.max_side, "Longest side of the pictures that surface points are taken from, pixels.").range(32, 4096);
   d.option("panorama_height", c.panorama_height, "Rows of the panorama of the surroundings and of environment.exr.")
       .range(16, 1024);
-  d.option("sky_distance", c.sky_distance,
-           "Surroundings farther than this from the centre are light, not walls; scene units (the cameras' ring has radius 1).")
-      .range(0.1, 1e6);
+  d.option(
+       "sky_distance", c.sky_distance,
+       "Surroundings farther than this from the centre are light, not walls; scene units (the cameras' ring has radius 1); 0 = "
+       "what lies clearly beyond all sparse points.")
+      .range(0, 1e6);
   d.option("white_albedo", c.white_albedo, "By convention the brightest twentieth of the surface has this albedo.")
       .range(0.05, 0.95);
   d.option("grey_card", c.grey_card,

@@ -27,7 +27,7 @@ struct RelightConfig {
   int bands = 16;
   int max_side = 320;
   int panorama_height = 64;
-  double sky_distance = 4;
+  double sky_distance = 0;
   double white_albedo = 0.8;
   std::string grey_card;
   double grey_albedo = 0.18;

@@ -60,6 +60,7 @@ TEST(Relight, FindsAlbedoAndLightOfAKnownScene) {
   for (const Vec3f& rho : materials.albedo)
     for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(rho[c] >= 0 && rho[c] <= 1);
   EXPECT_NEAR(materials.f0[0].x, 0.04f, 1e-4f);
+  EXPECT_EQ(materials.specular_weight[0], 0.f);  // there is no reflection layer that could have trained it
   // The light comes from where it does.
   const Environment light = read_environment(relight_environment_path(context.output()));
   const auto mean_around = [&](const Vec3f& axis) {

@@ -1,0 +1,36 @@
+// The scene under other lights against truth/relit/<name>/<stem>.exr, lit by truth/env/<name>.exr alone (algorithms 8.2). Albedo
+// is known up to one factor per channel: with a truth albedo the albedo is multiplied by the factors that its own score found,
+// else each environment's pictures get the median of truth / ours over the object; `scale_mode` says which. Both pictures go to
+// sRGB, clipped, at the coarser of their sizes.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/relight/relit_painter.h"
+#include "stages/evaluate/relit_score.h"
+#include "stages/evaluate/truth.h"
+
+namespace vitrine {
+
+struct RelitErrorDesc {
+  const Truth& truth;
+  const std::vector<View>& views;  // in the order that the truth knows
+  Similarity truth_from_ours;
+  std::optional<Vec3d> albedo_scale;
+  int samples = 32, max_views = 4;
+  std::filesystem::path pictures;  // <name>/<stem>.png: truth and ours side by side; empty: none
+};
+
+// Masks of a view at a size: object, transparent.
+using RelitMask = std::function<std::optional<ImageF>(size_t view, MaskClass, const Intrinsics&)>;
+
+// One score per environment that has pictures. `progress` gets a fraction.
+std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, const RelitErrorDesc& desc,
+                                     const std::function<void(double)>& progress);
+// Environments of the truth that have a map and pictures, by name.
+std::vector<std::string> relit_environments(const Truth& truth);
+
+}  // namespace vitrine
