@@ -30,7 +30,7 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
   const SplatLayer &diffuse = scene.trained.surfels.diffuse, &inside = scene.trained.surfels.transmittance;
   if (scene.trained.image.transmission.glass == Glass::Thin)
     for (size_t i = 0; i < diffuse.size(); ++i)
-      if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
+      if (!scene.materials.shows_sky(i) && !(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
   merged_ = SplatLayer(LayerKind::Transmittance, inside.sh_degree(), opaque_.size() + inside.size());
   const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
     for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
