@@ -11,6 +11,7 @@ using Words = std::vector<std::string>;
 int run_command(const Words& words);
 int render_command(const Words& words);
 int relight_command(const Words& words);
+int export_command(const Words& words);
 int status_command(const Words& words);
 int explain_command(const Words& words);
 int doctor_command(const Words& words);

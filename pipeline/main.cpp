@@ -24,6 +24,7 @@ constexpr Command kCommands[] = {
     {"run", "photos in, scene out; computes what is not up to date", run_command},
     {"render", "pictures of the trained scene, from its photos' cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
+    {"export", "the scene in other programs' formats; --list says what each holds", export_command},
     {"status", "which stages of an output folder are up to date", status_command},
     {"explain", "why a stage would be computed again", explain_command},
     {"config", "all options, their values and where they come from", config_command},

@@ -37,7 +37,8 @@ cat <<TXT
   $out/eval/contact_sheet.jpg   photo, render, error, normals and depth of the held-out views
   $out/mesh/mesh.ply            the mesh, with colours and normals (MeshLab, Blender, CloudCompare)
   $out/relit/                   held-out views and a turntable under two lamps (another light: vitrine relight $out --env HDRI)
-  $out/export/                  GLB with textures, Gaussians (2DGS and 3DGS PLY), COLMAP model, OBJ
+  $out/export/mesh.glb          the mesh with materials; glass transmits (three.js, Blender, any glTF viewer)
+  $out/export/                  Gaussians (2DGS, 3DGS, merged preview), COLMAP model, OBJ, USD
   $out/eval/metrics.json        PSNR, SSIM; errors against truth when there is a truth folder
 again, or with other options:   $VITRINE_ROOT/build/bin/vitrine run $out --preset standard
 TXT

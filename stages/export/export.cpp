@@ -1,6 +1,7 @@
 #include "stages/export/export.h"
 
 #include <set>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -55,10 +56,35 @@ void run_export(const ExportConfig& config, StageContext& context) {
                        {"holds", format.holds},
                        {"loses", format.loses},
                        {"files", files}});
+    if (const std::vector<std::string> notes = source.take_notes(); !notes.empty()) written.back()["notes"] = notes;
   }
   write_file(folder / "formats.json", written.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   context.metric("files", double(count));
   context.summary(fmt::format("{} files in {} formats", count, config.formats.size()));
+}
+
+std::string format_table() {
+  constexpr size_t kColumns = 100;
+  std::string out;
+  const auto paragraph = [&](std::string_view label, std::string_view text) {
+    std::string line = fmt::format("  {:<7}", label);
+    const size_t indent = line.size();
+    std::istringstream words{std::string(text)};
+    for (std::string word; words >> word;) {
+      if (line.size() > indent && line.size() + 1 + word.size() > kColumns) {
+        out += line + "\n";
+        line.assign(indent, ' ');
+      }
+      line += (line.size() > indent ? " " : "") + word;
+    }
+    out += line + "\n";
+  };
+  for (const ExportFormat& f : export_formats()) {
+    out += fmt::format("{}  {}\n", f.name, f.summary);
+    paragraph("holds", f.holds);
+    paragraph("loses", f.loses);
+  }
+  return out;
 }
 
 Stage export_stage() {

@@ -10,7 +10,8 @@
 namespace vitrine {
 
 struct ExportConfig {
-  std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap", "mesh-ply", "mesh-obj", "mesh-glb"};
+  std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap",       "mesh-ply",      "mesh-obj",
+                                   "mesh-glb", "mesh-usd", "preview-3dgs", "gaussians-glb", "environment"};
   std::string axes = "rhzu";
   double scale = 0;
   int texture_size = 0;
@@ -20,5 +21,7 @@ std::string problem(const ExportConfig& config);  // empty, or which format is l
 
 void run_export(const ExportConfig& config, StageContext& context);
 Stage export_stage();
+// What each format holds and loses, as text of at most 100 columns.
+std::string format_table();
 
 }  // namespace vitrine

@@ -127,8 +127,8 @@ PbrValues pbr_values(const SurfelMaterial& m) {
   PbrValues out;
   const float mean = (m.f0.x + m.f0.y + m.f0.z) / 3;
   out.metallic = std::clamp((mean - kDielectricUpTo) / (kMetalFrom - kDielectricUpTo), 0.f, 1.f);
-  out.roughness = std::clamp(m.roughness, 0.f, 1.f);
   out.transmission = std::clamp(m.transmission, 0.f, 1.f) * (1 - out.metallic);
+  out.roughness = std::clamp(m.roughness, 0.f, 1.f) * (1 - out.transmission);
   for (size_t c = 0; c < 3; ++c) {
     const float below = (1 - out.transmission) * std::clamp(m.color[c], 0.f, 1.f) + out.transmission;
     out.base_color[c] = (1 - out.metallic) * below + out.metallic * std::clamp(m.f0[c], 0.f, 1.f);

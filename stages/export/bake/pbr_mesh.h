@@ -9,6 +9,7 @@
 //                   through untinted
 //   specular colour R / 0.2 with the factor 5 (5 x 0.04 = 0.2): the dielectric's f0 up to 0.2
 //   transmission    tau
+//   roughness       r (1 - tau): glTF blurs what is seen through rough glass, while our transmitted rays go straight
 #pragma once
 
 #include <array>

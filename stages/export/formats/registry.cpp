@@ -9,7 +9,11 @@
   FORMAT(colmap)                       \
   FORMAT(mesh_ply)                     \
   FORMAT(mesh_obj)                     \
-  FORMAT(mesh_glb)
+  FORMAT(mesh_glb)                     \
+  FORMAT(mesh_usd)                     \
+  FORMAT(preview_3dgs)                 \
+  FORMAT(gaussians_glb)                \
+  FORMAT(environment)
 
 namespace vitrine {
 

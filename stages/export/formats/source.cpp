@@ -3,10 +3,12 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/camera/colmap_model.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/picture/relight_materials.h"
 #include "core/scene/activation.h"
+#include "stages/export/bake/preview_fit.h"
 
 namespace vitrine {
 
@@ -126,10 +128,30 @@ const std::vector<SurfaceSample>& ExportSource::vertex_samples() {
 }
 
 const PbrMesh& ExportSource::pbr_mesh() {
-  if (!pbr_mesh_)
-    pbr_mesh_ =
-        make_pbr_mesh(mesh(), material_source(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
+  if (pbr_mesh_) return *pbr_mesh_;
+  pbr_mesh_ =
+      make_pbr_mesh(mesh(), material_source(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
+  notes_.push_back(color_note(*this));
+  notes_.push_back(
+      fmt::format("{} texels square, {} charts, surfels met in {:.1f} % of the texels on the surface; {} faces are glass",
+                  pbr_mesh_->textures.base_color.width(), pbr_mesh_->charts, 100 * pbr_mesh_->covered, pbr_mesh_->glass.size()));
   return *pbr_mesh_;
+}
+
+const SplatLayer& ExportSource::preview() {
+  if (preview_) return *preview_;
+  const ColmapModel model = read_colmap_model(inputs_.sfm / "sparse" / "0");
+  std::vector<View> views;
+  for (const ColmapImage& image : model.images)
+    views.push_back({image.name, pinhole_part(*model.find_camera(image.camera_id)), image.cam_from_world()});
+  if (views.empty())
+    throw Error(ErrorKind::Input, "there are no cameras to fit a preview to",
+                {.where = inputs_.sfm.string(), .code = "NO_VIEWS"});
+  PreviewFit fit = fit_preview(scene(), views, {});
+  notes_.push_back(
+      fmt::format("against the composed pictures: {:.1f} dB, {:.1f} dB before the fit", fit.psnr_after, fit.psnr_before));
+  preview_ = std::move(fit.surfels);
+  return *preview_;
 }
 
 std::string color_note(const ExportSource& source) {

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/camera/scene_info.h"
@@ -47,6 +47,11 @@ class ExportSource {
   // At the vertices of mesh().
   const std::vector<SurfaceSample>& vertex_samples();
   const PbrMesh& pbr_mesh();
+  // The diffuse surfels in the colours of the composed pictures, as display values.
+  const SplatLayer& preview();
+
+  // What is worth telling about the making of what was read since the last call: goes into export/formats.json.
+  std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
  private:
   const SceneInfo& scene_info();
@@ -61,6 +66,8 @@ class ExportSource {
   std::optional<std::vector<SurfelMaterial>> materials_;
   std::optional<std::vector<SurfaceSample>> vertex_samples_;
   std::optional<PbrMesh> pbr_mesh_;
+  std::optional<SplatLayer> preview_;
+  std::vector<std::string> notes_;
 };
 
 // One sentence on where the colours of the mesh formats come from.

@@ -1,0 +1,186 @@
+// vitrine export PROJECT: the scene in other programs' formats, besides those that `vitrine run` wrote. The work is done by the
+// export stage; this command puts its files where they are wanted and never over others without being told so.
+#include <unistd.h>
+
+#include <charconv>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "core/artifact/current.h"
+#include "core/artifact/store.h"
+#include "core/base/error.h"
+#include "core/base/process.h"
+#include "core/config/cli.h"
+#include "pipeline/commands.h"
+#include "pipeline/graph.h"
+#include "pipeline/project.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kFolder = "export/";       // of the artifact
+constexpr std::string_view kReport = "formats.json";  // which file is what: grows with every export into the same folder
+
+struct ExportArguments {
+  std::string output, formats, axes, scale;
+  std::vector<std::string> sets;
+  int threads = 0;
+  bool list = false, overwrite = false, no_progress = false, quiet = false, help = false;
+};
+
+CommandLine export_command_line(ExportArguments& a) {
+  CommandLine cli("vitrine export", "[PROJECT] [options]",
+                  "Files for other programs. PROJECT is the output folder of `vitrine run`; default: the current folder.");
+  cli.flag("list", 0, a.list, "What each format holds and what is lost on the way; writes nothing.");
+  cli.value("formats", 'f', "A,B,...", a.formats, "Which formats; default: all.");
+  cli.value("axes", 0, "AXES", a.axes, "Frame of the files: rhzu, rhyu, lhzu or lhyu (right- or left-handed, z or y up).");
+  cli.value("scale", 0, "LENGTH", a.scale, "Length of one scene unit, as 0.24m, 24cm, or a bare number.");
+  cli.value("output", 'o', "DIR", a.output, "Where the files go; default: PROJECT/export.");
+  cli.flag("overwrite", 0, a.overwrite, "Replace files that are there with other contents.");
+  cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-export.");
+  cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Files do not depend on it.");
+  cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
+  cli.flag("quiet", 'q', a.quiet, "Warnings and errors only.");
+  cli.flag("help", 'h', a.help, "Print this text.");
+  return cli;
+}
+
+// A length in metres.
+double metres(const std::string& text) {
+  double value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string unit(parsed.ptr, text.data() + text.size() - parsed.ptr);
+  const double factor = unit.empty() || unit == "m" ? 1 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0;
+  if (parsed.ec != std::errc() || factor == 0 || !(value > 0))
+    throw Error(ErrorKind::Usage, fmt::format("--scale must look like 0.24m, 24cm or 1.5, got \"{}\"", text), {.code = "USAGE"});
+  return value * factor;
+}
+
+fs::path export_program() {
+  const fs::path program = stage_folder() / "vitrine-export";
+  std::error_code ec;
+  if (!fs::exists(program, ec))
+    throw Error(ErrorKind::Dependency, "the program vitrine-export is missing",
+                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
+  return program;
+}
+
+int run_and_tell(const Words& words) {
+  // The program tells its own errors.
+  const ProcessResult result = run_process(
+      {.arguments = words, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
+  if (result.ok()) return 0;
+  return result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code;
+}
+
+std::string key_of_run(Words words) {
+  words.push_back("--print-key");
+  std::string text;
+  const ProcessResult r = run_process({.arguments = words, .on_line = [&](std::string_view line) { text.append(line) += "\n"; }});
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  return r.ok() && json.is_object() ? json.value("key", "") : "";
+}
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  std::error_code ec;
+  return fs::is_regular_file(b, ec) && fs::file_size(a) == fs::file_size(b) && read_file(a) == read_file(b);
+}
+
+// Formats of the report that is there stay in it, unless this export wrote them too.
+std::string merged_report(const fs::path& there, const fs::path& fresh) {
+  Json report = Json::parse(read_file(fresh));
+  std::error_code ec;
+  if (!fs::exists(there, ec)) return report.dump(2) + "\n";
+  const Json before = Json::parse(read_file(there), nullptr, false);
+  if (!before.is_array()) return report.dump(2) + "\n";
+  Json out = Json::array();
+  const auto name = [](const Json& format) { return format.is_object() ? format.value("format", "") : std::string(); };
+  for (const Json& old : before)
+    if (std::none_of(report.begin(), report.end(), [&](const Json& f) { return name(f) == name(old); })) out.push_back(old);
+  for (const Json& f : report) out.push_back(f);
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+// Links the artifact's files into `target`; nothing is touched when one of them stands in the way of another file.
+void put_files(const fs::path& entry, const Manifest& manifest, const fs::path& target, bool overwrite) {
+  std::vector<std::string> names, in_the_way;
+  for (const OutputFile& f : manifest.outputs) {
+    VITRINE_CHECK(f.path.starts_with(kFolder), "the export stage wrote {}", f.path);
+    names.push_back(f.path.substr(kFolder.size()));
+    std::error_code ec;
+    if (names.back() != kReport && fs::exists(fs::symlink_status(target / names.back(), ec)) &&
+        !same_bytes(entry / f.path, target / names.back()))
+      in_the_way.push_back(names.back());
+  }
+  if (!in_the_way.empty() && !overwrite) {
+    std::string list;
+    constexpr size_t kNamed = 5;
+    for (size_t i = 0; i < std::min(kNamed, in_the_way.size()); ++i) list += (i > 0 ? ", " : "") + in_the_way[i];
+    if (in_the_way.size() > kNamed) list += ", ...";
+    throw Error(ErrorKind::Input, "nothing was exported: files with other contents are in the way",
+                {.where = target.string(),
+                 .why = fmt::format("{} would be replaced: {}", in_the_way.size(), list),
+                 .hint = "--overwrite, or another folder with -o",
+                 .code = "EXPORT_EXISTS"});
+  }
+  for (const std::string& name : names) {
+    const fs::path from = entry / (std::string(kFolder) + name), to = target / name;
+    if (name == kReport)
+      write_file(to, merged_report(to, from));
+    else if (!same_bytes(from, to))
+      link_or_copy(from, to);
+  }
+}
+
+}  // namespace
+
+int export_command(const Words& words) {
+  ExportArguments a;
+  const CommandLine cli = export_command_line(a);
+  const Words rest = cli.parse(words);
+  if (a.help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  if (a.list) return run_and_tell({export_program().string(), "--list"});
+  if (rest.size() > 1) throw Error(ErrorKind::Usage, fmt::format("unexpected argument \"{}\"", rest[1]), {.code = "USAGE"});
+  const fs::path project = project_of(rest.empty() ? "." : rest[0]);
+  const auto current = current_keys(project);
+
+  Words run = {export_program().string(), "--store", store_of(project).string()};
+  for (const char* stage : {"sfm", "optimize", "mesh", "relight"}) {
+    if (current.contains(stage))
+      run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / current.at(stage)).string())});
+    else if (std::string_view(stage) != "relight")
+      throw Error(ErrorKind::Input, "there is no scene to export yet",
+                  {.where = project.string(),
+                   .why = fmt::format("the stage '{}' has not been computed", stage),
+                   .hint = "vitrine run " + join_command({project.string()}),
+                   .code = "NO_SCENE"});
+  }
+  if (!a.formats.empty()) run.insert(run.end(), {"--set", "formats=[" + a.formats + "]"});
+  if (!a.axes.empty()) run.insert(run.end(), {"--set", "axes=" + a.axes});
+  if (!a.scale.empty()) run.insert(run.end(), {"--set", fmt::format("scale={}", metres(a.scale))});
+  for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
+  if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
+
+  const ProjectLock lock(project);
+  const std::string key = key_of_run(run);
+  if (a.no_progress) run.push_back("--no-progress");
+  if (a.quiet) run.push_back("--quiet");
+  if (const int code = run_and_tell(run); code != 0) return code;
+
+  const ArtifactStore store(store_of(project));
+  const auto manifest = store.find("export", key);
+  VITRINE_CHECK(manifest.has_value(), "vitrine-export ended well but left no artifact {}", key);
+  const fs::path target = a.output.empty() ? project / "export" : fs::absolute(a.output).lexically_normal();
+  put_files(store.entry("export", key), *manifest, target, a.overwrite);
+  if (!a.quiet) fmt::print("{}\n", target.string());
+  return 0;
+}
+
+}  // namespace vitrine

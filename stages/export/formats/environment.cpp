@@ -1,0 +1,28 @@
+// environment: the light that the relight stage found, as lat-long EXR of linear radiance. The scene's orientation: first row =
+// +z, centre = +x, counter-clockwise seen from above towards the left (core/light/environment.h). Needs the relight stage;
+// without it there is no file.
+#include "core/base/file.h"
+#include "core/picture/relight_materials.h"
+#include "stages/export/formats/format.h"
+
+namespace vitrine {
+namespace {
+
+std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+  if (!source.relight()) return {};
+  const std::string file = "environment.exr";
+  link_or_copy(relight_environment_path(*source.relight()), folder / file);
+  return {file};
+}
+
+}  // namespace
+
+ExportFormat environment_format() {
+  return {.name = "environment",
+          .summary = "the light of the photos as lat-long EXR (when the relight stage ran)",
+          .holds = "linear radiance in the units of the albedo, up = first row, +x of the scene in the centre",
+          .loses = "light that is near: everything is infinitely far away; the axes option does not turn it",
+          .write = write};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,166 @@
+// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures of mesh-obj's folder. A UsdGeomMesh with
+// one subset per class of faces. UsdPreviewSurface knows no transmission: glass has opacity 1 - tau, which blends without
+// tinting. Particle fields (Gaussians) are left out: ply-3dgs and gaussians-glb carry them.
+#include "core/base/file.h"
+#include "core/image/ldr.h"
+#include "stages/export/formats/format.h"
+
+namespace vitrine {
+namespace {
+
+struct Texture {
+  std::string_view name, file, color_space, type, output, scale_bias;
+};
+
+std::string texture_shader(const Texture& t) {
+  return fmt::format(R"(      def Shader "{}"
+      {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @textures/{}@
+        token inputs:sourceColorSpace = "{}"
+        token inputs:wrapS = "clamp"
+        token inputs:wrapT = "clamp"
+        float2 inputs:st.connect = </scene/materials/{{0}}/st.outputs:result>
+{}        {} outputs:{}
+      }}
+)",
+                     t.name, t.file, t.color_space, t.scale_bias, t.type, t.output);
+}
+
+std::string replaced(std::string text, std::string_view what, std::string_view with) {
+  for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+std::string material(const std::string& name, bool glass) {
+  std::string out = R"(    def Material "{0}"
+    {
+      token outputs:surface.connect = </scene/materials/{0}/surface.outputs:surface>
+      def Shader "surface"
+      {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </scene/materials/{0}/base_color.outputs:rgb>
+        float inputs:roughness.connect = </scene/materials/{0}/metallic_roughness.outputs:g>
+        float inputs:metallic.connect = </scene/materials/{0}/metallic_roughness.outputs:b>
+        normal3f inputs:normal.connect = </scene/materials/{0}/normal.outputs:rgb>
+        float inputs:ior = 1.5
+)";
+  if (glass) out += "        float inputs:opacity.connect = </scene/materials/{0}/transmission.outputs:r>\n";
+  out += R"(        token outputs:surface
+      }
+      def Shader "st"
+      {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+      }
+)";
+  out += texture_shader({"base_color", "base_color.png", "sRGB", "float3", "rgb", ""});
+  const std::string metallic_roughness =
+      texture_shader({"metallic_roughness", "metallic_roughness.png", "raw", "float", "g", ""});
+  out += replaced(metallic_roughness, "float outputs:g\n", "float outputs:g\n        float outputs:b\n");
+  out += texture_shader({"normal", "normal.png", "raw", "float3", "rgb",
+                         "        float4 inputs:scale = (2, 2, 2, 1)\n        float4 inputs:bias = (-1, -1, -1, 0)\n"});
+  if (glass)
+    out += texture_shader({"transmission", "transmission.png", "raw", "float", "r",
+                           "        float4 inputs:scale = (-1, -1, -1, 1)\n        float4 inputs:bias = (1, 1, 1, 0)\n"});
+  return replaced(out, "{0}", name) + "    }\n";
+}
+
+// "[a, b, c]" with lines of bearable length.
+template <class Values, class Format>
+std::string list(const Values& values, Format&& format) {
+  std::string out = "[";
+  constexpr size_t kPerLine = 8;
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) out += i % kPerLine == 0 ? ",\n      " : ", ";
+    out += format(values[i]);
+  }
+  return out + "]";
+}
+
+std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+  const PbrMesh& mesh = source.pbr_mesh();
+  const ExportFrame frame = source.frame();
+  std::vector<std::array<uint32_t, 3>> faces = mesh.opaque;
+  faces.insert(faces.end(), mesh.glass.begin(), mesh.glass.end());
+  if (frame.mirrored())
+    for (auto& f : faces) std::swap(f[1], f[2]);
+  const auto point = [&](const Vec3f& p) {
+    const Vec3f q = frame.point(p);
+    return fmt::format("({}, {}, {})", q.x, q.y, q.z);
+  };
+  const auto normal = [&](const Vec3f& n) {
+    const Vec3f q = frame.direction(n);
+    return fmt::format("({:.4f}, {:.4f}, {:.4f})", q.x, q.y, q.z);
+  };
+  std::string out = fmt::format(R"(#usda 1.0
+(
+  doc = "vitrine: {}"
+  defaultPrim = "scene"
+  upAxis = "{}"
+  metersPerUnit = 1
+)
+
+def Xform "scene"
+{{
+  def Mesh "mesh"
+  {{
+    uniform token subdivisionScheme = "none"
+    uniform bool doubleSided = {}
+)",
+                                color_note(source), frame.y_up() ? "Y" : "Z", mesh.glass.empty() ? "false" : "true");
+  out += "    int[] faceVertexCounts = " + list(faces, [](const auto&) { return "3"; }) + "\n";
+  out +=
+      "    int[] faceVertexIndices = " + list(faces, [](const auto& f) { return fmt::format("{}, {}, {}", f[0], f[1], f[2]); }) +
+      "\n";
+  out += "    point3f[] points = " + list(mesh.positions, point) + "\n";
+  out += "    normal3f[] normals = " + list(mesh.normals, normal) + " (interpolation = \"vertex\")\n";
+  out += "    texCoord2f[] primvars:st = " +
+         list(mesh.uv, [](const Vec2f& t) { return fmt::format("({:.6f}, {:.6f})", t.x, 1 - t.y); }) +
+         " (interpolation = \"vertex\")\n";
+  uint32_t first = 0;
+  for (const bool glass : {false, true}) {
+    const auto& part = glass ? mesh.glass : mesh.opaque;
+    if (part.empty()) continue;
+    std::vector<uint32_t> indices(part.size());
+    for (uint32_t& i : indices) i = first++;
+    const char* name = glass ? "glass" : "opaque";
+    out += fmt::format("    def GeomSubset \"{}\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n    {{\n", name);
+    out += "      uniform token elementType = \"face\"\n      uniform token familyName = \"materialBind\"\n";
+    out += "      int[] indices = " + list(indices, [](uint32_t i) { return std::to_string(i); }) + "\n";
+    out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name);
+  }
+  out += "  }\n  def Scope \"materials\"\n  {\n" + material("opaque", false);
+  if (!mesh.glass.empty()) out += material("glass", true);
+  out += "  }\n}\n";
+  write_file(folder / "mesh.usda", out);
+
+  std::vector<std::string> files{"mesh.usda"};
+  make_folders(folder / "textures");
+  const auto texture = [&](const char* name, const Image8& image) {
+    files.push_back(fmt::format("textures/{}.png", name));
+    write_ldr(folder / files.back(), image);
+  };
+  texture("base_color", mesh.textures.base_color);
+  texture("metallic_roughness", mesh.textures.metallic_roughness);
+  texture("normal", mesh.textures.normal);
+  if (!mesh.glass.empty()) texture("transmission", mesh.textures.transmission);
+  return files;
+}
+
+}  // namespace
+
+ExportFormat mesh_usd_format() {
+  return {
+      .name = "mesh-usd",
+      .summary = "the mesh as USD text with UsdPreviewSurface materials",
+      .holds =
+          "triangles, normals, texture coordinates; textures of base colour, metalness and roughness, normals; glass as "
+          "opacity",
+      .loses = "transmission as such and the colour of reflections (UsdPreviewSurface has neither), view dependence, Gaussians",
+      .write = write};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,109 @@
+// `vitrine export` on a finished project: where files go, and what it must not overwrite.
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/artifact/current.h"
+#include "core/artifact/store.h"
+#include "pipeline/commands.h"
+#include "stages/export/export.h"
+#include "tests/export/pane_scene.h"
+#include "tests/support/error_of.h"
+
+namespace vitrine {
+namespace {
+
+class ExportCommand : public testing::Test {
+ protected:
+  ExportCommand() {
+    setenv("VITRINE_STAGE_DIR", VITRINE_BIN_DIR, 1);
+    const TemporaryFolder artifacts;
+    test::PaneScene().write(artifacts.path());
+    write_file(project() / "vitrine.yaml", "");
+    ArtifactStore store(store_of(project()));
+    for (const char* stage : {"sfm", "optimize", "mesh"}) {
+      const std::string key = std::string(32, stage[0]);
+      PendingArtifact pending(store, stage, key);
+      fs::copy(artifacts.path() / stage, pending.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+      Manifest manifest;
+      manifest.stage = stage;
+      manifest.key = key;
+      pending.commit(manifest, "{}");
+      set_current_key(project(), stage, key);
+    }
+  }
+  ~ExportCommand() override { unsetenv("VITRINE_STAGE_DIR"); }
+
+  const fs::path& project() const { return folder_.path(); }
+  int run(Words words) const {
+    words.insert(words.end(), {project().string(), "--quiet", "--no-progress", "--set", "texture_size=64"});
+    return export_command(words);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ExportCommand, WritesTheFormatsAskedForIntoTheProject) {
+  EXPECT_EQ(run({"--formats", "mesh-glb,mesh-ply"}), 0);
+  EXPECT_TRUE(fs::exists(project() / "export/mesh.glb"));
+  EXPECT_TRUE(fs::exists(project() / "export/mesh.ply"));
+  EXPECT_FALSE(fs::exists(project() / "export/mesh.obj"));
+  // Another export adds to what is there, and to the report.
+  EXPECT_EQ(run({"--formats", "mesh-obj"}), 0);
+  const auto report = nlohmann::json::parse(read_file(project() / "export/formats.json"));
+  ASSERT_EQ(report.size(), 3u);
+  EXPECT_EQ(report[2]["format"], "mesh-obj");
+  EXPECT_EQ(run({"--formats", "mesh-obj"}), 0) << "the same files again are no conflict";
+}
+
+TEST_F(ExportCommand, OverwritesNothingUnlessTold) {
+  EXPECT_EQ(run({"--formats", "mesh-obj,mesh-ply"}), 0);
+  const std::string before = read_file(project() / "export/mesh.ply");
+  write_file(project() / "export/mesh.obj", "my own");
+  const Error e = error_of([&] { run({"--formats", "mesh-ply,mesh-obj", "--axes", "rhyu"}); });
+  EXPECT_EQ(e.kind(), ErrorKind::Input);
+  EXPECT_EQ(e.detail().code, "EXPORT_EXISTS");
+  EXPECT_NE(std::string(e.what()).find("mesh.obj"), std::string::npos);
+  EXPECT_EQ(read_file(project() / "export/mesh.ply"), before);
+  EXPECT_EQ(read_file(project() / "export/mesh.obj"), "my own");
+  EXPECT_EQ(run({"--formats", "mesh-ply,mesh-obj", "--axes", "rhyu", "--overwrite"}), 0);
+  EXPECT_NE(read_file(project() / "export/mesh.ply"), before);
+  EXPECT_NE(read_file(project() / "export/mesh.obj"), "my own");
+}
+
+TEST_F(ExportCommand, AnotherFolderAndAUnitOfLength) {
+  const fs::path out = project() / "for blender";
+  EXPECT_EQ(run({"--formats", "mesh-obj", "-o", out.string(), "--scale", "50cm"}), 0);
+  EXPECT_TRUE(fs::exists(out / "textures/base_color.png"));
+  EXPECT_FALSE(fs::exists(project() / "export"));
+  EXPECT_NE(read_file(out / "mesh.obj").find("v -0.5 -0.5 0\n"), std::string::npos);
+}
+
+TEST_F(ExportCommand, BadCallsAreUsageErrors) {
+  for (const Words& words : {Words{"--scale", "a foot"}, Words{"--scale", "-1"}, Words{"--scale", "3 miles"}, Words{"--format"}})
+    EXPECT_EQ(error_of([&] { run(words); }).kind(), ErrorKind::Usage);
+  EXPECT_EQ(run({"--axes", "up"}), exit_code(ErrorKind::Usage));
+  EXPECT_EQ(run({"--formats", "gltf"}), exit_code(ErrorKind::Usage));
+  EXPECT_FALSE(fs::exists(project() / "export"));
+}
+
+TEST_F(ExportCommand, AProjectWithoutAMeshSaysSo) {
+  write_file(store_of(project()) / "current.json", "{}");
+  set_current_key(project(), "sfm", std::string(32, 's'));
+  set_current_key(project(), "optimize", std::string(32, 'o'));
+  const Error e = error_of([&] { run({}); });
+  EXPECT_EQ(e.kind(), ErrorKind::Input);
+  EXPECT_NE(std::string(e.what()).find("'mesh'"), std::string::npos);
+}
+
+TEST(FormatTable, SaysWhatEveryFormatHoldsAndLoses) {
+  const std::string table = format_table();
+  for (const std::string& name : ExportConfig{}.formats) EXPECT_NE(table.find(name + "  "), std::string::npos);
+  EXPECT_NE(table.find("loses"), std::string::npos);
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
+}
+
+}  // namespace
+}  // namespace vitrine

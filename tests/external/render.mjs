@@ -1,0 +1,101 @@
+// node render.mjs FILE.glb OUT.png [AZIMUTH ELEVATION]: three.js in headless Chromium shows the file. Renders it three times: as it is (OUT.png), with
+// the transmission of its materials switched off, and with glass in one flat colour, which tells where glass is. Prints JSON:
+//   glass     share of the pixels that show glass
+//   inside    mean difference (0-255) of the first two pictures where glass is
+//   outside   the same where there is none: it should be zero
+//   spread    standard deviation of the first picture's brightness where glass is, and of the second's: what is seen through it
+import { createReadStream, existsSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join } from 'node:path';
+import { launch } from 'puppeteer-core';
+
+const [file, out, azimuth = '30', elevation = '25'] = process.argv.slice(2);
+const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
+if (!chromium) {
+  console.error('chromium is missing: apt-get install chromium');
+  process.exit(7);
+}
+
+const page_source = `<!doctype html><body style="margin:0"><script type="importmap">
+{"imports": {"three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/"}}</script>
+<script type="module">
+import * as THREE from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
+const width = 640, height = 480;
+const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
+renderer.setPixelRatio(1);
+renderer.setSize(width, height);
+document.body.appendChild(renderer.domElement);
+const scene = new THREE.Scene();
+scene.background = new THREE.Color(0x8090a0);
+const pmrem = new THREE.PMREMGenerator(renderer);
+scene.environment = pmrem.fromScene(new RoomEnvironment()).texture;
+function grab(scene, camera) {
+  renderer.render(scene, camera);
+  const gl = renderer.getContext(), pixels = new Uint8Array(width * height * 4);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return pixels;
+}
+try {
+  const gltf = await new GLTFLoader().loadAsync('/file.glb');
+  scene.add(gltf.scene);
+  const box = new THREE.Box3().setFromObject(gltf.scene), sphere = box.getBoundingSphere(new THREE.Sphere());
+  const camera = new THREE.PerspectiveCamera(35, width / height, 0.01 * sphere.radius, 20 * sphere.radius);
+  const a = ${Number(azimuth)} * Math.PI / 180, e = ${Number(elevation)} * Math.PI / 180;
+  camera.position.set(Math.cos(e) * Math.cos(a), Math.sin(e), -Math.cos(e) * Math.sin(a));
+  camera.position.multiplyScalar(2.6 * sphere.radius).add(sphere.center);
+  camera.lookAt(sphere.center);
+  const glass = [];
+  gltf.scene.traverse((o) => { if (o.isMesh && o.material.transmission > 0) glass.push(o); });
+  const shown = grab(scene, camera);
+  window.picture = renderer.domElement.toDataURL('image/png');
+  for (const o of glass) o.material.transmission = 0, o.material.needsUpdate = true;
+  const closed = grab(scene, camera);
+  for (const o of glass) o.material = new THREE.MeshBasicMaterial({ color: 0xff00ff, side: THREE.DoubleSide, toneMapped: false });
+  const flat = grab(scene, camera);
+  const sum = { in: 0, out: 0, n: 0 }, bright = [[0, 0], [0, 0]];
+  for (let i = 0; i < shown.length; i += 4) {
+    const d = (Math.abs(shown[i] - closed[i]) + Math.abs(shown[i + 1] - closed[i + 1]) + Math.abs(shown[i + 2] - closed[i + 2])) / 3;
+    const is_glass = flat[i] === 255 && flat[i + 1] === 0 && flat[i + 2] === 255;
+    if (!is_glass) { sum.out += d; continue; }
+    sum.in += d, sum.n += 1;
+    [shown, closed].forEach((p, k) => { const y = (p[i] + p[i + 1] + p[i + 2]) / 3; bright[k][0] += y, bright[k][1] += y * y; });
+  }
+  const n = Math.max(1, sum.n), deviation = ([s, q]) => Math.sqrt(Math.max(0, q / n - (s / n) ** 2));
+  window.result = { glass: sum.n / (width * height), inside: sum.in / n, outside: sum.out / (width * height - sum.n),
+                    spread: bright.map(deviation), meshes: gltf.scene.children.length };
+} catch (error) {
+  window.result = { error: String(error) };
+}
+</script>`;
+
+const types = { '.js': 'text/javascript', '.glb': 'model/gltf-binary' };
+const server = createServer((request, response) => {
+  const path = decodeURI(request.url.split('?')[0]);
+  if (path === '/') return response.writeHead(200, { 'content-type': 'text/html' }).end(page_source);
+  const local = path === '/file.glb' ? file : path.startsWith('/three/') ? join('node_modules', path) : '';
+  if (!local || !existsSync(local)) return response.writeHead(404).end();
+  response.writeHead(200, { 'content-type': types[extname(local)] ?? 'application/octet-stream' });
+  createReadStream(local).pipe(response);
+});
+await new Promise((ready) => server.listen(0, '127.0.0.1', ready));
+const browser = await launch({
+  executablePath: chromium,
+  args: ['--no-sandbox', '--disable-dev-shm-usage', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  protocolTimeout: 600000,
+});
+try {
+  const page = await browser.newPage();
+  page.on('console', (m) => m.type() === 'error' && console.error(m.text()));
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  await page.waitForFunction('window.result', { timeout: 300000 });
+  const result = await page.evaluate('window.result');
+  const picture = await page.evaluate('window.picture');
+  if (picture) writeFileSync(out, Buffer.from(picture.split(',')[1], 'base64'));
+  console.log(JSON.stringify(result));
+  process.exitCode = result.error ? 1 : 0;
+} finally {
+  await browser.close();
+  server.close();
+}
