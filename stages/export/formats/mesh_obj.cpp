@@ -27,7 +27,7 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
   const PbrMesh& pbr = source.pbr_mesh();
   const TriMesh mesh = in_frame(source.mesh(), source.frame());
   const bool mirrored = source.frame().mirrored();
-  std::string out = "# " + color_note(source) + "\nmtllib mesh.mtl\n";
+  std::string out = fmt::format("# {}\nmtllib mesh.mtl\n", color_note(source));
   for (const Vec3f& p : mesh.positions) out += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
   for (const Vec3f& n : mesh.normals) out += fmt::format("vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
   for (const Vec2f& t : pbr.uv) out += fmt::format("vt {:.6f} {:.6f}\n", t.x, 1 - t.y);
