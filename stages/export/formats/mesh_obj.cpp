@@ -15,7 +15,7 @@ Image8 channel(const Image8& image, int c) {
 
 // The extensions Pr, Pm and norm for physically based materials are those that Blender and assimp write and read.
 std::string material(const std::string& name, bool glass) {
-  std::string out = "newmtl " + name + "\nKd 1 1 1\nKs 0.04 0.04 0.04\nNi 1.5\n";
+  std::string out = fmt::format("newmtl {}", name) + "\nKd 1 1 1\nKs 0.04 0.04 0.04\nNi 1.5\n";
   out += "map_Kd textures/base_color.png\nPr 1\nmap_Pr textures/roughness.png\nPm 1\nmap_Pm textures/metallic.png\n";
   out += "norm textures/normal.png\n";
   // Tf: light goes through unfiltered. Readers that do not know it see the dissolve: a pane that hides little.
@@ -45,7 +45,7 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
     }
   }
   write_file(folder / "mesh.obj", out);
-  write_file(folder / "mesh.mtl", material("opaque", false) + (pbr.glass.empty() ? "" : "\n" + material("glass", true)));
+  write_file(folder / "mesh.mtl", material("opaque", false) + (pbr.glass.empty() ? std::string() : material("glass", true)));
 
   std::vector<std::string> files{"mesh.obj", "mesh.mtl"};
   const auto texture = [&](const char* name, const Image8& image) {

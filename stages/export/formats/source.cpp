@@ -54,7 +54,9 @@ std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
   return out;
 }
 
-std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder, size_t surfels) {
+std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder, const TrainedScene& scene) {
+  const size_t surfels = scene.surfels.diffuse.size();
+  const LayerBlend blend = scene.image.composite.blend;
   const RelightMaterials found = read_relight_materials(folder);
   if (found.size() != surfels)
     throw Error(ErrorKind::Input, "the materials belong to another scene",
@@ -64,7 +66,7 @@ std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder,
                  .code = "RELIGHT_MISMATCH"});
   std::vector<SurfelMaterial> out(surfels);
   for (size_t i = 0; i < surfels; ++i)
-    out[i] = {found.albedo[i], reflectance(LayerBlend::Layered, found.specular_weight[i], found.f0[i]), found.roughness[i],
+    out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i]), found.roughness[i],
               found.transmission[i]};
   return out;
 }
@@ -111,8 +113,7 @@ const TriMesh& ExportSource::mesh() {
 }
 
 const std::vector<SurfelMaterial>& ExportSource::materials() {
-  if (!materials_)
-    materials_ = inputs_.relight ? relit_materials(*inputs_.relight, diffuse().size()) : trained_materials(scene());
+  if (!materials_) materials_ = inputs_.relight ? relit_materials(*inputs_.relight, scene()) : trained_materials(scene());
   return *materials_;
 }
 
