@@ -17,7 +17,7 @@ struct RelightSolverConfig {
   int rounds = 20;
   double ridge = 0.01;
   double smooth = 0.02;
-  double range_sigma = 0.35;
+  double range_sigma = 1;
   double chroma_sigma = 0.03;
 };
 void describe(Describer& d, RelightSolverConfig& c);
