@@ -5,11 +5,10 @@
 #include <charconv>
 #include <iostream>
 
-#include <nlohmann/json.hpp>
-
 #include "core/artifact/current.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
+#include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"

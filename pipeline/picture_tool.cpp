@@ -4,12 +4,11 @@
 
 #include <charconv>
 
-#include <nlohmann/json.hpp>
-
 #include "core/artifact/current.h"
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
+#include "core/base/json.h"
 #include "core/base/process.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"

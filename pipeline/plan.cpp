@@ -4,10 +4,9 @@
 #include <csignal>
 #include <cstring>
 
-#include <nlohmann/json.hpp>
-
 #include "core/artifact/current.h"
 #include "core/base/error.h"
+#include "core/base/json.h"
 
 namespace vitrine {
 

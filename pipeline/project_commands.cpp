@@ -3,10 +3,9 @@
 #include <iostream>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "core/artifact/current.h"
 #include "core/base/error.h"
+#include "core/base/json.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"

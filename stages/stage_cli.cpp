@@ -1,8 +1,7 @@
 #include "stages/stage_cli.h"
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
+#include "core/base/json.h"
 #include "core/config/apply.h"
 #include "core/config/reference.h"
 #include "core/config/schema.h"

@@ -1,6 +1,6 @@
 #include "core/artifact/current.h"
 
-#include <nlohmann/json.hpp>
+#include "core/base/json.h"
 
 namespace vitrine {
 

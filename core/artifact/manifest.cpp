@@ -2,10 +2,9 @@
 
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
 #include "core/base/hash.h"
+#include "core/base/json.h"
 
 namespace vitrine {
 

@@ -6,8 +6,7 @@
 #include <functional>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "core/base/json.h"
 #include "core/math/vec.h"
 
 namespace vitrine {

@@ -1,8 +1,7 @@
 #include "core/config/schema.h"
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
+#include "core/base/json.h"
 
 namespace vitrine {
 

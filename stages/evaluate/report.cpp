@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
+#include "core/base/json.h"
 #include "stages/evaluate/surface_error.h"
 
 namespace vitrine {

@@ -1,10 +1,9 @@
 #include <algorithm>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/camera/colmap_model.h"
 #include "core/camera/json_file.h"
 #include "stages/masks/mask_source.h"

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <mutex>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"

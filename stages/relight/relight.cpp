@@ -6,10 +6,9 @@
 #include <numbers>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/base/log.h"
 #include "core/base/timer.h"
 #include "core/camera/view_set.h"

@@ -2,10 +2,10 @@
 #include <cstdlib>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/artifact/current.h"
 #include "core/artifact/store.h"
+#include "core/base/json.h"
 #include "pipeline/commands.h"
 #include "stages/export/export.h"
 #include "tests/export/pane_scene.h"

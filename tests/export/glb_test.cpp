@@ -2,8 +2,8 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
+#include "core/base/json.h"
 #include "core/image/ldr.h"
 #include "core/math/color.h"
 #include "stages/export/export.h"

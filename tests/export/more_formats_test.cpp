@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
+#include "core/base/json.h"
 #include "core/camera/colmap_model.h"
 #include "core/image/exr.h"
 #include "core/picture/relight_materials.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
+#include "core/base/json.h"
 #include "core/base/process.h"
 #include "stages/export/export.h"
 #include "tests/export/pane_scene.h"

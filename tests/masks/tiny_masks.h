@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/camera/colmap_model.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/undistort.h"

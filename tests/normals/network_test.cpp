@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
+#include "core/base/json.h"
 #include "core/base/sha256.h"
 #include "core/config/apply.h"
 #include "stages/normals/onnx_graph.h"

@@ -5,9 +5,9 @@
 #include <functional>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
+#include "core/base/json.h"
 #include "tests/normals/still_life.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

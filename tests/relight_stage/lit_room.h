@@ -6,9 +6,8 @@
 #include <functional>
 #include <numbers>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/camera/scene_info.h"

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/artifact/store.h"
+#include "core/base/json.h"
 #include "core/base/process.h"
 
 namespace vitrine {

@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/artifact/current.h"
 #include "core/artifact/store.h"
+#include "core/base/json.h"
 #include "core/base/process.h"
 
 namespace vitrine {

@@ -10,8 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
+#include "core/base/json.h"
 #include "core/math/vec.h"
 
 namespace vitrine {
