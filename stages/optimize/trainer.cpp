@@ -147,6 +147,7 @@ double Trainer::descend(uint32_t photo_index) {
                         .weight = weight_,
                         .diffuse = &scene_.diffuse,
                         .targets = target_images_.spans(),
+                        .step = step_,
                         .reflection = loss_rays(frame_.reflection),
                         .transmission = loss_rays(frame_.transmission)};
   LossGradient gradient{.raster = &frame_.grad_diffuse,

@@ -2,59 +2,25 @@
 // network.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
-#include <fmt/format.h>
-
-#include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/loss/feature_network.h"
 #include "tests/loss/test_frame.h"
 #include "tests/support/error_of.h"
+#include "tests/support/feature_network_file.h"
 
 namespace vitrine {
 namespace {
 
-struct Layer {
-  int number, in, out;
-  std::vector<float> weights, bias;
-};
-
-// Two blocks: 3 -> 9 -> 8, pooling, 8 -> 6.
-std::vector<Layer> small_network(uint64_t seed = 1) {
-  std::vector<Layer> layers{{0, 3, 9, {}, {}}, {2, 9, 8, {}, {}}, {5, 8, 6, {}, {}}};
-  Rng rng(seed);
-  for (Layer& l : layers) {
-    for (int i = 0; i < l.out * l.in * 9; ++i) l.weights.push_back(0.3f * rng.normal() / std::sqrt(float(l.in)));
-    for (int i = 0; i < l.out; ++i) l.bias.push_back(0.3f * rng.normal());
-  }
-  return layers;
-}
-
-void write_network(const fs::path& path, const std::vector<Layer>& layers) {
-  std::string header =
-                  R"({"__metadata__":{"format":"pt"},"classifier.0.weight":{"dtype":"F16","shape":[1],"data_offsets":[0,2]})",
-              data;
-  for (const Layer& l : layers)
-    for (const bool bias : {false, true}) {
-      const auto& values = bias ? l.bias : l.weights;
-      header += fmt::format(R"(,"features.{}.{}":{{"dtype":"F32","shape":{},"data_offsets":[{},{}]}})", l.number,
-                            bias ? "bias" : "weight", bias ? fmt::format("[{}]", l.out) : fmt::format("[{},{},3,3]", l.out, l.in),
-                            data.size(), data.size() + 4 * values.size());
-      data.append(reinterpret_cast<const char*>(values.data()), 4 * values.size());
-    }
-  header += "}";
-  std::string length(8, '\0');
-  for (size_t i = 0; i < 8; ++i) length[i] = char(header.size() >> (8 * i) & 255);
-  write_file(path, length + header + data);
-}
+using testing::NetworkLayer;
+using testing::small_network;
+using testing::write_network;
 
 struct Map {
   int w, h, c;
   std::vector<double> v;  // channels last
 };
 
-Map plain_convolution(const Map& in, const Layer& l) {
+Map plain_convolution(const Map& in, const NetworkLayer& l) {
   Map out{in.w, in.h, l.out, std::vector<double>(size_t(in.w * in.h * l.out))};
   for (int y = 0; y < in.h; ++y)
     for (int x = 0; x < in.w; ++x)
@@ -84,7 +50,7 @@ Map plain_pool(const Map& in) {
   return out;
 }
 
-std::vector<Map> plain_features(const std::vector<Layer>& layers, const std::vector<double>& planes, int w, int h) {
+std::vector<Map> plain_features(const std::vector<NetworkLayer>& layers, const std::vector<double>& planes, int w, int h) {
   const double mean[] = {0.485, 0.456, 0.406}, deviation[] = {0.229, 0.224, 0.225};
   Map m{w, h, 3, std::vector<double>(planes.size())};
   for (int i = 0; i < w * h; ++i)
@@ -99,7 +65,7 @@ std::vector<Map> plain_features(const std::vector<Layer>& layers, const std::vec
   return features;
 }
 
-double plain_distance(const std::vector<Layer>& layers, const std::vector<double>& x, const std::vector<Map>& photo, int w,
+double plain_distance(const std::vector<NetworkLayer>& layers, const std::vector<double>& x, const std::vector<Map>& photo, int w,
                       int h) {
   const std::vector<Map> ours = plain_features(layers, x, w, h);
   double total = 0;
@@ -135,7 +101,7 @@ class Perceptual : public ::testing::TestWithParam<std::pair<int, int>> {};
 TEST_P(Perceptual, ValueAndGradientAreThoseOfAPlainNetworkInDoubles) {
   const auto [w, h] = GetParam();
   const TemporaryFolder folder;
-  const std::vector<Layer> layers = small_network();
+  const std::vector<NetworkLayer> layers = small_network();
   write_network(folder.path() / "net.safetensors", layers);
   TestFrame frame(w, h, false);
   LossGradient gradient = frame.gradient();
@@ -217,7 +183,7 @@ TEST(PerceptualLoss, FilesThatAreNoNetworkAreTold) {
   expect("cannot be opened");
   write_file(path, "PK\3\4 some zip file");
   expect("not a safetensors file");
-  std::vector<Layer> layers = small_network();
+  std::vector<NetworkLayer> layers = small_network();
   write_network(path, layers);
   const std::string whole = read_file(path);
   write_file(path, whole.substr(0, whole.size() - 5));

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
-#include <nlohmann/json.hpp>
 
 #include "core/base/hash.h"
+#include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/scene/scene_io.h"
@@ -14,6 +14,7 @@
 #include "stages/optimize/neighbours.h"
 #include "tests/optimize/test_context.h"
 #include "tests/optimize/tiny_capture.h"
+#include "tests/support/feature_network_file.h"
 
 namespace vitrine {
 namespace {
@@ -240,6 +241,41 @@ TEST(Capture, NothingStandsNearerThanHalfTheNearestPoints) {
   EXPECT_EQ(near_plane(set), 0.1f);
   points_at(0.0001);
   EXPECT_NEAR(near_plane(set), 0.01f, 0.002);
+}
+
+// A scene that stands still in front of one photo: what changes from look to look is where the loss looks.
+TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
+  const TemporaryFolder folder;
+  const std::string weights = (folder.path() / "net.safetensors").string();
+  testing::write_network(weights, testing::small_network());
+  write_tiny_sfm(folder.path(), 2);
+  OptimizeConfig config;
+  shorten(config, 10);
+  config.holdout_every = 2;
+  config.resolution.quarter_until = config.resolution.half_until = 0;
+  config.densify.strategy = "none";
+  config.rates.rate.fill(0);
+  for (LossTerm& term : config.loss.terms()) term.schedule = {.weight = term.factory->name == "perceptual" ? 1.f : 0.f};
+  OptionTable table;
+  Describer describer(table);
+  config.loss.term("perceptual").loss->describe_options(describer);
+  for (const auto& [option, value] : {std::pair<const char*, std::string>{"weights", weights}, {"crop", "24"}, {"every", "3"}})
+    table.find(option)->assign(value, "test");
+
+  const Capture capture = load_capture(folder.path(), 0, config.holdout_every);
+  ASSERT_EQ(capture.train.size(), 1u);
+  const Targets targets = load_targets(capture, std::nullopt, std::nullopt);
+  const TrainerSetup setup{.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = 700};
+  Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600));
+  std::vector<double> losses;
+  for (int step = 0; step < 10; ++step) {
+    trainer.step();
+    losses.push_back(trainer.epochs().back().loss);  // one photo: every step ends an epoch
+  }
+  for (size_t step : {1, 2, 4, 5, 7, 8}) EXPECT_EQ(losses[step], 0) << step;
+  EXPECT_GT(losses[0], 0);
+  EXPECT_NE(losses[6], losses[3]);  // steps 0 and 3 draw the same place by chance
+  EXPECT_NE(losses[9], losses[6]);
 }
 
 TEST(InitialLayer, FacesTheCamerasAndStaysBelowItsShare) {
