@@ -40,36 +40,38 @@ void set(SplatLayer& layer, Attribute a, size_t i, double value) {
   std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
 }
 
-// Sums over the training photos; per-photo depths come for free.
+// Sums over the training photos, for each of `masks`; per-photo depths come for free.
 struct Survey {
-  MaskEvidence evidence;
+  std::vector<MaskEvidence> evidence;      // [mask]
   std::vector<std::vector<float>> depths;  // [photo] empty where held out
 };
 
-Survey survey(const LayerInitDesc& desc, const SplatScene& scene, MaskClass mask) {
+Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializer_list<MaskClass> masks) {
   const size_t n = scene.diffuse.size();
-  Survey found{{std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}, {}};
+  Survey found{{masks.size(), {std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}}, {}};
   found.depths.resize(desc.capture.photos.size());
   DiffusePass pass({.sh_degree = desc.sh_degree, .near_z = desc.capture.near_z});
   const SplatScene diffuse{.diffuse = scene.diffuse};
   SplatScene ignored{.diffuse = scene.diffuse.zeros_like()};
   Frame frame;
   for (uint32_t photo : desc.capture.train) {
-    const auto& inside = desc.targets.photos[photo][kEvidenceLevel].masks[static_cast<size_t>(mask)];
     frame.view = &desc.capture.photos[photo].levels[kEvidenceLevel].view;
     pass.forward(diffuse, frame);
     const size_t pixels = frame.pixel_count();
     const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha);
     found.depths[photo].resize(pixels);
     for (size_t i = 0; i < pixels; ++i) found.depths[photo][i] = alpha[i] > 0.5f ? z[i] / alpha[i] : 0;
-    if (inside.empty()) continue;
-    frame.error_image.resize(pixels);
-    for (size_t i = 0; i < pixels; ++i) frame.error_image[i] = float(inside[i]) / 255.f;
-    frame.grad_linear.assign(3 * pixels, 0.f);
-    pass.backward(diffuse, frame, ignored);
-    for (size_t i = 0; i < n; ++i) {
-      found.evidence.weight[i] += frame.statistics.weight[i];
-      found.evidence.inside[i] += frame.statistics.error[i];
+    for (size_t m = 0; m < masks.size(); ++m) {
+      const auto& inside = desc.targets.photos[photo][kEvidenceLevel].masks[static_cast<size_t>(masks.begin()[m])];
+      if (inside.empty()) continue;
+      frame.error_image.resize(pixels);
+      for (size_t i = 0; i < pixels; ++i) frame.error_image[i] = float(inside[i]) / 255.f;
+      frame.grad_linear.assign(3 * pixels, 0.f);
+      pass.backward(diffuse, frame, ignored);
+      for (size_t i = 0; i < n; ++i) {
+        found.evidence[m].weight[i] += frame.statistics.weight[i];
+        found.evidence[m].inside[i] += frame.statistics.error[i];
+      }
     }
   }
   return found;
@@ -217,21 +219,21 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const ReflectionPhase& phase = desc.config.phases.reflection;
   const auto seed = static_cast<uint64_t>(desc.config.seed);
   SplatLayer& diffuse = scene.diffuse;
-  const Survey specular = survey(desc, scene, MaskClass::Specular);
-  const MaskEvidence transparent = survey(desc, scene, MaskClass::Transparent).evidence;
+  const Survey found = survey(desc, scene, {MaskClass::Specular, MaskClass::Transparent});
+  const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1];
   const bool masked = desc.targets.any(MaskClass::Specular);
   Hull hull;
   if (masked && phase.hull_points > 0)
     hull = mask_hull({.kind = HullClass::Gloss,
                       .capture = desc.capture,
                       .targets = desc.targets,
-                      .depths = specular.depths,
+                      .depths = found.depths,
                       .level = kEvidenceLevel});
 
   std::vector<uint32_t> dull, stay, gone;
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
-    const float share = specular.evidence.share(i);
+    const float share = specular.share(i);
     const float gloss = masked ? std::max(share - transparent.share(i), 0.f) : 1.f;
     const auto mixed = [&](Attribute a, double outside, double inside) {
       set(diffuse, a, i, outside + gloss * (inside - outside));
@@ -264,11 +266,12 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
   const TransmittancePhase& phase = desc.config.phases.transmittance;
   const auto seed = static_cast<uint64_t>(desc.config.seed);
-  const Survey seen = survey(desc, scene, MaskClass::Transparent);
+  const Survey found = survey(desc, scene, {MaskClass::Transparent});
+  const MaskEvidence& seen = found.evidence[0];
   const Hull hull = mask_hull({.kind = HullClass::Glass,
                                .capture = desc.capture,
                                .targets = desc.targets,
-                               .depths = seen.depths,
+                               .depths = found.depths,
                                .level = kEvidenceLevel});
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
 
@@ -281,7 +284,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   };
   if (desc.config.shading.glass == "thin") {
     for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
-    move_behind_glass(seen.evidence, cap, scene);
+    move_behind_glass(seen, cap, scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
     return counts;
@@ -292,8 +295,8 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
     set(diffuse, Attribute::Transmission, i, kDull);
-    if (!closed || seen.evidence.share(i) < kBehindGlass) stay.push_back(index);
-    if (!closed && seen.evidence.share(i) > kMostlyInside) make_glass(phase, diffuse, i);
+    if (!closed || seen.share(i) < kBehindGlass) stay.push_back(index);
+    if (!closed && seen.share(i) > kMostlyInside) make_glass(phase, diffuse, i);
   }
   append_copies(desc.capture, diffuse, through, std::min(static_cast<size_t>(phase.initial_surfels), cap), seed,
                 scene.transmittance);

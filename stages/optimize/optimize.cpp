@@ -45,17 +45,30 @@ size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, 
   return possible;
 }
 
-// Trains from the newest checkpoint, or from the start when there is none that can be used.
-std::unique_ptr<Trainer> make_trainer(const TrainerSetup& setup, const SplatLayer& initial, const fs::path& checkpoint,
-                                      StageContext& context) {
-  auto trainer = std::make_unique<Trainer>(setup, initial);
+// The trainer of the newest checkpoint; null when there is none that can be used.
+std::unique_ptr<Trainer> trainer_from(const fs::path& checkpoint, const TrainerSetup& setup, StageContext& context) {
+  auto trainer = std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0));
   try {
-    if (load_checkpoint(checkpoint, *trainer)) log_info("continues at step {}", trainer->step_index());
-    return trainer;
+    if (!load_checkpoint(checkpoint, *trainer)) return nullptr;
   } catch (const Error& error) {
     context.warning("CHECKPOINT_IGNORED", error.what());
-    return std::make_unique<Trainer>(setup, initial);
+    return nullptr;
   }
+  log_info("continues at step {}", trainer->step_index());
+  return trainer;
+}
+
+std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, StageContext& context) {
+  const auto& [config, capture, targets, layers, max_surfels] = setup;
+  const Timer stereo_timer;
+  const DenseDepth dense = dense_depth(capture, config.initial.stereo_side, config.initial.far_factor, uint64_t(config.seed));
+  context.timing("stereo_seconds", stereo_timer.seconds());
+  log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * dense.reliable_share(),
+           capture.train.size(), stereo_timer.seconds());
+  SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse));
+  log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
+           capture.heldout.size(), initial.size(), max_surfels);
+  return std::make_unique<Trainer>(setup, std::move(initial));
 }
 
 size_t surfel_count(const SplatScene& scene) {
@@ -112,22 +125,14 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const size_t max_surfels = affordable_surfels(config, capture, targets, context);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
-  const Timer stereo_timer;
-  const DenseDepth dense = dense_depth(capture, config.initial.stereo_side, config.initial.far_factor, uint64_t(config.seed));
-  context.timing("stereo_seconds", stereo_timer.seconds());
-  log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * dense.reliable_share(),
-           capture.train.size(), stereo_timer.seconds());
   const TrainerSetup setup{
       .config = config, .capture = capture, .targets = targets, .layers = layers, .max_surfels = max_surfels};
-  const SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse));
-  log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
-           capture.heldout.size(), initial.size(), max_surfels);
-
   const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
-  const auto trainer = make_trainer(setup, initial, checkpoint, context);
+  auto trainer = trainer_from(checkpoint, setup, context);
+  if (!trainer) trainer = trainer_from_start(setup, context);
   train(config, capture, *trainer, checkpoint, previews, context);
 
-  RunReport report{.initial_surfels = initial.size(), .max_surfels = max_surfels, .heldout = {}};
+  RunReport report{.max_surfels = max_surfels, .heldout = {}};
   report.heldout = measure(*trainer, capture, capture.heldout);
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind))

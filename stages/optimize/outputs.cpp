@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "core/base/file.h"
+#include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/image/ldr.h"
 #include "core/math/color.h"
@@ -81,7 +80,7 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
                   const RunReport& report) {
   Json json{{"iterations", trainer.step_index()},
             {"surfels", trainer.scene().diffuse.size()},
-            {"initial_surfels", report.initial_surfels},
+            {"initial_surfels", trainer.initial_surfels()},
             {"max_surfels", report.max_surfels},
             {"sh_degree", config.sh_degree},
             {"train_photos", capture.train.size()},

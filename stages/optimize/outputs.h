@@ -19,7 +19,7 @@ struct PhotoQuality {
 std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, std::span<const uint32_t> photos);
 
 struct RunReport {
-  size_t initial_surfels = 0, max_surfels = 0;
+  size_t max_surfels = 0;
   std::vector<PhotoQuality> heldout;
 };
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,

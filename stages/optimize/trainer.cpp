@@ -38,8 +38,12 @@ Backend backend_of(const OptimizeConfig& config) { return config.backend == "ref
 
 Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial)
     : setup_(setup),
+      densify_behind_glass_(setup.config.densify),
       model_(clock().image_options(setup.config.shading, backend_of(setup.config), setup.config.sh_degree)),
-      scene_{.diffuse = std::move(initial)} {
+      scene_{.diffuse = std::move(initial)},
+      initial_surfels_(scene_.diffuse.size()) {
+  // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
+  densify_behind_glass_.idle_weight = 0;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
     if (setup_.layers.has(kind)) scene_.layer(kind) = SplatLayer(kind, config().phases.of(kind).sh_degree, 0);
   grad_ = scene_.zeros_like();
@@ -212,10 +216,7 @@ void Trainer::move_surfels() {
     if (!begun_[static_cast<size_t>(kind)] || f < from || f > until) continue;
     const auto seed = static_cast<uint64_t>(config().seed);
     const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
-    // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
-    DensifyConfig own = d;
-    if (kind == LayerKind::Transmittance) own.idle_weight = 0;
-    training(kind).move(own,
+    training(kind).move(kind == LayerKind::Transmittance ? densify_behind_glass_ : d,
                         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
                                     .step = step_,
                                     .cap = first ? diffuse_cap() : cap(kind),
@@ -239,8 +240,8 @@ void Trainer::begin_phases() {
     changed = true;
     const auto begin = kind == LayerKind::Reflection ? begin_reflection : begin_transmittance;
     const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
-    log_info("{} surfels on the hull of its masks, {} were moved from there", counts.hull, counts.moved);
-    log_info("step {}: the {} layer begins with {} surfels", step_, name(kind), scene_.layer(kind).size());
+    log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
+             name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     training(kind).restart(scene_.layer(kind));
   }
   if (!changed) return;
@@ -300,6 +301,7 @@ void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
 }
 
 void Trainer::save(ArchiveWriter& out) const {
+  out.value(initial_surfels_);
   out.value(step_);
   out.value(bad_streak_);
   out.value(recent_loss_);
@@ -313,6 +315,7 @@ void Trainer::save(ArchiveWriter& out) const {
 }
 
 void Trainer::load(ArchiveReader& in) {
+  in.value(initial_surfels_);
   in.value(step_);
   in.value(bad_streak_);
   in.value(recent_loss_);

@@ -44,6 +44,7 @@ class Trainer {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return training(kind).counts(); }
   const LayerChoice& layers() const { return setup_.layers; }
+  size_t initial_surfels() const { return initial_surfels_; }    // that training started from
   static size_t cap(const TrainerSetup& setup, LayerKind kind);  // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
@@ -77,11 +78,13 @@ class Trainer {
   void record(double loss, double l1);
 
   TrainerSetup setup_;
+  DensifyConfig densify_behind_glass_;
   LayeredModel model_;
 
   SplatScene scene_, grad_;
   std::vector<LayerTraining> training_;    // [layer kind]
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
+  uint64_t initial_surfels_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients
   double recent_loss_ = 0;

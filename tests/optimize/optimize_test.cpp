@@ -64,6 +64,7 @@ TEST_F(OptimizeStage, LearnsTheTinySceneAndWritesItsFiles) {
   run_optimize(one_step, untrained);
   EXPECT_GT(context.metrics.at("heldout_psnr"), 18.5);
   EXPECT_GT(context.metrics.at("heldout_psnr"), untrained.metrics.at("heldout_psnr") + 4) << untrained.metrics.at("heldout_psnr");
+  EXPECT_TRUE(context.timings.contains("stereo_seconds"));
   EXPECT_EQ(context.last_progress.fraction, 1);
   EXPECT_NE(context.summary_text.find("PSNR"), std::string::npos);
   const SplatLayer layer = read_layer(context.output() / "gaussians/diffuse.ply");
@@ -133,8 +134,10 @@ TEST_F(OptimizeStage, ASignalSavesTheStateAndEndsWithItsExitCode) {
       ::testing::ExitedWithCode(130), "");
   int first_step = 0;
   context.after_step = [&](int step) { first_step = first_step ? first_step : step; };
+  context.timings.clear();
   run_optimize(config, context);
   EXPECT_EQ(first_step, 24);
+  EXPECT_FALSE(context.timings.contains("stereo_seconds")) << "what training started from is known already";
 }
 
 TEST_F(OptimizeStage, ADamagedCheckpointIsReportedAndTrainingStartsOver) {

@@ -35,14 +35,14 @@ class TestContext final : public StageContext {
   void metric(std::string_view name, double value) override { metrics[std::string(name)] = value; }
   void warning(std::string_view code, std::string_view) override { warnings.emplace_back(code); }
   void summary(std::string_view text) override { summary_text = text; }
-  void timing(std::string_view, double) override {}
+  void timing(std::string_view name, double seconds) override { timings[std::string(name)] = seconds; }
 
   int thread_count = 2;
   size_t memory = 0;
   std::optional<fs::path> masks;  // an artifact of the masks stage
   std::function<void(int)> after_step;
   Progress last_progress;
-  std::map<std::string, double> metrics;
+  std::map<std::string, double> metrics, timings;
   std::vector<std::string> warnings;
   std::string summary_text;
 
