@@ -189,11 +189,14 @@ class Decomposition {
           brightest < kBrightest && luminance(p.radiance) > kDarkest)
         speaking.push_back(uint32_t(i));
     }
-    if (speaking.size() < kFewestPoints)
-      throw Error(ErrorKind::Input, "too few dull, well exposed surface points to find the light",
-                  {.why = fmt::format("{} of {} points", speaking.size(), points_.size()),
-                   .hint = "are the photos over- or underexposed?",
-                   .code = "NO_DULL_SURFACE"});
+    if (speaking.size() < kFewestPoints) {
+      context_.warning("FEW_DULL_POINTS",
+                       fmt::format("only {} of {} surface points are dull and well exposed: all take part, and the "
+                                   "light is a guess (are the photos over- or underexposed?)",
+                                   speaking.size(), points_.size()));
+      speaking.resize(points_.size());
+      for (size_t i = 0; i < points_.size(); ++i) speaking[i] = uint32_t(i);
+    }
     const size_t wanted = std::min(speaking.size(), size_t(config_.solver.points));
     for (size_t i = 0; i < wanted; ++i) chosen_.push_back(speaking[i * speaking.size() / wanted]);
     std::vector<Vec3f> positions, radiance;

@@ -116,7 +116,7 @@ TEST(Relight, GreyCardSetsTheScale) {
   }
 }
 
-TEST(Relight, RefusesScenesWithoutSurfaceOrDullLight) {
+TEST(Relight, RefusesScenesWithoutSurface) {
   const auto refused = [](const std::function<void(const fs::path&)>& damage) {
     const TemporaryFolder copy;
     fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
@@ -129,12 +129,19 @@ TEST(Relight, RefusesScenesWithoutSurfaceOrDullLight) {
   EXPECT_EQ(refused([](const fs::path& f) { write_mesh_ply(f / "mesh/mesh.ply", TriMesh{}); }), "NO_SURFACE");
   EXPECT_EQ(refused([](const fs::path& f) { write_layer(f / "gaussians/diffuse.ply", SplatLayer(LayerKind::Diffuse, 0, 0)); }),
             "NO_SURFACE");
-  EXPECT_EQ(refused([](const fs::path& f) {
-              SplatLayer layer = read_layer(f / "gaussians/diffuse.ply");
-              std::ranges::fill(layer.values(Attribute::ShDc), 20.f);  // everything is overexposed
-              write_layer(f / "gaussians/diffuse.ply", layer);
-            }),
-            "NO_DULL_SURFACE");
+}
+
+TEST(Relight, OverexposedPhotosEndInAGuessAndAWarning) {
+  const TemporaryFolder copy;
+  fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
+  SplatLayer layer = read_layer(copy.path() / "gaussians/diffuse.ply");
+  std::ranges::fill(layer.values(Attribute::ShDc), 20.f);
+  write_layer(copy.path() / "gaussians/diffuse.ply", layer);
+  test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
+  run_relight(quick(), context);
+  EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
+  for (const Vec3f& rho : read_relight_materials(context.output()).albedo)
+    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(rho[c]));
 }
 
 TEST(RelightMaterials, RoundTripAndDamage) {
