@@ -31,8 +31,8 @@ Grid grid_over(const Bounds3& bounds, int resolution, int padding) {
   return grid;
 }
 
-// 1 where at most the share `desc.dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks, so
-// that a coarse grid loses nothing.
+// 1 where at most the share `desc.dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks,
+// so that a coarse grid loses nothing.
 std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, const HullDesc& desc, double slack) {
   std::vector<float> field(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0);
   const size_t needed = std::max(desc.fewest_views, size_t(kSeenBy * double(masks.size())));
@@ -60,6 +60,37 @@ std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, con
       }
   });
   return field;
+}
+
+// Leaves the largest part whose voxels share faces; of equally large ones the first.
+void keep_largest(std::vector<float>& field, const Grid& grid) {
+  const ptrdiff_t stride[3] = {1, grid.size[0], ptrdiff_t(grid.size[0]) * grid.size[1]};
+  std::vector<uint32_t> part(field.size(), 0);
+  std::vector<size_t> sizes{0}, stack;
+  for (size_t seed = 0; seed < field.size(); ++seed) {
+    if (field[seed] == 0 || part[seed] != 0) continue;
+    const auto label = uint32_t(sizes.size());
+    sizes.push_back(0);
+    part[seed] = label;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const size_t i = stack.back();
+      stack.pop_back();
+      ++sizes[label];
+      const size_t row = size_t(grid.size[0]), at[3] = {i % row, i / row % size_t(grid.size[1]), i / size_t(stride[2])};
+      for (size_t axis = 0; axis < 3; ++axis)
+        for (int step : {-1, 1}) {
+          if (step < 0 ? at[axis] == 0 : at[axis] + 1 == size_t(grid.size[axis])) continue;
+          const auto j = size_t(ptrdiff_t(i) + step * stride[axis]);
+          if (field[j] == 0 || part[j] != 0) continue;
+          part[j] = label;
+          stack.push_back(j);
+        }
+    }
+  }
+  const auto largest = uint32_t(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+  for (size_t i = 0; i < field.size(); ++i)
+    if (part[i] != largest) field[i] = 0;
 }
 
 Bounds3 occupied(const std::vector<float>& field, const Grid& grid) {
@@ -103,6 +134,7 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   if (rough.empty()) return;
   Grid fine = grid_over(rough, desc.resolution, kPadding);
   std::vector<float> field = carved(masks, fine, desc, 0);
+  if (desc.one_piece) keep_largest(field, fine);
   bounds_ = occupied(field, fine);
   if (bounds_.empty()) return;
   Vec3d mean{};

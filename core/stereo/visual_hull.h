@@ -21,6 +21,7 @@ struct HullDesc {
   int resolution = 128;         // voxels along the longest side of what is left
   double dissent = 0.1;         // share of the photos that may see a voxel outside their mask: something may stand in front
   size_t fewest_views = 3;      // photos that must see a voxel, at least
+  bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };

@@ -13,7 +13,7 @@ constexpr double kRadius = 0.25;
 const Vec3d kCentre{0.05, -0.1, 0.1};
 
 // Silhouettes of a ball from `count` cameras within `span_rad` of azimuth.
-std::vector<HullMask> ball_masks(int count, double span_rad) {
+std::vector<HullMask> ball_masks(int count, double span_rad, const Vec3d& centre = kCentre, double radius = kRadius) {
   std::vector<HullMask> masks;
   for (int i = 0; i < count; ++i) {
     const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;
@@ -26,8 +26,8 @@ std::vector<HullMask> ball_masks(int count, double span_rad) {
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 96; ++x) {
         const Vec3d d = normalized(transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5)));
-        const Vec3d to = kCentre - eye;
-        m.mask.at(x, y) = length(to - dot(to, d) * d) < kRadius ? 1.f : 0.f;
+        const Vec3d to = centre - eye;
+        m.mask.at(x, y) = length(to - dot(to, d) * d) < radius ? 1.f : 0.f;
       }
     masks.push_back(std::move(m));
   }
@@ -59,6 +59,22 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
     }
   EXPECT_LT(angle / double(hits), 9);
   EXPECT_LT(distance / double(hits), 0.03);
+}
+
+TEST(VisualHull, OfOnePieceKeepsTheLargestPart) {
+  std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
+  const std::vector<HullMask> crumb = ball_masks(24, 2 * std::numbers::pi, {-0.35, 0.3, -0.2}, 0.08);
+  for (size_t i = 0; i < masks.size(); ++i)
+    for (size_t p = 0; p < masks[i].mask.data().size(); ++p) masks[i].mask.data()[p] += crumb[i].mask.data()[p];
+  const View& view = masks[1].view;
+  const auto shows = [&](const VisualHull& hull, const Vec3d& point) {
+    const Vec3d eye = view.centre_in_world();
+    return hull.first_hit(eye, point - eye).has_value();
+  };
+  const HullDesc all{.resolution = 64, .dissent = 0}, one{.resolution = 64, .dissent = 0, .one_piece = true};
+  EXPECT_TRUE(shows(VisualHull(masks, all), {-0.35, 0.3, -0.2}));
+  EXPECT_FALSE(shows(VisualHull(masks, one), {-0.35, 0.3, -0.2}));
+  EXPECT_TRUE(shows(VisualHull(masks, one), kCentre));
 }
 
 TEST(VisualHull, AFewPhotosWithSomethingInFrontDoNotCutItAway) {

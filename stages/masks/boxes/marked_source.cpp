@@ -92,8 +92,11 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     cones.push_back(hull_mask(photos[mark.view], drawn[mark.view]));
     whole += !touches_border(drawn[mark.view], photos[mark.view].view.intrinsics);
   }
-  HullDesc desc{
-      .resolution = config.resolution, .dissent = 0, .fewest_views = std::max<size_t>(whole, 2), .most_one_sided = kOneSided};
+  HullDesc desc{.resolution = config.resolution,
+                .dissent = 0,
+                .fewest_views = std::max<size_t>(whole, 2),
+                .one_piece = true,
+                .most_one_sided = kOneSided};
   const VisualHull hull(cones, desc);
   if (hull.empty())
     throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing.name),
