@@ -40,7 +40,7 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   const fs::path sfm = folder.path() / "sfm";
   testing::write_tiny_sfm(sfm, 18, 48, 36, testing::tiny_mirror_scene());
   OptimizeConfig config;
-  config.iterations = 600;
+  config.iterations = 1000;
   config.max_gaussians = 1500;
   config.initial.frustum_points = 500;
   config.initial.stereo_side = 48;
@@ -66,8 +66,8 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   EXPECT_LE(surfels, 1500u);
   const double before = mirror_psnr(sfm, alone.output()), after = mirror_psnr(sfm, layered.output());
   RecordProperty("mirror_gain", std::to_string(after - before));
-  // Measured +3.2 dB (8.9 -> 12.1), and +1.6 to +3.5 dB with other phases and blends. The photos are of 48x36 pixels, and what
-  // they show on the ball changes from pixel to pixel.
+  // Measured +1.4 dB (18.1 -> 19.6), and +1.2 to +1.6 dB with other numbers of steps and phases: a diffuse layer does well on a
+  // ball, by a picture inside it.
   EXPECT_GT(after, before + 0.5) << before;
 }
 

@@ -35,17 +35,18 @@ inline void add_surfel(SplatLayer& layer, Vec3d position, Vec3d normal, double s
 
 inline constexpr int kTinyBall = 150;  // the surfels of the ball; they are the last ones
 
-inline SplatLayer tiny_scene() {
+inline SplatLayer tiny_scene(int ball = kTinyBall) {
   SplatLayer layer(LayerKind::Diffuse, 0, 0);
   for (int y = -8; y <= 8; ++y)
     for (int x = -8; x <= 8; ++x) {
       const bool dark = (x / 2 + y / 2) % 2 == 0;
       add_surfel(layer, {0.1 * x, 0.1 * y, -0.3}, {0, 0, 1}, 0.06, dark ? Vec3f{0.05f, 0.1f, 0.3f} : Vec3f{0.7f, 0.6f, 0.4f});
     }
-  for (int i = 0; i < kTinyBall; ++i) {  // Fibonacci points
-    const double z = 1 - 2 * (i + 0.5) / kTinyBall, angle = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
+  for (int i = 0; i < ball; ++i) {  // Fibonacci points
+    const double z = 1 - 2 * (i + 0.5) / ball, angle = i * std::numbers::pi * (3 - std::sqrt(5.0)), r = std::sqrt(1 - z * z);
     const Vec3d n{r * std::cos(angle), r * std::sin(angle), z};
-    add_surfel(layer, 0.25 * n, n, 0.03, {float(0.5 + 0.4 * n.x), float(0.5 + 0.4 * n.y), float(0.4 + 0.3 * n.z)});
+    add_surfel(layer, 0.25 * n, n, 0.03 * std::sqrt(double(kTinyBall) / ball),
+               {float(0.5 + 0.4 * n.x), float(0.5 + 0.4 * n.y), float(0.4 + 0.3 * n.z)});
   }
   return layer;
 }
@@ -69,8 +70,9 @@ inline std::vector<View> ring_of_views(int count, int width, int height) {
 // The tiny scene with a polished ball and what it shows: the floor, and a dome of bright patches that no camera sees directly.
 // A curved mirror, because a flat one is a window: a diffuse layer alone explains it by surfels behind it.
 inline SplatScene tiny_mirror_scene() {
-  SplatScene scene{.diffuse = tiny_scene()};
-  const size_t first = scene.diffuse.size() - kTinyBall;
+  constexpr int kSmoothBall = 600;
+  SplatScene scene{.diffuse = tiny_scene(kSmoothBall)};
+  const size_t first = scene.diffuse.size() - kSmoothBall;
   for (size_t i = 0; i < scene.diffuse.size(); ++i) {
     const bool mirror = i >= first;
     if (mirror) std::fill_n(scene.diffuse.at(Attribute::ShDc, i), 3, -0.48f / kShDc);
@@ -107,15 +109,25 @@ inline void write_tiny_sfm(const fs::path& folder, int view_count = 9, int width
   ColmapModel model;
   Gains gains;
   for (size_t v = 0; v < views.size(); ++v) {
-    image_model.forward(photographed, views[v], frame);
+    View fine = views[v];  // a pixel of a photo is a mean, not a point
+    const int n = photographed.reflection.size() > 0 ? 4 : 1;
+    const Intrinsics& k0 = views[v].intrinsics;
+    fine.intrinsics = {n * width, n * height, n * k0.fx, n * k0.fy, n * k0.cx, n * k0.cy};
+    image_model.forward(photographed, fine, frame);
     ImageF photo(width, height, 3);
-    const size_t pixels = photo.pixel_count();
-    for (size_t i = 0; i < pixels; ++i)
-      for (size_t c = 0; c < 3; ++c) photo.data()[3 * i + c] = float(views[v].gain[c]) * frame.linear[c * pixels + i];
+    const size_t pixels = photo.pixel_count(), fine_pixels = pixels * size_t(n * n);
+    std::vector<float> gloss(pixels, 0.f);
+    for (int y = 0; y < n * height; ++y)
+      for (int x = 0; x < n * width; ++x) {
+        const size_t from = size_t(y * n * width + x), to = size_t(y / n * width + x / n);
+        for (size_t c = 0; c < 3; ++c)
+          photo.data()[3 * to + c] += float(views[v].gain[c]) * frame.linear[c * fine_pixels + from] / float(n * n);
+        if (n > 1) gloss[to] += frame.diffuse.plane(Aov::SpecularWeight)[from] / float(n * n);
+      }
     write_exr_rgb(linear_image_path(folder, views[v]), photo);
     if (photographed.reflection.size() > 0) {
       Image8 mask(width, height, 1);
-      for (size_t i = 0; i < pixels; ++i) mask.data()[i] = frame.diffuse.plane(Aov::SpecularWeight)[i] > 0.4f ? 255 : 0;
+      for (size_t i = 0; i < pixels; ++i) mask.data()[i] = gloss[i] > 0.4f ? 255 : 0;
       write_ldr(folder / "masks/specular" / (views[v].stem() + ".png"), mask);
     }
     const Intrinsics& k = views[v].intrinsics;
