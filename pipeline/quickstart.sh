@@ -30,13 +30,13 @@ say "run: vitrine run $photos -o $out --preset preview"
 lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
 say "relight: vitrine relight $out --lights $lamps"
 "$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps"
-"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16
+"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16 --output "$out/turntable"
 
 say "done. Where to look:"
 cat <<TXT
   $out/eval/contact_sheet.jpg   photo, render, error, normals and depth of the held-out views
   $out/mesh/mesh.ply            the mesh, with colours and normals (MeshLab, Blender, CloudCompare)
-  $out/relit/                   held-out views and a turntable under two lamps (another light: vitrine relight $out --env HDRI)
+  $out/relit/, $out/turntable/   held-out views and a turntable under two lamps (another light: vitrine relight $out --env HDRI)
   $out/export/mesh.glb          the mesh with materials; glass transmits (three.js, Blender, any glTF viewer)
   $out/export/                  Gaussians (2DGS, 3DGS, merged preview), COLMAP model, OBJ, USD
   $out/eval/metrics.json        PSNR, SSIM; errors against truth when there is a truth folder
