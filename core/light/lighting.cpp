@@ -1,14 +1,12 @@
 #include "core/light/lighting.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/config/text.h"
-#include "core/config/yaml.h"
+#include "core/config/yaml_reader.h"
 
 namespace vitrine {
 
@@ -51,31 +49,20 @@ LampSample Lighting::sample_lamp(size_t lamp, const Vec3f& point, const Vec2f& u
 
 namespace {
 
-// One lamp of the file, read key by key; what is wrong is collected.
+// One lamp of the file, read key by key; what is wrong is collected, and a harmless value stands in for it.
 class LampReader {
  public:
-  LampReader(const YamlFile& file, const YamlNode& lamp, ConfigErrors& errors) : file_(file), lamp_(lamp), errors_(errors) {}
+  LampReader(YamlReader& in, const YamlNode& lamp) : in_(in), lamp_(lamp) {}
 
-  void only(const std::vector<std::string>& keys) {
-    for (const auto& [key, value] : lamp_.entries) {
-      if (key.text == "type" || std::ranges::find(keys, key.text) != keys.end()) continue;
-      const std::string near = nearest_word(key.text, keys);
-      complain(key, fmt::format("unknown key '{}'{}", key.text, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
-    }
-  }
   Vec3f vector(const char* key) {
     const YamlNode* node = find(key);
-    if (node == nullptr) return {};
-    if (node->kind != YamlNode::Kind::List || node->items.size() != 3) {
-      complain(*node, fmt::format("'{}' must be a list of three numbers", key));
-      return {};
-    }
-    return {number(node->items[0]), number(node->items[1]), number(node->items[2])};
+    const auto v = node != nullptr ? in_.numbers(*node, 3, fmt::format("'{}' to be a list of three numbers", key)) : std::nullopt;
+    return v ? Vec3f{float((*v)[0]), float((*v)[1]), float((*v)[2])} : Vec3f{};
   }
   Vec3f direction(const char* key) {
     const Vec3f d = vector(key);
     if (squared_length(d) > 0) return normalized(d);
-    if (const YamlNode* node = lamp_.find(key)) complain(*node, fmt::format("'{}' must not be zero", key));
+    if (const YamlNode* node = lamp_.find(key)) in_.complain(*node, fmt::format("'{}' must not be zero", key));
     return {0, 0, 1};
   }
   Vec3f color(const char* key) {
@@ -83,67 +70,52 @@ class LampReader {
     if (node == nullptr) return {};
     Vec3f rgb;
     if (node->kind == YamlNode::Kind::Scalar)
-      rgb.x = rgb.y = rgb.z = number(*node);
+      rgb.x = rgb.y = rgb.z = float(in_.number(*node).value_or(0));
     else
       rgb = vector(key);
-    if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) complain(*node, fmt::format("'{}' must not be negative", key));
+    if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) in_.complain(*node, fmt::format("'{}' must not be negative", key));
     return rgb;
   }
   float positive(const char* key) {
     const YamlNode* node = find(key);
-    return node == nullptr ? 1.f : positive(*node, key);
+    return node != nullptr ? positive(*node, key, in_.number(*node)) : 1.f;
   }
   Vec2f size(const char* key) {
     const YamlNode* node = find(key);
-    if (node == nullptr) return {1, 1};
-    if (node->kind == YamlNode::Kind::List && node->items.size() == 2)
-      return {positive(node->items[0], key), positive(node->items[1], key)};
-    complain(*node, fmt::format("'{}' must be a list of two numbers", key));
-    return {1, 1};
+    const auto v = node != nullptr ? in_.numbers(*node, 2, fmt::format("'{}' to be a list of two numbers", key)) : std::nullopt;
+    return v ? Vec2f{positive(*node, key, (*v)[0]), positive(*node, key, (*v)[1])} : Vec2f{1, 1};
   }
 
  private:
-  void complain(const YamlNode& at, const std::string& message) { errors_.add(file_, at.mark, at.text.size(), message); }
   const YamlNode* find(const char* key) {
     const YamlNode* node = lamp_.find(key);
-    if (node == nullptr) complain(lamp_, fmt::format("this light needs '{}'", key));
+    if (node == nullptr) in_.complain(lamp_, fmt::format("this light needs '{}'", key));
     return node;
   }
-  float number(const YamlNode& node) {
-    float value = 0;
-    const char* end = node.text.data() + node.text.size();
-    const auto r = std::from_chars(node.text.data(), end, value);
-    if (node.kind == YamlNode::Kind::Scalar && r.ec == std::errc() && r.ptr == end && std::isfinite(value)) return value;
-    complain(node, fmt::format("a number is wanted, got \"{}\"", node.text));
-    return 0;
-  }
-  float positive(const YamlNode& node, const char* key) {
-    const float value = number(node);
-    if (value > 0) return value;
-    complain(node, fmt::format("'{}' must be above 0", key));
-    return 1;
+  float positive(const YamlNode& node, const char* key, std::optional<double> value) {
+    if (value && !(*value > 0)) in_.complain(node, fmt::format("'{}' must be above 0", key));
+    return value && *value > 0 ? float(*value) : 1.f;
   }
 
-  const YamlFile& file_;
+  YamlReader& in_;
   const YamlNode& lamp_;
-  ConfigErrors& errors_;
 };
 
-void add_lamp(const YamlFile& file, const YamlNode& node, ConfigErrors& errors, Lighting& out) {
+void add_lamp(YamlReader& reader, const YamlNode& node, Lighting& out) {
   const YamlNode* type = node.find("type");
-  LampReader in(file, node, errors);
+  LampReader in(reader, node);
   if (type == nullptr) {
-    errors.add(file, node.mark, 1, "this light needs 'type': point, directional, rectangle or disc");
+    reader.complain(node, "this light needs 'type': point, directional, rectangle or disc");
   } else if (type->text == "point") {
-    in.only({"position", "intensity"});
+    reader.only_keys(node, {"type", "position", "intensity"});
     out.points.push_back({in.vector("position"), in.color("intensity")});
   } else if (type->text == "directional") {
-    in.only({"from", "irradiance"});
+    reader.only_keys(node, {"type", "from", "irradiance"});
     out.directionals.push_back({in.direction("from"), in.color("irradiance")});
   } else if (type->text == "rectangle" || type->text == "disc") {
     AreaLight light;
     light.disc = type->text == "disc";
-    in.only({"center", "facing", light.disc ? "radius" : "size", "radiance"});
+    reader.only_keys(node, {"type", "center", "facing", light.disc ? "radius" : "size", "radiance"});
     light.center = in.vector("center");
     light.normal = in.direction("facing");
     light.radiance = in.color("radiance");
@@ -154,22 +126,21 @@ void add_lamp(const YamlFile& file, const YamlNode& node, ConfigErrors& errors, 
     light.half_v = half.y * v;
     out.areas.push_back(light);
   } else {
-    errors.add(file, type->mark, type->text.size(),
-               fmt::format("there is no light of type \"{}\"; types are point, directional, rectangle, disc", type->text));
+    reader.complain(*type,
+                    fmt::format("there is no light of type \"{}\"; types are point, directional, rectangle, disc", type->text));
   }
 }
 
 }  // namespace
 
 void parse_lamps(std::string_view text, const std::string& name, Lighting& lighting) {
-  const YamlFile file = parse_yaml(text, name);
-  ConfigErrors errors;
-  const YamlNode* list = file.root.find("lights");
+  YamlReader reader(parse_yaml(text, name));
+  const YamlNode* list = reader.root().find("lights");
   if (list == nullptr || list->kind != YamlNode::Kind::List)
-    errors.add(file, list != nullptr ? list->mark : file.root.mark, 1, "a list `lights:` is wanted");
+    reader.complain(list != nullptr ? *list : reader.root(), "a list `lights:` is wanted");
   else
-    for (const YamlNode& lamp : list->items) add_lamp(file, lamp, errors, lighting);
-  errors.throw_if_any("core/light/lighting.h and stages/relit/README.md show a file with one light of each type");
+    for (const YamlNode& lamp : list->items) add_lamp(reader, lamp, lighting);
+  reader.finish("core/light/lighting.h and stages/relit/README.md show a file with one light of each type");
 }
 
 void read_lamps(const fs::path& path, Lighting& lighting) {

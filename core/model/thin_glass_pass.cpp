@@ -26,11 +26,16 @@ void BehindGlass::clear() {
   for (auto* sums : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) sums->clear();
 }
 
+std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse) {
+  std::vector<uint32_t> out;
+  for (size_t i = 0; i < diffuse.size(); ++i)
+    if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) out.push_back(static_cast<uint32_t>(i));
+  return out;
+}
+
 void ThinGlassPass::merge(const SplatScene& scene) {
   const SplatLayer& diffuse = scene.diffuse;
-  opaque_.clear();
-  for (size_t i = 0; i < diffuse.size(); ++i)
-    if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
+  opaque_ = opaque_surfels(diffuse);
   const int of_diffuse = std::min(diffuse_.sh_degree, diffuse.sh_degree());
   const int of_layer = std::min(options_.sh_degree, scene.transmittance.sh_degree()), degree = std::max(of_diffuse, of_layer);
   const size_t count = opaque_.size() + scene.transmittance.size();

@@ -19,6 +19,9 @@
 
 namespace vitrine {
 
+// Surfels of a diffuse layer that are no glass, ascending.
+std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
+
 class ThinGlassPass final : public Pass {
  public:
   // `diffuse`: how the diffuse layer is shown; the backend stays what it was.

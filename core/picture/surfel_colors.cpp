@@ -8,14 +8,18 @@ namespace {
 constexpr float kOpaqueAlpha = 0.5f;
 }
 
-SurfelColors::SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors)
-    : layer_(layer.kind(), 0, layer.size()), renderer_(make_renderer(Backend::Cpu)) {
-  VITRINE_CHECK(colors.size() == layer.size(), "{} colours for {} surfels", colors.size(), layer.size());
+SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors) {
+  VITRINE_CHECK(colors.size() == surfels.size(), "{} colours for {} surfels", colors.size(), surfels.size());
+  SplatLayer out(surfels.kind(), 0, surfels.size());
   for (const AttributeRow& r : kAttributes)
-    if (r.id != Attribute::ShRest) std::ranges::copy(layer.values(r.id), layer_.values(r.id).begin());
+    if (r.id != Attribute::ShDc && r.id != Attribute::ShRest) std::ranges::copy(surfels.values(r.id), out.values(r.id).begin());
   for (size_t i = 0; i < colors.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) layer_.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
+    for (size_t c = 0; c < 3; ++c) out.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
+  return out;
 }
+
+SurfelColors::SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors, float near_z)
+    : layer_(painted_layer(layer, colors)), near_z_(near_z), renderer_(make_renderer(Backend::Cpu)) {}
 
 ImageF SurfelColors::picture(const View& view) {
   RasterDesc desc;
@@ -23,6 +27,7 @@ ImageF SurfelColors::picture(const View& view) {
   desc.cam_from_world = view.cam_from_world;
   desc.features = FeatureSet::ColorOnly;
   desc.sh_degree = 0;
+  desc.near_z = near_z_;
   renderer_->forward(layer_, desc, images_);
   const auto color = images_.plane(Aov::Color), alpha = images_.plane(Aov::Alpha);
   ImageF out(view.intrinsics.width, view.intrinsics.height, 3);

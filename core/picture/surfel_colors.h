@@ -12,15 +12,19 @@
 
 namespace vitrine {
 
+// The surfels with other colours that look the same from everywhere, [surfels].
+SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors);
+
 class SurfelColors {
  public:
-  // `colors`: one per surfel of `layer`, not negative.
-  SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors);
+  // `colors`: one per surfel of `layer`, not negative. `near_z`: of the trained scene.
+  SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors, float near_z);
   // [h, w, 3] at the size of the view's intrinsics: the blended colour divided by alpha; 0 where alpha < 1/2.
   ImageF picture(const View& view);
 
  private:
   SplatLayer layer_;
+  float near_z_;
   std::unique_ptr<Renderer> renderer_;
   RasterImages images_;
 };

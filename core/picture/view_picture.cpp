@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "core/math/color.h"
+#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr float kOpaqueAlpha = 0.5f;
-// Mean depth is smoother, but at an edge it lies between two surfaces: where it leaves the median by more, the median counts.
-constexpr float kMeanNearMedian_rel = 0.01f;
 
 ImageF interleaved(std::span<const float> planes, int width, int height, int channels) {
   ImageF out(width, height, channels);
@@ -65,8 +64,7 @@ ViewPicture ScenePainter::picture(const View& view) {
     for (size_t c = 0; c < 3; ++c)
       out.srgb.data()[3 * i + c] = srgb_from_linear(std::clamp(float(view.gain[c]) * frame_.linear[c * n + i], 0.f, 1.f));
     if (!(alpha[i] >= kOpaqueAlpha)) continue;
-    const float mean_z = zdepth[i] / alpha[i], median = median_z[i];
-    out.zdepth.data()[i] = median > 0 && std::abs(mean_z - median) > kMeanNearMedian_rel * median ? median : mean_z;
+    out.zdepth.data()[i] = surface_depth(zdepth[i], alpha[i], median_z[i]);
     const Vec3f blended{normal[i], normal[n + i], normal[2 * n + i]};
     const float size = length(blended);
     if (size > 0)

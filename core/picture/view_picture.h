@@ -47,6 +47,7 @@ class ScenePainter {
   // At the size of the view's intrinsics.
   ViewPicture picture(const View& view);
   const SplatScene& surfels() const { return scene_.surfels; }
+  const ImageOptions& image() const { return scene_.image; }
 
  private:
   TrainedScene scene_;

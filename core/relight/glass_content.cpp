@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
-#include "core/scene/activation.h"
+#include "core/model/thin_glass_pass.h"
 
 namespace vitrine {
 
@@ -13,9 +13,8 @@ namespace {
 constexpr int kFluenceSamples = 48;
 constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
 constexpr float kLeastFluence_rel = 1e-3f;
-constexpr float kMostlyClear = 0.5f;  // a surfel is glass above
-constexpr float kReach = 3;           // in grains: how far off the mesh a surfel still belongs to it
-constexpr size_t kTask = 64;          // surfels
+constexpr float kReach = 3;   // in grains: how far off the mesh a surfel still belongs to it
+constexpr size_t kTask = 64;  // surfels
 constexpr uint64_t kDiffuseStream = uint64_t(1) << 40;
 
 void set_color(SplatLayer& layer, size_t i, const Vec3f& color) {
@@ -28,9 +27,8 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
     : scene_(&scene), surface_(&surface), renderer_(make_renderer(Backend::Cpu)) {
   if (empty()) return;
   const SplatLayer &diffuse = scene.trained.surfels.diffuse, &inside = scene.trained.surfels.transmittance;
-  if (scene.trained.image.transmission.glass == Glass::Thin)
-    for (size_t i = 0; i < diffuse.size(); ++i)
-      if (!scene.materials.shows_sky(i) && !(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) opaque_.push_back(static_cast<uint32_t>(i));
+  if (scene.trained.image.transmission.glass == Glass::Thin) opaque_ = opaque_surfels(diffuse);
+  std::erase_if(opaque_, [&](uint32_t i) { return scene.materials.shows_sky(i); });
   merged_ = SplatLayer(LayerKind::Transmittance, inside.sh_degree(), opaque_.size() + inside.size());
   const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
     for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
@@ -90,6 +88,7 @@ const GlassContent::Picture& GlassContent::picture(const View& view) {
   desc.cam_from_world = view.cam_from_world;
   desc.features = FeatureSet::Surface;
   desc.sh_degree = merged_.sh_degree();
+  desc.near_z = scene_->trained.image.diffuse.near_z;
   renderer_->forward(merged_, desc, picture_.images);
   return picture_;
 }

@@ -23,6 +23,11 @@ struct RelitMaterial {
   float roughness = 1, specular = 0, transmission = 0;  // specular = k_s, transmission = tau
 };
 
+// What of the light is scattered, reflected and let through at this cosine.
+inline LayerWeights<float> relit_weights(LayerBlend blend, const RelitMaterial& m, float cosine) {
+  return layer_weights<float>(blend, {m.f0, m.specular, m.transmission, cosine}, {.reflection = true, .transmission = true});
+}
+
 class Microfacet {
  public:
   static constexpr float kPi = std::numbers::pi_v<float>;
@@ -31,18 +36,10 @@ class Microfacet {
   Microfacet(LayerBlend blend, const RelitMaterial& m, const Vec3f& view) : blend_(blend), m_(m), view_(view) {
     alpha_ = std::max(m.roughness, float(kMinRoughness));
     alpha_ *= alpha_;
-    const Vec3f r = reflectance(view.z);
-    for (size_t c = 0; c < 3; ++c) {
-      if (blend == LayerBlend::RtrGs) {
-        const float f = m.specular > 0 ? r[c] / m.specular : 0.f;
-        diffuse_[c] = (1 - m.specular) * m.albedo[c];
-        transmission_[c] = m.specular * m.transmission * (1 - f);
-      } else {
-        diffuse_[c] = (1 - r[c]) * (1 - m.transmission) * m.albedo[c];
-        transmission_[c] = (1 - r[c]) * m.transmission;
-      }
-    }
-    const float specular = mean(r), diffuse = mean(diffuse_);
+    const LayerWeights<float> w = relit_weights(blend, m, view.z);
+    diffuse_ = hadamard(w.diffuse, m.albedo);
+    transmission_ = w.transmission;
+    const float specular = mean(w.reflection), diffuse = mean(diffuse_);
     specular_share_ = specular + diffuse > 0 ? specular / (specular + diffuse) : 0.f;
     // Never so rare that one sample outweighs all others.
     if (specular_share_ > 0 && diffuse > 0) specular_share_ = std::clamp(specular_share_, 0.1f, 0.9f);
@@ -59,7 +56,7 @@ class Microfacet {
       const Vec3f h = normalized(view_ + l);
       const float k = 0.5f * alpha_, nv = std::max(view_.z, float(kMinCosine));
       const float lobe = ggx_distribution(alpha_, h.z).value * smith_g1(nv, k) * smith_g1(l.z, k) / (4 * nv);
-      out += lobe * reflectance(dot(view_, h));
+      out += lobe * relit_weights(blend_, m_, dot(view_, h)).reflection;
     }
     return out;
   }
@@ -78,12 +75,6 @@ class Microfacet {
 
  private:
   static float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3; }
-  Vec3f reflectance(float cosine) const {
-    const Vec3f f = schlick(m_.f0, cosine).value;
-    if (blend_ == LayerBlend::RtrGs) return m_.specular * f;
-    const float gate = (1 - m_.specular) * fresnel_gate(m_.specular);
-    return {m_.specular + gate * f.x, m_.specular + gate * f.y, m_.specular + gate * f.z};
-  }
   float mirror_pdf(const Vec3f& h) const {
     const float nv = std::max(view_.z, float(kMinCosine)), a2 = alpha_ * alpha_;
     const float g1_over_nv = 2 / (nv + std::sqrt(a2 + (1 - a2) * nv * nv));
@@ -102,24 +93,18 @@ class Microfacet {
   float alpha_, specular_share_ = 0;
 };
 
+constexpr float kTypicalCosine = 0.7f;
+
 // Share of light that a surface sends on in all directions, roughly: what bounces between surfaces.
 inline Vec3f bounce_reflectance(LayerBlend blend, const RelitMaterial& m) {
-  const Vec3f f = schlick(m.f0, 0.7f).value;
-  Vec3f out;
-  for (size_t c = 0; c < 3; ++c) {
-    const float r =
-        blend == LayerBlend::RtrGs ? m.specular * f[c] : m.specular + (1 - m.specular) * fresnel_gate(m.specular) * f[c];
-    const float w_d = blend == LayerBlend::RtrGs ? 1 - m.specular : (1 - r) * (1 - m.transmission);
-    out[c] = std::min(w_d * m.albedo[c] + r, 1.f);
-  }
-  return out;
+  const LayerWeights<float> w = relit_weights(blend, m, kTypicalCosine);
+  const Vec3f out = hadamard(w.diffuse, m.albedo) + w.reflection;
+  return {std::min(out.x, 1.f), std::min(out.y, 1.f), std::min(out.z, 1.f)};
 }
 // Share of light that goes straight through.
 inline float straight_transmittance(LayerBlend blend, const RelitMaterial& m) {
-  const Vec3f f = schlick(m.f0, 0.7f).value;
-  const float fresnel = (f.x + f.y + f.z) / 3;
-  if (blend == LayerBlend::RtrGs) return m.specular * m.transmission * (1 - fresnel);
-  return (1 - m.specular - (1 - m.specular) * fresnel_gate(m.specular) * fresnel) * m.transmission;
+  const Vec3f t = relit_weights(blend, m, kTypicalCosine).transmission;
+  return (t.x + t.y + t.z) / 3;
 }
 
 }  // namespace vitrine

@@ -8,6 +8,7 @@
 #include "core/base/process.h"
 #include "core/model/gbuffer.h"
 #include "core/relight/sample_points.h"
+#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
@@ -18,7 +19,6 @@ constexpr float kSnap = 3;              // in grains: a surfel's place and the m
 constexpr float kLift = 1;              // in grains: where rays start above it
 constexpr float kNearWall_rel = 0.75f;  // walls are coarse: one that hides its surfels by less is where they are
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
-constexpr float kMeanNearMedian_rel = 0.01f;
 constexpr int kBandRows = 8;
 constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
 
@@ -147,8 +147,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
                                  .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
                                  .specular = g.specular[pixel] / alpha,
                                  .transmission = behind_glass != nullptr ? g.transmission[pixel] / alpha : 0.f};
-    const float mean_z = g.zdepth[pixel] / alpha, median = median_z[pixel];
-    const float z = median > 0 && std::abs(mean_z - median) > kMeanNearMedian_rel * median ? median : mean_z;
+    const float z = surface_depth(g.zdepth[pixel], alpha, median_z[pixel]);
     Vec3f place = ray.eye + z * ray.direction_per_z;
     // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
     // (thin coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside.

@@ -4,7 +4,6 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_io.h"
 #include "core/scene/activation.h"
 
@@ -47,18 +46,6 @@ RelitScene read_relit_scene(const RelitFolders& folders) {
           {.where = around.string(), .why = "no vertex colours", .hint = "run the stage relight again", .code = "BAD_MATERIALS"});
   }
   return scene;
-}
-
-SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors) {
-  VITRINE_CHECK(colors.size() == surfels.size(), "{} colours for {} surfels", colors.size(), surfels.size());
-  SplatLayer out(surfels.kind(), 0, surfels.size());
-  for (const AttributeRow& r : kAttributes) {
-    if (r.id == Attribute::ShDc || r.id == Attribute::ShRest) continue;
-    std::ranges::copy(surfels.values(r.id), out.values(r.id).begin());
-  }
-  for (size_t i = 0; i < colors.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) out.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
-  return out;
 }
 
 SplatLayer material_layer(const RelitScene& scene) {

@@ -7,6 +7,7 @@
 #include "core/light/environment.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/picture/relight_materials.h"
+#include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "core/relight/microfacet.h"
 
@@ -32,9 +33,8 @@ struct RelitFolders {
 };
 RelitScene read_relit_scene(const RelitFolders& folders);
 
-// The diffuse surfels with other colours that look the same from everywhere, [surfels].
-SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors);
-// The same with the albedo as colour and the materials of the relight stage: what the rasteriser blends for a relit picture.
+// The diffuse surfels with the albedo as colour and the materials of the relight stage: what the rasteriser blends for a relit
+// picture.
 SplatLayer material_layer(const RelitScene& scene);
 
 }  // namespace vitrine

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/mesh/mesh_topology.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
@@ -15,14 +15,7 @@ constexpr float kReach = 3;              // in grains: how far off the mesh its 
 constexpr float kLeastGlass = 0.05f;     // straight transmittance below this is a solid thing
 
 TriMesh with_normals(TriMesh mesh) {
-  if (mesh.normals.size() == mesh.positions.size()) return mesh;
-  mesh.normals.assign(mesh.positions.size(), {});
-  for (const auto& f : mesh.faces) {
-    const Vec3f& a = mesh.positions[f[0]];
-    const Vec3f n = cross(mesh.positions[f[1]] - a, mesh.positions[f[2]] - a);  // weighted by area
-    for (const uint32_t v : f) mesh.normals[v] += n;
-  }
-  for (Vec3f& n : mesh.normals) n = squared_length(n) > 0 ? normalized(n) : Vec3f{0, 0, 1};
+  if (mesh.normals.size() != mesh.positions.size()) mesh.normals = vertex_normals(mesh);
   return mesh;
 }
 

@@ -108,7 +108,7 @@ class Evaluator {
                    .why = fmt::format("{} of them for {} surfels", materials.size(), surfels.size()),
                    .hint = "run the relight stage again",
                    .code = "BAD_RELIGHT_MATERIALS"});
-    albedo_.emplace(surfels, materials.albedo);
+    albedo_.emplace(surfels, materials.albedo, painter_.image().diffuse.near_z);
   }
 
   void score_albedo(size_t index, const ViewPicture& render, const RegionMasks& masks) {

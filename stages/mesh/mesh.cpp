@@ -15,6 +15,7 @@
 #include "core/mesh/mesh_report.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/mesh/repair_cgal.h"
+#include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
 #include "core/scene/scene_io.h"
 #include "stages/mesh/depth_map.h"
@@ -68,8 +69,8 @@ Error nothing_left(std::string why) {
 // Rendered depth of the training views.
 class RenderedDepth {
  public:
-  RenderedDepth(const MeshConfig& config, const SplatLayer& layer, const std::vector<View>& views)
-      : config_(config), layer_(layer), views_(views), renderer_(make_renderer(backend_of(config))) {}
+  RenderedDepth(const MeshConfig& config, const SplatLayer& layer, float near_z, const std::vector<View>& views)
+      : config_(config), layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(backend_of(config))) {}
 
   DepthMap operator()(size_t i, double voxel) {
     const View& v = views_[i];
@@ -77,7 +78,8 @@ class RenderedDepth {
                        {.intrinsics = v.intrinsics,
                         .cam_from_world = v.cam_from_world,
                         .features = FeatureSet::Surface,
-                        .sh_degree = layer_.sh_degree()},
+                        .sh_degree = layer_.sh_degree(),
+                        .near_z = near_z_},
                        images_);
     return depth_map(images_, v.intrinsics, v.cam_from_world,
                      {.min_alpha = float(config_.fusion.min_alpha),
@@ -88,6 +90,7 @@ class RenderedDepth {
  private:
   const MeshConfig& config_;
   const SplatLayer& layer_;
+  float near_z_;
   const std::vector<View>& views_;
   std::unique_ptr<Renderer> renderer_;
   RasterImages images_;
@@ -135,7 +138,8 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
            region.convergent ? "convergent" : "wide", region.box.high.x - region.box.low.x, region.box.high.y - region.box.low.y,
            region.box.high.z - region.box.low.z, wanted_voxel, region.extent() / wanted_voxel);
 
-  RenderedDepth rendered(config, layer, views);
+  RenderedDepth rendered(config, layer, read_image_options(context.input("optimize") / "optimize/model.json").diffuse.near_z,
+                         views);
   FusionReport fusion;
   const FusionDesc fusion_desc{.volume = {.bounds = region.box,
                                           .voxel = wanted_voxel,
@@ -258,7 +262,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 1,
+       .version = 2,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."}}},

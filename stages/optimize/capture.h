@@ -27,8 +27,8 @@ struct Capture {
   ViewSet view_set;
   std::vector<Photo> photos;             // in the order of view_set.views
   std::vector<uint32_t> train, heldout;  // indices into photos
-  // Nothing stands nearer to a camera: half the depth of the nearest sparse points, at most a tenth of the ring of cameras. A
-  // surfel there is in no training photo's way and would hang like a veil before a camera that comes by.
+  // Nothing stands nearer to a camera: half the depth of the nearest sparse points, at most a tenth of the ring of cameras.
+  // Stray surfels that hang there are veils before a camera that comes by.
   float near_z = 0.01f;
   size_t largest_pixel_count = 0;
   size_t memory_bytes = 0;  // of the pyramids

@@ -284,7 +284,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   };
   if (desc.config.shading.glass == "thin") {
     for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
-    move_behind_glass(seen, cap, scene);
+    move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
     return counts;

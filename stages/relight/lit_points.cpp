@@ -5,12 +5,12 @@
 
 #include "core/base/rng.h"
 #include "core/render/renderer.h"
+#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr float kMeanNearMedian_rel = 0.01f;  // as core/picture: a mean depth at an edge lies between two surfaces
 constexpr float kShortestNormal = 0.05f;
 
 // Voxel and main direction of the normal: the two sides of a thin thing are two points.
@@ -51,6 +51,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
     raster.cam_from_world = view.cam_from_world;
     raster.features = FeatureSet::Material;
     raster.sh_degree = layer.sh_degree();
+    raster.near_z = desc.near_z;
     renderer->forward(layer, raster, images);
     const Intrinsics& k = raster.intrinsics;
     const size_t pixels = size_t(k.width) * size_t(k.height);
@@ -63,8 +64,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
     for (size_t p = 0; p < pixels; ++p) {
       const float a = alpha[p];
       if (!(a >= desc.min_alpha)) continue;
-      const float mean = zsum[p] / a;
-      const float z = median[p] > 0 && std::abs(mean - median[p]) > kMeanNearMedian_rel * median[p] ? median[p] : mean;
+      const float z = surface_depth(zsum[p], a, median[p]);
       const Vec3f blended{normals[p], normals[pixels + p], normals[2 * pixels + p]};
       const float size = length(blended);
       if (!(z > 0) || !std::isfinite(z) || !(size > kShortestNormal)) continue;

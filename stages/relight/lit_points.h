@@ -25,6 +25,7 @@ struct LitPointsDesc {
   double voxel = 0.01;      // scene units
   double outer_factor = 6;  // voxels outside are so many times as large
   int max_side = 320;       // of the rendered pictures, pixels
+  float near_z = 0.01f;     // of the trained scene
   float min_alpha = 0.5f;
   float min_cosine = 0.1f;  // grazing pixels say little
   // One channel of the given size, above 1/2 on glass and mirrors; empty: none there.

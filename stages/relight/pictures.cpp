@@ -60,7 +60,7 @@ ImageF exposed(ImageF picture) {
 }  // namespace
 
 double write_relight_pictures(const RelightPicturesDesc& desc) {
-  SurfelColors albedo(desc.layer, desc.albedo), irradiance(desc.layer, desc.irradiance);
+  SurfelColors albedo(desc.layer, desc.albedo, desc.near_z), irradiance(desc.layer, desc.irradiance, desc.near_z);
   std::vector<std::vector<Image8>> albedo_rows, baked_rows;
   std::vector<std::string> albedo_labels, baked_labels;
   double squares = 0, count = 0;

@@ -15,6 +15,7 @@ struct RelightPicturesDesc {
   const std::filesystem::path& sfm_folder;
   const std::filesystem::path& output;  // the artifact
   const SplatLayer& layer;
+  float near_z = 0.01f;
   std::span<const Vec3f> albedo, irradiance;  // per surfel
   const std::vector<View>& views;
   int rows = 4, cell_width = 320;

@@ -117,6 +117,7 @@ class Decomposition {
                           .voxel = voxel_,
                           .outer_factor = kOuterFactor,
                           .max_side = config_.max_side,
+                          .near_z = scene_.image.diffuse.near_z,
                           .masked = [&](const View& v, const Intrinsics& k) { return masked(v, k); }},
                          [&](double f) { step(0.2 * f, "surface points"); });
     if (points_.size() < kFewestPoints)
@@ -243,7 +244,8 @@ class Decomposition {
   void match_card() {
     View view = all_views_[card_->view];
     view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
-    const Vec3f found = median_in(*card_, all_views_[card_->view], SurfelColors(layer(), materials_.albedo).picture(view));
+    const Vec3f found = median_in(*card_, all_views_[card_->view],
+                                  SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view));
     for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
     for (size_t i = 0; i < materials_.size(); ++i)
       for (size_t c = 0; c < 3; ++c) {
@@ -310,6 +312,7 @@ class Decomposition {
     const double baked = write_relight_pictures({.sfm_folder = sfm,
                                                  .output = out,
                                                  .layer = layer(),
+                                                 .near_z = scene_.image.diffuse.near_z,
                                                  .albedo = materials_.albedo,
                                                  .irradiance = irradiance_,
                                                  .views = views_,

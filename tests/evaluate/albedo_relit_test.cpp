@@ -46,7 +46,7 @@ class AlbedoRelit : public testing::Test {
 
     for (const char* f : {"albedo", "env", "relit/side"}) make_folders(capture.truth() / f);
     write_environment(capture.truth() / "env/side.exr", sky());
-    SurfelColors albedo(capture.layer, truth);
+    SurfelColors albedo(capture.layer, truth, 0.01f);
     RelitPainter painter(std::move(scene));
     painter.set_lighting({.environment = sky().turned(cast<float>(transposed(capture.truth_from_ours.rotation))),
                           .points = {},

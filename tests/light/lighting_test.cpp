@@ -56,7 +56,7 @@ TEST(Lamps, MistakesAreShownWithTheirLine) {
   EXPECT_NE(text_of("{position: [0, 0, 1]}").find("needs 'type'"), std::string::npos);
   EXPECT_NE(text_of("{type: point, position: [0, 0]}").find("three numbers"), std::string::npos);
   EXPECT_NE(text_of("{type: point, positoin: [0, 0, 0], intensity: 1}").find("did you mean 'position'"), std::string::npos);
-  EXPECT_NE(text_of("{type: point, position: [0, 0, x], intensity: 1}").find("number is wanted"), std::string::npos);
+  EXPECT_NE(text_of("{type: point, position: [0, 0, x], intensity: 1}").find("expected a number, got \"x\""), std::string::npos);
   EXPECT_NE(text_of("{type: directional, from: [0, 0, 0], irradiance: 1}").find("must not be zero"), std::string::npos);
   EXPECT_NE(text_of("{type: directional, from: [0, 0, 1], irradiance: -1}").find("must not be negative"), std::string::npos);
   EXPECT_NE(text_of("{type: disc, center: [0, 0, 0], facing: [0, 0, 1], radius: 0, radiance: 1}").find("above 0"),

@@ -1,15 +1,12 @@
 #include "stages/masks/boxes/marks_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
-#include <fmt/ranges.h>
-
 #include "core/base/error.h"
 #include "core/config/text.h"
-#include "core/config/yaml.h"
+#include "core/config/yaml_reader.h"
 
 namespace vitrine {
 
@@ -22,69 +19,34 @@ constexpr double kSameShape_rel = 0.02;  // of the aspect ratios
 
 class Reader {
  public:
-  Reader(const fs::path& path, const MaskCapture& capture) : capture_(capture), file_(read_yaml(path.string())) {}
+  Reader(const fs::path& path, const MaskCapture& capture) : capture_(capture), in_(read_yaml(path.string())) {}
 
   std::vector<MarkedThing> things() {
-    const YamlNode& root = file_.root;
-    check_keys(root, {"size", "marks"});
+    const YamlNode& root = in_.root();
+    in_.only_keys(root, {"size", "marks"});
     const YamlNode* marks = root.find("marks");
     if (marks == nullptr || marks->kind != YamlNode::Kind::List || marks->items.empty()) {
-      complain(marks != nullptr ? *marks : root, "marks must be a list of marks");
+      in_.complain(marks != nullptr ? *marks : root, "marks must be a list of marks");
     } else {
       const std::optional<Vec2d> size = size_of(root);
       for (const YamlNode& mark : marks->items) read_mark(mark, size);
     }
-    errors_.throw_if_any("stages/masks/README.md shows the format");
+    in_.finish("stages/masks/README.md shows the format");
     for (const MarkedThing& thing : things_)
       if (thing.marks.size() < 2)
-        errors_.add(file_.name,
-                    fmt::format("'{}' is marked in one photo only; where it stands takes two from different sides", thing.name));
-    errors_.throw_if_any(
-        "mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
+        in_.complain(fmt::format("'{}' is marked in one photo only; where it stands takes two from different sides", thing.name));
+    in_.finish("mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
     return std::move(things_);
   }
 
  private:
-  void complain(const YamlNode& node, const std::string& message) {
-    errors_.add(file_, node.mark, std::max<size_t>(node.text.size(), 1), message);
-  }
-  void check_keys(const YamlNode& map, const std::vector<std::string>& known) {
-    if (map.kind != YamlNode::Kind::Map) return complain(map, fmt::format("expected {}", fmt::join(known, ", ")));
-    for (const auto& [key, value] : map.entries) {
-      if (std::find(known.begin(), known.end(), key.text) != known.end()) continue;
-      const std::string near = nearest_word(key.text, known);
-      complain(key, fmt::format("unknown key '{}'{}", key.text, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
-    }
-  }
-  std::optional<double> number(const YamlNode& node) {
-    double value = 0;
-    const char* end = node.text.data() + node.text.size();
-    const auto parsed = std::from_chars(node.text.data(), end, value);
-    if (node.kind == YamlNode::Kind::Scalar && parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value))
-      return value;
-    complain(node, "expected a number");
-    return std::nullopt;
-  }
-  std::optional<std::vector<double>> numbers(const YamlNode& node, size_t count, const char* what) {
-    if (node.kind != YamlNode::Kind::List || node.items.size() != count) {
-      complain(node, fmt::format("expected {}", what));
-      return std::nullopt;
-    }
-    std::vector<double> out;
-    for (const YamlNode& item : node.items) {
-      const auto value = number(item);
-      if (!value) return std::nullopt;
-      out.push_back(*value);
-    }
-    return out;
-  }
   std::optional<Vec2d> size_of(const YamlNode& map) {
     const YamlNode* node = map.find("size");
     if (node == nullptr) return std::nullopt;
-    const auto size = numbers(*node, 2, "[width, height] of the photo in pixels");
+    const auto size = in_.numbers(*node, 2, "[width, height] of the photo in pixels");
     if (!size) return std::nullopt;
     if ((*size)[0] > 0 && (*size)[1] > 0) return Vec2d{(*size)[0], (*size)[1]};
-    complain(*node, "a photo has a positive width and height");
+    in_.complain(*node, "a photo has a positive width and height");
     return std::nullopt;
   }
   std::optional<size_t> view_of(const YamlNode& node) {
@@ -95,8 +57,8 @@ class Reader {
       names.push_back(views[v].name);
     }
     const std::string near = nearest_word(node.text, names);
-    complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
-                               near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
+    in_.complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
+                                   near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
     return std::nullopt;
   }
 
@@ -104,25 +66,25 @@ class Reader {
   std::optional<std::vector<Vec2d>> corners(const YamlNode& mark, bool& box) {
     const YamlNode *box_node = mark.find("box"), *polygon = mark.find("polygon");
     if ((box_node == nullptr) == (polygon == nullptr)) {
-      complain(mark, "a mark has a box or a polygon");
+      in_.complain(mark, "a mark has a box or a polygon");
       return std::nullopt;
     }
     box = box_node != nullptr;
     if (box) {
-      const auto b = numbers(*box_node, 4, "[left, top, right, bottom]");
+      const auto b = in_.numbers(*box_node, 4, "[left, top, right, bottom]");
       if (!b) return std::nullopt;
       const double l = (*b)[0], t = (*b)[1], r = (*b)[2], d = (*b)[3];
       if (l < r && t < d) return std::vector<Vec2d>{{l, t}, {r, t}, {r, d}, {l, d}};
-      complain(*box_node, "left must be smaller than right, and top than bottom");
+      in_.complain(*box_node, "left must be smaller than right, and top than bottom");
       return std::nullopt;
     }
     if (polygon->kind != YamlNode::Kind::List || polygon->items.size() < 3) {
-      complain(*polygon, "expected three corners or more: [[x, y], [x, y], [x, y]]");
+      in_.complain(*polygon, "expected three corners or more: [[x, y], [x, y], [x, y]]");
       return std::nullopt;
     }
     std::vector<Vec2d> points;
     for (const YamlNode& corner : polygon->items) {
-      const auto p = numbers(corner, 2, "[x, y]");
+      const auto p = in_.numbers(corner, 2, "[x, y]");
       if (!p) return std::nullopt;
       points.push_back({(*p)[0], (*p)[1]});
     }
@@ -135,15 +97,15 @@ class Reader {
     const Undistortion& u = capture_.undistortions[view];
     const double width = double(u.source.width), height = double(u.source.height);
     if (std::abs(size.x / size.y / (width / height) - 1) > kSameShape_rel) {
-      complain(mark, fmt::format("a photo of {:.0f}x{:.0f} is not this one, which is {:.0f}x{:.0f}: is 'size' right?", size.x,
-                                 size.y, width, height));
+      in_.complain(mark, fmt::format("a photo of {:.0f}x{:.0f} is not this one, which is {:.0f}x{:.0f}: is 'size' right?", size.x,
+                                     size.y, width, height));
       return std::nullopt;
     }
     std::vector<Vec2d> out;
     for (size_t i = 0; i < points.size(); ++i) {
       const Vec2d &a = points[i], &b = points[(i + 1) % points.size()];
       if (a.x < 0 || a.y < 0 || a.x > size.x || a.y > size.y) {
-        complain(mark, fmt::format("({:.0f}, {:.0f}) lies outside a photo of {:.0f}x{:.0f}", a.x, a.y, size.x, size.y));
+        in_.complain(mark, fmt::format("({:.0f}, {:.0f}) lies outside a photo of {:.0f}x{:.0f}", a.x, a.y, size.x, size.y));
         return std::nullopt;
       }
       for (int step = 0; step < kEdgeSteps; ++step) {
@@ -156,21 +118,21 @@ class Reader {
   }
 
   void read_mark(const YamlNode& node, const std::optional<Vec2d>& common_size) {
-    check_keys(node, {"photo", "class", "box", "polygon", "size", "thing"});
+    in_.only_keys(node, {"photo", "class", "box", "polygon", "size", "thing"});
     if (node.kind != YamlNode::Kind::Map) return;
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
-    if (photo == nullptr || kind_node == nullptr) return complain(node, "a mark names its photo and its class");
+    if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     const auto view = view_of(*photo);
     const auto kind =
         std::find_if(kMaskClasses.begin(), kMaskClasses.end(), [&](MaskClass k) { return name(k) == kind_node->text; });
     if (kind == kMaskClasses.end())
-      complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
+      in_.complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
     const auto own_size = size_of(node);
     Mark mark;
     const auto points = corners(node, mark.box);
     if (!view || kind == kMaskClasses.end() || !points) return;
     const std::optional<Vec2d> size = own_size ? own_size : common_size;
-    if (!size) return complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
+    if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
     const auto line = outline(node, *points, *size, *view);
     if (!line) return;
     mark.view = *view;
@@ -180,13 +142,12 @@ class Reader {
     auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
     if (it == things_.end()) it = things_.insert(things_.end(), {thing_name, *kind, {}});
     if (std::any_of(it->marks.begin(), it->marks.end(), [&](const Mark& m) { return m.view == *view; }))
-      return complain(*photo, fmt::format("'{}' is marked twice in this photo", thing_name));
+      return in_.complain(*photo, fmt::format("'{}' is marked twice in this photo", thing_name));
     it->marks.push_back(std::move(mark));
   }
 
   const MaskCapture& capture_;
-  YamlFile file_;
-  ConfigErrors errors_;
+  YamlReader in_;
   std::vector<MarkedThing> things_;
 };
 
