@@ -47,6 +47,12 @@ std::string_view name(MaskClass kind) {
   return names[static_cast<size_t>(kind)];
 }
 
+std::optional<MaskClass> mask_class(std::string_view word) {
+  for (MaskClass kind : kMaskClasses)
+    if (word == name(kind)) return kind;
+  return std::nullopt;
+}
+
 MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
   std::error_code ec;
   if (fs::is_regular_file(path, ec)) {
@@ -68,11 +74,10 @@ MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
     // What this program writes beside the classes.
     if (std::distance(relative.begin(), relative.end()) > 1) {
       if (top == "colmap" || top == "confidence") continue;
-      for (MaskClass c : kMaskClasses)
-        if (top == name(c)) {
-          kind = c;
-          relative = relative.lexically_relative(*relative.begin());
-        }
+      if (const auto named = mask_class(top)) {
+        kind = *named;
+        relative = relative.lexically_relative(*relative.begin());
+      }
     }
     const std::string extension = lowered(file.extension().string());
     if (lowered(file.filename().string()).starts_with("transforms") && extension == ".json")

@@ -26,6 +26,7 @@ inline constexpr size_t kMaskClassCount = 4;
 inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
                                                                      MaskClass::Specular, MaskClass::Ignore};
 std::string_view name(MaskClass kind);
+std::optional<MaskClass> mask_class(std::string_view word);  // by its name, lower case
 
 struct MaskFile {
   std::filesystem::path path;

@@ -27,7 +27,7 @@ ImageF without(const ImageF& mask, std::initializer_list<const ImageF*> others) 
 
 RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics) {
   RegionMasks masks;
-  for (MaskClass c : kMaskClasses)
+  for (MaskClass c : kTruthClasses)
     if (auto mask = mask_of(c)) masks.emplace(name(c), std::move(*mask));
   const auto find = [&](const char* region) {
     const auto it = masks.find(region);

@@ -9,19 +9,15 @@
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <string_view>
 
+#include "core/camera/mask_files.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
 
 namespace vitrine {
 
-enum class MaskClass : unsigned char { Transparent, Specular, Object };
-inline constexpr std::array<MaskClass, 3> kMaskClasses{MaskClass::Transparent, MaskClass::Specular, MaskClass::Object};
-constexpr std::string_view name(MaskClass c) {
-  constexpr std::string_view names[] = {"transparent", "specular", "object"};
-  return names[static_cast<size_t>(c)];
-}
+// What a truth folder has masks of.
+inline constexpr std::array kTruthClasses{MaskClass::Transparent, MaskClass::Specular, MaskClass::Object};
 
 struct TruthPicture {
   ImageF radiance;  // linear

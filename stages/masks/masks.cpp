@@ -14,13 +14,6 @@ namespace vitrine {
 
 namespace {
 
-MaskClass class_of(const std::string& word) {
-  for (MaskClass kind : kMaskClasses)
-    if (word == name(kind)) return kind;
-  VITRINE_CHECK(false, "'{}' passed the list of choices", word);
-  return MaskClass::Object;
-}
-
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
 std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder,
                           const std::vector<MarkedThing>& marked) {
@@ -103,7 +96,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   if (const auto path = context.optional_input("masks"); path && is_marks_file(*path)) {
     marked = read_marks(*path, capture);
   } else if (path) {
-    folder.emplace(*path, class_of(config.flat));
+    folder.emplace(*path, mask_class(config.flat).value());
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
     if (files == 0)

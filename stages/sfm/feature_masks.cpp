@@ -17,12 +17,6 @@ namespace {
 constexpr uint8_t bit(MaskClass kind) { return uint8_t(1u << unsigned(kind)); }
 constexpr float kInside = 0.5f;
 
-MaskClass class_of(const std::string& word) {
-  const auto found = std::find_if(kMaskClasses.begin(), kMaskClasses.end(), [&](MaskClass kind) { return word == name(kind); });
-  VITRINE_CHECK(found != kMaskClasses.end(), "'{}' passed the list of choices", word);
-  return *found;
-}
-
 const std::string& word_of(const FeatureMasksConfig& c, MaskClass kind) {
   const std::string* words[] = {&c.object, &c.transparent, &c.specular, &c.ignore};
   return *words[size_t(kind)];
@@ -59,7 +53,7 @@ void describe(Describer& d, FeatureMasksConfig& c) {
 FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
                            const std::vector<SfmPhoto>& photos)
     : turntable_(turntable) {
-  const MaskFolder files(folder, class_of(config.flat));
+  const MaskFolder files(folder, mask_class(config.flat).value());
   std::vector<std::string> names;
   for (const SfmPhoto& p : photos) {
     names.push_back(p.name);

@@ -43,6 +43,11 @@ class Files : public testing::Test {
 
 fs::path suffixed(const fs::path& p, const std::string& suffix) { return p.parent_path() / (p.filename().string() + suffix); }
 
+TEST(MaskClasses, AreFoundByTheirNamesOnly) {
+  for (MaskClass kind : kMaskClasses) EXPECT_EQ(mask_class(name(kind)), kind);
+  for (const char* other : {"", "Object", "glass", "transparent "}) EXPECT_EQ(mask_class(other), std::nullopt) << other;
+}
+
 TEST_F(Files, EveryNamingGivesTheSameMask) {
   put_all([](const fs::path& p) { return "specular" / suffixed(p, ".jpg.png"); });
   const Image8 expected = read_grey8(run()->output() / "masks/specular/left/b.png");

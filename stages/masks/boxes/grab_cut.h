@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stages/masks/proposed/quick_fit.h"
+#include "stages/masks/small_photo.h"
 
 namespace vitrine {
 

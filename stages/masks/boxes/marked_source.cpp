@@ -10,7 +10,7 @@
 #include "core/base/process.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/grab_cut.h"
-#include "stages/masks/proposed/view_dependence.h"
+#include "stages/masks/small_photo.h"
 
 namespace vitrine {
 

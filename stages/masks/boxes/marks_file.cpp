@@ -123,14 +123,13 @@ class Reader {
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     const auto view = view_of(*photo);
-    const auto kind =
-        std::find_if(kMaskClasses.begin(), kMaskClasses.end(), [&](MaskClass k) { return name(k) == kind_node->text; });
-    if (kind == kMaskClasses.end())
+    const std::optional<MaskClass> kind = mask_class(kind_node->text);
+    if (!kind)
       in_.complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
     const auto own_size = size_of(node);
     Mark mark;
     const auto points = corners(node, mark.box);
-    if (!view || kind == kMaskClasses.end() || !points) return;
+    if (!view || !kind || !points) return;
     const std::optional<Vec2d> size = own_size ? own_size : common_size;
     if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
     const auto line = outline(node, *points, *size, *view);

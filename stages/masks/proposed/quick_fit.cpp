@@ -10,8 +10,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/rng.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/loss/loss_set.h"
 #include "core/math/color.h"
@@ -158,25 +156,6 @@ void describe(Describer& d, QuickFitConfig& c) {
   d.option("max_side", c.max_side, "Longest side of the photos it looks at.").range(32, 4096);
   d.option("surfels", c.surfels, "Most surfels.").range(100, 1000000);
   d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
-}
-
-std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
-  std::vector<SmallPhoto> photos(capture.set.views.size());
-  parallel_for(photos.size(), 1, [&](size_t v) {
-    if (interrupt_signal() != 0) return;
-    const View& view = capture.set.views[v];
-    photos[v].view = view;
-    photos[v].view.intrinsics = view.intrinsics.limited_to(max_side);
-    const Intrinsics& k = photos[v].view.intrinsics;
-    const ImageF srgb =
-        srgb_from_linear_image(resized(read_exr_rgb(linear_image_path(capture.sfm_folder, view)), k.width, k.height));
-    const size_t pixels = srgb.pixel_count();
-    photos[v].srgb.resize(3 * pixels);
-    for (size_t i = 0; i < pixels; ++i)
-      for (size_t c = 0; c < 3; ++c) photos[v].srgb[c * pixels + i] = std::min(srgb.data()[3 * i + c], 1.f);
-  });
-  throw_if_interrupted();
-  return photos;
 }
 
 QuickFit quick_fit(const QuickFitConfig& config, const MaskCapture& capture, const std::vector<SmallPhoto>& photos,

@@ -7,7 +7,7 @@
 
 #include "core/config/describe.h"
 #include "core/scene/splat_scene.h"
-#include "stages/masks/mask_source.h"
+#include "stages/masks/small_photo.h"
 
 namespace vitrine {
 
@@ -18,13 +18,6 @@ struct QuickFitConfig {
   int seed = 1;
 };
 void describe(Describer& d, QuickFitConfig& c);
-
-struct SmallPhoto {
-  View view;                // intrinsics at this size
-  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]
-};
-// `max_side` limits the longest side.
-std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
 
 struct FittedView {
   std::vector<float> srgb;    // [3,h,w]

@@ -46,31 +46,6 @@ float median(std::vector<float>& values) {
 
 }  // namespace
 
-void blur_planes(std::vector<float>& planes, int width, int height, float sigma) {
-  const int radius = int(3 * sigma + 0.5f);
-  if (radius < 1) return;
-  std::vector<float> kernel;
-  for (int i = -radius; i <= radius; ++i) kernel.push_back(std::exp(-0.5f * float(i * i) / (sigma * sigma)));
-  std::vector<float> across(planes.size());
-  const auto pass = [&](const std::vector<float>& from, std::vector<float>& to, int step_x, int step_y) {
-    const size_t pixels = size_t(width) * size_t(height);
-    for (size_t plane = 0; plane < from.size() / pixels; ++plane)
-      for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-          float sum = 0, weights = 0;
-          for (int i = -radius; i <= radius; ++i) {
-            const int sx = x + i * step_x, sy = y + i * step_y;
-            if (sx < 0 || sy < 0 || sx >= width || sy >= height) continue;
-            sum += kernel[size_t(i + radius)] * from[plane * pixels + size_t(sy) * size_t(width) + size_t(sx)];
-            weights += kernel[size_t(i + radius)];
-          }
-          to[plane * pixels + size_t(y) * size_t(width) + size_t(x)] = sum / weights;
-        }
-  };
-  pass(planes, across, 1, 0);
-  pass(across, planes, 0, 1);
-}
-
 std::vector<DeviationMap> view_dependence(const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
   const size_t count = photos.size();
   std::vector<std::vector<float>> residuals(count);

@@ -16,7 +16,4 @@ struct DeviationMap {
 };
 std::vector<DeviationMap> view_dependence(const std::vector<SmallPhoto>& photos, const QuickFit& fit);
 
-// Gaussian, in place, of planar [channels, h, w]; clipped at the border.
-void blur_planes(std::vector<float>& planes, int width, int height, float sigma);
-
 }  // namespace vitrine

@@ -1,0 +1,58 @@
+#include "stages/masks/small_photo.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+
+namespace vitrine {
+
+std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
+  std::vector<SmallPhoto> photos(capture.set.views.size());
+  parallel_for(photos.size(), 1, [&](size_t v) {
+    if (interrupt_signal() != 0) return;
+    const View& view = capture.set.views[v];
+    photos[v].view = view;
+    photos[v].view.intrinsics = view.intrinsics.limited_to(max_side);
+    const Intrinsics& k = photos[v].view.intrinsics;
+    const ImageF srgb =
+        srgb_from_linear_image(resized(read_exr_rgb(linear_image_path(capture.sfm_folder, view)), k.width, k.height));
+    const size_t pixels = srgb.pixel_count();
+    photos[v].srgb.resize(3 * pixels);
+    for (size_t i = 0; i < pixels; ++i)
+      for (size_t c = 0; c < 3; ++c) photos[v].srgb[c * pixels + i] = std::min(srgb.data()[3 * i + c], 1.f);
+  });
+  throw_if_interrupted();
+  return photos;
+}
+
+void blur_planes(std::vector<float>& planes, int width, int height, float sigma) {
+  const int radius = int(3 * sigma + 0.5f);
+  if (radius < 1) return;
+  std::vector<float> kernel;
+  for (int i = -radius; i <= radius; ++i) kernel.push_back(std::exp(-0.5f * float(i * i) / (sigma * sigma)));
+  std::vector<float> across(planes.size());
+  const auto pass = [&](const std::vector<float>& from, std::vector<float>& to, int step_x, int step_y) {
+    const size_t pixels = size_t(width) * size_t(height);
+    for (size_t plane = 0; plane < from.size() / pixels; ++plane)
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          float sum = 0, weights = 0;
+          for (int i = -radius; i <= radius; ++i) {
+            const int sx = x + i * step_x, sy = y + i * step_y;
+            if (sx < 0 || sy < 0 || sx >= width || sy >= height) continue;
+            sum += kernel[size_t(i + radius)] * from[plane * pixels + size_t(sy) * size_t(width) + size_t(sx)];
+            weights += kernel[size_t(i + radius)];
+          }
+          to[plane * pixels + size_t(y) * size_t(width) + size_t(x)] = sum / weights;
+        }
+  };
+  pass(planes, across, 1, 0);
+  pass(across, planes, 0, 1);
+}
+
+}  // namespace vitrine

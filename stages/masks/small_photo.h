@@ -1,0 +1,21 @@
+// The photos at the size that masks are looked for in: what changes from view to view (proposed) and outlines (boxes) need no
+// more.
+#pragma once
+
+#include <vector>
+
+#include "stages/masks/mask_source.h"
+
+namespace vitrine {
+
+struct SmallPhoto {
+  View view;                // intrinsics at this size
+  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]
+};
+// `max_side` limits the longest side.
+std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
+
+// Gaussian, in place, of planar [channels, h, w]; clipped at the border.
+void blur_planes(std::vector<float>& planes, int width, int height, float sigma);
+
+}  // namespace vitrine
