@@ -349,27 +349,6 @@ void write_mesh_ply(const fs::path& path, const TriMesh& mesh) {
   write_file(path, out);
 }
 
-void write_mesh_obj(const fs::path& path, const TriMesh& mesh) {
-  check_consistent(mesh);
-  std::string out = "# vitrine mesh; vertex colours are sRGB in [0,1]\n";
-  const auto to = std::back_inserter(out);
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3f& p = mesh.positions[v];
-    fmt::format_to(to, "v {} {} {}", p.x, p.y, p.z);
-    if (!mesh.colors.empty())
-      for (size_t c = 0; c < 3; ++c) fmt::format_to(to, " {:.4f}", encoded_byte(mesh.colors[v][c]) / 255.0);
-    out += '\n';
-  }
-  for (const Vec3f& n : mesh.normals) fmt::format_to(to, "vn {:.5f} {:.5f} {:.5f}\n", n.x, n.y, n.z);
-  for (const auto& f : mesh.faces) {
-    if (mesh.normals.empty())
-      fmt::format_to(to, "f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1);
-    else
-      fmt::format_to(to, "f {0}//{0} {1}//{1} {2}//{2}\n", f[0] + 1, f[1] + 1, f[2] + 1);
-  }
-  write_file(path, out);
-}
-
 TriMesh read_mesh_ply(const fs::path& path) { return PlyFile(path).mesh(); }
 
 }  // namespace vitrine

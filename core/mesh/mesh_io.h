@@ -1,4 +1,4 @@
-// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours) and OBJ. The reader takes ASCII and
+// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours). The reader takes ASCII and
 // binary PLY, polygons are fanned; it checks every count against the file size before it allocates.
 #pragma once
 
@@ -9,7 +9,6 @@
 namespace vitrine {
 
 void write_mesh_ply(const std::filesystem::path& path, const TriMesh& mesh);
-void write_mesh_obj(const std::filesystem::path& path, const TriMesh& mesh);
 TriMesh read_mesh_ply(const std::filesystem::path& path);
 
 }  // namespace vitrine

@@ -135,19 +135,5 @@ TEST(MeshPly, SurvivesTruncationAndRandomDamage) {
   EXPECT_GT(refused, 200u);
 }
 
-TEST(MeshObj, WritesOneBasedFacesWithNormalsAndColours) {
-  const TemporaryFolder folder;
-  TriMesh m;
-  m.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1.5f, 0}};
-  m.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
-  m.colors = {{1, 1, 1}, {0, 0, 0}, {1, 0, 0}};
-  m.faces = {{0, 1, 2}};
-  write_mesh_obj(folder.path() / "m.obj", m);
-  const std::string text = read_file(folder.path() / "m.obj");
-  EXPECT_NE(text.find("\nv 0 1.5 0 1.0000 0.0000 0.0000\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("\nvn 0.00000 0.00000 1.00000\n"), std::string::npos);
-  EXPECT_NE(text.find("\nf 1//1 2//2 3//3\n"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace vitrine
