@@ -7,15 +7,14 @@
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/base/process.h"
-#include "stages/export/formats/format.h"
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {
-  std::vector<std::string> names;
-  for (const ExportFormat& f : export_formats()) names.emplace_back(f.name);
-  d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.").choices(names);
+  d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.")
+      .choices(export_format_names());
   d.option("axes", c.axes,
-           "Handedness and up axis of the files: right or left, z or y. GLB is always rhyu; the COLMAP copy stays as it is.")
+           "Handedness and up axis of the files: right or left, z or y. GLB is always rhyu, USD always right-handed; the COLMAP "
+           "copy stays as it is.")
       .choices({"rhzu", "rhyu", "lhzu", "lhyu"});
   d.option("scale", c.scale,
            "File units per scene unit (the radius of the camera ring); 0 = metres where the scene knows them, else 1.")
@@ -89,7 +88,7 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 2;
+  info.version = 3;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},

@@ -2,16 +2,17 @@
 //   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, relight/materials.ply (optional)
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
 //
-// Version history: 1 = first; 2 = textured GLB, materials, axes and scale.
+// Version history: 1 = first; 2 = textured GLB, materials, axes and scale; 3 = transmission of the blend rtrgs, preview of black
+// surfels, thickness of disks follows the scale, USD stays right-handed.
 #pragma once
 
+#include "stages/export/formats/format.h"
 #include "stages/stage.h"
 
 namespace vitrine {
 
 struct ExportConfig {
-  std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap",       "mesh-ply",      "mesh-obj",
-                                   "mesh-glb", "mesh-usd", "preview-3dgs", "gaussians-glb", "environment"};
+  std::vector<std::string> formats = export_format_names();
   std::string axes = "rhzu";
   double scale = 0;
   int texture_size = 0;

@@ -10,6 +10,7 @@
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/bake/texel_cover.h"
 #include "stages/export/formats/frame.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -91,14 +92,14 @@ void expect_sound(const TriMesh& mesh, const Atlas& atlas) {
 
 TEST(Atlas, OfASphereHasAFewSoundCharts) {
   const TriMesh mesh = sphere();
-  const Atlas atlas = make_atlas(mesh, {.size = 256});
+  const Atlas atlas = make_atlas(mesh, 256);
   EXPECT_LT(atlas.charts.size(), 30u);
   expect_sound(mesh, atlas);
 }
 
 TEST(Atlas, TakesAWindingRampApart) {
   const TriMesh mesh = winding_ramp();
-  const Atlas atlas = make_atlas(mesh, {.size = 256});
+  const Atlas atlas = make_atlas(mesh, 256);
   EXPECT_GE(atlas.charts.size(), 3u) << "one chart cannot hold three turns";
   expect_sound(mesh, atlas);
 }
@@ -110,7 +111,7 @@ TEST(Atlas, OfLooseTrianglesGivesEachItsChart) {
     for (int k = 0; k < 3; ++k) mesh.positions.push_back({rng.normal(), rng.normal(), rng.normal()});
     mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
-  const Atlas atlas = make_atlas(mesh, {.size = 512});
+  const Atlas atlas = make_atlas(mesh, 512);
   EXPECT_EQ(atlas.charts.size(), 200u);
   expect_sound(mesh, atlas);
 }
@@ -119,9 +120,37 @@ TEST(Atlas, SurvivesNeedlesAndPoints) {
   TriMesh mesh;
   mesh.positions = {{0, 0, 0}, {1000, 0, 0}, {500, 1e-6f, 0}, {1, 1, 1}};
   mesh.faces = {{0, 1, 2}, {3, 3, 3}, {0, 1, 1}};
-  const Atlas atlas = make_atlas(mesh, {.size = 64});
+  const Atlas atlas = make_atlas(mesh, 64);
   EXPECT_EQ(atlas.chart_of_face.size(), 3u);
   for (const AtlasTexel& t : covered_texels(atlas, mesh)) EXPECT_LT(t.face, 3u);
+}
+
+TEST(Atlas, SaysWhenTheTexturesAreTooSmall) {
+  TriMesh mesh;
+  for (uint32_t i = 0; i < 100; ++i) {
+    for (const Vec3f& p : {Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}}) mesh.positions.push_back(p + Vec3f{0, 0, float(i)});
+    mesh.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const Error e = error_of([&] { make_atlas(mesh, 8); });
+  EXPECT_EQ(e.kind(), ErrorKind::Usage);
+  EXPECT_EQ(e.detail().code, "TEXTURE_TOO_SMALL");
+  EXPECT_NE(e.detail().why.find("100 pieces"), std::string::npos) << e.what();
+  EXPECT_NE(e.detail().hint.find("texture_size=64"), std::string::npos) << e.what();
+  EXPECT_EQ(make_atlas(mesh, 64).charts.size(), 100u) << "the hint helps";
+}
+
+TEST(TexelCover, GivesCentresOnEdgesToTheRightAndBelow) {
+  const auto covers = [](const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    bool found = false;
+    const Vec2f corner[3] = {a, b, c};
+    for_texels_of(corner, [&](int x, int y, const Vec3f&) { found |= x == 4 && y == 4; });
+    return found;
+  };
+  // The centre (4.5, 4.5) lies on the middle of an upright and of a level edge.
+  EXPECT_TRUE(covers({4.5f, 0}, {4.5f, 9}, {9, 4.5f}));
+  EXPECT_FALSE(covers({4.5f, 0}, {4.5f, 9}, {0, 4.5f}));
+  EXPECT_TRUE(covers({0, 4.5f}, {9, 4.5f}, {4.5f, 9}));
+  EXPECT_FALSE(covers({0, 4.5f}, {9, 4.5f}, {4.5f, 0}));
 }
 
 TEST(TexelCover, GivesTheTexelsOfASharedEdgeToOneTriangle) {

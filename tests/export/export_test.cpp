@@ -165,6 +165,17 @@ TEST_F(ExportStage, Ply3dgsShowsTheEncodedMeanColour) {
   }
 }
 
+TEST_F(ExportStage, DisksAreAsThinInEveryUnit) {
+  RecordingContext c = context();
+  run_export({.formats = {"ply-3dgs"}, .scale = 1000}, c);
+  const FloatPly ply = parsed_ply(c.output() / "export/gaussians_3dgs.ply");
+  const SplatLayer layer = read_layer(layer_path());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    EXPECT_NEAR(ply.value(i, "scale_0"), layer.at(Attribute::LogScale, i)[0] + std::log(1000.f), 1e-5);
+    EXPECT_NEAR(ply.value(i, "scale_2"), std::log(1e-3f), 1e-5);
+  }
+}
+
 TEST_F(ExportStage, ShDegreesOtherThanThreeKeepTheirOwnPropertyCount) {
   for (const auto& [degree, rest] : {std::pair{0, 0}, {1, 9}, {2, 24}}) {
     write_layer(layer_path(), random_layer(degree, 3));

@@ -7,6 +7,7 @@
 #include "core/image/ldr.h"
 #include "core/math/color.h"
 #include "core/picture/relight_materials.h"
+#include "core/picture/trained_scene.h"
 #include "stages/export/export.h"
 #include "tests/export/pane_scene.h"
 #include "tests/support/error_of.h"
@@ -203,6 +204,44 @@ TEST_F(PaneFiles, PlyHasMaterialsAtTheVertices) {
     EXPECT_NEAR(rows[i].roughness, pane ? test::kPaneRoughness : 1, 0.01);
   }
   EXPECT_GT(panes, 200u);
+}
+
+// The blend rtrgs weighs the transmitted light with k_s tau, the reflected one with k_s F.
+TEST_F(PaneFiles, TransmissionOfTheBlendRtrgsHasItsSpecularWeight) {
+  ImageOptions options;
+  options.composite.blend = LayerBlend::RtrGs;
+  make_folders(root_.path() / "optimize/optimize");
+  write_image_options(root_.path() / "optimize/optimize/model.json", options);
+  const size_t n = scene_.mesh.positions.size(), on_pane = n - 10;  // away from the floor
+  RecordingContext trained = context();
+  run_export({.formats = {"mesh-ply"}}, trained);
+  const VertexRow row = rows_of(trained.output() / "export/mesh.ply", false, n)[on_pane];
+  EXPECT_NEAR(row.transmission, test::kPaneSpecular * test::kPaneTransmission, 1e-3);
+  EXPECT_NEAR(row.f0[0], test::kPaneSpecular * test::kPaneF0, 1e-3);
+
+  RelightMaterials m;
+  m.resize(scene_.diffuse.size());
+  for (size_t i = 0; i < m.size(); ++i) m.specular_weight[i] = 0.5f, m.transmission[i] = 0.8f, m.f0[i] = {0.1f, 0.1f, 0.1f};
+  make_folders(root_.path() / "relight/relight");
+  write_relight_materials(root_.path() / "relight", m);
+  RecordingContext relit = context();
+  run_export({.formats = {"mesh-ply"}}, relit);
+  const VertexRow second = rows_of(relit.output() / "export/mesh.ply", true, n)[on_pane];
+  EXPECT_NEAR(second.transmission, 0.4, 1e-3);
+  EXPECT_NEAR(second.f0[0], 0.05, 1e-3);
+}
+
+// Two sides of a box's edge, one of them cut into many slivers: what counts is the angle, not the area of the triangles.
+TEST_F(PaneFiles, NormalsOfAMeshWithoutAnyAreIndependentOfItsTriangles) {
+  TriMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, -9}, {1, 0, -9}};
+  mesh.faces = {{0, 1, 2}, {0, 2, 3}, {0, 4, 5}, {0, 5, 1}};
+  write_mesh_ply(root_.path() / "mesh/mesh/mesh.ply", mesh);
+  RecordingContext c = context();
+  run_export({.formats = {"mesh-obj"}, .texture_size = 64}, c);
+  const Obj obj(c.output() / "export/mesh.obj");
+  EXPECT_NEAR(obj.vn.at(0).z, std::sqrt(0.5f), 1e-3);
+  EXPECT_NEAR(obj.vn.at(0).y, -std::sqrt(0.5f), 1e-3);
 }
 
 TEST_F(PaneFiles, ColoursAreAlbedoWhenTheSceneWasDecomposed) {

@@ -82,6 +82,21 @@ TEST(PreviewFit, PaintsOntoThePaneWhatIsSeenThroughIt) {
   EXPECT_TRUE(std::ranges::equal(fit.surfels.values(Attribute::Opacity), scene.surfels.diffuse.values(Attribute::Opacity)));
 }
 
+TEST(PreviewFit, PaintsOntoSurfelsThatWereBlack) {
+  // Panes absorb: their mean colour falls below zero in training, where the clamp of the rasteriser has no slope.
+  TrainedScene scene = scene_behind_glass();
+  const size_t first = PaneScene().diffuse.size() - 400;
+  for (size_t i = first; i < first + 400; ++i)
+    for (size_t c = 0; c < 3; ++c) scene.surfels.diffuse.at(Attribute::ShDc, i)[c] = -4;
+  // One that nobody sees stays as it is.
+  for (size_t c = 0; c < 3; ++c) scene.surfels.diffuse.at(Attribute::Mean, 0)[c] = -50;
+  for (size_t c = 0; c < 3; ++c) scene.surfels.diffuse.at(Attribute::ShDc, 0)[c] = -4;
+  const PreviewFit fit = fit_preview(scene, ring(), {.views = 8, .max_side = 48, .steps = 10});
+  EXPECT_GT(fit.psnr_after, fit.psnr_before + 3);
+  EXPECT_GT(fit.psnr_after, 20);
+  EXPECT_LT(0.5f + kShDc * fit.surfels.at(Attribute::ShDc, 0)[0], 0.001f);
+}
+
 TEST(PreviewFit, MoreStepsNeverMakeItWorse) {
   const TrainedScene scene = scene_behind_glass();
   double last = 0;
@@ -179,6 +194,17 @@ TEST_F(MoreFormats, UsdHasTheMeshItsSubsetsAndTheirMaterials) {
       const std::string body = text.substr(shader, text.find("}\n", shader) - shader);
       EXPECT_NE(body.find("outputs:" + (*it)[3].str() + "\n"), std::string::npos) << it->str();
     }
+  }
+}
+
+TEST_F(MoreFormats, UsdStaysRightHanded) {
+  for (const auto& [left, right] : {std::pair{"lhyu", "rhyu"}, {"lhzu", "rhzu"}}) {
+    RecordingContext a = context(), b = context();
+    run_export({.formats = {"mesh-usd"}, .axes = left, .texture_size = 256}, a);
+    run_export({.formats = {"mesh-usd"}, .axes = right, .texture_size = 256}, b);
+    EXPECT_EQ(read_file(a.output() / "export/mesh.usda"), read_file(b.output() / "export/mesh.usda"));
+    EXPECT_NE(read_file(a.output() / "export/formats.json").find("USD is right-handed"), std::string::npos);
+    EXPECT_EQ(read_file(b.output() / "export/formats.json").find("USD is right-handed"), std::string::npos);
   }
 }
 

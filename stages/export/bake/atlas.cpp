@@ -19,6 +19,7 @@ constexpr float kGrowCosine = 0.5f;    // of a face's normal to the chart's, whi
 constexpr float kMergeCosine = 0.17f;  // when a crumb is given to the chart beside it: 80 degrees
 constexpr size_t kCrumbFaces = 6;      // charts of fewer faces are given away if somebody takes them
 constexpr int kSmoothings = 4;
+constexpr int kPadding = 2;  // free texels around each chart
 
 Vec3f safe_normalized(const Vec3f& v, const Vec3f& otherwise) {
   const float l = length(v);
@@ -286,10 +287,10 @@ std::vector<std::array<uint32_t, 3>> neighbour_faces(const TriMesh& mesh) {
   return out;
 }
 
-Atlas make_atlas(const TriMesh& mesh, const AtlasDesc& desc) {
+Atlas make_atlas(const TriMesh& mesh, int size) {
   VITRINE_CHECK(!mesh.faces.empty(), "an atlas needs faces");
   Atlas atlas;
-  atlas.size = desc.size > 0 ? desc.size : size_for(mesh);
+  atlas.size = size > 0 ? size : size_for(mesh);
   const double area = std::max(total_area(mesh), 1e-12);
   // Needles have a length but hardly an area: their length bounds the texels as well.
   atlas.texels_per_unit =
@@ -305,9 +306,16 @@ Atlas make_atlas(const TriMesh& mesh, const AtlasDesc& desc) {
   // The largest texels that fit. Thousands of crumbs that are all padding: less padding.
   constexpr float kShrink = 0.96f;
   const float first = atlas.texels_per_unit;
-  for (int padding = desc.padding;; atlas.texels_per_unit *= kShrink) {
+  for (int padding = kPadding;; atlas.texels_per_unit *= kShrink) {
     if (atlas.texels_per_unit < 0.05f * first && padding > 0) --padding, atlas.texels_per_unit = first;
-    VITRINE_CHECK(atlas.texels_per_unit > 1e-4f * first, "{} charts do not fit into {} texels", atlas.charts.size(), atlas.size);
+    if (!(atlas.texels_per_unit > 1e-4f * first))
+      throw Error(ErrorKind::Usage, "the textures are too small for this mesh",
+                  {.where = "texture_size",
+                   .why = fmt::format("it comes apart into {} pieces, which do not fit into {} x {} texels", atlas.charts.size(),
+                                      atlas.size, atlas.size),
+                   .hint = fmt::format("texture_size={} or more, or fewer faces: --set mesh.faces=N",
+                                       std::bit_ceil(uint32_t(4 * std::sqrt(double(atlas.charts.size()))))),
+                   .code = "TEXTURE_TOO_SMALL"});
     for (size_t c = 0; c < atlas.charts.size(); ++c) {
       const Vec2f s = atlas.texels_per_unit * extents[c].size();
       atlas.charts[c].width = int(std::ceil(s.x)) + 2 * padding + 1;

@@ -13,11 +13,6 @@
 
 namespace vitrine {
 
-struct AtlasDesc {
-  int size = 0;     // texels on each side; 0: so that an edge of the mesh gets four texels, a power of two in [256, 4096]
-  int padding = 2;  // free texels around each chart
-};
-
 struct AtlasChart {
   Vec3f u, up, normal;  // orthonormal, right-handed: u x up = normal
   Vec2f origin{};       // texels
@@ -37,7 +32,9 @@ struct Atlas {
   }
 };
 
-Atlas make_atlas(const TriMesh& mesh, const AtlasDesc& desc);
+// `size`: texels on each side; 0: so that an edge of the mesh gets four texels, a power of two in [256, 4096]. Throws
+// Error{Usage} when the charts do not fit, however small.
+Atlas make_atlas(const TriMesh& mesh, int size);
 
 // Which face owns each texel, and where in it: texels in order of rows.
 struct AtlasTexel {

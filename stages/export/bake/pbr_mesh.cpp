@@ -68,7 +68,7 @@ void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const Sur
   }
 }
 
-void bake(const TriMesh& mesh, const Atlas& atlas, const MaterialSource& source, std::span<const SurfaceSample> at_vertex,
+void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,
           float reach, PbrMesh& out) {
   const int size = atlas.size;
   PbrTextures& t = out.textures;
@@ -86,7 +86,7 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const MaterialSource& source,
     const float l = length(n);
     normals[i] = l > 1e-6f ? n / l : mesh.normals[v[0]];
   }
-  const std::vector<SurfaceSample> samples = sample_surface(source, points, normals, reach);
+  const std::vector<SurfaceSample> samples = sampler.samples(points, normals, reach);
   std::vector<uint8_t> known(size_t(size) * size_t(size), 0);
   size_t met = 0;
   for (size_t i = 0; i < texels.size(); ++i) {
@@ -137,15 +137,15 @@ PbrValues pbr_values(const SurfelMaterial& m) {
   return out;
 }
 
-PbrMesh make_pbr_mesh(const TriMesh& mesh, const MaterialSource& source, std::span<const SurfaceSample> at_vertex,
+PbrMesh make_pbr_mesh(const TriMesh& mesh, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,
                       const PbrDesc& desc) {
   VITRINE_CHECK(mesh.normals.size() == mesh.positions.size(), "the mesh needs vertex normals");
   VITRINE_CHECK(at_vertex.size() == mesh.positions.size(), "one sample per vertex");
   PbrMesh out;
-  const Atlas atlas = make_atlas(mesh, {.size = desc.texture_size});
+  const Atlas atlas = make_atlas(mesh, desc.texture_size);
   split_vertices(mesh, atlas, at_vertex, out);
   out.charts = atlas.charts.size();
-  bake(mesh, atlas, source, at_vertex, desc.reach, out);
+  bake(mesh, atlas, sampler, at_vertex, desc.reach, out);
   return out;
 }
 

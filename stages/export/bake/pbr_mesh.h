@@ -8,7 +8,7 @@
 //   base colour     (1 - m) c + m R,  c = albedo (or trained colour), mixed with white by the transmission: glass lets light
 //                   through untinted
 //   specular colour R / 0.2 with the factor 5 (5 x 0.04 = 0.2): the dielectric's f0 up to 0.2
-//   transmission    tau
+//   transmission    what passes below the reflection: tau, with the blend rtrgs k_s tau
 //   roughness       r (1 - tau): glTF blurs what is seen through rough glass, while our transmitted rays go straight
 #pragma once
 
@@ -47,12 +47,12 @@ struct PbrMesh {
 };
 
 struct PbrDesc {
-  int texture_size = 0;  // 0: by the mesh (AtlasDesc)
+  int texture_size = 0;  // 0: by the mesh (make_atlas)
   float reach = 0;       // how far from the mesh surfels count
 };
 
 // `at_vertex`: sample_vertices() of the same mesh, for texels that meet no surfel and for the class of a face.
-PbrMesh make_pbr_mesh(const TriMesh& mesh, const MaterialSource& source, std::span<const SurfaceSample> at_vertex,
+PbrMesh make_pbr_mesh(const TriMesh& mesh, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,
                       const PbrDesc& desc);
 
 // The glTF parameters of a material.

@@ -14,7 +14,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kUnseen = 1e-3;  // summed weight, pixels: surfels that no picture shows keep their colour
+constexpr double kUnseen = 1e-3;      // summed weight, pixels: surfels that no picture shows keep their colour
+constexpr float kLeastStart = 0.05f;  // display value: below zero the clamp of colours would stop the fit for good
 
 void encode_layer(SplatLayer& layer) {
   const size_t rest = layer.width(Attribute::ShRest);
@@ -26,6 +27,12 @@ void encode_layer(SplatLayer& layer) {
     std::copy_n(sh.begin(), 3, layer.at(Attribute::ShDc, i));
     std::copy_n(sh.begin() + 3, rest, layer.at(Attribute::ShRest, i));
   }
+}
+
+// Raises the mean colour of surfels that are too dark to be fitted.
+void lift_black(SplatLayer& layer) {
+  constexpr float kLeast = (kLeastStart - 0.5f) / kShDc;
+  for (float& v : layer.values(Attribute::ShDc)) v = std::max(v, kLeast);
 }
 
 struct Target {
@@ -63,10 +70,11 @@ PreviewFit fit_preview(const TrainedScene& scene, std::span<const View> views, c
   const auto renderer = make_renderer(Backend::Cpu);
   const double degree = layer.sh_degree() + 1, basis_energy = degree * degree / (4 * std::numbers::pi);
   RasterImages images, residual;
+  std::vector<double> weight(layer.size(), 0);
   // One round: residuals of all pictures, and, but for the last, a step. Returns the mean squared residual.
   const auto round = [&](bool step) {
     SplatLayer grad = layer.zeros_like();
-    std::vector<double> weight(layer.size(), 0);
+    std::ranges::fill(weight, 0.0);
     double squared = 0;
     size_t values = 0;
     for (const Target& target : targets) {
@@ -100,10 +108,12 @@ PreviewFit fit_preview(const TrainedScene& scene, std::span<const View> views, c
     return squared / double(std::max<size_t>(1, values));
   };
   const auto psnr_of = [](double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); };
-  for (int step = 0; step < desc.steps; ++step) {
-    const double before = round(true);
-    if (step == 0) out.psnr_before = psnr_of(before);
-  }
+  out.psnr_before = psnr_of(round(false));
+  const SplatLayer plain = layer;
+  lift_black(layer);
+  for (int step = 0; step < desc.steps; ++step) round(true);
+  for (size_t i = 0; i < layer.size(); ++i)
+    if (!(weight[i] > kUnseen)) std::copy_n(plain.at(Attribute::ShDc, i), 3, layer.at(Attribute::ShDc, i));
   out.psnr_after = psnr_of(round(false));
   return out;
 }

@@ -6,7 +6,6 @@
 // same in every direction), never increase the squared residual, because the weights of a pixel add up to at most one.
 #pragma once
 
-#include <functional>
 #include <span>
 
 #include "core/camera/view.h"

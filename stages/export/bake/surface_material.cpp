@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/math/rigid.h"
-#include "core/trace/tracer.h"
 
 namespace vitrine {
 
@@ -32,16 +31,17 @@ double mean_edge_length(const TriMesh& mesh) {
   return mesh.faces.empty() ? 0 : sum / double(3 * mesh.faces.size());
 }
 
-std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::span<const Vec3f> points,
-                                          std::span<const Vec3f> normals, float reach) {
-  const SplatLayer& layer = *source.surfels;
-  VITRINE_CHECK(source.materials.size() == layer.size(), "one material per surfel");
+SurfaceSampler::SurfaceSampler(const MaterialSource& source)
+    : source_(source), disk_normals_(disk_normals(*source.surfels)), tracer_(make_tracer()) {
+  VITRINE_CHECK(source.materials.size() == source.surfels->size(), "one material per surfel");
+  tracer_->build(*source.surfels);
+}
+
+std::vector<SurfaceSample> SurfaceSampler::samples(std::span<const Vec3f> points, std::span<const Vec3f> normals,
+                                                   float reach) const {
   VITRINE_CHECK(points.size() == normals.size(), "one normal per point");
   std::vector<SurfaceSample> out(points.size());
-  const std::vector<Vec3f> disk_normal = disk_normals(layer);
-  const auto tracer = make_tracer();
-  tracer->build(layer);
-  const TraceDesc desc{.sh_degree = layer.sh_degree()};
+  const TraceDesc desc{.sh_degree = source_.surfels->sh_degree()};
 
   std::vector<Vec3f> origins, directions;
   RayValues values;
@@ -54,7 +54,7 @@ std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::spa
       directions[i] = -normals[begin + i];
     }
     const std::vector<float> far(n, 2 * reach);
-    tracer->forward({.origins = origins, .directions = directions, .far = far}, desc, values, &hits);
+    tracer_->forward({.origins = origins, .directions = directions, .far = far}, desc, values, &hits);
     for (size_t i = 0; i < n; ++i) {
       SurfaceSample& s = out[begin + i];
       SurfelMaterial sum{.roughness = 0};
@@ -63,12 +63,12 @@ std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::spa
         const float w = h.alpha * through;
         through *= 1 - h.alpha;
         weight += w;
-        const SurfelMaterial& m = source.materials[h.surfel];
-        sum.color += w * (source.has_albedo ? m.color : h.color);
+        const SurfelMaterial& m = source_.materials[h.surfel];
+        sum.color += w * (source_.has_albedo ? m.color : h.color);
         sum.f0 += w * m.f0;
         sum.roughness += w * m.roughness;
         sum.transmission += w * m.transmission;
-        const Vec3f& disk = disk_normal[h.surfel];
+        const Vec3f& disk = disk_normals_[h.surfel];
         s.normal += (dot(disk, directions[i]) > 0 ? -w : w) * disk;
       }
       if (!(weight > kLeastWeight)) {
@@ -84,9 +84,9 @@ std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::spa
   return out;
 }
 
-std::vector<SurfaceSample> sample_vertices(const MaterialSource& source, const TriMesh& mesh, float reach) {
+std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const TriMesh& mesh, float reach) {
   VITRINE_CHECK(mesh.normals.size() == mesh.positions.size(), "the mesh needs vertex normals");
-  std::vector<SurfaceSample> samples = sample_surface(source, mesh.positions, mesh.normals, reach);
+  std::vector<SurfaceSample> samples = sampler.samples(mesh.positions, mesh.normals, reach);
   constexpr int kRings = 64;
   for (int ring = 0; ring < kRings; ++ring) {
     std::vector<SurfaceSample> sum(samples.size());

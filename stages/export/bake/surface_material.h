@@ -3,12 +3,13 @@
 // Where no surfel is met, the answer is spread from the neighbours on the mesh.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/mesh/tri_mesh.h"
 #include "core/scene/layers.h"
+#include "core/trace/tracer.h"
 
 namespace vitrine {
 
@@ -33,13 +34,22 @@ struct MaterialSource {
   bool has_albedo = false;
 };
 
-// Points on the surface with outward unit normals; rays run from `reach` outside to `reach` inside.
-std::vector<SurfaceSample> sample_surface(const MaterialSource& source, std::span<const Vec3f> points,
-                                          std::span<const Vec3f> normals, float reach);
+class SurfaceSampler {
+ public:
+  // Surfels and materials stay the caller's and must outlive it.
+  explicit SurfaceSampler(const MaterialSource& source);
+  // Points on the surface with outward unit normals; rays run from `reach` outside to `reach` inside.
+  std::vector<SurfaceSample> samples(std::span<const Vec3f> points, std::span<const Vec3f> normals, float reach) const;
+
+ private:
+  MaterialSource source_;
+  std::vector<Vec3f> disk_normals_;
+  std::unique_ptr<Tracer> tracer_;
+};
 
 // Sampled at the vertices of the mesh; vertices that met nothing take the mean of their neighbours, ring by ring; vertices out
 // of reach of any take the mesh's own colour.
-std::vector<SurfaceSample> sample_vertices(const MaterialSource& source, const TriMesh& mesh, float reach);
+std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const TriMesh& mesh, float reach);
 
 double mean_edge_length(const TriMesh& mesh);
 

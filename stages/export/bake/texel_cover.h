@@ -1,5 +1,5 @@
-// Which texels a triangle covers: those whose centre lies inside. A centre on an edge belongs to the left or upper triangle, so
-// triangles that share an edge share no texel.
+// Which texels a triangle covers: those whose centre lies inside. A centre on an edge belongs to the triangle right of the edge,
+// on a level edge to the one below (rows go down), so triangles that share an edge share no texel.
 #pragma once
 
 #include <algorithm>

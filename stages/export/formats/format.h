@@ -23,6 +23,7 @@ struct ExportFormat {
 };
 
 std::span<const ExportFormat> export_formats();
+std::vector<std::string> export_format_names();
 const ExportFormat* find_export_format(std::string_view name);
 
 }  // namespace vitrine

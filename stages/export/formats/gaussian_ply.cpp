@@ -24,7 +24,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"}) property(name);
   for (size_t i = 0; i < 3 * rest; ++i) property(fmt::format("f_rest_{}", i));
   property("opacity");
-  for (size_t i = 0; i < (desc.third_scale ? 3u : 2u); ++i) property(fmt::format("scale_{}", i));
+  for (size_t i = 0; i < (desc.thickness > 0 ? 3u : 2u); ++i) property(fmt::format("scale_{}", i));
   for (size_t i = 0; i < 4; ++i) property(fmt::format("rot_{}", i));
   header += "end_header\n";
 
@@ -52,7 +52,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
       for (size_t k = 1; k <= rest; ++k) put(sh[3 * k + c]);
     put(*layer.at(Attribute::Opacity, i));
     put_all(layer.at(Attribute::LogScale, i), 2);
-    if (desc.third_scale) put(std::log(kFlatScale));
+    if (desc.thickness > 0) put(std::log(desc.thickness));
     put_all(q, 4);
   }
   write_file(path, bytes);

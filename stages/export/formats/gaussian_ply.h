@@ -18,12 +18,13 @@ namespace vitrine {
 struct GaussianPlyDesc {
   std::vector<std::string> comments;  // header lines, without the word "comment"
   bool disk_normals = false;          // nx ny nz = third column of the rotation; else 0
-  bool third_scale = false;           // write scale_2 = log(kFlatScale)
+  float thickness = 0;                // file units: write it as scale_2; 0: two scales only
   // Colour of one surfel, coefficient-major [k][rgb], DC first: may be changed in place before it is written.
   std::function<void(std::span<float> sh)> convert_color = {};
 };
 
-constexpr float kFlatScale = 1e-6f;  // scene units: flat for every viewer, and its square is still a float
+// Of a disk as an ellipsoid, in file units: flat for every viewer, and its square is still a float.
+inline float disk_thickness(const ExportFrame& frame) { return 1e-6f * float(frame.scale); }
 
 // The header comment that nerfstudio's readers look for.
 inline std::string vertical_axis(const ExportFrame& frame) { return frame.y_up() ? "Vertical Axis: y" : "Vertical Axis: z"; }

@@ -17,7 +17,8 @@ namespace {
 
 std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "gaussians.glb";
-  const SplatLayer layer = in_frame(source.preview(), source.frame("rhyu"));
+  const ExportFrame frame = source.frame("rhyu");
+  const SplatLayer layer = in_frame(source.preview(), frame);
   const size_t n = layer.size();
   std::vector<Vec3f> positions(n), scales(n);
   std::vector<std::array<float, 4>> rotations(n), colors(n);
@@ -29,7 +30,7 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
     const Quatf unit = normalized(Quatf{q[0], q[1], q[2], q[3]});
     rotations[i] = {unit.x, unit.y, unit.z, unit.w};
     const float* s = layer.at(Attribute::LogScale, i);
-    scales[i] = {std::exp(s[0]), std::exp(s[1]), kFlatScale};
+    scales[i] = {std::exp(s[0]), std::exp(s[1]), disk_thickness(frame)};
     opacities[i] = sigmoid(*layer.at(Attribute::Opacity, i));
     // glTF's vertex colours are linear.
     for (size_t c = 0; c < 3; ++c)
@@ -68,11 +69,13 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
 }  // namespace
 
 ExportFormat gaussians_glb_format() {
-  return {.name = "gaussians-glb",
-          .summary = "the merged preview as glTF with KHR_gaussian_splatting, +Y up",
-          .holds = "what preview-3dgs holds; points with colours for viewers without the extension",
-          .loses = "what preview-3dgs loses; the extension has no flat kernel (the third scale is 1e-6) and is not final yet",
-          .write = write};
+  return {
+      .name = "gaussians-glb",
+      .summary = "the merged preview as glTF with KHR_gaussian_splatting, +Y up",
+      .holds = "what preview-3dgs holds; points with colours for viewers without the extension",
+      .loses =
+          "what preview-3dgs loses; the extension has no flat kernel (the third scale is 1e-6 scene units) and is not final yet",
+      .write = write};
 }
 
 }  // namespace vitrine

@@ -82,11 +82,15 @@ std::string list(const Values& values, Format&& format) {
 
 std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
   const PbrMesh& mesh = source.pbr_mesh();
-  const ExportFrame frame = source.frame();
+  // A stage has an up axis and is right-handed: a left-handed frame would show a mirror image.
+  ExportFrame frame = source.frame();
+  if (frame.mirrored()) {
+    const char* axes = frame.y_up() ? "rhyu" : "rhzu";
+    source.add_note(fmt::format("USD is right-handed: written in {}", axes));
+    frame = source.frame(axes);
+  }
   std::vector<std::array<uint32_t, 3>> faces = mesh.opaque;
   faces.insert(faces.end(), mesh.glass.begin(), mesh.glass.end());
-  if (frame.mirrored())
-    for (auto& f : faces) std::swap(f[1], f[2]);
   const auto point = [&](const Vec3f& p) {
     const Vec3f q = frame.point(p);
     return fmt::format("({}, {}, {})", q.x, q.y, q.z);

@@ -1,5 +1,5 @@
 // ply-3dgs: the surfels as very flat ellipsoids, for the viewers and editors of 3D Gaussian splatting. A third scale of
-// 1e-6 makes the disk; colours become sRGB (display_color.h), which is what these programs show.
+// 1e-6 scene units makes the disk; colours become sRGB (display_color.h), which is what these programs show.
 #include "stages/export/formats/display_color.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/gaussian_ply.h"
@@ -12,7 +12,7 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
   const std::string file = "gaussians_3dgs.ply";
   write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
                      {.comments = {"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"},
-                      .third_scale = true,
+                      .thickness = disk_thickness(frame),
                       .convert_color = encode_sh_for_display});
   return {file};
 }
@@ -23,7 +23,8 @@ ExportFormat ply_3dgs_format() {
   return {
       .name = "ply-3dgs",
       .summary = "surfels as flat ellipsoids for ordinary Gaussian splatting viewers, sRGB colour",
-      .holds = "position, rotation, scales (the third is 1e-6), opacity and spherical harmonics of every diffuse surfel",
+      .holds =
+          "position, rotation, scales (the third is 1e-6 scene units), opacity and spherical harmonics of every diffuse surfel",
       .loses =
           "linear radiance: the mean colour of a surfel is encoded exactly, its view dependence to first order, values above 1 "
           "are kept but clipped on display; viewers blend in sRGB and project ellipsoids approximately, so edges and half "

@@ -28,6 +28,12 @@ std::span<const ExportFormat> export_formats() {
   return formats;
 }
 
+std::vector<std::string> export_format_names() {
+  std::vector<std::string> names;
+  for (const ExportFormat& f : export_formats()) names.emplace_back(f.name);
+  return names;
+}
+
 const ExportFormat* find_export_format(std::string_view name) {
   const auto formats = export_formats();
   const auto it = std::find_if(formats.begin(), formats.end(), [&](const ExportFormat& f) { return f.name == name; });

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/camera/colmap_model.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_topology.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/picture/relight_materials.h"
 #include "core/scene/activation.h"
@@ -17,35 +18,30 @@ namespace {
 constexpr float kReachEdges = 3;      // surfels count up to this many mean edges away from the mesh
 constexpr float kPlainRoughness = 1;  // of surfaces whose reflection nobody measured
 
-void add_normals(TriMesh& mesh) {
-  mesh.normals.assign(mesh.positions.size(), Vec3f{});
-  for (const auto& v : mesh.faces) {
-    const Vec3f n = cross(mesh.positions[v[1]] - mesh.positions[v[0]], mesh.positions[v[2]] - mesh.positions[v[0]]);
-    for (uint32_t k : v) mesh.normals[k] += n;
-  }
-  for (Vec3f& n : mesh.normals) n = length(n) > 1e-20f ? normalized(n) : Vec3f{0, 0, 1};
+// Reflectance at normal incidence.
+Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0) {
+  return layer_weights<float>(blend, {.f0 = f0, .specular = specular, .cosine = 1}, {.reflection = true}).reflection;
 }
 
-// Reflectance at normal incidence of a surface with specular weight k_s and Fresnel f0 (bake/pbr_mesh.h).
-Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0) {
-  if (blend == LayerBlend::RtrGs) return specular * f0;
-  const float share = (1 - specular) * fresnel_gate(specular);
-  return Vec3f{specular, specular, specular} + share * f0;
+// What passes of the light that is not reflected: glTF weighs its transmission with 1 - F by itself.
+float transmission(LayerBlend blend, float specular, float tau) {
+  return layer_weights<float>(blend, {.specular = specular, .transmission = tau}, {.transmission = true}).transmission.x;
 }
 
 std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
   const SplatLayer& layer = scene.surfels.diffuse;
+  const LayerBlend blend = scene.image.composite.blend;
   const bool reflects = scene.surfels.reflection.size() > 0, transmits = scene.surfels.transmittance.size() > 0;
   std::vector<SurfelMaterial> out(layer.size());
   for (size_t i = 0; i < out.size(); ++i) {
     SurfelMaterial& m = out[i];
     m.f0 = {kDielectricF0, kDielectricF0, kDielectricF0};
     m.roughness = kPlainRoughness;
-    if (transmits) m.transmission = sigmoid(*layer.at(Attribute::Transmission, i));
-    if (!reflects) continue;
     const float specular = sigmoid(*layer.at(Attribute::SpecularWeight, i));
+    if (transmits) m.transmission = transmission(blend, specular, sigmoid(*layer.at(Attribute::Transmission, i)));
+    if (!reflects) continue;
     const float* raw = layer.at(Attribute::F0, i);
-    const Vec3f found = reflectance(scene.image.composite.blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])});
+    const Vec3f found = reflectance(blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])});
     // Where a surface sends no rays, its roughness was never looked at.
     const float measured = fresnel_gate(specular);
     m.f0 = measured * found + (1 - measured) * m.f0;
@@ -67,7 +63,7 @@ std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder,
   std::vector<SurfelMaterial> out(surfels);
   for (size_t i = 0; i < surfels; ++i)
     out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i]), found.roughness[i],
-              found.transmission[i]};
+              transmission(blend, found.specular_weight[i], found.transmission[i])};
   return out;
 }
 
@@ -107,7 +103,7 @@ const TriMesh& ExportSource::mesh() {
       if (!(std::abs(p[c]) < kFarthest)) refuse("a vertex is not finite, or absurdly far away");
   bool unit = mesh.normals.size() == mesh.positions.size();
   for (const Vec3f& n : mesh.normals) unit = unit && std::abs(length(n) - 1) < 0.01f;
-  if (!unit) add_normals(mesh);
+  if (!unit) mesh.normals = vertex_normals(mesh);
   mesh_ = std::move(mesh);
   return *mesh_;
 }
@@ -117,21 +113,21 @@ const std::vector<SurfelMaterial>& ExportSource::materials() {
   return *materials_;
 }
 
-MaterialSource ExportSource::material_source() {
-  return {.surfels = &diffuse(), .materials = materials(), .has_albedo = has_albedo()};
+const SurfaceSampler& ExportSource::sampler() {
+  if (!sampler_) sampler_.emplace(MaterialSource{.surfels = &diffuse(), .materials = materials(), .has_albedo = has_albedo()});
+  return *sampler_;
 }
 
 float ExportSource::reach() { return kReachEdges * float(mean_edge_length(mesh())); }
 
 const std::vector<SurfaceSample>& ExportSource::vertex_samples() {
-  if (!vertex_samples_) vertex_samples_ = sample_vertices(material_source(), mesh(), reach());
+  if (!vertex_samples_) vertex_samples_ = sample_vertices(sampler(), mesh(), reach());
   return *vertex_samples_;
 }
 
 const PbrMesh& ExportSource::pbr_mesh() {
   if (pbr_mesh_) return *pbr_mesh_;
-  pbr_mesh_ =
-      make_pbr_mesh(mesh(), material_source(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
+  pbr_mesh_ = make_pbr_mesh(mesh(), sampler(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
   notes_.push_back(color_note(*this));
   notes_.push_back(
       fmt::format("{} texels square, {} charts, surfels met in {:.1f} % of the texels on the surface; {} faces are glass",

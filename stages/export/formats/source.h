@@ -31,7 +31,6 @@ class ExportSource {
  public:
   ExportSource(ExportInputs inputs, ExportSettings settings) : inputs_(std::move(inputs)), settings_(std::move(settings)) {}
   const std::filesystem::path& sfm() const { return inputs_.sfm; }
-  const std::filesystem::path& optimize() const { return inputs_.optimize; }
   const std::optional<std::filesystem::path>& relight() const { return inputs_.relight; }
 
   // The frame of the settings; `axes` replaces theirs for formats that have only one.
@@ -51,11 +50,12 @@ class ExportSource {
   const SplatLayer& preview();
 
   // What is worth telling about the making of what was read since the last call: goes into export/formats.json.
+  void add_note(std::string note) { notes_.push_back(std::move(note)); }
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
  private:
   const SceneInfo& scene_info();
-  MaterialSource material_source();
+  const SurfaceSampler& sampler();
   float reach();
 
   ExportInputs inputs_;
@@ -64,6 +64,7 @@ class ExportSource {
   std::optional<TrainedScene> scene_;
   std::optional<TriMesh> mesh_;
   std::optional<std::vector<SurfelMaterial>> materials_;
+  std::optional<SurfaceSampler> sampler_;  // reads scene_ and materials_
   std::optional<std::vector<SurfaceSample>> vertex_samples_;
   std::optional<PbrMesh> pbr_mesh_;
   std::optional<SplatLayer> preview_;
