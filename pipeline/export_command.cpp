@@ -12,17 +12,13 @@
 #include "core/base/process.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
+#include "pipeline/export_folder.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 
 namespace vitrine {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr std::string_view kFolder = "export/";       // of the artifact
-constexpr std::string_view kReport = "formats.json";  // which file is what: grows with every export into the same folder
 
 struct ExportArguments {
   std::string output, formats, axes, scale;
@@ -84,57 +80,6 @@ std::string key_of_run(Words words) {
   return r.ok() && json.is_object() ? json.value("key", "") : "";
 }
 
-bool same_bytes(const fs::path& a, const fs::path& b) {
-  std::error_code ec;
-  return fs::is_regular_file(b, ec) && fs::file_size(a) == fs::file_size(b) && read_file(a) == read_file(b);
-}
-
-// Formats of the report that is there stay in it, unless this export wrote them too.
-std::string merged_report(const fs::path& there, const fs::path& fresh) {
-  Json report = Json::parse(read_file(fresh));
-  std::error_code ec;
-  if (!fs::exists(there, ec)) return report.dump(2) + "\n";
-  const Json before = Json::parse(read_file(there), nullptr, false);
-  if (!before.is_array()) return report.dump(2) + "\n";
-  Json out = Json::array();
-  const auto name = [](const Json& format) { return format.is_object() ? format.value("format", "") : std::string(); };
-  for (const Json& old : before)
-    if (std::none_of(report.begin(), report.end(), [&](const Json& f) { return name(f) == name(old); })) out.push_back(old);
-  for (const Json& f : report) out.push_back(f);
-  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-// Links the artifact's files into `target`; nothing is touched when one of them stands in the way of another file.
-void put_files(const fs::path& entry, const Manifest& manifest, const fs::path& target, bool overwrite) {
-  std::vector<std::string> names, in_the_way;
-  for (const OutputFile& f : manifest.outputs) {
-    VITRINE_CHECK(f.path.starts_with(kFolder), "the export stage wrote {}", f.path);
-    names.push_back(f.path.substr(kFolder.size()));
-    std::error_code ec;
-    if (names.back() != kReport && fs::exists(fs::symlink_status(target / names.back(), ec)) &&
-        !same_bytes(entry / f.path, target / names.back()))
-      in_the_way.push_back(names.back());
-  }
-  if (!in_the_way.empty() && !overwrite) {
-    std::string list;
-    constexpr size_t kNamed = 5;
-    for (size_t i = 0; i < std::min(kNamed, in_the_way.size()); ++i) list += (i > 0 ? ", " : "") + in_the_way[i];
-    if (in_the_way.size() > kNamed) list += ", ...";
-    throw Error(ErrorKind::Input, "nothing was exported: files with other contents are in the way",
-                {.where = target.string(),
-                 .why = fmt::format("{} would be replaced: {}", in_the_way.size(), list),
-                 .hint = "--overwrite, or another folder with -o",
-                 .code = "EXPORT_EXISTS"});
-  }
-  for (const std::string& name : names) {
-    const fs::path from = entry / (std::string(kFolder) + name), to = target / name;
-    if (name == kReport)
-      write_file(to, merged_report(to, from));
-    else if (!same_bytes(from, to))
-      link_or_copy(from, to);
-  }
-}
-
 }  // namespace
 
 int export_command(const Words& words) {
@@ -177,7 +122,7 @@ int export_command(const Words& words) {
   const auto manifest = store.find("export", key);
   VITRINE_CHECK(manifest.has_value(), "vitrine-export ended well but left no artifact {}", key);
   const fs::path target = a.output.empty() ? project / "export" : fs::absolute(a.output).lexically_normal();
-  put_files(store.entry("export", key), *manifest, target, a.overwrite);
+  put_export(store.entry("export", key), *manifest, {.project = project, .target = target, .overwrite = a.overwrite});
   if (!a.quiet) fmt::print("{}\n", target.string());
   return 0;
 }

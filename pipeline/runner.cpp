@@ -4,6 +4,7 @@
 
 #include "core/artifact/current.h"
 #include "core/artifact/publish.h"
+#include "pipeline/export_folder.h"
 
 namespace vitrine {
 
@@ -65,7 +66,15 @@ int run_stages(Planner& planner, const Settings& settings, const fs::path& proje
     const auto current = current_key(project, node.name);
     if (current && *current != step.key && fs::exists(planner.store().entry(node.name, *current) / kManifestName))
       before = planner.store().find(node.name, *current);
-    publish(planner.store().entry(node.name, step.key), *step.manifest, project, before ? &*before : nullptr);
+    const fs::path entry = planner.store().entry(node.name, step.key);
+    if (node.name == kExportStage) {
+      const auto kept = publish_export(entry, *step.manifest, project, before ? &*before : nullptr);
+      if (!kept.empty())
+        report.line(fmt::format("note: export/ keeps what `vitrine export` wrote ({}); deleted files are written by the next run",
+                                fmt::join(kept, ", ")));
+    } else {
+      publish(entry, *step.manifest, project, before ? &*before : nullptr);
+    }
     set_current_key(project, node.name, step.key);
     report.stage_ends(*step.manifest, how);
     steps.push_back(std::move(step));

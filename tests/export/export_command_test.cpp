@@ -7,9 +7,11 @@
 #include "core/artifact/store.h"
 #include "core/base/json.h"
 #include "pipeline/commands.h"
+#include "pipeline/export_folder.h"
 #include "stages/export/export.h"
 #include "tests/export/pane_scene.h"
 #include "tests/support/error_of.h"
+#include "tests/support/recording_context.h"
 
 namespace vitrine {
 namespace {
@@ -70,6 +72,71 @@ TEST_F(ExportCommand, OverwritesNothingUnlessTold) {
   EXPECT_EQ(run({"--formats", "mesh-ply,mesh-obj", "--axes", "rhyu", "--overwrite"}), 0);
   EXPECT_NE(read_file(project() / "export/mesh.ply"), before);
   EXPECT_NE(read_file(project() / "export/mesh.obj"), "my own");
+}
+
+TEST_F(ExportCommand, AReportThatIsNotItsOwnIsInTheWay) {
+  for (const char* foreign : {"my notes", "[{\"format\": 3, \"files\": []}]", "[1]", "{}", "[{\"format\": \"mesh-obj\"}]"}) {
+    write_file(project() / "export/formats.json", foreign);
+    const Error e = error_of([&] { run({"--formats", "mesh-ply"}); });
+    EXPECT_EQ(e.detail().code, "EXPORT_EXISTS") << foreign;
+    EXPECT_NE(std::string(e.what()).find("formats.json"), std::string::npos);
+    EXPECT_EQ(read_file(project() / "export/formats.json"), foreign);
+    EXPECT_FALSE(fs::exists(project() / "export/mesh.ply"));
+  }
+  EXPECT_EQ(run({"--formats", "mesh-ply", "--overwrite"}), 0);
+  EXPECT_EQ(nlohmann::json::parse(read_file(project() / "export/formats.json"))[0]["format"], "mesh-ply");
+}
+
+TEST_F(ExportCommand, ARunLeavesAloneWhatWasAskedFor) {
+  // What a run with three formats leaves.
+  ArtifactStore store(store_of(project()));
+  const auto run_writes = [&](const std::string& key, const ExportConfig& config) {
+    test::RecordingContext context({{"sfm", store.entry("sfm", std::string(32, 's'))},
+                                    {"optimize", store.entry("optimize", std::string(32, 'o'))},
+                                    {"mesh", store.entry("mesh", std::string(32, 'm'))}});
+    run_export(config, context);
+    PendingArtifact pending(store, "export", key);
+    fs::copy(context.output(), pending.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    Manifest manifest;
+    manifest.stage = "export", manifest.key = key;
+    pending.commit(manifest, "{}");
+    const auto last = current_key(project(), "export");
+    const auto before = last ? store.find("export", *last) : std::nullopt;
+    const auto kept = publish_export(store.entry("export", key), manifest, project(), before ? &*before : nullptr);
+    set_current_key(project(), "export", key);
+    return kept;
+  };
+  const auto formats = [&] {
+    std::vector<std::string> names;
+    for (const auto& f : nlohmann::json::parse(read_file(project() / "export/formats.json"))) names.push_back(f["format"]);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  const std::string first(32, '1'), second(32, '2');
+  EXPECT_EQ(run_writes(first, {.formats = {"mesh-ply", "mesh-obj", "ply-2dgs"}, .texture_size = 64}), Names{});
+  const std::string mesh_of_run = read_file(project() / "export/mesh.ply");
+  EXPECT_EQ(run({"--formats", "mesh-ply"}), 0);
+  EXPECT_EQ(run_writes(first, {.formats = {"mesh-ply", "mesh-obj", "ply-2dgs"}, .texture_size = 64}), Names{})
+      << "the same files are nobody's wish";
+  // Asked for: a mesh of another size, a file that the run has not.
+  EXPECT_EQ(run({"--formats", "mesh-ply,ply-3dgs", "--scale", "24cm", "--overwrite"}), 0);
+  const std::string asked = read_file(project() / "export/mesh.ply"), splats = read_file(project() / "export/gaussians_3dgs.ply");
+  EXPECT_NE(asked, mesh_of_run);
+  // The same run again, and one with other options.
+  for (const auto& [key, axes] : {std::pair{first, "rhzu"}, {second, "rhyu"}}) {
+    EXPECT_EQ(run_writes(key, {.formats = {"mesh-ply", "mesh-obj", "ply-2dgs"}, .axes = axes, .texture_size = 64}),
+              Names{"mesh-ply"});
+    EXPECT_EQ(read_file(project() / "export/mesh.ply"), asked);
+    EXPECT_EQ(read_file(project() / "export/gaussians_3dgs.ply"), splats);
+    EXPECT_EQ(read_file(project() / "export/mesh.obj"), read_file(store.entry("export", key) / "export/mesh.obj"));
+    EXPECT_EQ(formats(), (Names{"mesh-ply", "mesh-obj", "ply-2dgs", "ply-3dgs"}));
+  }
+  // Deleted: the run writes its own again.
+  fs::remove(project() / "export/mesh.ply");
+  fs::remove(project() / "export/gaussians_3dgs.ply");
+  EXPECT_EQ(run_writes(first, {.formats = {"mesh-ply", "mesh-obj", "ply-2dgs"}, .texture_size = 64}), Names{});
+  EXPECT_EQ(read_file(project() / "export/mesh.ply"), mesh_of_run);
+  EXPECT_EQ(formats(), (Names{"mesh-ply", "mesh-obj", "ply-2dgs"}));
 }
 
 TEST_F(ExportCommand, AnotherFolderAndAUnitOfLength) {

@@ -1,0 +1,165 @@
+#include "pipeline/export_folder.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
+#include "core/artifact/store.h"
+#include "core/base/error.h"
+#include "core/base/json.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Names = std::set<std::string>;  // of files, relative to the export folder
+
+constexpr std::string_view kFolder = "export/";       // of the artifact
+constexpr std::string_view kReport = "formats.json";  // which file is what
+
+fs::path asked_file(const fs::path& project) { return store_of(project) / "exported.json"; }
+
+// What `vitrine export` put into PROJECT/export and is still there.
+Names asked_for(const fs::path& project) {
+  Names names;
+  std::error_code ec;
+  if (!fs::exists(asked_file(project), ec)) return names;
+  const Json json = Json::parse(read_file(asked_file(project)), nullptr, false);
+  if (!json.is_array()) return names;
+  for (const Json& name : json)
+    if (name.is_string() && fs::exists(project / kFolder / name.get<std::string>(), ec)) names.insert(name.get<std::string>());
+  return names;
+}
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  std::error_code ec;
+  return fs::is_regular_file(a, ec) && fs::is_regular_file(b, ec) && fs::file_size(a) == fs::file_size(b) &&
+         (fs::equivalent(a, b, ec) || read_file(a) == read_file(b));
+}
+
+// A report of ours; nullopt: there is none, or the file is somebody else's.
+std::optional<Json> report_at(const fs::path& path) {
+  std::error_code ec;
+  if (!fs::is_regular_file(path, ec)) return std::nullopt;
+  Json json = Json::parse(read_file(path), nullptr, false);
+  const bool ours = json.is_array() && std::ranges::all_of(json, [](const Json& f) {
+                      if (!f.is_object() || !f.contains("format") || !f["format"].is_string()) return false;
+                      if (!f.contains("files") || !f["files"].is_array()) return false;
+                      return std::ranges::all_of(f["files"], [](const Json& name) { return name.is_string(); });
+                    });
+  return ours ? std::optional<Json>(std::move(json)) : std::nullopt;
+}
+
+bool writes_any(const Json& format, const Names& names) {
+  return std::ranges::any_of(format["files"], [&](const Json& file) { return names.contains(file.get<std::string>()); });
+}
+
+const Json* find_format(const Json& report, const Json& name) {
+  const auto it = std::ranges::find_if(report, [&](const Json& f) { return f["format"] == name; });
+  return it == report.end() ? nullptr : &*it;
+}
+
+void write_report(const fs::path& path, const Json& report) {
+  write_file(path, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Names names_of(const Manifest& manifest) {
+  Names names;
+  for (const OutputFile& f : manifest.outputs) {
+    VITRINE_CHECK(f.path.starts_with(kFolder), "the export stage wrote {}", f.path);
+    names.insert(f.path.substr(kFolder.size()));
+  }
+  return names;
+}
+
+// Files of a run's own export are nobody's wish: the next run may replace them.
+void remember(const fs::path& project, const fs::path& entry, const Names& names) {
+  Names asked = asked_for(project);
+  const auto current = current_key(project, kExportStage);
+  const fs::path of_run = current ? store_of(project) / kExportStage / *current / kFolder : fs::path();
+  for (const std::string& name : names)
+    if (name == kReport || (current && same_bytes(entry / kFolder / name, of_run / name)))
+      asked.erase(name);
+    else
+      asked.insert(name);
+  write_file(asked_file(project), Json(asked).dump(1) + "\n");
+}
+
+}  // namespace
+
+void put_export(const fs::path& entry, const Manifest& manifest, const ExportDesc& desc) {
+  const Names names = names_of(manifest);
+  const std::optional<Json> told = report_at(desc.target / kReport);
+  std::vector<std::string> in_the_way;
+  std::error_code ec;
+  for (const std::string& name : names) {
+    const fs::path there = desc.target / name;
+    if (!fs::exists(fs::symlink_status(there, ec))) continue;
+    // Our own report grows with every export.
+    if (name == kReport ? !told : !same_bytes(entry / kFolder / name, there)) in_the_way.push_back(name);
+  }
+  if (!in_the_way.empty() && !desc.overwrite) {
+    std::string list;
+    constexpr size_t kNamed = 5;
+    for (size_t i = 0; i < std::min(kNamed, in_the_way.size()); ++i) list += (i > 0 ? ", " : "") + in_the_way[i];
+    if (in_the_way.size() > kNamed) list += ", ...";
+    throw Error(ErrorKind::Input, "nothing was exported: files with other contents are in the way",
+                {.where = desc.target.string(),
+                 .why = fmt::format("{} would be replaced: {}", in_the_way.size(), list),
+                 .hint = "--overwrite, or another folder with -o",
+                 .code = "EXPORT_EXISTS"});
+  }
+  // Before the files: what stands there after a kill in between is still known to be asked for.
+  if ((desc.target / "").lexically_normal() == (desc.project / kFolder).lexically_normal()) remember(desc.project, entry, names);
+  for (const std::string& name : names) {
+    const fs::path from = entry / kFolder / name, to = desc.target / name;
+    if (name != kReport && !same_bytes(from, to)) link_or_copy(from, to);
+  }
+  // Formats of the report that is there stay in it, unless this export wrote them too.
+  const Json fresh = Json::parse(read_file(entry / kFolder / kReport));
+  Json report = Json::array();
+  if (told)
+    for (const Json& old : *told)
+      if (find_format(fresh, old["format"]) == nullptr) report.push_back(old);
+  for (const Json& format : fresh) report.push_back(format);
+  write_report(desc.target / kReport, report);
+}
+
+std::vector<std::string> publish_export(const fs::path& entry, const Manifest& manifest, const fs::path& project,
+                                        const Manifest* before) {
+  const Names asked = asked_for(project);
+  const std::optional<Json> told = asked.empty() ? std::nullopt : report_at(project / kFolder / kReport);
+  if (asked.empty()) {
+    publish(entry, manifest, project, before);
+    return {};
+  }
+  const Json fresh = Json::parse(read_file(entry / kFolder / kReport));
+  std::set<std::string> kept;  // paths of the artifact
+  Json report = Json::array();
+  std::vector<std::string> formats;
+  std::error_code ec;
+  for (const Json& format : fresh) {
+    if (!writes_any(format, asked)) {
+      report.push_back(format);
+      continue;
+    }
+    const Json* old = told ? find_format(*told, format["format"]) : nullptr;
+    report.push_back(old ? *old : format);
+    formats.push_back(format["format"].get<std::string>());
+    for (const Json& file : format["files"])
+      if (fs::exists(project / kFolder / file.get<std::string>(), ec))
+        kept.insert(std::string(kFolder) + file.get<std::string>());
+  }
+  if (told)
+    for (const Json& old : *told)
+      if (find_format(fresh, old["format"]) == nullptr && writes_any(old, asked)) report.push_back(old);
+  kept.insert(std::string(kFolder) + std::string(kReport));
+  publish(entry, manifest, project, before, kept);
+  write_report(project / kFolder / kReport, report);
+  return formats;
+}
+
+}  // namespace vitrine
