@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "core/stereo/inverse_plane.h"
 #include "core/stereo/patch_score.h"
 
 namespace vitrine {
@@ -13,132 +14,195 @@ namespace vitrine {
 namespace {
 
 constexpr double kEdgeCost = 40;      // of a step across a full change of brightness, in pixels
-constexpr float kFarHandicap = 0.025f;  // of brightness: by how much the far background must fit better than the plane
-constexpr double kLongestBlind = 40;   // path that a plane is followed where no other photo looks
-constexpr int kFitRadius = 10;        // pixels around a source that its plane is fitted to
-constexpr double kSamePlane = 0.02;   // relative difference of inverse depth up to which a pixel lies on the plane
+constexpr double kLongestBlind = 40;  // path that a plane is followed where no other photo looks
 constexpr double kMostStretched = 4;  // of a source's depth: how far its plane may be followed
+constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below which a plane is not tried
 
-// Inverse depth is affine in the pixel on a plane: 1/z = a x + b y + c.
-struct InversePlane {
-  double a = 0, b = 0, c = 0;
-  double at(double x, double y) const { return a * x + b * y + c; }
+// Costs of a choice, in brightness.
+constexpr float kImpossible = 1;
+constexpr float kUnseen = 0.06f;          // no other photo sees it
+constexpr float kContradicted = 0.3f;     // it would hide what other photos surely see
+constexpr float kOtherSurface = 0.15f;    // at a reliable pixel: not the surface found there
+constexpr float kLocalHandicap = 0.005f;  // a large plane is more exact than the continuation of a few pixels
+constexpr float kFarHandicap = 0.025f;
+constexpr double kSameDepth = 0.02, kBefore = 0.06;  // relative depths
+constexpr double kReach = 8;                         // pixels over which costs are averaged
+constexpr int kAverages = 2;
+
+struct Nearest {
+  std::vector<double> path;      // length in pixels, edges included
+  std::vector<uint32_t> source;  // the reliable pixel it starts from
 };
 
-// Least squares over the reliable pixels around (x, y) that lie on the pixel's own plane, then on the fitted one.
-InversePlane fitted_plane(const Intrinsics& k, const DepthMap& map, int x, int y) {
-  const size_t centre = map.index(x, y);
-  const Vec3d n = cast<double>(map.normal[centre]);
-  const double offset = double(map.zdepth[centre]) * dot(n, k.ray(x + 0.5, y + 0.5));
-  InversePlane plane{n.x / k.fx / offset, n.y / k.fy / offset, (n.z - n.x * k.cx / k.fx - n.y * k.cy / k.fy) / offset};
-  for (int round = 0; round < 2; ++round) {
-    double count = 0, sx = 0, sy = 0, sw = 0, sxx = 0, sxy = 0, syy = 0, sxw = 0, syw = 0;
-    for (int v = std::max(0, y - kFitRadius); v <= std::min(map.height - 1, y + kFitRadius); ++v)
-      for (int u = std::max(0, x - kFitRadius); u <= std::min(map.width - 1, x + kFitRadius); ++u) {
-        const size_t i = map.index(u, v);
-        if (!map.reliable(i)) continue;
-        const double w = 1 / double(map.zdepth[i]), expected = plane.at(u + 0.5, v + 0.5);
-        if (!(std::abs(w - expected) < kSamePlane * w)) continue;
-        const double du = u - x, dv = v - y;
-        count += 1, sx += du, sy += dv, sw += w, sxx += du * du, sxy += du * dv, syy += dv * dv, sxw += du * w, syw += dv * w;
-      }
-    if (count < 12) break;
-    const double mx = sx / count, my = sy / count, mw = sw / count;
-    const double xx = sxx / count - mx * mx, xy = sxy / count - mx * my, yy = syy / count - my * my;
-    const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 0.05 * xx * yy) || !(xx > 1) || !(yy > 1)) break;  // a strip does not fix a plane
-    const double xw = sxw / count - mx * mw, yw = syw / count - my * mw;
-    plane.a = (xw * yy - yw * xy) / determinant;
-    plane.b = (yw * xx - xw * xy) / determinant;
-    plane.c = mw - plane.a * (mx + x + 0.5) - plane.b * (my + y + 0.5);
-  }
-  return plane;
-}
-
-// Mean difference in brightness to the two photos that the plane fits best; 1 where none sees it.
-class Explanation {
- public:
-  Explanation(std::span<const StereoPhoto> photos, size_t index) : photos_(photos), photo_(photos[index]) {
-    for (uint32_t n : photo_.neighbours) transfers_.push_back(transfer_between(photo_.view, photos[n].view));
-  }
-  float difference(const ReferencePatch& patch, const InversePlane& plane, double x, double y) const {
-    float best = 1, second = 1;
-    for (size_t i = 0; i < transfers_.size(); ++i) {
-      const float d = patch_difference(patch, photos_[photo_.neighbours[i]].luma, transfers_[i], {plane.a, plane.b, plane.c}, x, y);
-      if (d < 0) continue;
-      if (d < best) second = std::exchange(best, d);
-      else if (d < second) second = d;
-    }
-    return second < 1 ? 0.5f * (best + second) : best;
-  }
-
- private:
-  std::span<const StereoPhoto> photos_;
-  const StereoPhoto& photo_;
-  std::vector<Transfer> transfers_;
-};
-
-}  // namespace
-
-void extend_planes(std::span<const StereoPhoto> photos, size_t index, DepthMap& map) {
-  const StereoPhoto& photo = photos[index];
-  const Intrinsics& k = photo.view.intrinsics;
+Nearest nearest_reliable(const ImageF& luma, const DepthMap& map) {
   const size_t pixels = map.zdepth.size();
-  std::vector<double> cost(pixels, 1e300);
-  std::vector<uint32_t> source(pixels);
+  Nearest nearest{std::vector<double>(pixels, 1e300), std::vector<uint32_t>(pixels)};
   using Entry = std::pair<double, uint32_t>;  // ties by index: one order on every machine
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   for (size_t i = 0; i < pixels; ++i)
     if (map.reliable(i)) {
-      cost[i] = 0;
-      source[i] = uint32_t(i);
+      nearest.path[i] = 0;
+      nearest.source[i] = uint32_t(i);
       open.emplace(0.0, uint32_t(i));
     }
-  if (open.empty()) return;
   while (!open.empty()) {
     const auto [c, i] = open.top();
     open.pop();
-    if (c > cost[i]) continue;
+    if (c > nearest.path[i]) continue;
     const int x = int(i) % map.width, y = int(i) / map.width;
     for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const int u = x + dx, v = y + dy;
       if (u < 0 || v < 0 || u >= map.width || v >= map.height) continue;
       const size_t j = map.index(u, v);
-      const double next = c + 1 + kEdgeCost * double(std::abs(photo.luma.at(u, v) - photo.luma.at(x, y)));
-      if (!(next < cost[j])) continue;
-      cost[j] = next;
-      source[j] = source[i];
+      const double next = c + 1 + kEdgeCost * double(std::abs(luma.at(u, v) - luma.at(x, y)));
+      if (!(next < nearest.path[j])) continue;
+      nearest.path[j] = next;
+      nearest.source[j] = nearest.source[i];
       open.emplace(next, uint32_t(j));
     }
   }
-  std::vector<float> zdepth = map.zdepth;
-  std::vector<Vec3f> normal = map.normal;
+  return nearest;
+}
+
+// What the other photos say about a plane at a pixel.
+class Witnesses {
+ public:
+  Witnesses(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, size_t index)
+      : photos_(photos), maps_(maps), photo_(photos[index]) {
+    for (size_t o = 0; o < photos.size(); ++o)
+      if (o != index && !photos[o].luma.empty() && !maps[o].zdepth.empty())
+        others_.push_back({o, transfer_between(photo_.view, photos[o].view),
+                           photos[o].view.cam_from_world * inverse(photo_.view.cam_from_world)});
+  }
+
+  // Mean difference in brightness to the two photos that the plane fits best; more where it stands before what they surely see.
+  float cost(const ReferencePatch& patch, const InversePlane& plane, double x, double y) const {
+    const Vec3d point = photo_.view.intrinsics.ray(x, y) / plane.at(x, y);
+    float best = 1, second = 1;
+    double against = 0, in_favour = 0;
+    for (const Other& other : others_) {
+      const Vec3d p = other.from_reference * point;
+      if (!(p.z > 0)) continue;
+      const Intrinsics& k = photos_[other.index].view.intrinsics;
+      const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
+      if (!(u >= 0) || !(v >= 0) || !(u < k.width) || !(v < k.height)) continue;
+      const DepthMap& map = maps_[other.index];
+      const size_t pixel = map.index(int(u), int(v));
+      if (map.reliable(pixel)) {
+        const double z = double(map.zdepth[pixel]);
+        if (p.z > (1 + kBefore) * z) continue;  // hidden there
+        if (p.z < (1 - kBefore) * z)
+          against += 1;
+        else if (std::abs(p.z - z) < kSameDepth * z)
+          in_favour += 1;
+      }
+      const float d = patch_difference(patch, photos_[other.index].luma, other.transfer, {plane.a, plane.b, plane.c}, x, y);
+      if (d < 0) continue;
+      if (d < best)
+        second = std::exchange(best, d);
+      else if (d < second)
+        second = d;
+    }
+    const float unexplained = second < 1 ? 0.5f * (best + second) : best < 1 ? best : kUnseen;
+    return unexplained + kContradicted * float(against / (against + in_favour + 0.5));
+  }
+
+ private:
+  struct Other {
+    size_t index;
+    Transfer transfer;
+    Rigid from_reference;
+  };
+  std::span<const StereoPhoto> photos_;
+  std::span<const DepthMap> maps_;
+  const StereoPhoto& photo_;
+  std::vector<Other> others_;
+};
+
+// Average over a neighbourhood that ends at edges: a recursive filter there and back along rows, then columns (Gastal and
+// Oliveira, "Domain Transform for Edge-Aware Image and Video Processing", 2011).
+void average_alike(const ImageF& luma, std::vector<float>& values) {
+  const int width = luma.width(), height = luma.height();
+  const auto carry = [&](int x, int y, int u, int v) {
+    const float keep = std::exp(-(1 + float(kEdgeCost) * std::abs(luma.at(x, y) - luma.at(u, v))) / float(kReach));
+    float& value = values[size_t(v) * size_t(width) + size_t(u)];
+    value += keep * (values[size_t(y) * size_t(width) + size_t(x)] - value);
+  };
+  for (int round = 0; round < kAverages; ++round) {
+    for (int y = 0; y < height; ++y) {
+      for (int x = 1; x < width; ++x) carry(x - 1, y, x, y);
+      for (int x = width - 1; x > 0; --x) carry(x, y, x - 1, y);
+    }
+    for (int x = 0; x < width; ++x) {
+      for (int y = 1; y < height; ++y) carry(x, y - 1, x, y);
+      for (int y = height - 1; y > 0; --y) carry(x, y, x, y - 1);
+    }
+  }
+}
+
+}  // namespace
+
+DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, std::span<const ScenePlane> planes,
+                  size_t index) {
+  DepthMap map = maps[index];
+  if (std::find(map.trusted.begin(), map.trusted.end(), 1) == map.trusted.end()) return map;
+  const StereoPhoto& photo = photos[index];
+  const Intrinsics& k = photo.view.intrinsics;
+  const size_t pixels = map.zdepth.size();
+  const Nearest nearest = nearest_reliable(photo.luma, map);
+  const Witnesses witnesses(photos, maps, index);
+
+  // Choices: the large planes, the far background, the continuation.
+  std::vector<InversePlane> choices;
+  for (const ScenePlane& plane : planes) {
+    const Vec3d normal = photo.view.cam_from_world.rotation * plane.normal;
+    const double offset = plane.offset + dot(normal, photo.view.cam_from_world.translation);
+    if (std::abs(offset) > 1e-6) choices.push_back(inverse_plane(k, normal, offset));
+  }
+  const size_t far = choices.size(), local = far + 1;
+  choices.push_back({0, 0, 1 / photo.far_z});
   std::vector<std::optional<InversePlane>> fitted(pixels);
-  const Explanation explanation(photos, index);
-  const InversePlane far{0, 0, 1 / photo.far_z};
+  std::vector<std::vector<float>> cost(choices.size() + 1, std::vector<float>(pixels, kImpossible));
+  const auto possible = [&](const InversePlane& plane, double x, double y) {
+    const double w = plane.at(x, y);
+    return w * photo.near_z < 1 && w * photo.far_z > 0.999 &&
+           -dot(normal_towards_camera(k, plane), normalized(k.ray(x, y))) > kMostSlanted;
+  };
   for (size_t i = 0; i < pixels; ++i) {
-    if (map.reliable(i)) continue;
-    const uint32_t from = source[i];
-    if (!fitted[from]) fitted[from] = fitted_plane(k, map, int(from) % map.width, int(from) / map.width);
-    const InversePlane& plane = *fitted[from];
     const double x = double(int(i) % map.width) + 0.5, y = double(int(i) / map.width) + 0.5;
-    const Vec3d ray = k.ray(x, y);
-    const double near = double(map.zdepth[from]), w = plane.at(x, y);
-    const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
-    const float near_difference = explanation.difference(patch, plane, x, y);
-    if (near_difference >= 1 ? cost[i] > kLongestBlind : explanation.difference(patch, far, x, y) + kFarHandicap < near_difference) {
-      zdepth[i] = float(photo.far_z);
-      normal[i] = cast<float>(-normalized(ray));
+    if (map.reliable(i)) {
+      for (size_t c = 0; c < choices.size(); ++c)
+        cost[c][i] = std::abs(choices[c].at(x, y) * double(map.zdepth[i]) - 1) < kSameDepth ? 0 : kOtherSurface;
+      cost[local][i] = 0;
       continue;
     }
-    const bool met = w * near < kMostStretched && w * near > 1 / kMostStretched;  // else seen too much along: on at its depth
-    zdepth[i] = float(std::clamp(met ? 1 / w : near, photo.near_z, photo.far_z));
-    // n/d in the components of the ray: the camera is on the side where it is positive, so the normal towards it is its negative.
-    const Vec3d n = -Vec3d{plane.a * k.fx, plane.b * k.fy, plane.c + plane.a * k.cx + plane.b * k.cy};
-    normal[i] = met ? cast<float>(normalized(n)) : cast<float>(-normalized(ray));
+    const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
+    for (size_t c = 0; c < choices.size(); ++c)
+      if (possible(choices[c], x, y)) cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
+    const uint32_t from = nearest.source[i];
+    if (!fitted[from]) fitted[from] = fitted_plane(k, map, int(from) % map.width, int(from) / map.width);
+    const double stretched = fitted[from]->at(x, y) * double(map.zdepth[from]);
+    if (stretched < kMostStretched && stretched > 1 / kMostStretched && possible(*fitted[from], x, y))
+      cost[local][i] = witnesses.cost(patch, *fitted[from], x, y) + kLocalHandicap +
+                       kUnseen * float(std::min(1.0, nearest.path[i] / kLongestBlind));
   }
-  map.zdepth = std::move(zdepth);
-  map.normal = std::move(normal);
+  for (std::vector<float>& of : cost) average_alike(photo.luma, of);
+
+  for (size_t i = 0; i < pixels; ++i) {
+    if (map.reliable(i)) continue;
+    const double x = double(int(i) % map.width) + 0.5, y = double(int(i) / map.width) + 0.5;
+    const uint32_t from = nearest.source[i];
+    std::optional<InversePlane> chosen;
+    float least = 1e30f;
+    for (size_t c = 0; c < cost.size(); ++c) {
+      const InversePlane& plane = c == local ? *fitted[from] : choices[c];
+      if (c != far && !possible(plane, x, y)) continue;
+      if (cost[c][i] < least) least = cost[c][i], chosen = plane;
+    }
+    map.zdepth[i] = float(std::clamp(1 / chosen->at(x, y), photo.near_z, photo.far_z));
+    map.normal[i] = cast<float>(normal_towards_camera(k, *chosen));
+  }
+  return map;
 }
 
 }  // namespace vitrine

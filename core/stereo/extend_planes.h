@@ -1,14 +1,18 @@
 // A depth for every pixel: where stereo found none (a wall behind an object, the border that one photo alone sees, bare plaster),
-// the surface of the nearest reliable pixels goes on as a plane. Nearest along paths that avoid edges of brightness, so that a
-// wall is continued from the wall and not from the vase in front of it. Where the far background explains the pixel better (the sky
-// above the wall), it is taken instead.
+// a plane is chosen: the one that the nearest reliable pixels continue (nearest along paths that avoid edges of brightness, so
+// that a wall is continued from the wall and not from the vase in front of it), a large plane of the scene, or the far background
+// (the sky above the wall). A choice costs what it leaves unexplained in the other photos and where it would hide what they are
+// sure to see; the costs are averaged over what looks alike, and the cheapest wins (Hosni et al., "Fast Cost-Volume Filtering for
+// Visual Correspondence and Beyond", 2013).
 #pragma once
 
-#include "core/stereo/patch_match.h"
+#include "core/stereo/scene_planes.h"
 
 namespace vitrine {
 
-// Replaces zdepth and normal of the pixels that are not reliable(). Without a reliable pixel the map stays as it is.
-void extend_planes(std::span<const StereoPhoto> photos, size_t index, DepthMap& map);
+// The map of photo `index` with zdepth and normal of the pixels that are not reliable() replaced. Without a reliable pixel the
+// map stays as it is.
+DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, std::span<const ScenePlane> planes,
+                  size_t index);
 
 }  // namespace vitrine

@@ -1,0 +1,108 @@
+#include "core/stereo/scene_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "core/base/parallel.h"
+#include "core/stereo/inverse_plane.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kPointStep = 4, kCandidateStep = 12;  // pixels between the samples of a photo
+constexpr double kOnPlane = 0.012;                  // distance from a plane, relative to the depth, up to which a point is on it
+constexpr double kTurned = 0.8;                     // cosine between a point's normal and the plane's
+constexpr size_t kMostPlanes = 12;
+constexpr double kLeastShare = 0.01;
+
+struct Sample {
+  Vec3d position, normal;
+  double depth, weight;
+};
+
+bool lies_on(const Sample& s, const ScenePlane& plane) {
+  return std::abs(dot(plane.normal, s.position) - plane.offset) < kOnPlane * s.depth &&
+         std::abs(dot(plane.normal, s.normal)) > kTurned;
+}
+
+double support(const std::vector<Sample>& samples, const ScenePlane& plane) {
+  double sum = 0;
+  for (const Sample& s : samples)
+    if (lies_on(s, plane)) sum += s.weight;
+  return sum;
+}
+
+// Least squares over the samples on the plane; a point's distance counts relative to its depth.
+ScenePlane refined(const std::vector<Sample>& samples, const ScenePlane& plane) {
+  double sum = 0;
+  Vec3d mean{};
+  for (const Sample& s : samples)
+    if (lies_on(s, plane)) {
+      const double w = s.weight / (s.depth * s.depth);
+      sum += w, mean += w * s.position;
+    }
+  if (!(sum > 0)) return plane;
+  mean = mean / sum;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Sample& s : samples)
+    if (lies_on(s, plane)) {
+      const Vec3d d = s.position - mean;
+      const Eigen::Vector3d e(d.x, d.y, d.z);
+      scatter += (s.weight / (s.depth * s.depth)) * e * e.transpose();
+    }
+  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  ScenePlane better = plane;
+  better.normal = {normal.x(), normal.y(), normal.z()};
+  better.offset = dot(better.normal, mean);
+  return better;
+}
+
+}  // namespace
+
+std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps) {
+  std::vector<Sample> samples;
+  std::vector<ScenePlane> candidates;
+  double total = 0;
+  for (size_t v = 0; v < maps.size(); ++v) {
+    const DepthMap& map = maps[v];
+    if (map.zdepth.empty()) continue;
+    const Intrinsics& k = photos[v].view.intrinsics;
+    const Rigid world_from_cam = inverse(photos[v].view.cam_from_world);
+    for (int y = kPointStep / 2; y < map.height; y += kPointStep)
+      for (int x = kPointStep / 2; x < map.width; x += kPointStep) {
+        const size_t i = map.index(x, y);
+        if (!map.reliable(i)) continue;
+        const double z = double(map.zdepth[i]);
+        // What many photos see counts once: each of them has a sample there.
+        samples.push_back({world_from_cam * (z * k.ray(x + 0.5, y + 0.5)), world_from_cam.rotation * cast<double>(map.normal[i]),
+                           z, 1.0 / (1 + map.agreeing[i])});
+        total += samples.back().weight;
+      }
+    for (int y = kCandidateStep / 2; y < map.height; y += kCandidateStep)
+      for (int x = kCandidateStep / 2; x < map.width; x += kCandidateStep) {
+        if (!map.reliable(map.index(x, y))) continue;
+        const InversePlane plane = fitted_plane(k, map, x, y);
+        const Vec3d normal = world_from_cam.rotation * normal_towards_camera(k, plane);
+        const Vec3d point = world_from_cam * (k.ray(x + 0.5, y + 0.5) / plane.at(x + 0.5, y + 0.5));
+        candidates.push_back({normal, dot(normal, point), 0});
+      }
+  }
+  std::vector<ScenePlane> planes;
+  while (planes.size() < kMostPlanes && !candidates.empty()) {
+    parallel_for(candidates.size(), 64, [&](size_t c) { candidates[c].share = support(samples, candidates[c]); });
+    ScenePlane best = *std::max_element(candidates.begin(), candidates.end(),
+                                        [](const ScenePlane& a, const ScenePlane& b) { return a.share < b.share; });
+    for (int round = 0; round < 3; ++round) best = refined(samples, best);
+    best.share = support(samples, best) / total;
+    if (!(best.share >= kLeastShare)) break;
+    planes.push_back(best);
+    std::erase_if(samples, [&](const Sample& s) { return lies_on(s, best); });
+    std::erase_if(candidates, [&](const ScenePlane& c) { return c.share < kLeastShare * total; });
+  }
+  return planes;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,20 @@
+// The large planes of a scene (floor, walls, table), found in the reliable pixels of all photos together. What people build is
+// flat: where stereo finds nothing, one of these planes is a better guess than any continuation of a few noisy pixels.
+// Found one after the other: the plane with the most support among the planes fitted around single pixels, refined by least
+// squares (Schnabel et al., "Efficient RANSAC for Point-Cloud Shape Detection", 2007, without the chance).
+#pragma once
+
+#include "core/stereo/patch_match.h"
+
+namespace vitrine {
+
+struct ScenePlane {
+  Vec3d normal;       // world frame, unit
+  double offset = 0;  // normal.X = offset
+  double share = 0;   // of the surface that stereo found in all photos
+};
+
+// Largest first, at most twelve, each at least a hundredth of the surface found. `maps` after count_agreement().
+std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps);
+
+}  // namespace vitrine
