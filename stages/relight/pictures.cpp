@@ -59,7 +59,7 @@ ImageF exposed(ImageF picture) {
 
 }  // namespace
 
-double write_relight_pictures(const RelightPicturesDesc& desc) {
+std::optional<double> write_relight_pictures(const RelightPicturesDesc& desc) {
   SurfelColors albedo(desc.layer, desc.albedo, desc.near_z), irradiance(desc.layer, desc.irradiance, desc.near_z);
   std::vector<std::vector<Image8>> albedo_rows, baked_rows;
   std::vector<std::string> albedo_labels, baked_labels;
@@ -91,7 +91,8 @@ double write_relight_pictures(const RelightPicturesDesc& desc) {
     write_ldr(desc.output / "relight" / "albedo.png", sheet(albedo_rows, albedo_labels));
     write_ldr(desc.output / "relight" / "baked.png", sheet(baked_rows, baked_labels));
   }
-  return count > 0 ? std::sqrt(squares / count) * std::numbers::ln2 : 0;
+  if (count == 0) return std::nullopt;
+  return std::sqrt(squares / count) * std::numbers::ln2;
 }
 
 }  // namespace vitrine

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct RelightPicturesDesc {
   int rows = 4, cell_width = 320;
 };
 
-// Returns the rms of the logarithm of photo / (albedo x irradiance / pi), over the pixels shown.
-double write_relight_pictures(const RelightPicturesDesc& desc);
+// Returns the rms of the logarithm of photo / (albedo x irradiance / pi), over the pixels shown; nothing where none is shown.
+std::optional<double> write_relight_pictures(const RelightPicturesDesc& desc);
 
 }  // namespace vitrine

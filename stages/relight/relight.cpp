@@ -64,18 +64,21 @@ class Decomposition {
     if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
     const fs::path mesh_path = context.input("mesh") / "mesh" / "mesh.ply";
     mesh_ = read_mesh_ply(mesh_path);
-    if (mesh_.faces.empty() || mesh_.colors.size() != mesh_.positions.size())
+    const double area = area_of(mesh_);
+    if (!(area > 0) || mesh_.colors.size() != mesh_.positions.size())
       throw Error(ErrorKind::Input, "the mesh is not usable for shadows",
                   {.where = mesh_path.string(),
-                   .why = mesh_.faces.empty() ? "it has no triangles" : "it has no colours",
+                   .why = mesh_.faces.empty() ? "it has no triangles"
+                          : !(area > 0)       ? "its triangles have no area"
+                                              : "it has no colours",
                    .hint = "run the mesh stage again",
                    .code = "NO_SURFACE"});
     for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));
     const Vec3d margin = 0.02 * (box_.high - box_.low) + Vec3d{1e-3, 1e-3, 1e-3};
     box_.low = box_.low - margin;
     box_.high = box_.high + margin;
-    voxel_ = std::sqrt(area_of(mesh_) / config.points);
-    edge_ = std::sqrt(2 * area_of(mesh_) / double(mesh_.faces.size()));
+    voxel_ = std::sqrt(area / config.points);
+    edge_ = std::sqrt(2 * area / double(mesh_.faces.size()));
   }
 
   void run() {
@@ -229,7 +232,7 @@ class Decomposition {
     const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
     for (size_t i = 0; i < layer.size(); ++i) {
       for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] = std::clamp(kPi * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]), 0.f, kMaxAlbedo);
+        materials_.albedo[i][c] = std::max(0.f, kPi * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]));
         materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
       }
       // What no layer trained is a first guess, not a finding: matt and opaque.
@@ -239,8 +242,11 @@ class Decomposition {
       if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
     if (card_) match_card();
+    for (Vec3f& rho : materials_.albedo)
+      for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
   }
 
+  // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
   void match_card() {
     View view = all_views_[card_->view];
     view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
@@ -249,7 +255,7 @@ class Decomposition {
     for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
     for (size_t i = 0; i < materials_.size(); ++i)
       for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] = std::min(kMaxAlbedo, materials_.albedo[i][c] * card_gain_[c]);
+        materials_.albedo[i][c] *= card_gain_[c];
         irradiance_[i][c] /= card_gain_[c];
       }
     for (Vec3f& l : solution_.light)
@@ -309,19 +315,19 @@ class Decomposition {
     write_environment(relight_environment_path(out), Environment(environment()));
     if (!shell_.faces.empty()) write_mesh_ply(relight_surroundings_path(out), painted_shell());
     const fs::path sfm = context_.input("sfm");
-    const double baked = write_relight_pictures({.sfm_folder = sfm,
-                                                 .output = out,
-                                                 .layer = layer(),
-                                                 .near_z = scene_.image.diffuse.near_z,
-                                                 .albedo = materials_.albedo,
-                                                 .irradiance = irradiance_,
-                                                 .views = views_,
-                                                 .rows = config_.sheet_rows,
-                                                 .cell_width = config_.sheet_cell_width});
+    const std::optional<double> baked = write_relight_pictures({.sfm_folder = sfm,
+                                                                .output = out,
+                                                                .layer = layer(),
+                                                                .near_z = scene_.image.diffuse.near_z,
+                                                                .albedo = materials_.albedo,
+                                                                .irradiance = irradiance_,
+                                                                .views = views_,
+                                                                .rows = config_.sheet_rows,
+                                                                .cell_width = config_.sheet_cell_width});
     size_t usable = 0, inner = 0, free = 0;
     for (size_t i = 0; i < points_.size(); ++i) usable += usable_[i], inner += points_[i].inner;
     for (const bool f : solution_.free) free += f;
-    const Json report{
+    Json report{
         {"points",
          {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
         {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
@@ -336,12 +342,12 @@ class Decomposition {
                           : fmt::format("the open light is white in the mean, and the brightest twentieth of the surface has the "
                                         "albedo {}",
                                         config_.white_albedo)},
-          {"limited_by_bounced_light", solution_.scale_by_bounces}}},
-        {"baked_log_rms", baked}};
+          {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
+    if (baked) report["baked_log_rms"] = *baked;
     write_file(out / "relight" / "report.json", report.dump(2) + "\n");
     context_.metric("misfit_log_rms", solution_.misfit.back());
     context_.metric("light_known_share", solution_.known_share);
-    context_.metric("baked_log_rms", baked);
+    if (baked) context_.metric("baked_log_rms", *baked);
     if (free == 0)
       context_.warning("NO_OPEN_LIGHT", "no surface point looks past the mesh and its surroundings: all light counts as known");
     if (solution_.scale_by_bounces)

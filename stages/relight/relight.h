@@ -3,7 +3,8 @@
 //   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
 //   writes  relight/materials.ply, relight/environment.exr, relight/surroundings.ply, relight/report.json, relight/albedo.png,
 //           relight/baked.png
-// version 1: first.
+// version 1: first. 2: leaves out what lies before the near plane. 3: back sides send no light, the sides of thin things are told
+//   apart, a grey card is matched before albedos are limited.
 #pragma once
 
 #include <string>

@@ -14,6 +14,7 @@ namespace {
 
 constexpr float kReach = 8;            // times the radius: how far a point speaks
 constexpr float kLeastFacing = 0.01f;  // of a point whose normal is across
+constexpr float kAcross = 0.3f;        // cosine up to which it is
 
 struct PointSet {
   std::vector<Vec3f> positions;
@@ -61,15 +62,21 @@ std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inn
     std::vector<PointGrid::Near> near;
     grids[which].nearest(p, desc.neighbours, kReach * radius[which], near);
     const float inverse = 1 / (2 * radius[which] * radius[which]);
+    // Relative to the nearest: a surfel that lies off still gets its neighbours' light.
+    const auto closeness = [&](const PointGrid::Near& q) {
+      return std::exp(-inverse * (q.squared_distance - near.front().squared_distance));
+    };
+    const auto facing_of = [&](const PointGrid::Near& q) { return dot(n, points[sets[which].index[q.index]].normal); };
+    // A surfel does not know its front, its neighbours do: the points of the other side of a thin thing stand farther off.
+    float front = 0;
+    for (const PointGrid::Near& q : near) front += closeness(q) * facing_of(q);
     Vec3f total{};
     float weight = 0;
     for (const PointGrid::Near& q : near) {
-      const uint32_t index = sets[which].index[q.index];
-      const float facing = std::abs(dot(n, points[index].normal)), square = facing * facing;
-      // Relative to the nearest: a surfel that lies off still gets its neighbours' light.
-      const float w =
-          std::exp(-inverse * (q.squared_distance - near.front().squared_distance)) * std::max(kLeastFacing, square * square);
-      total += w * irradiance[index];
+      const float facing = std::copysign(1.f, front) * facing_of(q), square = facing * facing;
+      if (facing < -kAcross) continue;
+      const float w = closeness(q) * (facing > 0 ? std::max(kLeastFacing, square * square) : kLeastFacing);
+      total += w * irradiance[sets[which].index[q.index]];
       weight += w;
     }
     out[i] = weight > 0 ? total / weight : mean;

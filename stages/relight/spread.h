@@ -1,4 +1,4 @@
-// Irradiance of the points to every surfel: the nearest points that face the same way, by distance and angle.
+// Irradiance of the points to every surfel: the nearest points on the same side of the surface, by distance and angle.
 #pragma once
 
 #include <span>

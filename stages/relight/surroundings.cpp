@@ -5,13 +5,12 @@
 #include <limits>
 #include <numbers>
 
+#include "core/light/environment.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 // Where a ray from inside a box leaves it.
 float exit_of(const Bounds3& box, const Vec3f& origin, const Vec3f& direction) {
@@ -28,17 +27,15 @@ float exit_of(const Bounds3& box, const Vec3f& origin, const Vec3f& direction) {
 
 size_t Surroundings::texel_of(const Vec3f& d) const {
   const int width = 2 * height;
-  const float u = 0.5f - std::atan2(d.y, d.x) / (2 * kPi), v = 0.5f - std::asin(std::clamp(d.z, -1.f, 1.f)) / kPi;
-  const int x = std::clamp(static_cast<int>(u * float(width)), 0, width - 1);
-  const int y = std::clamp(static_cast<int>(v * float(height)), 0, height - 1);
+  const Vec2f uv = lat_long_coordinates(d);
+  const int x = std::min(static_cast<int>(uv.x * float(width)), width - 1);
+  const int y = std::min(static_cast<int>(uv.y * float(height)), height - 1);
   return size_t(y) * size_t(width) + size_t(x);
 }
 
 Vec3f Surroundings::direction(size_t texel) const {
   const size_t width = 2 * size_t(height);
-  const float u = (float(texel % width) + 0.5f) / float(width), v = (float(texel / width) + 0.5f) / float(height);
-  const float azimuth = -2 * kPi * (u - 0.5f), elevation = kPi * (0.5f - v);
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+  return lat_long_direction((float(texel % width) + 0.5f) / float(width), (float(texel / width) + 0.5f) / float(height));
 }
 
 double Surroundings::wall_share() const {

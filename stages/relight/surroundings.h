@@ -20,7 +20,7 @@ struct SurroundingsDesc {
 struct Surroundings {
   Vec3f centre{};
   int height = 0;
-  // [height * 2 height], rows from +z to -z at equal angles, columns as core/light: azimuth = -2 pi (u - 1/2).
+  // [height * 2 height], rows from +z to -z at equal angles, columns as those of an environment (core/light).
   std::vector<float> distance;  // 0: nothing there
   std::vector<Vec3f> radiance;  // of the wall, or of the sky where surfels show it
   std::vector<bool> wall;       // nearer than the sky

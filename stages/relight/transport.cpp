@@ -68,7 +68,8 @@ class Rays {
       const std::optional<MeshHit> hit = mesh_.first_hit(origin, direction, near);
       if (!hit) break;
       const Vec3f p = origin + hit->t * direction;
-      if (!clear(hit->face, p)) return {true, hit->from_inside, color_at(scene_.mesh, hit->face, p)};
+      // What the photos show is the front; its light is not that of the back.
+      if (!clear(hit->face, p)) return {true, hit->from_inside, hit->from_inside ? Vec3f{} : color_at(scene_.mesh, hit->face, p)};
       near = hit->t * 1.0001f + 1e-5f;
     }
     if (shell_)

@@ -1,7 +1,7 @@
 // How light reaches the points: one jittered ray per point and cell of directions. A ray that meets the mesh or the surroundings
-// brings the radiance that the photos show there (the light of the capture, bounced: algorithms 7.3, L_ind); one that leaves
-// brings the unknown radiance of its cell, or the known one where the surroundings show sky. Irradiance is then linear in the
-// unknown light:
+// brings the radiance that the photos show there (the light of the capture, bounced: algorithms 7.3, L_ind), none from a back
+// side, which no photo shows; one that leaves brings the unknown radiance of its cell, or the known one where the surroundings
+// show sky. Irradiance is then linear in the unknown light:
 //   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega where the ray of point s and cell j leaves the scene
 #pragma once
 
@@ -28,7 +28,7 @@ struct Transport {
   LightGrid grid;
   std::vector<float> open;    // [points * cells] A
   std::vector<Vec3f> known;   // [points] irradiance of rays that met something
-  std::vector<float> inside;  // [points] share of the rays that met a back side at once: the point is under the surface
+  std::vector<float> inside;  // [points] share of the rays that met a back side: most of them where it lies under the surface
   std::span<const float> row(size_t point) const { return {open.data() + point * grid.cells(), grid.cells()}; }
   Vec3f irradiance(size_t point, std::span<const Vec3f> light) const;
 };

@@ -6,10 +6,13 @@
 
 #include "core/light/environment.h"
 #include "core/picture/relight_materials.h"
+#include "core/picture/surfel_colors.h"
 #include "stages/relight/affinity.h"
 #include "stages/relight/grey_card.h"
 #include "stages/relight/light_grid.h"
 #include "stages/relight/point_grid.h"
+#include "stages/relight/spread.h"
+#include "stages/relight/transport.h"
 #include "tests/relight_stage/lit_room.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -107,6 +110,37 @@ TEST(Relight, GreyCardSetsTheScale) {
   run_relight(config, context);
   const auto report = nlohmann::json::parse(read_file(context.output() / "relight" / "report.json"));
   EXPECT_EQ(report.at("scale").at("by"), "grey_card");
+  const SplatLayer layer = read_layer(room().folder() / "gaussians/diffuse.ply");
+  const std::vector<Vec3f> albedo = read_relight_materials(context.output()).albedo;
+  const GreyCard card = parse_grey_card(config.grey_card, room().views);
+  const Vec3f found = median_in(card, room().views[0], SurfelColors(layer, albedo, 0.01f).picture(room().views[0]));
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.3, 0.005);
+  // Surfels that the convention makes brighter than white keep what tells them apart once the card has made them darker.
+  RelightConfig bright = config;
+  bright.grey_card.clear();
+  bright.white_albedo = 0.95;
+  bright.grey_albedo = 0.18;
+  test::RecordingContext by_convention(room().inputs());
+  run_relight(bright, by_convention);
+  const std::vector<Vec3f> white = read_relight_materials(by_convention.output()).albedo;
+  bright.grey_card = config.grey_card;
+  test::RecordingContext by_card(room().inputs());
+  run_relight(bright, by_card);
+  const std::vector<Vec3f> grey = read_relight_materials(by_card.output()).albedo;
+  for (size_t c = 0; c < 3; ++c) {
+    float gain = 0, darkest = 1, brightest = 0;
+    size_t limited = 0;
+    for (size_t i = 0; i < white.size(); ++i) {
+      if (white[i][c] < 0.5f) gain = grey[i][c] / white[i][c];  // the same for all
+      if (white[i][c] < 0.979f) continue;
+      ++limited;
+      darkest = std::min(darkest, grey[i][c]);
+      brightest = std::max(brightest, grey[i][c]);
+    }
+    ASSERT_LT(gain, 0.9f) << "the card must make the scene darker for this test";
+    ASSERT_GT(limited, 10u) << "channel " << c;
+    EXPECT_GT(brightest, 1.05f * darkest) << limited << " surfels of channel " << c;
+  }
   for (const char* wrong :
        {"view_0.png", "view_0.png:1,2,3", "view_9.png:1,2,3,4", "view_0.png:100,60,50,6", "view_0.png:1,2,0,4"}) {
     config.grey_card = wrong;
@@ -127,6 +161,14 @@ TEST(Relight, RefusesScenesWithoutSurface) {
     return e.detail().code;
   };
   EXPECT_EQ(refused([](const fs::path& f) { write_mesh_ply(f / "mesh/mesh.ply", TriMesh{}); }), "NO_SURFACE");
+  EXPECT_EQ(refused([](const fs::path& f) {
+              TriMesh flat;
+              flat.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0.2f, 0, 0}};
+              flat.colors.resize(3);
+              flat.faces = {{0, 1, 2}};
+              write_mesh_ply(f / "mesh/mesh.ply", flat);
+            }),
+            "NO_SURFACE");
   EXPECT_EQ(refused([](const fs::path& f) { write_layer(f / "gaussians/diffuse.ply", SplatLayer(LayerKind::Diffuse, 0, 0)); }),
             "NO_SURFACE");
 }
@@ -142,6 +184,31 @@ TEST(Relight, OverexposedPhotosEndInAGuessAndAWarning) {
   EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
   for (const Vec3f& rho : read_relight_materials(context.output()).albedo)
     for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(rho[c]));
+}
+
+TEST(Relight, WithoutPicturesTheirErrorIsAbsentNotZero) {
+  test::RecordingContext context(room().inputs());
+  RelightConfig config = quick();
+  config.solver.rounds = 1;
+  config.sheet_rows = 0;
+  run_relight(config, context);
+  const auto report = nlohmann::json::parse(read_file(context.output() / "relight" / "report.json"));
+  EXPECT_FALSE(report.contains("baked_log_rms")) << report;
+  EXPECT_FALSE(context.metrics.contains("baked_log_rms"));
+}
+
+// What the dearest settings that pass the check would hold in memory at once.
+TEST(RelightOptions, EvenTheDearestFitAnOrdinaryMachine) {
+  RelightConfig config;
+  const OptionTable table = options_of(config);
+  const auto most = [&](const char* option) { return table.find(option)->high.value(); };
+  const double cells = 2 * most("bands") * most("bands");
+  const double both_sides = 2;
+  EXPECT_LT(both_sides * most("points") * cells * sizeof(float), 2e9);          // transport
+  EXPECT_LT((2 * most("solver.points") + cells) * cells * sizeof(float), 1e9);  // matrix, weighted copy, normal matrix
+  EXPECT_LT(most("panorama_height") * most("panorama_height") * 2 * 100, 1e9);  // rays and their values
+  const double cell_bytes = most("sheet_cell_width") * most("sheet_cell_width") * 3;
+  EXPECT_LT(2 * 2 * 3 * most("sheet_rows") * cell_bytes, 2e9);  // two sheets of three columns, and their cells
 }
 
 TEST(RelightMaterials, RoundTripAndDamage) {
@@ -176,6 +243,73 @@ TEST(LightGrid, CellsHoldTheirDirectionsAndTileTheSphere) {
   for (size_t j = 0; j < grid.cells(); ++j)
     for (int k = 0; k < 8; ++k)
       EXPECT_EQ(grid.cell_of(grid.direction(j, 0.01f + 0.98f * rng.uniform(), 0.01f + 0.98f * rng.uniform())), j);
+}
+
+// A sheet in the plane z with corners at +-1, vertices of one colour; its front looks up or down.
+TriMesh sheet(float z, bool up, const Vec3f& color) {
+  TriMesh m;
+  m.positions = {{-1, -1, z}, {1, -1, z}, {1, 1, z}, {-1, 1, z}};
+  m.colors.assign(4, color);
+  m.faces = up ? std::vector<std::array<uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}
+               : std::vector<std::array<uint32_t, 3>>{{0, 2, 1}, {0, 3, 2}};
+  return m;
+}
+
+Transport transport_over(const TriMesh& mesh, const std::vector<LitPoint>& points) {
+  const Surroundings open{.centre = {},
+                          .height = 4,
+                          .distance = std::vector<float>(32, 0.f),
+                          .radiance = std::vector<Vec3f>(32),
+                          .wall = std::vector<bool>(32, false)};
+  return transport({.mesh = mesh, .transmission = {}, .around = open, .shell = {}}, points, {.grid = {.bands = 24}},
+                   [](double) {});
+}
+
+TEST(Transport, LightFromBehindASurfaceDoesNotReachIt) {
+  const auto facing = [](const Vec3f& n) { return LitPoint{.normal = n, .inner = true}; };
+  const Transport t = transport_over(sheet(0, true, {}), {facing({0, 0, 1}), facing({0, 0, -1})});
+  std::vector<Vec3f> above(t.grid.cells()), below(t.grid.cells());
+  for (size_t j = 0; j < t.grid.cells(); ++j) (t.grid.direction(j, 0.5f, 0.5f).z > 0 ? above : below)[j] = {1, 2, 3};
+  EXPECT_NEAR(t.irradiance(0, above).x, std::numbers::pi, 0.02);
+  EXPECT_NEAR(t.irradiance(0, above).z, 3 * std::numbers::pi, 0.06);
+  EXPECT_EQ(t.irradiance(0, below), Vec3f{});
+  EXPECT_EQ(t.irradiance(1, above), Vec3f{});
+}
+
+TEST(Transport, ASheetSendsOnTheLightOfItsFrontToItsFrontOnly) {
+  const LitPoint below{.position = {0, 0, -0.05f}, .normal = {0, 0, 1}, .inner = true};
+  const Transport lit_below = transport_over(sheet(0, false, {2, 1, 0.5f}), {below});
+  EXPECT_NEAR(lit_below.known[0].x, 2 * std::numbers::pi, 0.05);
+  EXPECT_EQ(lit_below.inside[0], 0);
+  const Transport lit_above = transport_over(sheet(0, true, {2, 1, 0.5f}), {below});
+  EXPECT_EQ(lit_above.known[0], Vec3f{});
+  EXPECT_GT(lit_above.inside[0], 0.9f);
+}
+
+TEST(Spread, TheTwoSidesOfAThinThingKeepTheirOwnLight) {
+  constexpr float kThick = 0.01f;
+  constexpr int kSide = 12;
+  std::vector<LitPoint> points;
+  std::vector<Vec3f> light;
+  SplatLayer layer(LayerKind::Diffuse, 0, 4 * kSide * kSide);
+  for (int i = 0; i < kSide * kSide; ++i)
+    for (const bool top : {true, false}) {
+      const Vec3f p{0.01f * float(i % kSide), 0.01f * float(i / kSide), top ? kThick : 0.f};
+      points.push_back({.position = p, .normal = {0, 0, top ? 1.f : -1.f}, .inner = true});
+      light.push_back(top ? Vec3f{5, 5, 5} : Vec3f{1, 1, 1});
+      for (const bool turned : {false, true}) {  // which way a surfel's own normal looks means nothing
+        const size_t s = 4 * size_t(i) + 2 * top + turned;
+        for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, s)[c] = p[c] + (c == 2 ? 0.001f : 0.003f);
+        layer.at(Attribute::Rotation, s)[turned ? 1 : 0] = 1;  // half a turn about x
+        if (turned) layer.at(Attribute::Rotation, s)[0] = 0;
+      }
+    }
+  Bounds3 box;
+  box.extend({-1, -1, -1});
+  box.extend({1, 1, 1});
+  const std::vector<Vec3f> spread = spread_irradiance(layer, box, points, light, std::vector<bool>(points.size(), true),
+                                                      {.inner_radius = 0.01f, .outer_radius = 0.06f});
+  for (size_t s = 0; s < spread.size(); ++s) ASSERT_NEAR(spread[s].x, s % 4 >= 2 ? 5 : 1, 1e-4) << s;
 }
 
 TEST(PointGrid, AgreesWithASearchThroughAll) {
