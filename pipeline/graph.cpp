@@ -35,7 +35,8 @@ StageNode describe_stage(const fs::path& executable, const std::string& name) {
   node.version = d.at("version");
   node.executable = executable;
   for (const json& i : d.at("inputs"))
-    node.inputs.push_back({i.at("name"), i.at("artifact"), i.at("optional"), i.at("doc"), i.value("skips", "")});
+    node.inputs.push_back(
+        {i.at("name"), i.at("artifact"), i.at("optional"), i.at("doc"), i.value("skips", std::vector<std::string>())});
   return node;
 }
 

@@ -15,7 +15,7 @@ struct NodeInput {
   std::string name;
   bool artifact = true, optional = false;
   std::string doc;
-  std::string skips;  // files with this extension are for other stages
+  std::vector<std::string> skips;  // files with these extensions are for other stages
 };
 
 struct StageNode {

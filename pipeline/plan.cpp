@@ -133,7 +133,7 @@ std::optional<std::vector<std::string>> Planner::inputs(const StageNode& node, c
       throw Error(ErrorKind::Usage, fmt::format("stage '{}' needs '{}' and none are given", node.name, input.name),
                   {.why = input.doc, .hint = fmt::format("--set input.{}=PATH", input.name), .code = "MISSING_INPUT"});
     }
-    if (!input.skips.empty() && fs::path(path).extension() == input.skips) continue;
+    if (std::find(input.skips.begin(), input.skips.end(), fs::path(path).extension().string()) != input.skips.end()) continue;
     words.insert(words.end(), {"--input", input.name + "=" + path});
   }
   return words;

@@ -25,7 +25,7 @@ struct StageInput {
   bool artifact = true;  // false: an outside folder or file, digested by content
   bool optional = false;
   std::string doc;
-  std::string skips = {};  // of an outside input: files with this extension are for other stages (".yaml")
+  std::vector<std::string> skips = {};  // of an outside input: files with these extensions are for other stages (".yaml")
 };
 
 struct StageInfo {

@@ -18,7 +18,13 @@ void YamlReader::complain(const std::string& message) { errors_.add(file_.name, 
 
 void YamlReader::only_keys(const YamlNode& map, const std::vector<std::string>& keys) {
   if (map.kind != YamlNode::Kind::Map) return complain(map, fmt::format("expected {}", fmt::join(keys, ", ")));
-  for (const auto& [key, value] : map.entries) {
+  for (auto entry = map.entries.begin(); entry != map.entries.end(); ++entry) {
+    const YamlNode& key = entry->first;
+    const auto same = [&](const auto& other) { return other.first.text == key.text; };
+    if (const auto first = std::find_if(map.entries.begin(), entry, same); first != entry) {
+      complain(key, fmt::format("'{}' is given twice (first on line {})", key.text, first->first.mark.line));
+      continue;
+    }
     if (std::find(keys.begin(), keys.end(), key.text) != keys.end()) continue;
     const std::string near = nearest_word(key.text, keys);
     complain(key, fmt::format("unknown key '{}'{}", key.text, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));

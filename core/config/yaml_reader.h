@@ -22,7 +22,7 @@ class YamlReader {
   const std::string& name() const { return file_.name; }
   void complain(const YamlNode& node, const std::string& message);
   void complain(const std::string& message);  // about the file as a whole
-  // A map without other keys.
+  // A map without other keys, and each of them once.
   void only_keys(const YamlNode& map, const std::vector<std::string>& keys);
   std::optional<double> number(const YamlNode& node);  // finite
   std::optional<std::vector<double>> numbers(const YamlNode& node, size_t count, const std::string& what);

@@ -142,14 +142,14 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   one_sidedness_ = length(mean);
   if (one_sidedness_ > desc.most_one_sided) return;
   blur(field, fine);
-  bounds_ = {fine.origin, fine.origin + fine.voxel * Vec3d{double(fine.size[0]), double(fine.size[1]), double(fine.size[2])}};
+  grid_ = {fine.origin, fine.origin + fine.voxel * Vec3d{double(fine.size[0]), double(fine.size[1]), double(fine.size[2])}};
   voxel_ = fine.voxel;
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
   field_ = std::move(field);
 }
 
 float VisualHull::occupancy(const Vec3d& p) const {
-  const Vec3d q = (p - bounds_.low) / voxel_ - Vec3d{0.5, 0.5, 0.5};
+  const Vec3d q = (p - grid_.low) / voxel_ - Vec3d{0.5, 0.5, 0.5};
   const int x = int(std::floor(q.x)), y = int(std::floor(q.y)), z = int(std::floor(q.z));
   if (x < 0 || y < 0 || z < 0 || x + 1 >= size_[0] || y + 1 >= size_[1] || z + 1 >= size_[2]) return 0;
   const float u = float(q.x - x), v = float(q.y - y), w = float(q.z - z);
@@ -167,10 +167,10 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
   double near = 0, far = 1e300;
   for (size_t i = 0; i < 3; ++i) {
     if (std::abs(d[i]) < 1e-12) {
-      if (origin[i] < bounds_.low[i] || origin[i] > bounds_.high[i]) return std::nullopt;
+      if (origin[i] < grid_.low[i] || origin[i] > grid_.high[i]) return std::nullopt;
       continue;
     }
-    const double a = (bounds_.low[i] - origin[i]) / d[i], b = (bounds_.high[i] - origin[i]) / d[i];
+    const double a = (grid_.low[i] - origin[i]) / d[i], b = (grid_.high[i] - origin[i]) / d[i];
     near = std::max(near, std::min(a, b));
     far = std::min(far, std::max(a, b));
   }

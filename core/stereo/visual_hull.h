@@ -37,17 +37,17 @@ class VisualHull {
 
   bool empty() const { return field_.empty(); }
   double one_sidedness() const { return one_sidedness_; }  // of the cameras, as seen from the hull
-  const Bounds3& bounds() const { return bounds_; }
+  const Bounds3& bounds() const { return bounds_; }        // of what is left, without the room around it
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
   float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
-  Bounds3 bounds_;
+  Bounds3 bounds_, grid_;
   double voxel_ = 0;
   int size_[3] = {0, 0, 0};
   double one_sidedness_ = 0;
-  std::vector<float> field_;  // [z][y][x] occupancy, blurred
+  std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred
 };
 
 }  // namespace vitrine

@@ -11,16 +11,21 @@
 
 namespace vitrine {
 
+std::vector<View> small_views(const MaskCapture& capture, int max_side) {
+  std::vector<View> views = capture.set.views;
+  for (View& view : views) view.intrinsics = view.intrinsics.limited_to(max_side);
+  return views;
+}
+
 std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
-  std::vector<SmallPhoto> photos(capture.set.views.size());
+  const std::vector<View> views = small_views(capture, max_side);
+  std::vector<SmallPhoto> photos(views.size());
   parallel_for(photos.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
-    const View& view = capture.set.views[v];
-    photos[v].view = view;
-    photos[v].view.intrinsics = view.intrinsics.limited_to(max_side);
-    const Intrinsics& k = photos[v].view.intrinsics;
+    photos[v].view = views[v];
+    const Intrinsics& k = views[v].intrinsics;
     const ImageF srgb =
-        srgb_from_linear_image(resized(read_exr_rgb(linear_image_path(capture.sfm_folder, view)), k.width, k.height));
+        srgb_from_linear_image(resized(read_exr_rgb(linear_image_path(capture.sfm_folder, views[v])), k.width, k.height));
     const size_t pixels = srgb.pixel_count();
     photos[v].srgb.resize(3 * pixels);
     for (size_t i = 0; i < pixels; ++i)

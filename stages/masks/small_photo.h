@@ -13,6 +13,7 @@ struct SmallPhoto {
   std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]
 };
 // `max_side` limits the longest side.
+std::vector<View> small_views(const MaskCapture& capture, int max_side);
 std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
 
 // Gaussian, in place, of planar [channels, h, w]; clipped at the border.

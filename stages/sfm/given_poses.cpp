@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/camera/photo_masks.h"
 #include "core/camera/view_set.h"
 #include "stages/sfm/point_filter.h"
 
@@ -180,9 +181,7 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
     if (!photo || !taken.insert(*photo).second) continue;
     const Photo& p = photos[*photo];
     const ColmapCamera& camera = *model.find_camera(image.camera_id);
-    const double aspect = double(camera.width) / double(camera.height) * p.height / p.width;
-    constexpr double kAspectSlack = 0.02;
-    if (std::abs(aspect - 1) > kAspectSlack)
+    if (!same_shape(p.width, p.height, double(camera.width), double(camera.height)))
       throw Error(ErrorKind::Input, "given poses and photos differ in shape",
                   {.where = image.name,
                    .why = fmt::format("the pose is for {} x {} pixels, the photo is {} x {}", camera.width, camera.height,

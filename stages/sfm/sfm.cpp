@@ -279,7 +279,7 @@ Stage sfm_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore",
-                             .skips = ".yaml"}}};
+                             .skips = {".yaml", ".yml"}}}};
   return make_stage<SfmConfig>(
       std::move(info), run,
       [] {

@@ -5,7 +5,9 @@
 #include "core/config/reference.h"
 #include "core/config/schema.h"
 #include "core/config/text.h"
+#include "core/config/yaml_reader.h"
 #include "tests/config/example.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -74,6 +76,15 @@ TEST(Yaml, CollectsAllErrorsOfAFile) {
   EXPECT_NE(all.find("kettle.yaml:6:1: error: 'voxel' is given twice (first on line 5)"), std::string::npos) << all;
   EXPECT_NE(all.find("unknown key 'xyzzy'\n"), std::string::npos) << all;
   EXPECT_NE(all.find("6 errors"), std::string::npos) << all;
+}
+
+TEST(YamlReader, RefusesUnknownAndRepeatedKeysAtTheirPlace) {
+  YamlReader reader(parse_yaml("size: [4, 3]\nmarks: 1\nmark: 2\n  \nsize: [3, 4]\n", "marks.yaml"));
+  reader.only_keys(reader.root(), {"size", "marks"});
+  const std::string all = error_of([&] { reader.finish("hint"); }).what();
+  EXPECT_NE(all.find("marks.yaml:3:1: error: unknown key 'mark'; did you mean 'marks'?"), std::string::npos) << all;
+  EXPECT_NE(all.find("marks.yaml:5:1: error: 'size' is given twice (first on line 1)"), std::string::npos) << all;
+  EXPECT_NE(all.find("2 errors"), std::string::npos) << all;
 }
 
 TEST(Yaml, SyntaxErrorsPointAtTheirPlace) {

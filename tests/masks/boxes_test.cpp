@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "core/base/hash.h"
-
 #include "stages/masks/masks.h"
 #include "tests/masks/tiny_masks.h"
 #include "tests/support/error_of.h"
@@ -72,12 +71,16 @@ class Marked : public testing::Test {
                              kHeight + r * std::sin(i * std::numbers::pi / 12));
     return fmt::format("  - photo: v{}.jpg\n    class: {}\n    polygon: [{}]\n", view, kind, corners);
   }
-  std::unique_ptr<RecordingContext> run(const std::string& marks) const {
-    write_file(folder.path() / "marks.yaml", marks);
-    auto context = std::make_unique<RecordingContext>(
-        std::map<std::string, fs::path>{{"sfm", sfm()}, {"masks", folder.path() / "marks.yaml"}});
+  std::unique_ptr<RecordingContext> run(const std::string& marks, const char* file = "marks.yaml") const {
+    write_file(folder.path() / file, marks);
+    auto context =
+        std::make_unique<RecordingContext>(std::map<std::string, fs::path>{{"sfm", sfm()}, {"masks", folder.path() / file}});
     run_masks({}, *context);
     return context;
+  }
+  std::vector<MarkedThing> read(const std::string& marks) const {
+    write_file(folder.path() / "marks.yaml", marks);
+    return read_marks(folder.path() / "marks.yaml", read_mask_capture(sfm()));
   }
   double worst_overlap(const RecordingContext& context, const std::string& kind) const {
     double worst = 1;
@@ -116,8 +119,13 @@ TEST_F(Marked, SameMarksSameBytes) {
 
 TEST_F(Marked, MistakesAreShownAtTheirLine) {
   const std::string good = head() + mark(0, "object");
-  const std::pair<std::string, const char*> cases[] = {
-      {good, "marked in one photo only"},
+  struct Case {
+    std::string text;
+    const char* message;
+    int line = 4;  // below `good`; 0: the file as a whole
+  };
+  const Case cases[] = {
+      {good, "marked in one photo only", 0},
       {good + "  - {photo: v77.jpg, class: object, box: [1, 1, 9, 9]}\n", "'v77.jpg' is not among the photos"},
       {good + "  - {photo: v1.jpg, class: glas, box: [1, 1, 9, 9]}\n", "'glas' is no class"},
       {good + "  - {photo: v1.jpg, class: object, box: [9, 1, 1, 9]}\n", "left must be smaller than right"},
@@ -128,16 +136,149 @@ TEST_F(Marked, MistakesAreShownAtTheirLine) {
       {good + "  - {photo: v1.jpg, class: object}\n", "a box or a polygon"},
       {good + "  - {photo: v1.jpg, class: object, bx: [1, 1, 9, 9]}\n", "did you mean 'box'"},
       {good + mark(0, "object"), "marked twice"},
-      {"marks:\n  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9]}\n", "of what size"},
-      {"size: [100, 300]\nmarks:\n  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9]}\n", "is 'size' right?"},
-      {"size: [100]\nmarks: []\n", "marks must be a list"},
-      {"[1, 2]\n", "expected size, marks"},
+      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], photo: v2.jpg}\n",
+       "'photo' is given twice (first on line 4)"},
+      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], thing: [a]}\n", "'thing' is a word"},
+      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], size: [0, 9]}\n", "positive width and height"},
+      {good + "  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9], size: [90, 90]}\n", "is 'size' right?"},
+      {"marks:\n  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9]}\n", "of what size", 2},
+      {"size: [100, 300]\nmarks:\n  - {photo: v1.jpg, class: object, box: [1, 1, 9, 9]}\n", "is 'size' right?", 3},
+      {"size: [100]\nmarks: []\n", "marks must be a list", 2},
+      {"[1, 2]\n", "expected size, marks", 1},
   };
-  for (const auto& [text, message] : cases) {
+  for (const auto& [text, message, line] : cases) {
     const Error e = error_of([&] { run(text); });
     EXPECT_EQ(e.kind(), ErrorKind::Usage) << text;
-    EXPECT_NE(std::string(e.what()).find(message), std::string::npos) << text << "\n" << e.what();
+    // "marks.yaml:4:28: error: ...": message and line belong together.
+    std::string found;
+    std::istringstream shown(e.what());
+    for (std::string row; std::getline(shown, row);)
+      if (row.find(message) != std::string::npos) found = row;
+    ASSERT_FALSE(found.empty()) << text << "\n" << e.what();
+    EXPECT_NE(found.find(line == 0 ? "marks.yaml: error: " : fmt::format("marks.yaml:{}:", line)), std::string::npos) << found;
   }
+}
+
+TEST_F(Marked, ThingsOfAClassAreToldApartByTheirWord) {
+  const auto named = [](std::string mark, const std::string& thing) {
+    return mark.replace(mark.rfind('}'), 1, fmt::format(", thing: {}}}", thing));
+  };
+  const std::vector<MarkedThing> things = read(head() + named(mark(0, "specular"), "kettle") + mark(0, "specular") +
+                                               mark(3, "specular") + named(mark(4, "specular"), "kettle"));
+  ASSERT_EQ(things.size(), 2u);
+  EXPECT_EQ(things[0].name, "specular kettle");
+  EXPECT_EQ(things[1].name, "specular");
+  const size_t views_of[2][2] = {{0, 4}, {0, 3}};
+  for (size_t t = 0; t < 2; ++t) {
+    ASSERT_EQ(things[t].marks.size(), 2u);
+    for (size_t m = 0; m < 2; ++m) EXPECT_EQ(things[t].marks[m].view, views_of[t][m]);
+  }
+}
+
+TEST_F(Marked, AMarkMayHaveASizeOfItsOwn) {
+  const std::string at_full =
+      fmt::format("  - {{photo: v0.jpg, class: object, box: [8, 6, 40, 30], size: [{}, {}]}}\n", kWidth, kHeight);
+  const std::vector<MarkedThing> things = read(head() + at_full + "  - {photo: v3.jpg, class: object, box: [16, 12, 80, 60]}\n");
+  ASSERT_EQ(things.size(), 1u);
+  for (const Mark& m : things[0].marks) {
+    EXPECT_EQ(m.outline.front().x, 8);
+    EXPECT_EQ(m.outline.front().y, 6);
+    const auto rightmost = std::max_element(m.outline.begin(), m.outline.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    EXPECT_EQ(rightmost->x, 40);
+  }
+}
+
+TEST_F(Marked, TheReportCountsWhatWasFoundAndMeasuresTheThing) {
+  write_file(folder.path() / "marks.yaml", head() + disk(0, "object") + disk(1, "object") + disk(3, "object") +
+                                               disk(5, "object") + disk(8, "object") + mark(6, "object", 8));
+  const MaskCapture capture = read_mask_capture(sfm());
+  const auto masks = carry_marks({}, capture, read_marks(folder.path() / "marks.yaml", capture), [](double) {});
+  ASSERT_EQ(masks->things.size(), 1u);
+  EXPECT_EQ(masks->things[0].marks, 6u);
+  EXPECT_EQ(masks->things[0].refined, size_t(kViews - 5));  // GrabCut is not asked where polygons say it
+  EXPECT_NEAR(masks->things[0].edge, 2 * kBall, 0.1);
+}
+
+TEST_F(Marked, GlassNeedsNoColours) {
+  write_file(folder.path() / "marks.yaml", head() + disk(0, "transparent") + disk(3, "transparent") + disk(6, "transparent"));
+  const MaskCapture capture = read_mask_capture(sfm());
+  const std::vector<MarkedThing> things = read_marks(folder.path() / "marks.yaml", capture);
+  fs::remove_all(sfm() / "linear");
+  const auto masks = carry_marks({}, capture, things, [](double) {});
+  const std::vector<uint8_t>& inside = masks->inside[5][size_t(MaskClass::Transparent)];
+  EXPECT_NE(std::count(inside.begin(), inside.end(), 1), 0);
+}
+
+TEST_F(Marked, BothExtensionsOfYamlAreMarks) {
+  const std::string marks = head() + disk(0, "transparent") + disk(3, "transparent") + disk(6, "transparent");
+  EXPECT_EQ(digest_folder(run(marks, "marks.yml")->output()), digest_folder(run(marks)->output()));
+}
+
+// A capture that is nowhere on the disk: what marks say of it.
+MaskCapture unseen_capture(const std::vector<std::pair<std::string, Intrinsics>>& photos) {
+  MaskCapture capture;
+  for (const auto& [name, k] : photos) {
+    View view;
+    view.name = name;
+    view.intrinsics = k;
+    capture.set.views.push_back(view);
+    capture.undistortions.push_back({.source = colmap_pinhole(1, k), .target = k, .identity = true});
+  }
+  return capture;
+}
+
+std::vector<MarkedThing> read_text(const std::string& marks, const MaskCapture& capture) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "marks.yaml", marks);
+  return read_marks(folder.path() / "marks.yaml", capture);
+}
+
+TEST(Marks, ExampleOfTheReadmeIsUnderstood) {
+  const std::string readme = read_file(fs::path(VITRINE_SOURCE_DIR) / "stages/masks/README.md"), open = "```yaml\n";
+  const size_t begin = readme.find(open);
+  ASSERT_NE(begin, std::string::npos);
+  const std::string example = readme.substr(begin + open.size(), readme.find("```", begin + 3) - begin - open.size());
+  // One photo was taken upright.
+  const std::vector<MarkedThing> things =
+      read_text(example, unseen_capture({{"IMG_0012.jpg", {2000, 1500, 1800, 1800, 1000, 750}},
+                                         {"IMG_0031.jpg", {1500, 2000, 1800, 1800, 750, 1000}}}));
+  ASSERT_EQ(things.size(), 1u);
+  EXPECT_EQ(things[0].name, "transparent case");
+  ASSERT_EQ(things[0].marks.size(), 2u);
+  EXPECT_FALSE(things[0].marks[0].box);
+  EXPECT_TRUE(things[0].marks[1].box);
+  EXPECT_EQ(things[0].marks[0].outline.front().x, 450);
+  EXPECT_EQ(things[0].marks[1].outline.front().x, 600);
+}
+
+TEST(Marks, APhotoIsFoundByItsFullNameFirstAndAnyOtherNameMustBeClear) {
+  const Intrinsics k{80, 60, 70, 70, 40, 30};
+  const MaskCapture capture = unseen_capture({{"a/b.jpg", k}, {"b", k}, {"b.jpg", k}, {"c/b.jpg", k}, {"c/d.jpg", k}});
+  const auto marks = [](const std::string& photo, const std::string& other) {
+    const auto mark = [](const std::string& p) {
+      return fmt::format("  - {{photo: {}, class: object, box: [1, 1, 9, 9]}}\n", p);
+    };
+    return "size: [80, 60]\nmarks:\n" + mark(photo) + mark(other);
+  };
+  const auto first_view = [&](const std::string& photo) { return read_text(marks(photo, "c/b.jpg"), capture)[0].marks[0].view; };
+  EXPECT_EQ(first_view("b.jpg"), 2u);  // not a/b.jpg
+  EXPECT_EQ(first_view("b"), 1u);      // not the stem of b.jpg
+  EXPECT_EQ(first_view("a/b"), 0u);
+  EXPECT_EQ(first_view("d.jpg"), 4u);
+  MaskCapture two = unseen_capture({{"a/b.jpg", k}, {"c/b.jpg", k}});
+  const std::string message = error_of([&] { read_text(marks("b.jpg", "a/b.jpg"), two); }).what();
+  EXPECT_NE(message.find(":3:13: error: 'b.jpg' may be a/b.jpg or c/b.jpg"), std::string::npos) << message;
+}
+
+TEST(Marks, WhereTheLensCannotBeUndoneAMarkIsRefused) {
+  const Intrinsics k{80, 60, 70, 70, 40, 30};
+  MaskCapture capture = unseen_capture({{"a.jpg", k}, {"b.jpg", k}});
+  // Folds over 38 pixels from the middle.
+  capture.undistortions[0] = {.source = {1, 2, 80, 60, {70, 40, 30, -0.5}}, .target = k, .identity = false};
+  const std::string rest = ", class: object, box: [1, 1, 70, 50]}\n";
+  const std::string marks = "size: [80, 60]\nmarks:\n  - {photo: a.jpg" + rest + "  - {photo: b.jpg" + rest;
+  const std::string message = error_of([&] { read_text(marks, capture); }).what();
+  EXPECT_NE(message.find(":3:5: error: the lens bends (1, 1) too much"), std::string::npos) << message;
 }
 
 TEST_F(Marked, MarksThatDoNotMeetAreRefused) {

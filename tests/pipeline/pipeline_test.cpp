@@ -237,9 +237,11 @@ TEST_F(Sandbox, OptionalInputsTakePart) {
   ASSERT_EQ(call({"run", out().string(), "--set", "input.notes=none"}).exit, 0);
   EXPECT_EQ(states().at("collect"), "ran");
   // A file of a kind that the stage leaves to others is none of its inputs.
-  write_file(folder.path() / "notes.yaml", "Remember\n");
-  ASSERT_EQ(call({"run", out().string(), "--set", "input.notes=notes.yaml"}).exit, 0);
-  EXPECT_EQ(states().at("collect"), "cached");
+  for (const char* skipped : {"notes.yaml", "notes.yml"}) {
+    write_file(folder.path() / skipped, "Remember\n");
+    ASSERT_EQ(call({"run", out().string(), "--set", std::string("input.notes=") + skipped}).exit, 0);
+    EXPECT_EQ(states().at("collect"), "cached") << skipped;
+  }
 }
 
 TEST_F(Sandbox, JsonRecordsTellTheWholeRun) {

@@ -139,6 +139,8 @@ TEST(GivenPoses, SaysWhatIsWrong) {
   make_folders(folder.path() / "sparse" / "0");
   write_colmap_model(folder.path() / "sparse" / "0", truth, ColmapFormat::Binary);
   EXPECT_EQ(error_of([&] { read_given_poses(folder.path(), photos_of(truth, 480, 640), 0); }).detail().code, "POSES_SIZE");
+  // Cropped by a sixtieth: the principal point would lie wrong.
+  EXPECT_EQ(error_of([&] { read_given_poses(folder.path(), photos_of(truth, 640, 472), 0); }).detail().code, "POSES_SIZE");
   std::vector<Photo> strangers = photos_of(truth, 640, 480);
   for (Photo& p : strangers) p.name = p.source = "x" + p.name, p.stem = "x" + p.stem;
   EXPECT_EQ(error_of([&] { read_given_poses(folder.path(), strangers, 0); }).detail().code, "POSES_DO_NOT_MATCH");

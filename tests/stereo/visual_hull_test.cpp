@@ -61,6 +61,16 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
   EXPECT_LT(distance / double(hits), 0.03);
 }
 
+TEST(VisualHull, IsAsLargeAsTheBall) {
+  for (int resolution : {24, 64}) {
+    const Bounds3 bounds = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .dissent = 0}).bounds();
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_LT(std::abs(bounds.centre()[i] - kCentre[i]), 0.03);
+      EXPECT_NEAR(bounds.high[i] - bounds.low[i], 2 * kRadius, 0.06) << resolution;
+    }
+  }
+}
+
 TEST(VisualHull, OfOnePieceKeepsTheLargestPart) {
   std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
   const std::vector<HullMask> crumb = ball_masks(24, 2 * std::numbers::pi, {-0.35, 0.3, -0.2}, 0.08);

@@ -41,9 +41,9 @@ std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& fu
   return inside;
 }
 
-HullMask hull_mask(const SmallPhoto& photo, const std::vector<uint8_t>& inside) {
-  const Intrinsics& k = photo.view.intrinsics;
-  HullMask mask{photo.view, ImageF(k.width, k.height, 1)};
+HullMask hull_mask(const View& view, const std::vector<uint8_t>& inside) {
+  const Intrinsics& k = view.intrinsics;
+  HullMask mask{view, ImageF(k.width, k.height, 1)};
   std::copy(inside.begin(), inside.end(), mask.mask.data().begin());
   return mask;
 }
@@ -57,11 +57,11 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   return false;
 }
 
-std::vector<std::vector<uint8_t>> silhouettes(const VisualHull& hull, const std::vector<SmallPhoto>& photos) {
-  std::vector<std::vector<uint8_t>> out(photos.size());
-  parallel_for(photos.size(), 1, [&](size_t v) {
+std::vector<std::vector<uint8_t>> silhouettes(const VisualHull& hull, const std::vector<View>& views) {
+  std::vector<std::vector<uint8_t>> out(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
-    const View& view = photos[v].view;
+    const View& view = views[v];
     const Intrinsics& k = view.intrinsics;
     out[v].assign(size_t(k.width) * size_t(k.height), 0);
     const Vec3d eye = view.centre_in_world();
@@ -80,18 +80,20 @@ struct Carried {
   MarkedMasks::Thing summary;
 };
 
-Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::vector<SmallPhoto>& photos,
-              const MarkedThing& thing) {
+// `views`: at the small size. `photos`: the same with their colours; nobody looks at them for glass.
+Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::vector<View>& views,
+              const std::vector<SmallPhoto>& photos, const MarkedThing& thing) {
   std::vector<HullMask> cones;
   size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
-  std::vector<const Mark*> mark_of(photos.size(), nullptr);
-  std::vector<std::vector<uint8_t>> drawn(photos.size());
+  std::vector<const Mark*> mark_of(views.size(), nullptr);
+  std::vector<std::vector<uint8_t>> drawn(views.size());
   for (const Mark& mark : thing.marks) {
     mark_of[mark.view] = &mark;
-    drawn[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, photos[mark.view].view.intrinsics);
-    cones.push_back(hull_mask(photos[mark.view], drawn[mark.view]));
-    whole += !touches_border(drawn[mark.view], photos[mark.view].view.intrinsics);
+    drawn[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, views[mark.view].intrinsics);
+    cones.push_back(hull_mask(views[mark.view], drawn[mark.view]));
+    whole += !touches_border(drawn[mark.view], views[mark.view].intrinsics);
   }
+  const auto is_drawn = [&](size_t v) { return mark_of[v] != nullptr && !mark_of[v]->box; };  // a polygon
   HullDesc desc{.resolution = config.resolution,
                 .dissent = 0,
                 .fewest_views = std::max<size_t>(whole, 2),
@@ -105,40 +107,40 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
                             : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
                  .hint = "mark the whole thing, and the same thing, in photos from different sides",
                  .code = "MARKS_DISAGREE"});
-  Carried out{silhouettes(hull, photos), std::vector<std::vector<uint8_t>>(photos.size()), {thing.name, thing.kind}};
+  Carried out{silhouettes(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.kind}};
   out.summary.marks = thing.marks.size();
   const Vec3d extent = hull.bounds().high - hull.bounds().low;
   out.summary.edge = std::max({extent.x, extent.y, extent.z});
-  for (size_t v = 0; v < photos.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
+  for (size_t v = 0; v < views.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
 
   if (thing.kind != MaskClass::Transparent) {
-    std::vector<std::vector<uint8_t>> found(photos.size());
-    parallel_for(photos.size(), 1, [&](size_t v) {
+    std::vector<std::vector<uint8_t>> found(views.size());
+    parallel_for(views.size(), 1, [&](size_t v) {
       if (interrupt_signal() != 0) return;
-      const bool polygon = mark_of[v] != nullptr && !mark_of[v]->box;
-      found[v] = polygon ? drawn[v] : grab_cut(photos[v], out.inside[v]);
+      found[v] = is_drawn(v) ? drawn[v] : grab_cut(photos[v], out.inside[v]);
     });
     throw_if_interrupted();
     std::vector<HullMask> outlines;
-    for (size_t v = 0; v < photos.size(); ++v)
-      if (!found[v].empty()) outlines.push_back(hull_mask(photos[v], found[v]));
-    out.summary.refined = outlines.size();
+    for (size_t v = 0; v < views.size(); ++v) {
+      if (found[v].empty()) continue;
+      outlines.push_back(hull_mask(views[v], found[v]));
+      out.summary.refined += !is_drawn(v);
+    }
     desc.dissent = config.dissent;
     desc.fewest_views = 3;
     const VisualHull second(outlines, desc);
     if (!second.empty()) {
-      out.inside = silhouettes(second, photos);
+      out.inside = silhouettes(second, views);
       out.summary.voted = true;
     }
-    for (size_t v = 0; v < photos.size(); ++v)
+    for (size_t v = 0; v < views.size(); ++v)
       for (size_t i = 0; i < found[v].size(); ++i) out.doubted[v][i] = found[v][i] != out.inside[v][i];
   }
-  for (size_t v = 0; v < photos.size(); ++v) {
-    if (mark_of[v] == nullptr) continue;
-    if (!mark_of[v]->box) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    if (is_drawn(v)) {
       out.inside[v] = drawn[v];
       std::fill(out.doubted[v].begin(), out.doubted[v].end(), uint8_t(0));
-    } else {
+    } else if (mark_of[v] != nullptr) {
       for (size_t i = 0; i < drawn[v].size(); ++i) out.inside[v][i] &= drawn[v][i];
     }
   }
@@ -162,21 +164,23 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
                                                const std::vector<MarkedThing>& things,
                                                const std::function<void(double)>& progress) {
   auto masks = std::make_shared<MarkedMasks>();
-  const std::vector<SmallPhoto> photos = small_photos(capture, config.max_side);
-  masks->inside.resize(photos.size());
-  masks->doubted.resize(photos.size());
-  for (size_t v = 0; v < photos.size(); ++v) {
-    masks->sizes.push_back(photos[v].view.intrinsics);
+  const std::vector<View> views = small_views(capture, config.max_side);
+  const bool looks = std::any_of(things.begin(), things.end(), [](const auto& t) { return t.kind != MaskClass::Transparent; });
+  const std::vector<SmallPhoto> photos = looks ? small_photos(capture, config.max_side) : std::vector<SmallPhoto>{};
+  masks->inside.resize(views.size());
+  masks->doubted.resize(views.size());
+  for (size_t v = 0; v < views.size(); ++v) {
+    masks->sizes.push_back(views[v].intrinsics);
     const size_t pixels = size_t(masks->sizes[v].width) * size_t(masks->sizes[v].height);
     for (auto* planes : {&masks->inside[v], &masks->doubted[v]})
       for (auto& plane : *planes) plane.assign(pixels, 0);
   }
   for (size_t t = 0; t < things.size(); ++t) {
-    const Carried carried = carry(config, capture, photos, things[t]);
+    const Carried carried = carry(config, capture, views, photos, things[t]);
     log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
              carried.summary.voted ? "; its outlines were looked for in all photos" : "");
     masks->things.push_back(carried.summary);
-    for (size_t v = 0; v < photos.size(); ++v)
+    for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
         if (!marks_class(things[t].kind, kind)) continue;
         for (size_t i = 0; i < carried.inside[v].size(); ++i) {

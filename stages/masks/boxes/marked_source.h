@@ -1,9 +1,8 @@
 // Masks from a few marks of the user's. A mark cuts a cone out of space; where the cones of all marked photos meet is the thing's
 // visual hull, and the hull is seen by every camera:
 //   glass    its outline in the other photos is the hull's
-//   others   have colours of their own: in each photo GrabCut (Rother et al. 2004) looks for the outline near the hull's; a
-//   second
-//            hull, of all photos, lets them vote and gives the masks
+//   others   have colours of their own: in each photo GrabCut (Rother et al. 2004) looks for the outline near the hull's;
+//            a second hull, of all photos, lets them vote and gives the masks
 // A polygon is believed where it was drawn. Glass mirrors: what is marked transparent is specular, too.
 #pragma once
 
@@ -26,7 +25,7 @@ struct MarkedMasks {
   struct Thing {
     std::string name;
     MaskClass kind;
-    size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found
+    size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found (no polygon says it)
     double edge = 0;                // longest edge of the hull's box, scene units
     bool voted = false;             // the second hull gave the masks
   };

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/camera/photo_masks.h"
 #include "core/config/text.h"
 #include "core/config/yaml_reader.h"
 
@@ -14,8 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kEdgeSteps = 16;           // a straight edge of the photo is a curve in the undistorted one
-constexpr double kSameShape_rel = 0.02;  // of the aspect ratios
+constexpr int kEdgeSteps = 16;  // a straight edge of the photo is a curve in the undistorted one
 
 class Reader {
  public:
@@ -52,9 +52,16 @@ class Reader {
   std::optional<size_t> view_of(const YamlNode& node) {
     const std::vector<View>& views = capture_.set.views;
     std::vector<std::string> names;
+    std::vector<size_t> meant;  // called so without their folder or extension
     for (size_t v = 0; v < views.size(); ++v) {
-      if (views[v].name == node.text || views[v].stem() == node.text || fs::path(views[v].name).filename() == node.text) return v;
+      if (views[v].name == node.text) return v;
+      if (views[v].stem() == node.text || fs::path(views[v].name).filename() == node.text) meant.push_back(v);
       names.push_back(views[v].name);
+    }
+    if (meant.size() == 1) return meant[0];
+    if (meant.size() > 1) {
+      in_.complain(node, fmt::format("'{}' may be {} or {}: write all of its name", node.text, names[meant[0]], names[meant[1]]));
+      return std::nullopt;
     }
     const std::string near = nearest_word(node.text, names);
     in_.complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
@@ -96,7 +103,7 @@ class Reader {
                                             size_t view) {
     const Undistortion& u = capture_.undistortions[view];
     const double width = double(u.source.width), height = double(u.source.height);
-    if (std::abs(size.x / size.y / (width / height) - 1) > kSameShape_rel) {
+    if (!same_shape(int(u.source.width), int(u.source.height), size.x, size.y)) {
       in_.complain(mark, fmt::format("a photo of {:.0f}x{:.0f} is not this one, which is {:.0f}x{:.0f}: is 'size' right?", size.x,
                                      size.y, width, height));
       return std::nullopt;
@@ -111,7 +118,14 @@ class Reader {
       for (int step = 0; step < kEdgeSteps; ++step) {
         const Vec2d p = a + (double(step) / kEdgeSteps) * (b - a);
         const Vec2d q{p.x * width / size.x, p.y * height / size.y};
-        out.push_back(u.identity ? q : undistorted(q, u).value_or(q));
+        const std::optional<Vec2d> straight = undistorted(q, u);
+        if (!straight) {
+          in_.complain(
+              mark,
+              fmt::format("the lens bends ({:.0f}, {:.0f}) too much to tell where it lies: mark nearer to the middle", p.x, p.y));
+          return std::nullopt;
+        }
+        out.push_back(*straight);
       }
     }
     return out;
@@ -122,6 +136,7 @@ class Reader {
     if (node.kind != YamlNode::Kind::Map) return;
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
+    if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
     const auto view = view_of(*photo);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
     if (!kind)
@@ -152,7 +167,9 @@ class Reader {
 
 }  // namespace
 
-bool is_marks_file(const fs::path& path) { return path.extension() == ".yaml" && fs::is_regular_file(path); }
+bool is_marks_file(const fs::path& path) {
+  return (path.extension() == ".yaml" || path.extension() == ".yml") && fs::is_regular_file(path);
+}
 
 std::vector<MarkedThing> read_marks(const fs::path& path, const MaskCapture& capture) { return Reader(path, capture).things(); }
 

@@ -1,15 +1,7 @@
-// What a user marks by hand in a few photos, in a YAML file:
-//
-//   size: [4000, 3000]               # of the photos that were marked, in pixels
-//   marks:
-//     - photo: IMG_0012.jpg
-//       class: transparent           # object, transparent, specular or ignore
-//       box: [1200, 800, 2900, 2400]                 # left, top, right, bottom
-//     - photo: IMG_0031.jpg
-//       class: transparent
-//       polygon: [[900, 700], [2100, 640], [2150, 2300], [950, 2350]]
-//       size: [3000, 4000]           # of this photo, where it differs
-//       thing: case                  # which of several things of a class; default: there is one
+// What a user marks by hand in a few photos, in a YAML file (../README.md shows one):
+//   size    [width, height] of the photos that were marked, in pixels; a mark may have its own
+//   marks   each names its photo and its class, and has a box [left, top, right, bottom] that the thing lies in, or a polygon,
+//           its outline; `thing` tells several things of a class apart
 #pragma once
 
 #include <filesystem>
@@ -34,9 +26,9 @@ struct MarkedThing {
   std::vector<Mark> marks;  // in two photos at least, one a photo
 };
 
-bool is_marks_file(const std::filesystem::path& path);  // a file that ends in .yaml
+bool is_marks_file(const std::filesystem::path& path);  // a file that ends in .yaml or .yml
 // Throws Error{Usage} that shows every mistake at its line: unknown photos and classes, boxes that are none, marks outside the
-// picture, things that are marked in one photo only.
+// picture or where the lens cannot be undone, things that are marked in one photo only.
 std::vector<MarkedThing> read_marks(const std::filesystem::path& path, const MaskCapture& capture);
 
 }  // namespace vitrine

@@ -111,7 +111,7 @@ Stage collect_stage() {
        .version = 2,
        .summary = "Lists the files of a folder.",
        .inputs = {{.name = "photos", .artifact = false, .doc = "Folder of files."},
-                  {.name = "notes", .artifact = false, .optional = true, .doc = "Text put first.", .skips = ".yaml"}}},
+                  {.name = "notes", .artifact = false, .optional = true, .doc = "Text put first.", .skips = {".yaml", ".yml"}}}},
       run_collect,
       [] {
         return std::map<std::string, std::string>{{"lister", "1.0"}};
