@@ -33,6 +33,7 @@ void AlbedoError::add(const AlbedoPicture& ours, const TruthPicture& truth) {
     full_paint.data()[i] = t[0] > 0 && t[1] > 0 && t[2] > 0 ? 1.f : 0.f;
   }
   const ImageF map = at_size(truth.radiance, from), paint = at_size(full_paint, from), albedo = at_size(ours.albedo, k);
+  const ImageF radiance = at_size(ours.radiance, k);
   const ImageF object = ours.object ? at_size(*ours.object, k) : ImageF(k.width, k.height, 1, 1.f);
   const ImageF glass = ours.glass ? at_size(*ours.glass, k) : ImageF(k.width, k.height, 1, 0.f);
   std::vector<Pixel> pixels;
@@ -44,15 +45,20 @@ void AlbedoError::add(const AlbedoPicture& ours, const TruthPicture& truth) {
       float t[3], painted;
       sample_bilinear(map, u, v, t);
       sample_bilinear(paint, u, v, &painted);
-      const float* o = albedo.pixel(x, y);
+      const float *o = albedo.pixel(x, y), *r = radiance.pixel(x, y);
       if (!(painted > kAllPainted) || !(o[0] + o[1] + o[2] > 0)) continue;
       const bool on_object = object.at(x, y) > 0.5f, behind = glass.at(x, y) > 0;
-      pixels.push_back({{o[0], o[1], o[2]}, {t[0], t[1], t[2]}, !on_object ? kRest : behind ? kThroughGlass : kObject});
+      pixels.push_back({{o[0], o[1], o[2]},
+                        {r[0], r[1], r[2]},
+                        {t[0], t[1], t[2]},
+                        !on_object ? kRest
+                        : behind   ? kThroughGlass
+                                   : kObject});
     }
   views_.push_back(std::move(pixels));
 }
 
-std::optional<double> AlbedoError::psnr(const Vec3d& scale, const std::vector<bool>& regions) const {
+std::optional<double> AlbedoError::psnr(Guess guess, const Vec3d& scale, const std::vector<bool>& regions) const {
   double sum = 0;
   size_t views = 0;
   for (const auto& view : views_) {
@@ -62,7 +68,7 @@ std::optional<double> AlbedoError::psnr(const Vec3d& scale, const std::vector<bo
       if (!regions[p.region]) continue;
       ++count;
       for (size_t c = 0; c < 3; ++c) {
-        const double ours = std::pow(std::clamp(scale[c] * double(p.ours[c]), 0.0, 1.0), 1 / kGamma);
+        const double ours = std::pow(std::clamp(scale[c] * double((p.*guess)[c]), 0.0, 1.0), 1 / kGamma);
         const double truth = std::pow(std::min(1.0, double(p.truth[c])), 1 / kGamma);
         squares += (ours - truth) * (ours - truth);
       }
@@ -75,23 +81,30 @@ std::optional<double> AlbedoError::psnr(const Vec3d& scale, const std::vector<bo
   return sum / double(views);
 }
 
-AlbedoScores AlbedoError::scores() const {
-  AlbedoScores out;
-  out.views = views_.size();
+Vec3d AlbedoError::scale_of(Guess guess) const {
+  Vec3d scale{1, 1, 1};
   // The object outside the glass, else what there is.
   for (const std::vector<bool>& regions : {std::vector<bool>{true, false, false}, {true, true, false}, {true, true, true}}) {
     std::vector<double> ratio[3];
     for (const auto& view : views_)
       for (const Pixel& p : view)
         for (size_t c = 0; c < 3; ++c)
-          if (regions[p.region] && p.ours[c] > 1e-4f) ratio[c].push_back(double(p.truth[c]) / double(p.ours[c]));
+          if (regions[p.region] && (p.*guess)[c] > 1e-4f) ratio[c].push_back(double(p.truth[c]) / double((p.*guess)[c]));
     if (ratio[0].size() < kFewest || ratio[1].size() < kFewest || ratio[2].size() < kFewest) continue;
-    for (size_t c = 0; c < 3; ++c) out.scale[c] = median(std::move(ratio[c]));
+    for (size_t c = 0; c < 3; ++c) scale[c] = median(std::move(ratio[c]));
     break;
   }
-  out.psnr = psnr(out.scale, {true, false, false});
-  out.through_glass = psnr(out.scale, {false, true, false});
-  out.everywhere = psnr(out.scale, {true, true, true});
+  return scale;
+}
+
+AlbedoScores AlbedoError::scores() const {
+  AlbedoScores out;
+  out.views = views_.size();
+  out.scale = scale_of(&Pixel::ours);
+  out.psnr = psnr(&Pixel::ours, out.scale, {true, false, false});
+  out.through_glass = psnr(&Pixel::ours, out.scale, {false, true, false});
+  out.everywhere = psnr(&Pixel::ours, out.scale, {true, true, true});
+  out.undecomposed = psnr(&Pixel::radiance, scale_of(&Pixel::radiance), {true, false, false});
   return out;
 }
 

@@ -16,9 +16,10 @@ namespace vitrine {
 
 struct AlbedoPicture {
   const Intrinsics& intrinsics;
-  const ImageF& albedo;  // linear; 0 where we have no surface
-  const ImageF* object;  // masks of 0 and 1 at that size; nullptr: everywhere
-  const ImageF* glass;   // nullptr: nowhere
+  const ImageF& albedo;    // linear; 0 where we have no surface
+  const ImageF& radiance;  // of the diffuse layer at that size: what the albedo would be if nothing had been decomposed
+  const ImageF* object;    // masks of 0 and 1 at that size; nullptr: everywhere
+  const ImageF* glass;     // nullptr: nowhere
 };
 
 struct AlbedoScores {
@@ -26,6 +27,7 @@ struct AlbedoScores {
   std::optional<double> psnr;           // object, outside the glass
   std::optional<double> through_glass;  // object behind glass
   std::optional<double> everywhere;     // all pixels with a truth
+  std::optional<double> undecomposed;   // the radiance in place of the albedo, with a scale of its own; object, outside the glass
   size_t views = 0;
 };
 
@@ -37,10 +39,12 @@ class AlbedoError {
  private:
   enum Region : unsigned char { kObject, kThroughGlass, kRest };
   struct Pixel {
-    Vec3f ours, truth;
+    Vec3f ours, radiance, truth;
     Region region;
   };
-  std::optional<double> psnr(const Vec3d& scale, const std::vector<bool>& regions) const;
+  using Guess = Vec3f Pixel::*;  // which of ours is compared
+  Vec3d scale_of(Guess guess) const;
+  std::optional<double> psnr(Guess guess, const Vec3d& scale, const std::vector<bool>& regions) const;
   std::vector<std::vector<Pixel>> views_;
 };
 

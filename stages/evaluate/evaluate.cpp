@@ -122,8 +122,7 @@ class Evaluator {
     };
     const ImageF albedo = albedo_->picture(view);
     const ImageF* radiance = render.layer("diffuse");
-    albedo_error_.add({render.intrinsics, albedo, mask("object"), mask("transparent")}, *truth);
-    radiance_error_.add({render.intrinsics, *radiance, mask("object"), mask("transparent")}, *truth);
+    albedo_error_.add({render.intrinsics, albedo, *radiance, mask("object"), mask("transparent")}, *truth);
   }
 
   const Similarity* truth_from_ours() const {
@@ -262,7 +261,6 @@ class Evaluator {
     t.transmitted_views = transmitted_.size();
     if (albedo_) {
       t.albedo = albedo_error_.scores();
-      t.undecomposed_psnr = radiance_error_.scores().psnr;
       if (!t.albedo->psnr) not_measured("truth.albedo.psnr", "no truth albedo covers an object pixel of ours outside the glass");
     }
     if (painter_.surfels().transmittance.size() > 0 && transmitted_.empty())
@@ -300,6 +298,8 @@ class Evaluator {
           throw_if_interrupted();
           context_.progress({.fraction = kRenderShare + kRelitShare * f, .text = "other lights", .values = {}});
         });
+    if (!mean_relit_psnr(t))
+      not_measured("truth.relit.psnr", "no truth picture under another light shows an object pixel of ours outside the glass");
   }
 
   void score_mesh(const fs::path& truth_mesh_path) {
@@ -385,7 +385,7 @@ class Evaluator {
   std::map<std::string, SurfaceError> region_surface_;
   std::vector<double> transmitted_;
   std::optional<SurfelColors> albedo_;
-  AlbedoError albedo_error_, radiance_error_;
+  AlbedoError albedo_error_;
   std::vector<SheetRow> sheet_;
   Evaluation result_;
 };

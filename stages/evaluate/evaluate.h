@@ -4,7 +4,7 @@
 //   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
 //   eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 // version 1: first. 2: layers; regions from the masks stage; normals and depth per region; the transmitted radiance.
-// 3: albedo, relit pictures.
+// 3: albedo, relit pictures. 4: z of the truth along our axis; what is undecomposed counts over the albedo's pixels.
 #pragma once
 
 #include "stages/stage.h"

@@ -78,14 +78,15 @@ RelitScore score_of(const std::vector<Pair>& pairs, const RelitErrorDesc& desc, 
   RelitScore score;
   score.environment = environment;
   score.scale = desc.albedo_scale ? Vec3d{1, 1, 1} : median_scale(pairs);
-  score.views = pairs.size();
   std::vector<double> object, opaque, everywhere, similarity;
   for (const Pair& p : pairs) {
     const ImageF truth = srgb(p.truth, {1, 1, 1}, p.known), ours = srgb(p.ours, score.scale, p.known);
     if (count_of(p.object) >= kFewestPixels) object.push_back(psnr(ours, truth, &p.object));
     if (count_of(p.opaque) >= kFewestPixels) opaque.push_back(psnr(ours, truth, &p.opaque));
-    everywhere.push_back(psnr(ours, truth, &p.known));
-    similarity.push_back(ssim(ours, truth));
+    if (count_of(p.known) >= kFewestPixels) {
+      everywhere.push_back(psnr(ours, truth, &p.known));
+      similarity.push_back(ssim(ours, truth));
+    }
     if (desc.pictures.empty()) continue;
     ImageF both(2 * truth.width(), truth.height(), 3);
     for (int y = 0; y < truth.height(); ++y) {
@@ -99,6 +100,7 @@ RelitScore score_of(const std::vector<Pair>& pairs, const RelitErrorDesc& desc, 
     write_ldr(path, picture);
   }
   const auto mean_of = [](const std::vector<double>& v) { return v.empty() ? std::nullopt : std::optional(mean(v)); };
+  score.views = everywhere.size();
   score.psnr = mean_of(opaque), score.with_glass_psnr = mean_of(object);
   score.everywhere_psnr = mean_of(everywhere), score.ssim = mean_of(similarity);
   return score;

@@ -13,7 +13,7 @@ struct RelitScore {
   // The object outside the glass; the object with what glass shows of it; all pixels; all pixels.
   std::optional<double> psnr, with_glass_psnr, everywhere_psnr, ssim;
   Vec3d scale{1, 1, 1};  // of the pictures, where the albedo was not scaled
-  size_t views = 0;
+  size_t views = 0;      // that show something of the truth
 };
 
 }  // namespace vitrine

@@ -47,7 +47,8 @@ Json definitions(const Evaluation& e) {
       "clipped to [0,1], to the power 1/2.2, squared error pooled over the pixels of the object outside the glass of a view, "
       "mean "
       "over all scored views; pixels where a channel of the truth is 0 (metal) do not count. through_glass: the object behind "
-      "glass, everywhere: all pixels with a truth, undecomposed: the diffuse radiance taken for an albedo; same factors' rule";
+      "glass, everywhere: all pixels with a truth, undecomposed: the diffuse radiance taken for an albedo, over the same pixels, "
+      "with factors of its own";
   d["truth.relit.psnr"] =
       "PSNR of the scene under another environment against truth/relit, both encoded to sRGB and clipped, squared error pooled "
       "over the pixels of the object outside the glass of a view, mean over views, then over environments; scale_mode says what "
@@ -95,14 +96,14 @@ Json truth_json(const TruthScores& t) {
     if (t.albedo->psnr) albedo["psnr"] = *t.albedo->psnr;
     if (t.albedo->through_glass) albedo["through_glass_psnr"] = *t.albedo->through_glass;
     if (t.albedo->everywhere) albedo["everywhere_psnr"] = *t.albedo->everywhere;
-    if (t.undecomposed_psnr) albedo["undecomposed_psnr"] = *t.undecomposed_psnr;
+    if (t.albedo->undecomposed) albedo["undecomposed_psnr"] = *t.albedo->undecomposed;
     albedo["scale_mode"] = "one factor per channel for the whole scene: median of truth / ours over the object";
     albedo["scale"] = {t.albedo->scale.x, t.albedo->scale.y, t.albedo->scale.z};
     albedo["views"] = t.albedo->views;
   }
-  if (const auto mean_psnr = mean_relit_psnr(t)) {
+  if (!t.relit.empty()) {
     Json& relit = j["relit"] = Json::object();
-    relit["psnr"] = *mean_psnr;
+    if (const auto mean_psnr = mean_relit_psnr(t)) relit["psnr"] = *mean_psnr;
     relit["scale_mode"] = t.relit_scale_mode;
     for (const RelitScore& r : t.relit) {
       Json& score = relit["environments"][r.environment] = Json::object();

@@ -38,7 +38,6 @@ struct TruthScores {
   std::optional<double> transmitted_psnr;       // mean over the views that have such a truth
   size_t transmitted_views = 0;
   std::optional<AlbedoScores> albedo;
-  std::optional<double> undecomposed_psnr;  // of the diffuse radiance, taken for an albedo
   std::vector<RelitScore> relit;
   std::string relit_scale_mode;
   std::optional<MeshError> mesh;

@@ -131,7 +131,14 @@ std::optional<ImageF> Truth::zdepth(size_t view, const Intrinsics& intrinsics, L
   const fs::path path = folder_ / "depth" / (stems_[view] + ".exr");
   if (!fs::exists(path)) return std::nullopt;
   const ImageF map = channels_of(read_exr(path), {"Z"}, path);
-  return sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics, turn(view, frame));
+  const Mat3d truth_from_ours = turn(view, frame);
+  ImageF out = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), intrinsics, truth_from_ours);
+  // The map's z is along the truth camera's axis. A point at z on our axis is z r with our ray r = (x, y, 1), and z (R r).z on
+  // the truth's.
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x)
+      out.at(x, y) = float(out.at(x, y) / (truth_from_ours * intrinsics.ray(x + 0.5, y + 0.5)).z);
+  return out;
 }
 
 std::optional<TruthPicture> Truth::transmitted(size_t view, const Intrinsics& intrinsics) const {

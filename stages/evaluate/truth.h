@@ -1,9 +1,10 @@
 // The truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr,
 // relit/<name>/<stem>.exr with env/<name>.exr, mask/{object,transparent,specular}/<stem>.png,
 // mesh.ply and mesh_opaque.ply; every part is optional. Truth maps live in the photo's frame and at their own resolution, our
-// renders in the undistorted frame. Both cameras share centre and orientation, so a map is looked up by direction: our pixel ->
-// ray in the camera frame -> pixel of the truth camera (scaled to the map's size). A map without a truth camera is taken to show
-// exactly our frame. Nearest sample, never a blend: a mean of two depths or two classes is a place that does not exist.
+// renders in the undistorted frame. Both cameras share their centre, so a map is looked up by direction: our pixel -> ray in our
+// camera's frame -> turned into that of the truth's camera, by what the alignment leaves between the two -> pixel there (scaled
+// to the map's size). A map without a truth camera is taken to show exactly our frame. Nearest sample, never a blend: a mean of
+// two depths or two classes is a place that does not exist.
 #pragma once
 
 #include <array>
@@ -42,8 +43,9 @@ class Truth {
   const std::optional<View>& camera(size_t view) const { return cameras_[view]; }
 
   // Maps as seen through `intrinsics` (ours, at render size). nullopt: no such file. Error{Input}: a file that is broken.
-  std::optional<ImageF> zdepth(size_t view, const Intrinsics& intrinsics,
-                               LookupFrame frame = LookupFrame::Ours) const;      // truth units, 0 = nothing there
+  std::optional<ImageF> zdepth(
+      size_t view, const Intrinsics& intrinsics,
+      LookupFrame frame = LookupFrame::Ours) const;  // along the axis of the camera that looks; truth units, 0 = nothing there
   std::optional<ImageF> normal(size_t view, const Intrinsics& intrinsics) const;  // truth frame, unit; 0 0 0 = nothing there
   std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics,
                              LookupFrame frame = LookupFrame::Ours) const;                   // 0 or 1

@@ -68,11 +68,14 @@ class AlbedoRelit : public testing::Test {
     config.relit_views = 2;
     run_evaluate(config, context);
     EXPECT_TRUE(fs::exists(context.output() / "eval/relit/side/view_0.png"));
-    return nlohmann::json::parse(read_file(context.output() / "eval/metrics.json")).at("truth");
+    const auto metrics = nlohmann::json::parse(read_file(context.output() / "eval/metrics.json"));
+    not_measured = metrics.value("not_measured", nlohmann::json::object());
+    return metrics.at("truth");
   }
 
   TinyCapture capture;
   TemporaryFolder relight;
+  nlohmann::json not_measured;
 };
 
 TEST_F(AlbedoRelit, OneFactorPerChannelIsFoundAndTheLightIsTurnedIntoOurFrame) {
@@ -91,6 +94,33 @@ TEST_F(AlbedoRelit, OneFactorPerChannelIsFoundAndTheLightIsTurnedIntoOurFrame) {
   for (int y = 0; y < 32; ++y) std::copy_n(map.pixel(0, 31 - y), 3 * 64, upside_down.pixel(0, y));
   write_environment(capture.truth() / "env/side.exr", Environment(upside_down));
   EXPECT_LT(truth_figures().at("relit").at("environments").at("side").at("psnr"), 20);
+}
+
+TEST_F(AlbedoRelit, WithoutAnOpaqueObjectTheOtherFiguresStay) {
+  for (const View& v : capture.views) capture.write_mask("object", v, 0, 0);
+  const auto truth = truth_figures();
+  const auto& relit = truth.at("relit");
+  EXPECT_FALSE(relit.contains("psnr"));
+  EXPECT_TRUE(not_measured.contains("truth.relit.psnr"));
+  const auto& side = relit.at("environments").at("side");
+  EXPECT_FALSE(side.contains("psnr"));
+  EXPECT_GT(side.at("everywhere_psnr"), 20);
+  EXPECT_EQ(side.at("views"), 2);
+}
+
+TEST_F(AlbedoRelit, TruthThatShowsNothingOfOursIsNoFigure) {
+  std::vector<View> elsewhere = capture.views;
+  for (View& v : elsewhere) {
+    v.cam_from_world = transformed_world(v.cam_from_world, capture.truth_from_ours);
+    v.intrinsics.cx = -1000;
+  }
+  write_transforms_json(capture.truth() / "transforms.json", elsewhere, "../photos");
+  const auto truth = truth_figures();
+  EXPECT_EQ(truth.dump().find("null"), std::string::npos) << truth.dump(1);  // as JSON writes what is no number
+  const auto& side = truth.at("relit").at("environments").at("side");
+  EXPECT_EQ(side.at("views"), 0);
+  EXPECT_FALSE(side.contains("everywhere_psnr"));
+  EXPECT_FALSE(side.contains("ssim"));
 }
 
 TEST_F(AlbedoRelit, MaterialsOfAnotherSceneAreRefused) {

@@ -29,6 +29,37 @@ TEST(SampledByDirection, FollowsFocalLengthAndPrincipalPoint) {
   EXPECT_EQ(sampled_by_direction(map, {32, 8, 16, 16, -20, 4}, ours).at(0, 4), 0);
 }
 
+TEST(TruthZdepth, IsAlongOurAxisWhereTheTruthsCameraIsTurned) {
+  // A wall across the truth camera's axis, 2 units away; our camera stands there too and looks 2 degrees to the side and up.
+  const Intrinsics k{32, 24, 24, 24, 16, 12};
+  View truth_camera, ours;
+  truth_camera.name = ours.name = "a.png";
+  truth_camera.intrinsics = ours.intrinsics = k;
+  truth_camera.cam_from_world = looking_at({1, 0.2, 0.3}, {0, 0, 0});
+  ours.cam_from_world = truth_camera.cam_from_world;
+  const Mat3d turn = rotation_matrix(normalized(Quatd{1, -0.009, 0.0145, 0}));
+  ours.cam_from_world = Rigid{turn * truth_camera.cam_from_world.rotation, turn * truth_camera.cam_from_world.translation};
+  const TemporaryFolder folder;
+  make_folders(folder.path() / "depth");
+  write_transforms_json(folder.path() / "transforms.json", {truth_camera}, ".");
+  write_exr(folder.path() / "depth/a.exr", ExrImage{ImageF(32, 24, 1, 2.f), {"Z"}, {}}, ExrPrecision::Float);
+  Truth truth(folder.path(), {ours});
+  truth.align({}, {ours});
+  const ImageF z = truth.zdepth(0, k).value();
+  const Rigid world_from_ours = inverse(ours.cam_from_world);
+  float nearest = 10, farthest = 0;
+  for (int y = 2; y < 22; y += 3)
+    for (int x = 2; x < 30; x += 3) {
+      // The place that z and the pixel name lies on the wall.
+      const Vec3d place = world_from_ours * (double(z.at(x, y)) * k.ray(x + 0.5, y + 0.5));
+      EXPECT_NEAR((truth_camera.cam_from_world * place).z, 2, 1e-5) << x << ' ' << y;
+      nearest = std::min(nearest, z.at(x, y)), farthest = std::max(farthest, z.at(x, y));
+    }
+  EXPECT_GT(farthest, 1.02f * nearest);
+  // In the truth's own frame nothing is turned.
+  EXPECT_EQ(truth.zdepth(0, k, LookupFrame::Truths).value().at(3, 3), 2);
+}
+
 TEST(MeshZdepth, IsTheExactDepthOfASlantedPlane) {
   // z = 2 + x, seen from the origin along +z: at pixel direction d, z = 2 / (1 - d).
   TriMesh m;
