@@ -24,9 +24,10 @@ namespace {
 constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
 constexpr double kMiddleGrey = 0.18;
 
-// The folder of a light: the name of its file without what a file system or a shell might not like.
+// The folder of a light: the names of its files without what a file system or a shell might not like.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
-  std::string label = environment ? environment->stem().string() : lights ? lights->stem().string() : "captured";
+  std::string label = environment ? environment->stem().string() : lights ? "" : "captured";
+  if (lights) label += (label.empty() ? "" : "_") + lights->stem().string();
   for (char& c : label)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
   return label.find_first_not_of('.') == std::string::npos ? "light" : label;
@@ -230,7 +231,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
 Stage relit_stage() {
   StageInfo info{
       .name = "relit",
-      .version = 1,
+      .version = 2,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

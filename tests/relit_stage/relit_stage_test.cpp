@@ -90,7 +90,29 @@ TEST_F(RelitStage, RotationTurnsTheLight) {
   };
   const ImageF at_0 = corner(0), at_360 = corner(360), at_90 = corner(90);
   EXPECT_EQ(at_0, at_360);
-  EXPECT_NE(at_0, at_90);
+  // The corner looks past the ball towards -x, where the probe is cyan. Counter-clockwise seen from above +y comes to lie there,
+  // which is green; the other sense would bring the magenta of -y.
+  for (int c = 1; c < 3; ++c) EXPECT_GT(at_0.at(1, 1, c), 3 * at_0.at(1, 1, 0));
+  for (int c = 0; c < 3; c += 2) EXPECT_GT(at_90.at(1, 1, 1), 3 * at_90.at(1, 1, c));
+}
+
+TEST_F(RelitStage, AnEnvironmentAndLampsTogetherHaveAFolderOfTheirOwn) {
+  write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: point, position: [1, 0, 0.2], intensity: 1}\n");
+  RecordingContext context(inputs({{"env", probe()}, {"lights", folder.path() / "lamps.yaml"}}));
+  run_relit({.width = 16, .height = 12, .samples = 1}, context);
+  EXPECT_TRUE(fs::exists(context.output() / "relit/probe_lamps/view_0.png"));
+  EXPECT_FALSE(fs::exists(context.output() / "relit/probe"));
+}
+
+TEST_F(RelitStage, MissingViewsAreCalledByTheirName) {
+  capture.write_split({}, {1, 2});
+  const Error heldout = error_with({});
+  EXPECT_EQ(heldout.detail().code, "NO_VIEWS");
+  EXPECT_NE(std::string(heldout.what()).find("no held-out views"), std::string::npos) << heldout.what();
+  EXPECT_EQ(heldout.detail().hint, "--views all");
+  capture.write_split({1, 2}, {});
+  const Error train = error_with({}, {.views = "train", .samples = 1});
+  EXPECT_NE(std::string(train.what()).find("no training views"), std::string::npos) << train.what();
 }
 
 TEST_F(RelitStage, ATurntableGoesAroundWhatThePhotosLookAt) {
