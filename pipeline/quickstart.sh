@@ -25,20 +25,26 @@ fi
 
 install_packages "${VITRINE_PACKAGES[@]}"
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=OFF
+vitrine="$VITRINE_ROOT/build/bin/vitrine"
 say "run: vitrine run $photos -o $out --preset preview"
-"$VITRINE_ROOT/build/bin/vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
-lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
-say "relight: vitrine relight $out --lights $lamps"
-"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps"
-"$VITRINE_ROOT/build/bin/vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16 --output "$out/turntable"
+"$vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
+[[ " ${options[*]} " != *" --dry-run "* ]] || exit 0
+# A road that ended early (--to mesh) knows no materials, and there is nothing to relight.
+if [ -e "$out/relight/materials.ply" ]; then
+  lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
+  say "relight: vitrine relight $out --lights $lamps"
+  "$vitrine" relight "$out" --lights "$lamps"
+  "$vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16 --output "$out/turntable"
+fi
 
 say "done. Where to look:"
-cat <<TXT
-  $out/eval/contact_sheet.jpg   photo, render, error, normals and depth of the held-out views
-  $out/mesh/mesh.ply            the mesh, with colours and normals (MeshLab, Blender, CloudCompare)
-  $out/relit/, $out/turntable/   held-out views and a turntable under two lamps (another light: vitrine relight $out --env HDRI)
-  $out/export/mesh.glb          the mesh with materials; glass transmits (three.js, Blender, any glTF viewer)
-  $out/export/                  Gaussians (2DGS, 3DGS, merged preview), COLMAP model, OBJ, USD
-  $out/eval/metrics.json        PSNR, SSIM; errors against truth when there is a truth folder
-again, or with other options:   $VITRINE_ROOT/build/bin/vitrine run $out --preset standard
-TXT
+# show FILE WHAT: a line about what is there.
+show() { [ ! -e "$out/$1" ] || printf '  %-32s %s\n' "$out/$1" "$2"; }
+show eval/contact_sheet.jpg "photo, render, error, normals and depth of the held-out views"
+show mesh/mesh.ply "the mesh, with colours and normals (MeshLab, Blender, CloudCompare)"
+show relit/ "held-out views under two lamps (another light: vitrine relight $out --env HDRI)"
+show turntable/ "a turntable under the same lamps"
+show export/mesh.glb "the mesh with materials; glass transmits (three.js, Blender, any glTF viewer)"
+show export/ "Gaussians (2DGS, 3DGS, merged preview), COLMAP model, OBJ, USD"
+show eval/metrics.json "PSNR, SSIM; errors against truth when there is a truth folder"
+echo "again, or with other options:   $vitrine run $out --preset standard"

@@ -1,0 +1,58 @@
+// pipeline/quickstart.sh: which commands it calls. It runs beside a setup.sh that installs and builds nothing, and calls a
+// program that writes down its words.
+#include <gtest/gtest.h>
+
+#include "core/base/file.h"
+#include "core/base/process.h"
+
+namespace vitrine {
+namespace {
+
+class Quickstart : public testing::Test {
+ protected:
+  Quickstart() {
+    for (const char* sub : {"pipeline", "build/bin", "photos"}) make_folders(folder.path() / sub);
+    fs::copy_file(fs::path(VITRINE_SOURCE_DIR) / "pipeline/quickstart.sh", folder.path() / "pipeline/quickstart.sh");
+    write_file(folder.path() / "pipeline/setup.sh", "VITRINE_ROOT=\"" + folder.path().string() +
+                                                        "\"\nVITRINE_PACKAGES=()\n"
+                                                        "install_packages() { :; }\nbuild() { :; }\nsay() { echo \"$*\"; }\n");
+    write_file(program(), "#!/bin/sh\necho \"$*\" >> \"" + (folder.path() / "calls").string() + "\"\n");
+    fs::permissions(program(), fs::perms::owner_all);
+  }
+  fs::path program() const { return folder.path() / "build/bin/vitrine"; }
+  fs::path out() const { return folder.path() / "out"; }
+  // The first words of every call, one a line.
+  std::string calls(const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"bash", (folder.path() / "pipeline/quickstart.sh").string(),
+                                          (folder.path() / "photos").string(), "-o", out().string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    fs::remove(folder.path() / "calls");
+    printed.clear();
+    const ProcessResult r = run_process({.arguments = arguments, .on_line = [&](std::string_view line) {
+                                           printed += line;
+                                           printed += '\n';
+                                         }});
+    EXPECT_TRUE(r.ok()) << r.tail;
+    std::istringstream lines(read_file(folder.path() / "calls"));
+    std::string commands;
+    for (std::string line; std::getline(lines, line);) commands += line.substr(0, line.find(' ')) + "\n";
+    return commands;
+  }
+
+  TemporaryFolder folder;
+  std::string printed;
+};
+
+TEST_F(Quickstart, RelightsWhatHasMaterialsOnly) {
+  EXPECT_EQ(calls({"--to", "mesh"}), "run\n");
+  EXPECT_EQ(printed.find("relit/"), std::string::npos) << printed;
+  make_folders(out() / "relight");
+  write_file(out() / "relight/materials.ply", "ply\n");
+  make_folders(out() / "relit");
+  EXPECT_EQ(calls({}), "run\nrelight\nrelight\n");
+  EXPECT_NE(printed.find(out().string() + "/relit/"), std::string::npos) << printed;
+  EXPECT_EQ(calls({"--dry-run"}), "run\n");
+}
+
+}  // namespace
+}  // namespace vitrine
