@@ -101,7 +101,8 @@ Developed develop(const fs::path& path, int max_side) {
   const Intrinsics limited = Intrinsics{photo.original_width, photo.original_height, 1, 1, 0, 0}.limited_to(max_side);
   photo.width = std::max(limited.width, 1);
   photo.height = std::max(limited.height, 1);
-  if (photo.width != photo.original_width) d.linear = resized(d.linear, photo.width, photo.height);
+  if (photo.width != photo.original_width || photo.height != photo.original_height)
+    d.linear = resized(d.linear, photo.width, photo.height);
   if (const auto focal = focal_of(exif, photo.width, photo.height)) {
     photo.focal_px = focal->px;
     photo.focal_source = focal->source;

@@ -204,6 +204,41 @@ TEST(Ingest, ReducesInLinearLightAndScalesTheFocalLength) {
   EXPECT_NEAR(read_exr_rgb(ingested_linear_path(context.output(), photo)).at(20, 15, 1), 0.5, 0.02);
 }
 
+TEST(Ingest, ReducesATallPhotoWhoseWidthStays) {
+  TemporaryFolder folder;
+  for (const char* name : {"a.png", "b.png"}) write_ldr(folder.path() / name, picture(30, 81));
+  RecordingContext context({{"photos", folder.path()}});
+  run_ingest(context, "80");  // 29.6 is 30, too
+  const Photo photo = read_photo_list(context.output()).at(0);
+  const ImageF linear = read_exr_rgb(ingested_linear_path(context.output(), photo));
+  EXPECT_EQ(photo.width, 30);
+  EXPECT_EQ(photo.height, 80);
+  EXPECT_EQ(linear.width(), 30);
+  EXPECT_EQ(linear.height(), 80);
+}
+
+TEST(PhotoNames, AreValidUtf8) {
+  const std::pair<const char*, const char*> names[] = {{"\xf0\x9f\x98\x80.png", "\xf0\x9f\x98\x80.png"},
+                                                       {"\xe0\xa4\x85.png", "\xe0\xa4\x85.png"},
+                                                       {"\xed\x9f\xbf.png", "\xed\x9f\xbf.png"},
+                                                       {"\xf4\x8f\xbf\xbf.png", "\xf4\x8f\xbf\xbf.png"},
+                                                       {"\xc0\xaf.png", "__.png"},
+                                                       {"\xe0\x80\xaf.png", "___.png"},  // overlong slashes
+                                                       {"\xf0\x80\x80\xaf.png", "____.png"},
+                                                       {"\xed\xa0\x80.png", "___.png"},  // half of a pair
+                                                       {"\xf4\x90\x80\x80.png", "____.png"},
+                                                       {"\xe2\x82.png", "__.png"},  // cut off
+                                                       {"a\x01"
+                                                        "b\x7f.png",
+                                                        "a_b_.png"}};
+  for (const auto& [source, name] : names) {
+    std::vector<ingest::PhotoFile> photos(1);
+    photos[0].source = source;
+    ingest::assign_names(photos);
+    EXPECT_EQ(photos[0].name, name);
+  }
+}
+
 TEST(Ingest, KeepsSubFoldersAndStrangeNamesAndSeparatesTwins) {
   TemporaryFolder parent;
   const fs::path folder = parent.path() /
