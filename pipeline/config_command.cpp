@@ -42,12 +42,12 @@ int config_command(const Words& words) {
   cli.values("set", 0, "STAGE.OPTION=VALUE", sets, "show: with this value.");
   cli.value("write", 0, "DIR", write, "reference: write one file per stage into this folder.");
   cli.flag("help", 'h', help, "Print this text.");
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 2);
   if (help) {
     std::cout << cli.help();
     return 0;
   }
-  if (rest.empty() || rest.size() > 2)
+  if (rest.empty())
     throw Error(ErrorKind::Usage, "show, schema or reference?",
                 {.hint = "vitrine config show PROJECT --origin", .code = "USAGE"});
   const Graph graph = load_graph(stage_folder());

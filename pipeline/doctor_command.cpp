@@ -70,12 +70,11 @@ int doctor_command(const Words& words) {
   bool help = false;
   CommandLine cli("vitrine doctor", "", "What this machine has for vitrine, and what is missing.");
   cli.flag("help", 'h', help, "Print this text.");
-  const Words rest = cli.parse(words);
+  cli.parse(words, 0);
   if (help) {
     std::cout << cli.help();
     return 0;
   }
-  if (!rest.empty()) throw Error(ErrorKind::Usage, fmt::format("unexpected argument \"{}\"", rest[0]), {.code = "USAGE"});
   std::vector<std::string> missing;
   const std::string isa = instruction_set();
   if (isa == "no AVX2") missing.push_back("a CPU with AVX2 (any since 2015)");

@@ -8,12 +8,12 @@
 #include "core/artifact/current.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
-#include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/export_folder.h"
 #include "pipeline/graph.h"
+#include "pipeline/printed_key.h"
 #include "pipeline/project.h"
 
 namespace vitrine {
@@ -72,26 +72,17 @@ int run_and_tell(const Words& words) {
   return result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code;
 }
 
-std::string key_of_run(Words words) {
-  words.push_back("--print-key");
-  std::string text;
-  const ProcessResult r = run_process({.arguments = words, .on_line = [&](std::string_view line) { text.append(line) += "\n"; }});
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  return r.ok() && json.is_object() ? json.value("key", "") : "";
-}
-
 }  // namespace
 
 int export_command(const Words& words) {
   ExportArguments a;
   const CommandLine cli = export_command_line(a);
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 1);
   if (a.help) {
     std::cout << cli.help();
     return 0;
   }
   if (a.list) return run_and_tell({export_program().string(), "--list"});
-  if (rest.size() > 1) throw Error(ErrorKind::Usage, fmt::format("unexpected argument \"{}\"", rest[1]), {.code = "USAGE"});
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const auto current = current_keys(project);
 

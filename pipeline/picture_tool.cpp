@@ -8,9 +8,9 @@
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
-#include "core/base/json.h"
 #include "core/base/process.h"
 #include "pipeline/graph.h"
+#include "pipeline/printed_key.h"
 #include "pipeline/project.h"
 
 namespace vitrine {
@@ -31,15 +31,6 @@ void add_views(const std::string& views, Words& words) {
   const bool named = views == "heldout" || views == "train" || views == "all";
   words.insert(words.end(), {"--set", "views=" + (named ? views : "path")});
   if (!named) add_input_file("path", views, "--views heldout, train, all, or a file like transforms.json", words);
-}
-
-std::string key_of_run(const Words& words) {
-  Words ask = words;
-  ask.push_back("--print-key");
-  std::string text;
-  const ProcessResult r = run_process({.arguments = ask, .on_line = [&](std::string_view line) { text.append(line) += "\n"; }});
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  return r.ok() && json.is_object() ? json.value("key", "") : "";
 }
 
 // The folder with the cameras of the pictures.
@@ -71,10 +62,7 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const std::strin
   cli.flag("help", 'h', a.help, "Print this text.");
 }
 
-fs::path picture_project(const Words& rest) {
-  if (rest.size() > 1) throw Error(ErrorKind::Usage, fmt::format("unexpected argument \"{}\"", rest[1]), {.code = "USAGE"});
-  return project_of(rest.empty() ? "." : rest[0]);
-}
+fs::path picture_project(const Words& rest) { return project_of(rest.empty() ? "." : rest[0]); }
 
 void add_input_file(const std::string& name, const std::string& path, const std::string& hint, Words& words) {
   std::error_code ec;

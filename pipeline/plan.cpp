@@ -7,6 +7,7 @@
 #include "core/artifact/current.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
+#include "pipeline/printed_key.h"
 
 namespace vitrine {
 
@@ -109,12 +110,10 @@ void Planner::ask_key(const StageNode& node, const std::vector<std::string>& inp
                                            text += std::string(line) + "\n";
                                        }});
   throw_if_interrupted();
-  // Whatever a library may have printed before stands in front of the object.
-  const size_t begin = text.starts_with("{") ? 0 : text.find("\n{");
-  const json key = begin == std::string::npos ? json() : json::parse(text.substr(begin), nullptr, false);
-  if (!r.ok() || !key.is_object()) throw_stage_failure(node, error_record, r);
-  step.key = key.at("key");
-  step.terms = key.at("terms").get<KeyTerms>();
+  const auto answer = printed_key(text);
+  if (!r.ok() || !answer) throw_stage_failure(node, error_record, r);
+  step.key = answer->key;
+  step.terms = answer->terms;
 }
 
 std::optional<std::vector<std::string>> Planner::inputs(const StageNode& node, const std::vector<Step>& before) const {

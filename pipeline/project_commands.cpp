@@ -53,7 +53,7 @@ int status_command(const Words& words) {
   bool help = false;
   CommandLine cli("vitrine status", "[PROJECT]", "Which stages are up to date, and why the others are not.");
   cli.flag("help", 'h', help, "Print this text.");
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 1);
   if (help) {
     std::cout << cli.help(usage_tail());
     return 0;
@@ -80,7 +80,7 @@ int explain_command(const Words& words) {
   CommandLine cli("vitrine explain", "[PROJECT] [STAGE]",
                   "What the next run would compute and which term of a key changed; with a stage: all that its key is made of.");
   cli.flag("help", 'h', help, "Print this text.");
-  Words rest = cli.parse(words);
+  Words rest = cli.parse(words, 2);
   if (help) {
     std::cout << cli.help(usage_tail());
     return 0;
@@ -118,7 +118,7 @@ int cache_command(const Words& words) {
       "vitrine cache", "du|prune [PROJECT]",
       "du: what the store of an output folder holds. prune: remove every artifact that is not the current one of its stage.");
   cli.flag("help", 'h', help, "Print this text.");
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 2);
   if (help) {
     std::cout << cli.help(usage_tail());
     return 0;

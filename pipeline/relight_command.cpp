@@ -22,7 +22,7 @@ int relight_command(const Words& words) {
   cli.value("exposure", 0, "STOPS", exposure,
             "How many stops brighter the PNG are than the EXR; default: surfaces become middle grey.");
   add_picture_options(cli, a, "relit");
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 1);
   if (a.help) {
     std::cout << cli.help();
     return 0;

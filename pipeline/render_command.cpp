@@ -13,7 +13,7 @@ int render_command(const Words& words) {
                   "Pictures of the trained scene. PROJECT is the output folder of `vitrine run`; default: the current folder.");
   cli.flag("layers", 'l', layers, "Also write what the pictures are made of, as EXR.");
   add_picture_options(cli, a, "render");
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 1);
   if (a.help) {
     std::cout << cli.help();
     return 0;

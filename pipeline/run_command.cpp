@@ -145,7 +145,7 @@ int dry_run(Planner& planner, const fs::path& project) {
 int run_command(const Words& words) {
   RunArguments a;
   const CommandLine cli = run_command_line(a);
-  const Words rest = cli.parse(words);
+  const Words rest = cli.parse(words, 1);
   if (a.help) {
     std::cout << cli.help(
         "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses, 5 quality\n"
@@ -153,9 +153,7 @@ int run_command(const Words& words) {
         "75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
     return 0;
   }
-  if (rest.size() != 1)
-    throw Error(ErrorKind::Usage, rest.empty() ? "which photos?" : fmt::format("unexpected argument \"{}\"", rest[1]),
-                {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
+  if (rest.empty()) throw Error(ErrorKind::Usage, "which photos?", {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
   if (a.log_format != "text" && a.log_format != "json")
     throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format), {.code = "USAGE"});
   a.what = rest[0];

@@ -50,7 +50,7 @@ void CommandLine::usage_error(const std::string& message, const std::string& hin
   throw Error(ErrorKind::Usage, message, {.hint = hint.empty() ? program_ + " --help" : hint, .code = "USAGE"});
 }
 
-std::vector<std::string> CommandLine::parse(const std::vector<std::string>& arguments) const {
+std::vector<std::string> CommandLine::parse(const std::vector<std::string>& arguments, size_t most) const {
   std::vector<std::string> rest;
   for (size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
@@ -102,6 +102,7 @@ std::vector<std::string> CommandLine::parse(const std::vector<std::string>& argu
       usage_error(fmt::format("{} needs a value: {} {}", shown, shown, found->value));
     }
   }
+  if (rest.size() > most) usage_error(fmt::format("unexpected argument \"{}\"", rest[most]));
   return rest;
 }
 

@@ -21,8 +21,8 @@ class CommandLine {
   void values(std::string_view name, char letter, std::string_view value, std::vector<std::string>& target, std::string_view doc);
   void section(std::string_view title);  // starts a new block in help
 
-  // Everything that is no flag, in order. Error{Usage}: unknown flag, missing or bad value.
-  std::vector<std::string> parse(const std::vector<std::string>& arguments) const;
+  // Everything that is no flag, in order. Error{Usage}: unknown flag, missing or bad value, more than `most` words.
+  std::vector<std::string> parse(const std::vector<std::string>& arguments, size_t most = size_t(-1)) const;
   // `tail` is appended, for options or sub-commands.
   std::string help(std::string_view tail = {}) const;
 

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "core/base/timer.h"
+#include "pipeline/printed_key.h"
 #include "tests/pipeline/sandbox.h"
 
 namespace vitrine {
@@ -219,6 +220,13 @@ TEST_F(Sandbox, BadPlacesAreRefusedClearly) {
   EXPECT_EQ(call({"run", "nowhere"}).exit, 3);
   EXPECT_EQ(call({"run"}).exit, 2);
   EXPECT_EQ(call({"status", photos().string()}).exit, 3);
+  using Words = std::vector<std::string>;
+  for (const Words& words : {Words{"status", "a", "b"}, Words{"explain", "a", "b", "c"}, Words{"cache", "du", "a", "b"},
+                             Words{"config", "show", "a", "b"}, Words{"doctor", "a"}, Words{"run", "a", "b"}}) {
+    const Outcome o = call(words);
+    EXPECT_EQ(o.exit, 2) << o.text;
+    EXPECT_TRUE(o.has("unexpected argument \"" + words.back() + "\"")) << o.text;
+  }
   fs::create_directories(folder.path() / "empty");
   const Outcome empty = call({"run", "empty", "-o", out().string()});
   EXPECT_EQ(empty.exit, 3);
@@ -228,6 +236,19 @@ TEST_F(Sandbox, BadPlacesAreRefusedClearly) {
   EXPECT_EQ(call({"runn"}).exit, 2);
   EXPECT_TRUE(run({"--poses", "x"}).has("--poses is of no use here: no stage reads 'poses'"));
   EXPECT_EQ(run({"--set", "input.notes=/no/such/file"}).exit, 3);
+}
+
+TEST(PrintedKey, IsFoundBetweenWhatLibrariesSay) {
+  const std::string answer = "{\n \"key\": \"ab12\",\n \"terms\": {\n  \"stage\": \"mesh\"\n }\n}\n";
+  for (const std::string& said : {answer, "{} of cpus\n{a: b}\n" + answer, answer + "bye {\n"}) {
+    const auto key = printed_key(said);
+    ASSERT_TRUE(key) << said;
+    EXPECT_EQ(key->key, "ab12");
+    EXPECT_EQ(key->terms, (KeyTerms{{"stage", "mesh"}}));
+  }
+  EXPECT_FALSE(printed_key("no key\n"));
+  EXPECT_FALSE(printed_key("{\n \"key\": \"ab12\"\n"));
+  EXPECT_FALSE(printed_key("{\n \"version\": 1\n}\n"));
 }
 
 TEST_F(Sandbox, OptionalInputsTakePart) {
