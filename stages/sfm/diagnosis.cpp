@@ -15,9 +15,10 @@ constexpr size_t kSmallestModel = 3;  // two views are a guess, not a model
 // the camera (reflections) or look alike (repetition).
 constexpr double kFewSurvive = 0.3;
 
-size_t median_features(const Reconstruction& r) {
+// Of the features that the masks leave, or of all.
+size_t median_features(const Reconstruction& r, bool masked_too) {
   std::vector<size_t> f;
-  for (const PhotoReport& p : r.photos) f.push_back(p.features);
+  for (const PhotoReport& p : r.photos) f.push_back(masked_too ? p.features : p.features - p.masked);
   if (f.empty()) return 0;
   std::nth_element(f.begin(), f.begin() + long(f.size() / 2), f.end());
   return f[f.size() / 2];
@@ -54,13 +55,21 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   const size_t n = r.photos.size(), have = r.model.images.size();
   if (have >= kSmallestModel && double(have) >= config.min_registered * double(n)) return {};
   Diagnosis d;
-  const size_t median = median_features(r), largest = r.groups.empty() ? 0 : r.groups[0];
+  const size_t median = median_features(r, false), found = median_features(r, true), largest = r.groups.empty() ? 0 : r.groups[0];
+  const std::string of_found = found > median ? fmt::format(" ({} before masks)", found) : "";
   const std::string figures =
-      fmt::format("median {} features a photo; of {} pairs compared {} had at least {} matches and {} agree on a camera motion",
-                  median, r.pairs_compared, r.pairs_matched, config.min_matches, r.pairs_verified);
+      fmt::format("median {} features a photo{}; of {} pairs compared {} had at least {} matches and {} agree on a camera motion",
+                  median, of_found, r.pairs_compared, r.pairs_matched, config.min_matches, r.pairs_verified);
   const double survive = r.pairs_matched > 0 ? double(r.pairs_verified) / double(r.pairs_matched) : 0;
   const std::string poses_hint = "3. supply poses: --poses transforms.json, or a COLMAP model";
-  if (median < kFewFeatures) {
+  if (median < kFewFeatures && found >= kFewFeatures) {
+    d.code = "SFM_TOO_FEW_FEATURES";
+    d.why = "the masks leave too little texture: " + figures;
+    d.hint =
+        "1. look at the masks: features are not used inside specular, transparent and ignore, on a turntable outside object\n"
+        "2. find the cameras without masks of a class: --set sfm.masks.specular=off (object, transparent, ignore)\n" +
+        poses_hint;
+  } else if (median < kFewFeatures) {
     d.code = "SFM_TOO_FEW_FEATURES";
     d.why = "the photos hold too little texture: " + figures;
     d.hint =

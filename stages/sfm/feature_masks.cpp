@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
@@ -122,44 +123,55 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     throw_if_interrupted();
     classes[i] = masks.classes_at(photo_of[i], features[i].xy);
   });
+  std::vector<std::vector<uint32_t>> kept(n);
+  // Leaves the features of features[i] whose classes `stay`.
+  const auto leave = [&](size_t i, auto&& stay) {
+    PhotoFeatures& f = features[i];
+    size_t to = 0;
+    for (size_t k = 0; k < f.count; ++k) {
+      if (!stay(classes[i][kept[i][k]])) continue;
+      kept[i][to] = kept[i][k];
+      std::copy_n(f.xy.begin() + long(2 * k), 2, f.xy.begin() + long(2 * to));
+      std::copy_n(f.descriptors.begin() + long(kDescriptorBytes * k), kDescriptorBytes,
+                  f.descriptors.begin() + long(kDescriptorBytes * to));
+      ++to;
+    }
+    f.count = to;
+    kept[i].resize(to);
+    f.xy.resize(2 * to);
+    f.descriptors.resize(kDescriptorBytes * to);
+  };
+  for (size_t i = 0; i < n; ++i) {
+    effect.before += features[i].count;
+    kept[i].resize(features[i].count);
+    std::iota(kept[i].begin(), kept[i].end(), 0u);
+    for (MaskClass kind : kMaskClasses)
+      if (kind != MaskClass::Object)
+        for (uint8_t c : classes[i]) effect.removed[size_t(kind)] += (c & bit(kind)) != 0;
+    leave(i, [](uint8_t c) { return (c & ~bit(MaskClass::Object)) == 0; });
+  }
   effect.turntable = masks.turntable();
   effect.object_applied = masks.turntable() == "yes";
   if (masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
+    // Mirrors and passers-by have no vote: what they show moves by laws of its own.
     std::vector<std::vector<uint8_t>> inside(n);
     std::vector<double> sides(n);
     for (size_t i = 0; i < n; ++i) {
       sides[i] = masks.longest_side(photo_of[i]);
       if (!masks.has_mask(MaskClass::Object, photo_of[i])) continue;
-      for (uint8_t c : classes[i]) inside[i].push_back((c & bit(MaskClass::Object)) != 0);
+      for (uint32_t k : kept[i]) inside[i].push_back((classes[i][k] & bit(MaskClass::Object)) != 0);
     }
     effect.evidence = turntable_evidence({.photos = features, .inside = inside, .sides = sides, .rules = rules});
     effect.object_applied = effect.evidence->turntable;
   }
-  std::vector<std::vector<uint32_t>> kept(n);
   for (size_t i = 0; i < n; ++i) {
-    PhotoFeatures& f = features[i];
-    effect.before += f.count;
-    for (size_t k = 0; k < f.count; ++k) {
-      bool keep = true;
-      for (MaskClass kind : kMaskClasses) {
-        const bool inside = (classes[i][k] & bit(kind)) != 0;
-        const bool remove = kind == MaskClass::Object ? effect.object_applied && !inside : inside;
-        effect.removed[size_t(kind)] += remove;
-        keep &= !remove;
-      }
-      if (!keep) continue;
-      const size_t to = kept[i].size();
-      kept[i].push_back(uint32_t(k));
-      std::copy_n(f.xy.begin() + long(2 * k), 2, f.xy.begin() + long(2 * to));
-      std::copy_n(f.descriptors.begin() + long(kDescriptorBytes * k), kDescriptorBytes,
-                  f.descriptors.begin() + long(kDescriptorBytes * to));
+    if (effect.object_applied) {
+      for (uint8_t c : classes[i]) effect.removed[size_t(MaskClass::Object)] += (c & bit(MaskClass::Object)) == 0;
+      leave(i, [](uint8_t c) { return (c & bit(MaskClass::Object)) != 0; });
     }
     if (effect.removed_of_photo.size() <= photo_of[i]) effect.removed_of_photo.resize(photo_of[i] + 1, 0);
-    effect.removed_of_photo[photo_of[i]] = f.count - kept[i].size();
-    f.count = kept[i].size();
-    f.xy.resize(2 * f.count);
-    f.descriptors.resize(kDescriptorBytes * f.count);
-    effect.after += f.count;
+    effect.removed_of_photo[photo_of[i]] = classes[i].size() - kept[i].size();
+    effect.after += kept[i].size();
   }
   for (MaskClass kind : kMaskClasses) effect.photos[size_t(kind)] = masks.photos_with(kind);
   log_mask_effect(effect);

@@ -74,42 +74,44 @@ std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext&
   return masks;
 }
 
+ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos) {
+  ColmapModel given = read_given_poses(poses, photos, config.pose_scale);
+  log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
+  if (given.images.size() < kSmallestModel || double(given.images.size()) < config.min_registered * double(photos.size()))
+    throw Error(ErrorKind::Input, "too few photos have a given pose",
+                {.where = poses.string(),
+                 .why = fmt::format("{} of {} photos, need {:.0f} % and at least {}", given.images.size(), photos.size(),
+                                    100 * config.min_registered, kSmallestModel),
+                 .hint = "give only the photos that have poses, or --set sfm.min_registered=0.3",
+                 .code = "POSES_TOO_FEW"});
+  return given;
+}
+
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
-  const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
-  const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
-  const ReconstructDesc desc{.photos = list,
-                             .work_folder = context.scratch() / "colmap",
-                             .threads = context.threads(),
-                             .masks = masks ? &*masks : nullptr,
-                             .progress =
-                                 [&](double fraction, const std::string& text) {
-                                   context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
-                                 },
-                             .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
-  const std::optional<fs::path> poses = context.optional_input("poses");
-  if (poses) {
-    ColmapModel given = read_given_poses(*poses, photos, config.pose_scale);
-    log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
-    if (given.images.size() < kSmallestModel || double(given.images.size()) < config.min_registered * double(photos.size()))
-      throw Error(ErrorKind::Input, "too few photos have a given pose",
-                  {.where = poses->string(),
-                   .why = fmt::format("{} of {} photos, need {:.0f} % and at least {}", given.images.size(), photos.size(),
-                                      100 * config.min_registered, kSmallestModel),
-                   .hint = "give only the photos that have poses, or --set sfm.min_registered=0.3",
-                   .code = "POSES_TOO_FEW"});
-    Solved s;
-    if (given.points.size() >= kPointsWorthKeeping) {
-      s.reconstruction = complete_as_given(std::move(given), photos);
-    } else {
-      Colmap colmap;
-      s = {triangulate(colmap, config, desc, given), colmap.version()};
-    }
-    for (PhotoReport& p : s.reconstruction.photos) p.pose_missing = !p.registered;
-    return s;
+  std::optional<ColmapModel> given;
+  if (const auto poses = context.optional_input("poses")) given = given_model(*poses, config, photos);
+  Solved s;
+  if (given && given->points.size() >= kPointsWorthKeeping) {
+    s.reconstruction = complete_as_given(std::move(*given), photos);
+  } else {
+    const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
+    const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
+    const ReconstructDesc desc{.photos = list,
+                               .work_folder = context.scratch() / "colmap",
+                               .threads = context.threads(),
+                               .masks = masks ? &*masks : nullptr,
+                               .progress =
+                                   [&](double fraction, const std::string& text) {
+                                     context.progress({.fraction = kReconstructShare * fraction, .text = text, .values = {}});
+                                   },
+                               .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
+    Colmap colmap;
+    log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
+    s = {given ? triangulate(colmap, config, desc, *given) : reconstruct(colmap, config, desc), colmap.version()};
   }
-  Colmap colmap;
-  log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
-  return {reconstruct(colmap, config, desc), colmap.version()};
+  if (given)
+    for (PhotoReport& p : s.reconstruction.photos) p.pose_missing = !p.registered;
+  return s;
 }
 
 // What exposure and white balance did to each photo, from the colours of the tracks in the undistorted photos.
@@ -268,7 +270,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 2,
+                 .version = 3,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

@@ -36,6 +36,19 @@ TEST(Diagnosis, NamesTheCause) {
   EXPECT_EQ(diagnosed(capture(10, 3000, 0, {10}), {}).code, "SFM_NO_MODEL");
 }
 
+TEST(Diagnosis, FeaturesThatMasksTakeDoNotCount) {
+  Reconstruction r = capture(10, 3000, 0, {10});
+  for (PhotoReport& p : r.photos) p.masked = 2900;
+  const Diagnosis masked = diagnosed(r, {});
+  EXPECT_EQ(masked.code, "SFM_TOO_FEW_FEATURES");
+  EXPECT_NE(masked.why.find("the masks leave too little texture: median 100 features a photo (3000 before masks)"),
+            std::string::npos)
+      << masked.why;
+  EXPECT_NE(masked.hint.find("sfm.masks.specular=off"), std::string::npos) << masked.hint;
+  for (PhotoReport& p : r.photos) p.masked = 1000;
+  EXPECT_EQ(diagnosed(r, {}).code, "SFM_NO_MODEL");
+}
+
 TEST(Diagnosis, SuspectsReflectionsWhenMatchesDisagree) {
   Reconstruction r = capture(10, 3000, 4, {10});
   EXPECT_EQ(diagnosed(r, {}).why.find("polished"), std::string::npos);

@@ -136,6 +136,34 @@ MaskEffect capture(double outside_step, double inside_step, int outside_features
   return effect;
 }
 
+TEST(FeatureMasks, WhatOtherMasksTakeHasNoVoteOnTheTurntable) {
+  // The camera walks; a hand in every photo's corner stands still, and is to be ignored.
+  const TemporaryFolder folder;
+  const size_t n = 8;
+  for (size_t p = 0; p < n; ++p) {
+    write_stripe(folder.path() / "object" / fmt::format("p{}.png", p), 15, 35);  // [30, 70)
+    write_stripe(folder.path() / "ignore" / fmt::format("p{}.png", p), 45, 50);  // [90, 100)
+  }
+  std::vector<PhotoFeatures> features(n);
+  for (size_t p = 0; p < n; ++p)
+    for (int k = 0; k < 12; ++k) {
+      append_feature(features[p], 2 + 2.0 * double(p), 3 + 6 * k, uint64_t(k));
+      append_feature(features[p], 32 + 3.0 * double(p), 3 + 6 * k, uint64_t(1000 + k));
+      append_feature(features[p], 92, 3 + 6 * k, uint64_t(2000 + k));
+      append_feature(features[p], 97, 3 + 6 * k, uint64_t(3000 + k));
+    }
+  MaskEffect effect;
+  const auto kept = suppress_features(FeatureMasks(folder.path(), {}, "auto", photos(n)), {}, one_to_one(n), features, effect);
+  EXPECT_FALSE(effect.object_applied) << effect.evidence->why;
+  EXPECT_EQ(effect.evidence->outside_still, 0u);
+  EXPECT_EQ(effect.evidence->outside_told, 12u);
+  EXPECT_EQ(of(effect.removed, MaskClass::Ignore), n * 24u);
+  EXPECT_EQ(of(effect.removed, MaskClass::Object), 0u);
+  EXPECT_EQ(kept[0].size(), 24u);
+  EXPECT_EQ(kept[0][2], 4u);  // what it was called before
+  EXPECT_EQ(features[0].xy[4], 2.f);
+}
+
 TEST(FeatureMasks, ATurntableIsToldByARoomThatStandsStill) {
   const MaskEffect turning = capture(0.0, 3.0);
   ASSERT_TRUE(turning.evidence.has_value());

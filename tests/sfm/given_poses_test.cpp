@@ -7,6 +7,8 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/camera/view_set.h"
+#include "stages/sfm/sfm.h"
+#include "tests/sfm/sfm_support.h"
 #include "tests/sfm/synthetic_model.h"
 #include "tests/support/error_of.h"
 
@@ -130,6 +132,26 @@ TEST(GivenPoses, TransformsJsonWithoutExtensionsMeansTheSamePhotos) {
     EXPECT_EQ(model.images[4].name, truth.images[4].name);
     EXPECT_LT(length(model.images[4].translation - truth.images[4].translation), 1e-6);
   }
+}
+
+TEST(GivenPoses, WithPointsNoFeatureIsUsedAndNoMaskIsRead) {
+  const TemporaryFolder folder;
+  const ColmapModel truth = synthetic_model(ring(6, 3, 1, {0, 0, 1}), cloud(120, 1), {1, 1, 64, 48, {60, 60, 32, 24}});
+  make_folders(folder.path() / "photos");
+  make_folders(folder.path() / "masks/specular");
+  make_folders(folder.path() / "poses");
+  for (const ColmapImage& image : truth.images) {
+    write_ldr(folder.path() / "photos" / image.name, Image8(64, 48, 3, uint8_t{120}));
+    // All black: refused wherever features are held to it.
+    write_ldr(folder.path() / "masks/specular" / (image.name + ".png"), Image8(64, 48, 1));
+  }
+  make_ingest(folder.path() / "photos", folder.path() / "ingest");
+  write_colmap_model(folder.path() / "poses", truth, ColmapFormat::Binary);
+  RecordingContext context(
+      {{"ingest", folder.path() / "ingest"}, {"poses", folder.path() / "poses"}, {"masks", folder.path() / "masks"}},
+      folder.path());
+  sfm_stage().run(context);
+  EXPECT_EQ(load_view_set(context.output()).views.size(), 6u);
 }
 
 TEST(GivenPoses, SaysWhatIsWrong) {

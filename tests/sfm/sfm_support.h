@@ -31,7 +31,7 @@ inline std::vector<Photo> make_ingest(const fs::path& folder, const fs::path& ou
     Photo& p = photos[i];
     p.original_width = linear.width(), p.original_height = linear.height();
     const Intrinsics size = Intrinsics{linear.width(), linear.height(), 1, 1, 0, 0}.limited_to(max_side);
-    if (size.width != linear.width()) linear = resized(linear, size.width, size.height);
+    if (size.width != linear.width() || size.height != linear.height()) linear = resized(linear, size.width, size.height);
     p.name = p.source = files[i].filename().string();
     p.stem = files[i].stem().string();
     p.width = linear.width(), p.height = linear.height();
