@@ -12,6 +12,7 @@ int run_command(const Words& words);
 int render_command(const Words& words);
 int relight_command(const Words& words);
 int export_command(const Words& words);
+int inspect_command(const Words& words);
 int status_command(const Words& words);
 int explain_command(const Words& words);
 int doctor_command(const Words& words);

@@ -85,6 +85,16 @@ ImageF read_srgb(const fs::path& path) {
   return rgb;
 }
 
+Image8 read_srgb8(const fs::path& path, int reduction) {
+  VITRINE_CHECK(reduction == 1 || reduction == 2 || reduction == 4 || reduction == 8, "reduction {}", reduction);
+  const int flags[] = {cv::IMREAD_COLOR, cv::IMREAD_REDUCED_COLOR_2, cv::IMREAD_REDUCED_COLOR_4, cv::IMREAD_REDUCED_COLOR_8};
+  cv::Mat mat = decode(path, flags[reduction == 1 ? 0 : reduction == 2 ? 1 : reduction == 4 ? 2 : 3]);
+  cv::cvtColor(mat, mat, cv::COLOR_BGR2RGB);
+  Image8 image(mat.cols, mat.rows, 3);
+  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<uint8_t>(y), 3 * size_t(mat.cols), image.pixel(0, y));
+  return image;
+}
+
 Image8 read_grey8(const fs::path& path) {
   const cv::Mat mat = decode(path, cv::IMREAD_GRAYSCALE);
   Image8 image(mat.cols, mat.rows, 1);

@@ -10,6 +10,9 @@ namespace vitrine {
 // Display-referred sRGB values in [0,1], 3 channels RGB (grey repeated, alpha dropped); EXIF orientation is NOT applied.
 // Throws Error{Input} with the reason: empty file, truncated, unknown format.
 ImageF read_srgb(const std::filesystem::path& path);
+// As display-referred 8-bit RGB, 1 / `reduction` of its size (1, 2, 4, 8): a JPEG is then decoded small, which is several times
+// faster. Not for float files. EXIF orientation is NOT applied.
+Image8 read_srgb8(const std::filesystem::path& path, int reduction = 1);
 Image8 read_grey8(const std::filesystem::path& path);       // one channel, e.g. a mask
 ImageF read_unchanged(const std::filesystem::path& path);   // all channels (RGB order), scaled to [0,1] by the bit depth
 

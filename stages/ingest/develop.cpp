@@ -10,21 +10,13 @@
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
-#include "stages/ingest/exif.h"
-#include "stages/ingest/probe.h"
+#include "core/photo/photo_files.h"
 
 namespace vitrine::ingest {
 
 namespace {
 
 constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that we write
-constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
-
-[[noreturn]] void throw_unusable(const fs::path& path, std::string why) {
-  throw Error(
-      ErrorKind::Input, "a photo cannot be used",
-      {.where = path.string(), .why = std::move(why), .hint = "replace it or take it out of the folder", .code = "BAD_PHOTO"});
-}
 
 // All values of 8 and 16 bit samples are multiples of 1/65535, so one table decodes both exactly.
 void decode_srgb(ImageF& image) {
@@ -71,15 +63,9 @@ ImageF upright(const ImageF& stored, int orientation) {
 
 Developed develop(const fs::path& path, int max_side) {
   Developed d;
-  std::string bytes = read_file(path);
-  if (bytes.empty()) throw_unusable(path, "the file is empty");
-  const Probe probe = probe_photo(bytes);
-  if (probe.format == PhotoFormat::Unknown) throw_unusable(path, "its content is neither JPEG, PNG, TIFF nor EXR");
-  if (probe.width > kMaxPixels || probe.height > kMaxPixels || probe.width * probe.height > kMaxPixels)
-    throw_unusable(path, fmt::format("{} x {} pixels are more than vitrine takes ({})", probe.width, probe.height, kMaxPixels));
-  if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(path, missing);
-  const Exif exif = parse_exif(exif_block(bytes));
-  bytes = {};
+  const PhotoHead head = read_photo_head(path);
+  const Probe& probe = head.probe;
+  const Exif& exif = head.exif;
 
   if (probe.format == PhotoFormat::Exr) {
     d.linear = read_exr_rgb(path);
@@ -91,7 +77,9 @@ Developed develop(const fs::path& path, int max_side) {
     else
       decode_srgb(d.linear);
   }
-  if (d.linear.empty()) throw_unusable(path, "it has no pixels");
+  if (d.linear.empty())
+    throw Error(ErrorKind::Input, "a photo cannot be used",
+                {.where = path.string(), .why = "it has no pixels", .hint = "take it out of the folder", .code = "BAD_PHOTO"});
   // OpenCV turns TIFF files upright by itself.
   if (probe.format != PhotoFormat::Tiff && exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
 

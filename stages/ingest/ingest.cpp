@@ -12,9 +12,9 @@
 #include "core/camera/photo_list.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/photo/photo_files.h"
+#include "core/photo/probe.h"
 #include "stages/ingest/develop.h"
-#include "stages/ingest/photo_files.h"
-#include "stages/ingest/probe.h"
 
 namespace vitrine {
 

@@ -10,10 +10,10 @@
 #include "core/camera/photo_list.h"
 #include "core/image/exr.h"
 #include "core/math/color.h"
+#include "core/photo/exif.h"
+#include "core/photo/photo_files.h"
+#include "core/photo/probe.h"
 #include "stages/ingest/develop.h"
-#include "stages/ingest/exif.h"
-#include "stages/ingest/photo_files.h"
-#include "stages/ingest/probe.h"
 #include "tests/ingest/tiny_photos.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -100,15 +100,15 @@ TEST(Exif, GivesFocalExposureCameraAndTimeInBothByteOrders) {
                           {0x920a, 'r', 350, 10},
                           {0xa405, 's', 50}},
                          big_endian);
-    const ingest::Exif exif = ingest::parse_exif(block);
+    const Exif exif = parse_exif(block);
     EXPECT_EQ(exif.orientation, 6);
     EXPECT_EQ(exif.camera, "Maker X100");
     EXPECT_EQ(exif.time, "2024:05:06 07:08:09");
     EXPECT_DOUBLE_EQ(exif.focal_mm.value(), 35);
-    EXPECT_NEAR(ingest::exposure_ev(exif).value(), std::log2(5.6 * 5.6 * 125) - 2, 1e-12);
+    EXPECT_NEAR(exposure_ev(exif).value(), std::log2(5.6 * 5.6 * 125) - 2, 1e-12);
     // 50 mm on 36 x 24 mm at 3600 x 2400 pixels: 100 pixels per mm.
-    EXPECT_NEAR(ingest::focal_of(exif, 3600, 2400)->px, 5000, 1e-3);
-    EXPECT_NEAR(ingest::focal_of(exif, 1200, 1800)->px, 2500, 1e-3);
+    EXPECT_NEAR(focal_of(exif, 3600, 2400)->px, 5000, 1e-3);
+    EXPECT_NEAR(focal_of(exif, 1200, 1800)->px, 2500, 1e-3);
   }
 }
 
@@ -116,29 +116,29 @@ TEST(Exif, FocalFromTheFocalPlaneFollowsAResize) {
   // Canon 600D: 18 mm, 5184 pixels on 22.3 mm (5904.3 per inch).
   const std::string block = test::exif_bytes(
       {}, {{0x920a, 'r', 18, 1}, {0xa002, 'l', 5184}, {0xa003, 'l', 3456}, {0xa20e, 'r', 5184000, 878}, {0xa210, 's', 2}});
-  const ingest::Exif exif = ingest::parse_exif(block);
+  const Exif exif = parse_exif(block);
   const double full = 18 * (5184000.0 / 878) / 25.4;
-  EXPECT_NEAR(ingest::focal_of(exif, 5184, 3456)->px, full, 1e-6);
-  EXPECT_NEAR(ingest::focal_of(exif, 1000, 667)->px, full * 1000 / 5184, 1) << "667 is rounded up";
-  EXPECT_NEAR(ingest::focal_of(exif, 1000, 1000)->px, full * 1000 / 3456, 1e-6) << "cropped to a square, then reduced";
-  EXPECT_EQ(ingest::focal_of(exif, 1000, 667)->source, "exif FocalLength and FocalPlaneXResolution");
+  EXPECT_NEAR(focal_of(exif, 5184, 3456)->px, full, 1e-6);
+  EXPECT_NEAR(focal_of(exif, 1000, 667)->px, full * 1000 / 5184, 1) << "667 is rounded up";
+  EXPECT_NEAR(focal_of(exif, 1000, 1000)->px, full * 1000 / 3456, 1e-6) << "cropped to a square, then reduced";
+  EXPECT_EQ(focal_of(exif, 1000, 667)->source, "exif FocalLength and FocalPlaneXResolution");
 }
 
 TEST(Exif, NonsenseAndDamageAreNotBelieved) {
-  EXPECT_FALSE(ingest::focal_of(ingest::Exif{}, 100, 100));
-  ingest::Exif far;
+  EXPECT_FALSE(focal_of(Exif{}, 100, 100));
+  Exif far;
   far.focal_35mm = 65535;
-  EXPECT_FALSE(ingest::focal_of(far, 1000, 1000));
+  EXPECT_FALSE(focal_of(far, 1000, 1000));
   const std::string block =
       test::exif_bytes({{0x010f, 'a', 0, 1, "Maker"}, {0x0112, 's', 9}}, {{0x829a, 'r', 1, 0}, {0xa405, 's', 0}});
-  EXPECT_EQ(ingest::parse_exif(block).orientation, 1);
-  EXPECT_FALSE(ingest::parse_exif(block).exposure_s);
-  EXPECT_FALSE(ingest::parse_exif(block).focal_35mm);
+  EXPECT_EQ(parse_exif(block).orientation, 1);
+  EXPECT_FALSE(parse_exif(block).exposure_s);
+  EXPECT_FALSE(parse_exif(block).focal_35mm);
   for (size_t i = 0; i < block.size(); ++i) {
-    ingest::parse_exif(std::string_view(block).substr(0, i));
+    parse_exif(std::string_view(block).substr(0, i));
     std::string damaged = block;
     damaged[i] = static_cast<char>(damaged[i] ^ 0xff);
-    const ingest::Exif exif = ingest::parse_exif(damaged);
+    const Exif exif = parse_exif(damaged);
     EXPECT_GE(exif.orientation, 1);
     EXPECT_LE(exif.orientation, 8);
   }
@@ -149,14 +149,14 @@ TEST(Probe, KnowsTheSizeOfEveryFormatAndMissesEnds) {
   write_every_format(folder.path());
   for (const char* name : {"a.jpg", "b.png", "c.tif", "d.exr", "e.png"}) {
     const std::string bytes = read_file(folder.path() / name);
-    const ingest::Probe probe = ingest::probe_photo(bytes);
+    const Probe probe = probe_photo(bytes);
     EXPECT_EQ(probe.width, 40u) << name;
     EXPECT_EQ(probe.height, 30u) << name;
-    EXPECT_EQ(ingest::missing_end(bytes), "") << name;
-    for (size_t length = 0; length < bytes.size(); length += 7) ingest::probe_photo(std::string_view(bytes).substr(0, length));
+    EXPECT_EQ(missing_end(bytes), "") << name;
+    for (size_t length = 0; length < bytes.size(); length += 7) probe_photo(std::string_view(bytes).substr(0, length));
   }
   const std::string jpeg = read_file(folder.path() / "a.jpg");
-  EXPECT_NE(ingest::missing_end(jpeg.substr(0, jpeg.size() - 2)), "");
+  EXPECT_NE(missing_end(jpeg.substr(0, jpeg.size() - 2)), "");
 }
 
 TEST(Ingest, EveryFormatGivesTheSameLinearPicture) {

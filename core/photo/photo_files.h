@@ -6,7 +6,11 @@
 #include <string>
 #include <vector>
 
-namespace vitrine::ingest {
+#include "core/base/hash.h"
+#include "core/photo/exif.h"
+#include "core/photo/probe.h"
+
+namespace vitrine {
 
 struct PhotoFile {
   std::filesystem::path path;
@@ -26,9 +30,18 @@ PhotoFolder find_photos(const std::filesystem::path& folder);
 // Gives every photo its name and stem. `photos` is sorted by source.
 void assign_names(std::vector<PhotoFile>& photos);
 
+// What is known of a photo before its pixels are decoded.
+struct PhotoHead {
+  Probe probe;
+  Exif exif;
+  Digest digest;  // of the file's bytes
+};
+// Throws Error{Input} when the file is empty, truncated, of a kind we do not read, or too large.
+PhotoHead read_photo_head(const std::filesystem::path& path);
+
 // "3 x .cr2, 1 x .txt"
 std::string skipped_text(const PhotoFolder& folder);
 // Files that hold photographs or video in a form this build does not read.
 size_t skipped_photo_like(const PhotoFolder& folder);
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

@@ -1,13 +1,12 @@
-#include "stages/ingest/photo_files.h"
+#include "core/photo/photo_files.h"
 
 #include <algorithm>
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 
-namespace vitrine::ingest {
-
-namespace fs = std::filesystem;
+namespace vitrine {
 
 namespace {
 
@@ -118,6 +117,23 @@ void assign_names(std::vector<PhotoFile>& photos) {
   }
 }
 
+PhotoHead read_photo_head(const fs::path& path) {
+  const auto throw_unusable = [&](std::string why) {
+    throw Error(
+        ErrorKind::Input, "a photo cannot be used",
+        {.where = path.string(), .why = std::move(why), .hint = "replace it or take it out of the folder", .code = "BAD_PHOTO"});
+  };
+  const std::string bytes = read_file(path);
+  if (bytes.empty()) throw_unusable("the file is empty");
+  const Probe probe = probe_photo(bytes);
+  if (probe.format == PhotoFormat::Unknown) throw_unusable("its content is neither JPEG, PNG, TIFF nor EXR");
+  constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
+  if (probe.width > kMaxPixels || probe.height > kMaxPixels || probe.width * probe.height > kMaxPixels)
+    throw_unusable(fmt::format("{} x {} pixels are more than vitrine takes ({})", probe.width, probe.height, kMaxPixels));
+  if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(missing);
+  return {probe, parse_exif(exif_block(bytes)), digest_bytes(bytes)};
+}
+
 std::string skipped_text(const PhotoFolder& folder) {
   std::string text;
   for (const auto& [extension, count] : folder.skipped)
@@ -133,4 +149,4 @@ size_t skipped_photo_like(const PhotoFolder& folder) {
   return count;
 }
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

@@ -1,8 +1,8 @@
-#include "stages/ingest/probe.h"
+#include "core/photo/probe.h"
 
 #include <functional>
 
-namespace vitrine::ingest {
+namespace vitrine {
 
 namespace {
 
@@ -161,4 +161,4 @@ std::string exif_block(std::string_view b) {
   return block;
 }
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace vitrine::ingest {
+namespace vitrine {
 
 struct Exif {
   int orientation = 1;               // 1..8
@@ -33,4 +33,4 @@ std::optional<Focal> focal_of(const Exif& exif, int width, int height);
 // pixel value.
 std::optional<double> exposure_ev(const Exif& exif);
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

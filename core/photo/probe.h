@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace vitrine::ingest {
+namespace vitrine {
 
 enum class PhotoFormat { Unknown, Jpeg, Png, Tiff, Exr };
 
@@ -23,4 +23,4 @@ std::string missing_end(std::string_view bytes);
 // The EXIF block in the form libexif wants ("Exif\0\0" + TIFF structure); empty when there is none.
 std::string exif_block(std::string_view bytes);
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

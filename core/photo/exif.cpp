@@ -1,11 +1,11 @@
-#include "stages/ingest/exif.h"
+#include "core/photo/exif.h"
 
 #include <cmath>
 #include <memory>
 
 #include <libexif/exif-data.h>
 
-namespace vitrine::ingest {
+namespace vitrine {
 
 namespace {
 
@@ -129,4 +129,4 @@ std::optional<double> exposure_ev(const Exif& exif) {
   return std::log2(*exif.f_number * *exif.f_number / *exif.exposure_s) - std::log2(*exif.iso / 100);
 }
 
-}  // namespace vitrine::ingest
+}  // namespace vitrine

@@ -1,0 +1,331 @@
+// vitrine inspect PHOTOS|PROJECT: what the photos promise, before anything is computed. The program vitrine-inspect looks at the
+// photos (and at the cameras, once there are poses); what a run would take is added here, from the presets.
+#include <unistd.h>
+
+#include <iostream>
+#include <set>
+
+#include "core/artifact/current.h"
+#include "core/base/error.h"
+#include "core/base/json.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/base/terminal.h"
+#include "core/config/cli.h"
+#include "core/config/text.h"
+#include "pipeline/commands.h"
+#include "pipeline/cost_model.h"
+#include "pipeline/graph.h"
+#include "pipeline/project.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InspectArguments {
+  std::string output, masks;
+  std::vector<std::string> sets;
+  int threads = 0;
+  bool json = false, verbose = false, help = false;
+};
+
+struct Subject {
+  fs::path photos;
+  std::optional<fs::path> project;  // made by an earlier run
+};
+
+Subject subject_of(const std::string& word, const std::string& output, const Graph& graph) {
+  const fs::path what = fs::absolute(word).lexically_normal();
+  if (is_project(what)) {
+    Settings settings(graph);
+    settings.load({.project = what});
+    return {settings.text("input.photos"), what};
+  }
+  if (!output.empty()) return {what, project_of(output)};
+  const fs::path usual = default_project(what);
+  return {what, is_project(usual) ? std::optional(usual) : std::nullopt};
+}
+
+Json photos_report(const Subject& subject, const InspectArguments& a) {
+  const fs::path program = stage_folder() / "vitrine-inspect";
+  std::error_code ec;
+  if (!fs::exists(program, ec))
+    throw Error(ErrorKind::Dependency, "the program vitrine-inspect is missing",
+                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
+  const TemporaryFolder folder("vitrine-inspect");
+  const fs::path out = folder.path() / "report";
+  Words run = {program.string(), "--input", "photos=" + subject.photos.string(), "--output", out.string(), "--quiet"};
+  if (subject.project)
+    if (const auto key = current_key(*subject.project, "sfm"))
+      run.insert(run.end(), {"--input", "sfm=" + (store_of(*subject.project) / "sfm" / *key).string()});
+  for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
+  if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
+  // It tells its own errors.
+  const ProcessResult result =
+      run_process({.arguments = run, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
+  if (!result.ok()) return {{"exit", result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code}};
+  return Json::parse(read_file(out / "inspect" / "report.json"));
+}
+
+// Typical size: that of the photo in the middle.
+CaptureSize capture_size(const Json& report, bool masks) {
+  CaptureSize c{.photos = report["set"]["usable"],
+                .photographed_mpx = report["set"]["pixels"].get<double>() * 1e-6,
+                .texture = report["set"]["texture"],
+                .masks = masks};
+  std::vector<std::pair<double, double>> sides;
+  for (const Json& p : report["photos"])
+    if (p.contains("width")) sides.push_back(std::minmax(p["width"].get<double>(), p["height"].get<double>()));
+  std::nth_element(sides.begin(), sides.begin() + long(sides.size() / 2), sides.end());
+  const auto [shorter, longer] = sides[sides.size() / 2];
+  c.longest_px = longer;
+  c.aspect = shorter / longer;
+  return c;
+}
+
+struct PresetCost {
+  std::string preset;
+  std::vector<std::pair<std::string, std::optional<StageCost>>> stages;
+  double seconds = 0;
+  size_t memory = 0, disk = 0;
+};
+
+std::vector<PresetCost> preset_costs(const Graph& graph, const CaptureSize& capture, int threads) {
+  std::vector<PresetCost> costs;
+  for (const std::string& name : preset_names()) {
+    Settings settings(graph);
+    settings.load({.flags = {{"preset", name, "--preset"}}});
+    PresetCost c{.preset = name, .stages = {}};
+    for (const StageNode& node : graph.nodes) {
+      auto stage = stage_cost(node.name, settings, capture, threads);
+      if (stage) {
+        c.seconds += stage->seconds(threads);
+        c.memory = std::max(c.memory, stage->memory_bytes);
+        c.disk += stage->disk_bytes;
+      }
+      c.stages.push_back({node.name, std::move(stage)});
+    }
+    costs.push_back(std::move(c));
+  }
+  std::sort(costs.begin(), costs.end(), [](const PresetCost& a, const PresetCost& b) { return a.seconds < b.seconds; });
+  return costs;
+}
+
+Json costs_json(const std::vector<PresetCost>& costs, int threads) {
+  Json j{{"threads", threads}, {"presets", Json::array()}};
+  for (const PresetCost& c : costs) {
+    Json stages = Json::object();
+    for (const auto& [name, stage] : c.stages)
+      stages[name] = stage ? Json{{"seconds", stage->seconds(threads)},
+                                  {"cpu_seconds", stage->cpu_s},
+                                  {"memory_bytes", stage->memory_bytes},
+                                  {"disk_bytes", stage->disk_bytes}}
+                           : Json();
+    j["presets"].push_back({{"preset", c.preset},
+                            {"seconds", c.seconds},
+                            {"memory_bytes", c.memory},
+                            {"disk_bytes", c.disk},
+                            {"stages", std::move(stages)}});
+  }
+  return j;
+}
+
+// --- for people: 80 columns ------------------------------------------------------------------------------------------------
+
+constexpr size_t kColumns = 80, kIndent = 12;
+
+// "label      text", further lines below the text.
+void say(std::string_view label, std::string_view text) {
+  std::string head(label);
+  for (const std::string& line : wrapped(text, kColumns - kIndent)) {
+    fmt::print("{:<{}}{}\n", head, kIndent, line);
+    head.clear();
+  }
+}
+
+std::string some_names(const Json& photos, size_t shown) {
+  std::string text;
+  for (size_t i = 0; i < std::min(shown, photos.size()); ++i) text += (i ? "  " : "") + photos[i].get<std::string>();
+  if (photos.size() > shown) text += fmt::format("  and {} more", photos.size() - shown);
+  return text;
+}
+
+void say_photos(const Json& report) {
+  const Json& set = report["set"];
+  std::set<std::string> cameras;
+  std::set<std::pair<int, int>> sizes;
+  size_t focal = 0;
+  for (const Json& p : report["photos"]) {
+    if (!p.contains("width")) continue;
+    cameras.insert(p["camera"].get<std::string>());
+    sizes.insert({p["width"].get<int>(), p["height"].get<int>()});
+    focal += !p["focal_px"].is_null();
+  }
+  const std::string size = sizes.size() == 1 ? fmt::format("{} x {}", sizes.begin()->first, sizes.begin()->second)
+                                             : fmt::format("{} sizes", sizes.size());
+  const std::string camera = cameras.size() > 1         ? fmt::format("{} cameras", cameras.size())
+                             : cameras.begin()->empty() ? "camera not named"
+                                                        : *cameras.begin();
+  say("photos", fmt::format("{}  {}  {}  focal length known for {}", set["usable"].get<size_t>(), size, camera, focal));
+  const Json& blur = set["blur_px_at_1600"];
+  say("sharpness", fmt::format("{}; {:.0f} % of a picture holds something to recognise",
+                               blur.is_null() ? std::string("too few edges to tell")
+                                              : fmt::format("edges smeared over {:.1f} px of 1600", blur.get<double>()),
+                               100 * set["texture"].get<double>()));
+  say("exposure", fmt::format("{}, brightness ranges over {:.1f} EV; clipped {:.1f} %, black {:.1f} %",
+                              set["exposure_range_ev"].is_null()
+                                  ? std::string("not in EXIF")
+                                  : fmt::format("changes by {:.1f} EV", set["exposure_range_ev"].get<double>()),
+                              set["brightness_range_ev"].get<double>(), 100 * set["clipped_high"].get<double>(),
+                              100 * set["clipped_low"].get<double>()));
+}
+
+void say_findings(const Json& report) {
+  constexpr size_t kNamed = 6;
+  for (const Json& f : report["findings"]) {
+    fmt::print("\n");
+    say(f["severity"].get<std::string>(), f["what"].get<std::string>() + "  [" + f["code"].get<std::string>() + "]");
+    say("  why", f["why"].get<std::string>());
+    if (!f["photos"].empty()) say("  see", some_names(f["photos"], kNamed));
+    say("  try", f["try"].get<std::string>());
+  }
+}
+
+void say_coverage(const Json& c) {
+  fmt::print("\n");
+  if (!c["inward"].get<bool>()) {
+    say("cameras", fmt::format("{} with a pose; they do not look at one place: no ring to close", c["cameras"].get<size_t>()));
+    return;
+  }
+  say("cameras", fmt::format("{} around one place, {:.0f} to {:.0f} degrees above it; {:.0f} % of the points are seen by two "
+                             "photos only",
+                             c["cameras"].get<size_t>(), c["lowest_deg"].get<double>(), c["highest_deg"].get<double>(),
+                             100 * c["points_seen_by_two"].get<double>()));
+  constexpr size_t kShown = 4;
+  for (size_t i = 0; i < std::min(kShown, c["gaps"].size()); ++i) {
+    const Json& g = c["gaps"][i];
+    constexpr double kOneSided = 150;
+    if (g["width_deg"].get<double>() > kOneSided) {
+      say("gap",
+          fmt::format("seen from one side only: nothing from azimuth {:.0f} to {:.0f}, between {} and {}. If the back matters: "
+                      "{} photos",
+                      g["from_deg"].get<double>(), g["to_deg"].get<double>(), g["from"].get<std::string>(),
+                      g["to"].get<std::string>(), g["photos_to_add"].get<size_t>()));
+      continue;
+    }
+    say("gap", fmt::format("{:.0f} degrees at azimuth {:.0f}-{:.0f}, between {} and {}: add {} photos",
+                           g["width_deg"].get<double>(), g["from_deg"].get<double>(), g["to_deg"].get<double>(),
+                           g["from"].get<std::string>(), g["to"].get<std::string>(), g["photos_to_add"].get<size_t>()));
+  }
+  if (c["gaps"].empty()) say("", "no gap above 30 degrees all round");
+  constexpr double kOneHeight = 15;
+  if (c["highest_deg"].get<double>() - c["lowest_deg"].get<double>() < kOneHeight)
+    say("gap", "all from one height: add a ring about 30 degrees higher");
+}
+
+std::string short_time(double s) {
+  if (s < 99.5) return fmt::format("{:.0f} s", s);
+  if (s < 99.5 * 60) return fmt::format("{:.0f} min", s / 60);
+  return fmt::format("{:.1f} h", s / 3600);
+}
+std::string short_bytes(double bytes) {
+  const double mib = bytes / (1024.0 * 1024.0);
+  return mib < 999.5 ? fmt::format("{:.0f}M", mib) : fmt::format("{:.1f}G", mib / 1024);
+}
+
+void say_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
+  fmt::print("\n{:<10}", "");
+  for (const PresetCost& c : costs) fmt::print("  {:>21}", c.preset);
+  fmt::print("\n{:<10}", "stage");
+  for (size_t i = 0; i < costs.size(); ++i) fmt::print("  {:>7}{:>7}{:>7}", "time", "memory", "disk");
+  for (size_t s = 0; s < costs.front().stages.size(); ++s) {
+    fmt::print("\n{:<10}", costs.front().stages[s].first);
+    for (const PresetCost& c : costs)
+      if (const auto& stage = c.stages[s].second)
+        fmt::print("  {:>7}{:>7}{:>7}", short_time(stage->seconds(threads)), short_bytes(double(stage->memory_bytes)),
+                   short_bytes(double(stage->disk_bytes)));
+      else
+        fmt::print("  {:>7}{:>7}{:>7}", "?", "?", "?");
+  }
+  fmt::print("\n{:<10}", "all");
+  for (const PresetCost& c : costs)
+    fmt::print("  {:>7}{:>7}{:>7}", short_time(c.seconds), short_bytes(double(c.memory)), short_bytes(double(c.disk)));
+  fmt::print("\n");
+  say("",
+      fmt::format("estimates for {} threads of a recent processor with AVX-512{}; poses that are hard to find take up to three "
+                  "times as long",
+                  threads, masks ? ", with layers" : ", without masks of yours"));
+}
+
+void say_each_photo(const Json& report) {
+  fmt::print("\n{:<34}{:>8}{:>10}{:>9}{:>9}{:>9}\n", "photo", "blur px", "texture %", "clip %", "black %", "bright");
+  for (const Json& p : report["photos"]) {
+    const std::string name = cut_to_columns(p["name"].get<std::string>(), 33);
+    if (p.contains("failure")) {
+      fmt::print("{:<34}{}\n", name, cut_to_columns(p["failure"].get<std::string>(), kColumns - 34));
+      continue;
+    }
+    const Json& blur = p["blur_px_at_1600"];
+    fmt::print("{:<34}{:>8}{:>10.0f}{:>9.1f}{:>9.1f}{:>9.1f}\n", name,
+               blur.is_null() ? std::string("-") : fmt::format("{:.1f}", blur.get<double>()), 100 * p["texture"].get<double>(),
+               100 * p["clipped_high"].get<double>(), 100 * p["clipped_low"].get<double>(), p["brightness_ev"].get<double>());
+  }
+}
+
+std::string verdict_text(const Json& report) {
+  size_t problems = 0, warnings = 0;
+  for (const Json& f : report["findings"]) {
+    problems += f["severity"] == "problem";
+    warnings += f["severity"] == "warning";
+  }
+  const auto count = [](size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  if (problems > 0) return "POOR: " + count(problems, "problem") + " will cost photos, or the whole reconstruction";
+  if (warnings > 0) return "USABLE, with " + count(warnings, "warning");
+  return "GOOD: nothing speaks against these photos";
+}
+
+}  // namespace
+
+int inspect_command(const Words& words) {
+  InspectArguments a;
+  CommandLine cli("vitrine inspect", "PHOTOS|PROJECT [options]",
+                  "What the photos promise before anything is computed: blur, exposure, duplicates, texture, and what a run will "
+                  "take. Of PROJECT, the output folder of `vitrine run`, also where its cameras leave gaps.");
+  cli.value("output", 'o', "DIR", a.output, "Output folder of a run of these photos; default: the one `vitrine run` would take.");
+  cli.value("masks", 0, "PATH", a.masks, "Masks that the run will be given: its layers take longer.");
+  cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");
+  cli.value("threads", 'j', "N", a.threads, 0, "Threads, here and in the estimates; 0 = all.");
+  cli.flag("json", 0, a.json, "One JSON record on stdout.");
+  cli.flag("verbose", 'v', a.verbose, "A line for every photo.");
+  cli.flag("help", 'h', a.help, "Print this text.");
+  const Words rest = cli.parse(words);
+  if (a.help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  if (rest.size() != 1)
+    throw Error(ErrorKind::Usage,
+                rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
+                {.hint = "vitrine inspect PHOTOS", .code = "USAGE"});
+  const Graph graph = load_graph(stage_folder());
+  Json report = photos_report(subject_of(rest[0], a.output, graph), a);
+  if (report.contains("exit")) return report["exit"];
+  const int threads = a.threads > 0 ? a.threads : hardware_threads();
+  const std::vector<PresetCost> costs = preset_costs(graph, capture_size(report, !a.masks.empty()), threads);
+  report["estimates"] = costs_json(costs, threads);
+  if (a.json) {
+    std::cout << report.dump() << "\n";
+    return 0;
+  }
+  say("verdict", verdict_text(report));
+  say_photos(report);
+  say_findings(report);
+  if (report.contains("coverage")) say_coverage(report["coverage"]);
+  if (a.verbose) say_each_photo(report);
+  say_costs(costs, threads, !a.masks.empty());
+  return 0;
+}
+
+}  // namespace vitrine

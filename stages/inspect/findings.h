@@ -1,0 +1,32 @@
+// From facts to sentences: what is wrong with a set of photos, why that matters, and what to do.
+#pragma once
+
+#include "stages/inspect/photo_facts.h"
+
+namespace vitrine {
+
+enum class Severity { Note, Warning, Problem };  // problem: the reconstruction is likely to fail, or lose these photos
+std::string_view name(Severity s);
+
+struct Finding {
+  std::string code;  // "soft_photos"
+  Severity severity = Severity::Note;
+  std::string what, why, hint;
+  std::vector<size_t> photos;  // indices; empty: the set as a whole
+};
+
+struct SetFigures {
+  size_t usable = 0;
+  std::optional<double> blur, exposure_range_ev, white_balance_range;  // medians and ranges over usable photos
+  double texture = 0, clipped_high = 0, clipped_low = 0, brightness_range_ev = 0;
+};
+
+struct Findings {
+  SetFigures figures;
+  std::vector<Finding> list;  // worst first
+};
+
+// A photo is soft when its blur is `soft_ratio` times that of the set.
+Findings findings_of(const PhotoFolder& folder, const std::vector<PhotoFacts>& photos, double soft_ratio);
+
+}  // namespace vitrine

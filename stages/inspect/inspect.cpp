@@ -1,0 +1,131 @@
+#include "stages/inspect/inspect.h"
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/camera/view_set.h"
+#include "stages/inspect/coverage.h"
+#include "stages/inspect/findings.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;  // of inspect/report.json
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json photo_json(const PhotoFacts& p) {
+  Json j{{"name", p.name}};
+  if (!p.usable()) {
+    j["failure"] = p.failure;
+    return j;
+  }
+  const PhotoMeasures& m = p.measures;
+  j["width"] = p.width;
+  j["height"] = p.height;
+  j["camera"] = p.camera;
+  j["time"] = p.time;
+  j["focal_px"] = or_null(p.focal_px);
+  j["exposure_ev"] = or_null(p.exposure_ev);
+  j["blur_px_at_1600"] = or_null(p.blur());
+  j["blur_ratio"] = m.blur_ratio;
+  j["texture"] = m.texture;
+  j["clipped_high"] = m.clipped_high;
+  j["clipped_low"] = m.clipped_low;
+  j["brightness_ev"] = m.brightness_ev;
+  j["red_green"] = m.red_green;
+  j["blue_green"] = m.blue_green;
+  return j;
+}
+
+Json finding_json(const Finding& f, const std::vector<PhotoFacts>& photos) {
+  Json names = Json::array();
+  for (size_t i : f.photos) names.push_back(photos[i].name);
+  return {{"code", f.code}, {"severity", std::string(name(f.severity))},
+          {"what", f.what}, {"why", f.why},
+          {"try", f.hint},  {"photos", std::move(names)}};
+}
+
+Json figures_json(const SetFigures& f, const std::vector<PhotoFacts>& photos) {
+  uint64_t pixels = 0;
+  for (const PhotoFacts& p : photos) pixels += uint64_t(p.width) * uint64_t(p.height);
+  return {{"photos", photos.size()},
+          {"usable", f.usable},
+          {"pixels", pixels},
+          {"blur_px_at_1600", or_null(f.blur)},
+          {"texture", f.texture},
+          {"clipped_high", f.clipped_high},
+          {"clipped_low", f.clipped_low},
+          {"brightness_range_ev", f.brightness_range_ev},
+          {"exposure_range_ev", or_null(f.exposure_range_ev)},
+          {"white_balance_range", or_null(f.white_balance_range)}};
+}
+
+Json coverage_json(const Coverage& c) {
+  Json gaps = Json::array();
+  for (const RingGap& g : c.gaps)
+    gaps.push_back({{"from_deg", g.from_deg},
+                    {"to_deg", g.to_deg},
+                    {"width_deg", g.width_deg()},
+                    {"from", g.from},
+                    {"to", g.to},
+                    {"photos_to_add", g.photos_to_add}});
+  return {{"cameras", c.cameras},       {"inward", c.inward},           {"centre", {c.centre.x, c.centre.y, c.centre.z}},
+          {"lowest_deg", c.lowest_deg}, {"highest_deg", c.highest_deg}, {"points_seen_by_two", c.thin_points},
+          {"gaps", std::move(gaps)}};
+}
+
+// One word for a machine: good, usable (warnings), poor (problems).
+std::string verdict(const std::vector<Finding>& list) {
+  const Severity worst = list.empty() ? Severity::Note : list.front().severity;
+  return worst == Severity::Problem ? "poor" : worst == Severity::Warning ? "usable" : "good";
+}
+
+void run(const InspectConfig& config, StageContext& context) {
+  const PhotoFolder folder = find_photos(context.input("photos"));
+  const size_t n = folder.photos.size();
+  const std::vector<PhotoFacts> photos = photo_facts(folder, [&](size_t done) {
+    context.progress({.fraction = double(done) / double(n), .text = fmt::format("{} / {} photos", done, n), .values = {}});
+  });
+  const Findings found = findings_of(folder, photos, config.soft_ratio);
+  if (found.figures.usable == 0)
+    throw Error(ErrorKind::Input, "none of the photos can be read",
+                {.where = context.input("photos").string(),
+                 .why = fmt::format("{}: {}", photos[0].name, photos[0].failure),
+                 .hint = "give the folder that holds the photos: JPEG, PNG, TIFF, EXR",
+                 .code = "NO_PHOTOS"});
+  Json report{{"format", kFormat}, {"verdict", verdict(found.list)}, {"set", figures_json(found.figures, photos)}};
+  report["findings"] = Json::array();
+  for (const Finding& f : found.list) report["findings"].push_back(finding_json(f, photos));
+  if (const auto sfm = context.optional_input("sfm")) report["coverage"] = coverage_json(coverage(load_view_set(*sfm)));
+  report["photos"] = Json::array();
+  for (const PhotoFacts& p : photos) report["photos"].push_back(photo_json(p));
+  make_folders(context.output() / "inspect");
+  write_file(context.output() / "inspect" / "report.json", report.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  context.summary(fmt::format("{} photos, {}", n, verdict(found.list)));
+}
+
+}  // namespace
+
+void describe(Describer& d, InspectConfig& c) {
+  d.option("soft_ratio", c.soft_ratio, "A photo is called soft when its blur is so many times that of its neighbours.")
+      .range(1, 20);
+}
+
+Stage inspect_stage() {
+  return make_stage<InspectConfig>(
+      {.name = "inspect",
+       .version = 1,
+       .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."},
+                  {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"}}},
+      &run);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,76 @@
+#include "stages/inspect/photo_facts.h"
+
+#include <mutex>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kMeasuredSide = 1000;  // the longest side is decoded at this size or more, less than twice as much
+
+ImageF reduced(ImageF image) {
+  const int longest = std::max(image.width(), image.height());
+  if (longest <= kMeasuredSide) return image;
+  const double s = double(kMeasuredSide) / longest;
+  return resized(image, std::max(int(image.width() * s + 0.5), 1), std::max(int(image.height() * s + 0.5), 1));
+}
+
+Image8 small_picture(const fs::path& path, const Probe& probe) {
+  if (probe.format == PhotoFormat::Exr) return srgb8_from_linear(reduced(read_exr_rgb(path)));
+  if (probe.float_samples) return srgb8_from_linear(reduced(read_srgb(path)));
+  int reduction = 1;
+  while (reduction < 8 && int(std::max(probe.width, probe.height)) / (2 * reduction) >= kMeasuredSide) reduction *= 2;
+  return read_srgb8(path, reduction);
+}
+
+PhotoFacts facts_of(const PhotoFile& file) {
+  PhotoFacts f;
+  f.name = file.name;
+  try {
+    const PhotoHead head = read_photo_head(file.path);
+    const Image8 picture = small_picture(file.path, head.probe);
+    f.measures = measured(picture);
+    const bool turned = head.exif.orientation >= 5 && head.probe.format != PhotoFormat::Tiff;
+    f.width = int(head.probe.width), f.height = int(head.probe.height);
+    if (f.width == 0 || f.height == 0) f.width = picture.width(), f.height = picture.height();
+    if (turned) std::swap(f.width, f.height);
+    if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
+    f.exposure_ev = exposure_ev(head.exif);
+    f.camera = head.exif.camera;
+    f.time = head.exif.time;
+    f.digest = head.digest.hex();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+    f.failure = e.detail().why.empty() ? e.message() : e.detail().why;
+  }
+  return f;
+}
+
+}  // namespace
+
+std::optional<double> PhotoFacts::blur() const {
+  if (!measures.blur_px) return std::nullopt;
+  return *measures.blur_px * kBlurSide / std::max(measures.width, measures.height);
+}
+
+std::vector<PhotoFacts> photo_facts(const PhotoFolder& folder, const std::function<void(size_t)>& progress) {
+  std::vector<PhotoFacts> facts(folder.photos.size());
+  size_t done = 0;
+  std::mutex reporting;
+  parallel_for(facts.size(), 1, [&](size_t i) {
+    throw_if_interrupted();
+    facts[i] = facts_of(folder.photos[i]);
+    const std::lock_guard lock(reporting);
+    progress(++done);
+  });
+  return facts;
+}
+
+}  // namespace vitrine
