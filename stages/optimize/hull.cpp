@@ -127,7 +127,7 @@ Vec3d outward(const Grid& grid, int x, int y, int z) {
 
 }  // namespace
 
-Hull mask_hull(const HullDesc& desc) {
+Hull mask_hull(const MaskHullDesc& desc) {
   std::vector<Judge> judges;
   for (uint32_t photo : desc.capture.train) {
     const auto& masks = desc.targets.photos[photo][desc.level].masks;

@@ -1,6 +1,7 @@
 // The hull of things of glass or of polished metal: the points that every training photo that sees them shows inside its mask
 // (Laurentini 1994, with the depths of what is dull: a photo says nothing about points behind it). Neither has a texture that
-// stays on it; the outline is what photos tell about its place.
+// stays on it; the outline is what photos tell about its place. (core/stereo/visual_hull knows masks alone, and gives a surface
+// that rays meet; here dull things that stand in front have their say, and the surface is a set of points.)
 #pragma once
 
 #include <vector>
@@ -23,7 +24,7 @@ struct Hull {
 // Gloss: the specular mask without the transparent one, whose pixels then say nothing.
 enum class HullClass : unsigned char { Glass, Gloss };
 
-struct HullDesc {
+struct MaskHullDesc {
   HullClass kind = HullClass::Glass;
 
   const Capture& capture;
@@ -34,6 +35,6 @@ struct HullDesc {
   int cells = 128;  // along the longest side of the hull
 };
 // Empty when no closed region agrees with the masks, of a window for example.
-Hull mask_hull(const HullDesc& desc);
+Hull mask_hull(const MaskHullDesc& desc);
 
 }  // namespace vitrine

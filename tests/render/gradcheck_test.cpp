@@ -54,5 +54,14 @@ TEST(GradCheck, DifferentiatesAKnownFunction) {
   expect_grad_close(g, std::vector<double>{std::cos(0.3) * 1.44, 2 * std::sin(0.3) * -1.2}, {.relative_l2 = 1e-8, .bias = 1e-8});
 }
 
+TEST(GradCheck, ExtrapolatesAwayTheErrorOfLongSteps) {
+  std::vector<float> x{0.3f, -1.2f};
+  const auto f = [&] { return std::sin(double(x[0])) * std::exp(double(x[1])); };
+  const std::vector<double> truth{std::cos(0.3) * std::exp(-1.2), std::sin(0.3) * std::exp(-1.2)};
+  const std::vector<double> g = extrapolated_differences(x, f, 0.1f);  // central differences alone: off by 1.7e-3
+  expect_grad_close(g, truth, {.relative_l2 = 5e-5, .bias = 5e-5});
+  EXPECT_EQ(x, (std::vector<float>{0.3f, -1.2f}));
+}
+
 }  // namespace
 }  // namespace vitrine

@@ -98,4 +98,23 @@ std::vector<double> finite_differences(std::vector<double>& x, F f, double step 
   return g;
 }
 
+// The same for parameters in float, whose steps must be long: the error of two of them is extrapolated away, up to O(step^4).
+template <class F>
+std::vector<double> extrapolated_differences(std::span<float> x, F f, float step = 2e-3f) {
+  std::vector<double> g;
+  for (float& v : x) {
+    const float kept = v;
+    const auto slope = [&](float h) {
+      v = kept + h;
+      const double above = f();
+      v = kept - h;
+      const double below = f();
+      v = kept;
+      return (above - below) / (2 * double(h));
+    };
+    g.push_back((4 * slope(step) - slope(2 * step)) / 3);
+  }
+  return g;
+}
+
 }  // namespace vitrine
