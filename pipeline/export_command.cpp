@@ -87,10 +87,10 @@ int export_command(const Words& words) {
   const auto current = current_keys(project);
 
   Words run = {export_program().string(), "--store", store_of(project).string()};
-  for (const char* stage : {"sfm", "optimize", "mesh", "relight"}) {
+  for (const char* stage : {"sfm", "optimize", "mesh", "refine", "relight"}) {
     if (current.contains(stage))
       run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / current.at(stage)).string())});
-    else if (std::string_view(stage) != "relight")
+    else if (std::string_view(stage) != "relight" && std::string_view(stage) != "refine")
       throw Error(ErrorKind::Input, "there is no scene to export yet",
                   {.where = project.string(),
                    .why = fmt::format("the stage '{}' has not been computed", stage),

@@ -88,8 +88,10 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
                 {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
 
   Words run = {program.string(), "--store", store_of(project).string()};
-  for (const std::string& stage : tool.stages)
-    run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / current.at(stage)).string())});
+  for (const auto& stages : {tool.stages, tool.optional_stages})
+    for (const std::string& stage : stages)
+      if (const auto key = current.find(stage); key != current.end())
+        run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / key->second).string())});
   add_views(a.views, run);
   if (!a.size.empty()) add_size(a.size, run);
   run.insert(run.end(), tool.words.begin(), tool.words.end());

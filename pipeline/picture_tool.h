@@ -20,6 +20,7 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const std::strin
 struct PictureTool {
   std::string name;                 // "render": program vitrine-render, store and folder `render`
   std::vector<std::string> stages;  // whose artifacts it reads
+  std::vector<std::string> optional_stages = {"refine"};  // likewise, where there are any
   std::string missing;              // "there is no trained scene yet"
   Words words;                      // more arguments for the program
 };

@@ -39,10 +39,13 @@ void visit(Options& o, const Word& word, const Number& number) {
 
 }  // namespace
 
-TrainedScene read_trained_scene(const fs::path& optimize_folder) {
+TrainedScene read_trained_scene(const fs::path& optimize, const std::optional<fs::path>& refine) {
   TrainedScene trained;
+  std::error_code none;
+  const bool refined = refine && fs::exists(*refine / "refine/gaussians/diffuse.ply", none);
+  const fs::path surfels = refined ? *refine / "refine/gaussians" : optimize / "gaussians";
   for (LayerKind kind : kAllLayers) {
-    const fs::path path = optimize_folder / "gaussians" / fmt::format("{}.ply", name(kind));
+    const fs::path path = surfels / fmt::format("{}.ply", name(kind));
     std::error_code ec;
     if (kind != LayerKind::Diffuse && !fs::exists(path, ec)) continue;
     SplatLayer layer = read_layer(path);
@@ -51,7 +54,7 @@ TrainedScene read_trained_scene(const fs::path& optimize_folder) {
                   {.where = path.string(), .why = fmt::format("it holds the layer {}", name(layer.kind())), .code = "BAD_SCENE"});
     trained.surfels.layer(kind) = std::move(layer);
   }
-  trained.image = read_image_options(optimize_folder / "optimize" / "model.json");
+  trained.image = read_image_options(refined ? *refine / "refine/model.json" : optimize / "optimize/model.json");
   trained.image.diffuse.sh_degree = trained.surfels.diffuse.sh_degree();
   trained.image.reflection.sh_degree = trained.surfels.reflection.sh_degree();
   trained.image.transmission.sh_degree = trained.surfels.transmittance.sh_degree();

@@ -1,8 +1,10 @@
 // A trained scene as the optimize stage left it: gaussians/<layer>.ply and optimize/model.json, the options of the image
-// formation that it was trained with. The diffuse layer is always there; a layer without a file is empty and takes no part.
+// formation that it was trained with. Where the refine stage has a better one, that: refine/gaussians/<layer>.ply and
+// refine/model.json. The diffuse layer is always there; a layer without a file is empty and takes no part.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "core/model/image_options.h"
 #include "core/scene/splat_scene.h"
@@ -14,8 +16,10 @@ struct TrainedScene {
   ImageOptions image;  // backends and budgets are the machine's and the run's, not the scene's: left at their defaults
 };
 
-// `optimize_folder`: an artifact of the optimize stage. Throws Error{Input} with file and cause.
-TrainedScene read_trained_scene(const std::filesystem::path& optimize_folder);
+// `optimize`, `refine`: artifacts of these stages; one of refine that kept the scene as it was has none of its own. Throws
+// Error{Input} with file and cause.
+TrainedScene read_trained_scene(const std::filesystem::path& optimize,
+                                const std::optional<std::filesystem::path>& refine = std::nullopt);
 
 // What of the options a picture of the scene depends on: blend, lobe, and where rays start and end.
 void write_image_options(const std::filesystem::path& path, const ImageOptions& options);

@@ -22,7 +22,7 @@ float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd))
 
 RelitScene read_relit_scene(const RelitFolders& folders) {
   RelitScene scene;
-  scene.trained = read_trained_scene(folders.optimize);
+  scene.trained = read_trained_scene(folders.optimize, folders.refine);
   scene.materials = read_relight_materials(folders.relight);
   if (scene.materials.size() != scene.trained.surfels.diffuse.size())
     throw Error(ErrorKind::Input, "the materials belong to another scene",

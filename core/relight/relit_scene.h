@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "core/light/environment.h"
 #include "core/mesh/tri_mesh.h"
@@ -27,9 +28,11 @@ struct RelitScene {
   LayerBlend blend() const { return trained.image.composite.blend; }
 };
 
-// From the artifacts of three stages. Throws Error{Input} with file and cause, also when they do not belong together.
+// From the artifacts of these stages. Throws Error{Input} with file and cause, also when they do not belong together.
 struct RelitFolders {
-  std::filesystem::path optimize, mesh, relight;
+  std::filesystem::path optimize;
+  std::optional<std::filesystem::path> refine = std::nullopt;
+  std::filesystem::path mesh, relight;
 };
 RelitScene read_relit_scene(const RelitFolders& folders);
 

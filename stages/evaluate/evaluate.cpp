@@ -46,7 +46,7 @@ class Evaluator {
         context_(context),
         sfm_(context.input("sfm")),
         views_(load_view_set(sfm_).views),
-        painter_(read_trained_scene(context.input("optimize")),
+        painter_(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
                  {.backend = backend_of(config), .layers = true, .samples = config.samples}),
         layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
@@ -292,7 +292,10 @@ class Evaluator {
                                            : "pictures times one factor per channel and environment: median of truth / ours over "
                                              "the object (the truth has no albedo)";
     t.relit = relit_scores(
-        read_relit_scene({.optimize = context_.input("optimize"), .mesh = context_.input("mesh"), .relight = *relight}),
+        read_relit_scene({.optimize = context_.input("optimize"),
+                          .refine = context_.optional_input("refine"),
+                          .mesh = context_.input("mesh"),
+                          .relight = *relight}),
         [&](size_t view, MaskClass c, const Intrinsics& k) { return mask(view, c, k); }, desc,
         [&](double f) {
           throw_if_interrupted();

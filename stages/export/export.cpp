@@ -35,6 +35,7 @@ void run_export(const ExportConfig& config, StageContext& context) {
   ExportSource source({.sfm = context.input("sfm"),
                        .optimize = context.input("optimize"),
                        .mesh = context.input("mesh"),
+                       .refine = context.optional_input("refine"),
                        .relight = context.optional_input("relight")},
                       {.axes = config.axes, .scale = config.scale, .texture_size = config.texture_size});
   const fs::path folder = context.output() / "export";
@@ -92,6 +93,7 @@ Stage export_stage() {
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},
+                 {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
                  {.name = "mesh", .doc = "the mesh"},
                  {.name = "relight", .optional = true, .doc = "materials freed of the light of the photos"}};
   return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/stereo/patch_match.h"
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 
 namespace vitrine {
 

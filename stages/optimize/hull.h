@@ -8,8 +8,8 @@
 
 #include "core/math/vec.h"
 #include "core/render/renderer.h"
-#include "stages/optimize/capture.h"
-#include "stages/optimize/targets.h"
+#include "core/train/capture.h"
+#include "core/train/targets.h"
 
 namespace vitrine {
 

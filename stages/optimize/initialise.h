@@ -6,7 +6,7 @@
 
 #include "core/math/rigid.h"
 #include "core/scene/layers.h"
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/optimize.h"
 

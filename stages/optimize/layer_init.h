@@ -7,9 +7,9 @@
 #pragma once
 
 #include "core/scene/splat_scene.h"
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 #include "stages/optimize/optimize.h"
-#include "stages/optimize/targets.h"
+#include "core/train/targets.h"
 
 namespace vitrine {
 

@@ -10,7 +10,7 @@
 #include "core/base/timer.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 #include "stages/optimize/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/outputs.h"

@@ -8,10 +8,10 @@
 
 #include "core/model/layered_model.h"
 #include "core/optim/archive.h"
-#include "stages/optimize/capture.h"
-#include "stages/optimize/layers.h"
+#include "core/train/capture.h"
+#include "core/train/layer_training.h"
 #include "stages/optimize/optimize.h"
-#include "stages/optimize/targets.h"
+#include "core/train/targets.h"
 
 namespace vitrine {
 

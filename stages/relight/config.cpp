@@ -43,6 +43,7 @@ Stage relight_stage() {
        .summary = "takes the diffuse colours apart into albedo and light",
        .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                   {.name = "optimize", .doc = "The trained surfels and their training views."},
+                  {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                   {.name = "mesh", .doc = "What casts shadows."},
                   {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}}},
       run_relight, [] {

@@ -177,7 +177,10 @@ void run_relit(const RelitConfig& config, StageContext& context) {
   // Bad light and bad cameras are told before anything is computed.
   const std::vector<View> all_views = chosen_views(config, context);
   RelitScene scene = read_relit_scene(
-      {.optimize = context.input("optimize"), .mesh = context.input("mesh"), .relight = context.input("relight")});
+      {.optimize = context.input("optimize"),
+       .refine = context.optional_input("refine"),
+       .mesh = context.input("mesh"),
+       .relight = context.input("relight")});
   const Lighting lighting = chosen_lighting(config, context, scene);
   const auto environment = context.optional_input("env");
   const float brightest = lighting.environment.map().empty() ? 0.f : *std::ranges::max_element(lighting.environment.map().data());
@@ -235,6 +238,7 @@ Stage relit_stage() {
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                 {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                  {.name = "mesh", .doc = "The mesh that throws shadows and is seen in mirrors."},
                  {.name = "relight", .doc = "Materials and the light of the photos."},
                  {.name = "env",

@@ -38,7 +38,7 @@ void run_render(const RenderConfig& config, StageContext& context) {
                                            .path = context.optional_input("path"),
                                            .width = config.width,
                                            .height = config.height});
-  ScenePainter painter(read_trained_scene(context.input("optimize")),
+  ScenePainter painter(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
                        {.backend = config.backend == "reference" ? Backend::Reference : Backend::Cpu,
                         .layers = config.layers,
                         .samples = config.samples});
@@ -73,6 +73,7 @@ Stage render_stage() {
                  .summary = "pictures of a trained scene from any camera",
                  .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                            {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                             {.name = "path",
                              .artifact = false,
                              .optional = true,

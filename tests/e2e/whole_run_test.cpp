@@ -20,6 +20,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"normals", "ran"},
                               {"optimize", "ran"},
                               {"mesh", "ran"},
+                              {"refine", "ran"},
                               {"relight", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
@@ -49,6 +50,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"normals", "cached"},
                               {"optimize", "cached"},
                               {"mesh", "ran"},
+                              {"refine", "ran"},
                               {"relight", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
@@ -85,7 +87,7 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   const Outcome one = room(poses, {"-j", "1"});
   ASSERT_EQ(one.exit, 0) << one.text;
   const auto whole = digests();
-  ASSERT_EQ(whole.size(), 9u);  // stages
+  ASSERT_EQ(whole.size(), 10u);  // stages
   fs::remove_all(out());
 
   const pid_t child = start(room_words(poses, {"-j", "2", "-q"}));

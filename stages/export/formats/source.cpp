@@ -84,7 +84,7 @@ ExportFrame ExportSource::frame(std::string_view axes) {
 }
 
 const TrainedScene& ExportSource::scene() {
-  if (!scene_) scene_ = read_trained_scene(inputs_.optimize);
+  if (!scene_) scene_ = read_trained_scene(inputs_.optimize, inputs_.refine);
   return *scene_;
 }
 

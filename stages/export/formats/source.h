@@ -18,7 +18,7 @@ namespace vitrine {
 
 struct ExportInputs {
   std::filesystem::path sfm, optimize, mesh;
-  std::optional<std::filesystem::path> relight;
+  std::optional<std::filesystem::path> refine, relight;
 };
 
 struct ExportSettings {

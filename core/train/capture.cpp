@@ -1,4 +1,4 @@
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "stages/optimize/layers.h"
+#include "core/train/layer_training.h"
 
 namespace vitrine {
 

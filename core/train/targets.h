@@ -11,7 +11,7 @@
 
 #include "core/camera/mask_files.h"
 #include "core/loss/loss.h"
-#include "stages/optimize/capture.h"
+#include "core/train/capture.h"
 
 namespace vitrine {
 

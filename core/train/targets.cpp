@@ -1,4 +1,4 @@
-#include "stages/optimize/targets.h"
+#include "core/train/targets.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,80 @@
+#include "stages/refine/free_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_distance.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kGrain = 256;
+constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger one counts
+constexpr float kReach = 2;                              // a surfel reaches so many of its scales from its centre
+
+void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, SurfelVotes& votes) {
+  const Vec3d p = v.view->cam_from_world * point;
+  const Intrinsics& k = v.view->intrinsics;
+  if (!(p.z > 0)) return;
+  const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
+  if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) return;
+  const size_t i = static_cast<size_t>(y) * static_cast<size_t>(k.width) + static_cast<size_t>(x);
+  const float surface = v.zdepth[i], z = float(p.z), margin = reach + std::max(kMarginVoxels * voxel, kMargin_rel * surface);
+  if (!(surface > 0)) return;
+  if (v.opaque[i]) {
+    if (z < surface - margin)
+      ++votes.empty;
+    else if (z < surface + margin)
+      ++votes.seen;
+    return;
+  }
+  if (!(v.glass[i] > 0.5f)) return;  // a rim: half glass
+  const float t = float(length(p));
+  const bool split = v.split(i);
+  // Without a mesh to agree with, the G-buffer alone does not clear the space before glass.
+  if (split && t < v.segments.front[i] - margin) {
+    ++votes.empty;
+    return;
+  }
+  ++votes.seen;
+  if (split && v.segments.kind[i] == SegmentKind::Closed) ++(t <= v.segments.back[i] + margin ? votes.inside : votes.beyond);
+}
+
+}  // namespace
+
+std::vector<SurfelVotes> surfel_votes(const SplatLayer& layer, std::span<const GlassView> views, const GlassMesh& mesh) {
+  std::vector<SurfelVotes> votes(layer.size());
+  const MeshDistance panes(mesh.glass);
+  parallel_chunks(votes.size(), kGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) {
+      const float *p = layer.at(Attribute::Mean, i), *scale = layer.at(Attribute::LogScale, i);
+      const float reach = kReach * std::exp(std::max(scale[0], scale[1]));
+      for (const GlassView& v : views) vote({p[0], p[1], p[2]}, reach, v, mesh.voxel, votes[i]);
+      const float margin = reach + kMarginVoxels * mesh.voxel;
+      votes[i].on_pane = !panes.empty() && panes.closest({p[0], p[1], p[2]}).distance < margin;
+    }
+  });
+  return votes;
+}
+
+bool stands_in_empty_space(const SurfelVotes& v, const PruneConfig& config) {
+  return !v.on_pane && v.empty >= static_cast<uint32_t>(config.min_votes) &&
+         double(v.empty) >= config.share * double(v.empty + v.seen);
+}
+
+bool stands_beyond(const SurfelVotes& v, const PruneConfig& config) {
+  return v.beyond > 0 && double(v.inside) < config.inside_share * double(v.inside + v.beyond);
+}
+
+SplatLayer selected(const SplatLayer& layer, std::span<const uint8_t> keep) {
+  SplatLayer out = layer;
+  size_t n = 0;
+  for (size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) out.copy_surfel(i, n++);
+  out.resize(n);
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,80 @@
+#include "stages/refine/quality.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/base/process.h"
+#include "core/model/diffuse_pass.h"
+#include "core/picture/view_picture.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kFewestPixels = 64;  // of a region, as the evaluation has it
+
+struct SquaredError {
+  double sum = 0;
+  size_t count = 0;
+  double psnr() const { return sum > 0 ? -10 * std::log10(sum / double(3 * count)) : 99; }
+};
+
+}  // namespace
+
+QualityMeter::QualityMeter(const TrainedScene& scene, const Capture& capture, const Targets& targets,
+                           std::span<const uint32_t> photos)
+    : capture_(capture), photos_(photos.begin(), photos.end()) {
+  DiffuseOptions options = scene.image.diffuse;
+  options.materials = true;
+  DiffusePass pass(options);
+  Frame frame;
+  for (const uint32_t photo : photos_) {
+    throw_if_interrupted();
+    const std::vector<uint8_t>& mask = targets.photos[photo][0].masks[static_cast<size_t>(MaskClass::Transparent)];
+    std::vector<uint8_t>& glass = glass_.emplace_back(capture.photos[photo].levels[0].srgb.size() / 3, 0);
+    if (!mask.empty()) {
+      for (size_t i = 0; i < glass.size(); ++i) glass[i] = mask[i] >= 128;
+      continue;
+    }
+    frame.view = &capture.photos[photo].levels[0].view;
+    pass.forward(scene.surfels, frame);
+    const auto tau = frame.diffuse.plane(Aov::Transmission);
+    for (size_t i = 0; i < glass.size(); ++i) glass[i] = tau[i] > 0.5f;
+  }
+}
+
+Quality QualityMeter::of(const TrainedScene& scene) const {
+  ScenePainter painter(scene, {});
+  std::array<double, 3> sums{};
+  std::array<size_t, 3> photos{};
+  std::vector<float> target;
+  for (size_t p = 0; p < photos_.size(); ++p) {
+    throw_if_interrupted();
+    const PhotoLevel& photo = capture_.photos[photos_[p]].levels[0];
+    decode(photo, target);
+    const ViewPicture picture = painter.picture(photo.view);
+    const auto shown = picture.srgb.data();
+    const size_t pixels = target.size() / 3;
+    std::array<SquaredError, 3> error;  // glass, rest, all
+    for (size_t i = 0; i < pixels; ++i) {
+      double e = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        const double d = double(shown[3 * i + c]) - double(target[c * pixels + i]);
+        e += d * d;
+      }
+      for (SquaredError* part : {&error[glass_[p][i] ? 0 : 1], &error[2]}) {
+        part->sum += e;
+        ++part->count;
+      }
+    }
+    for (size_t part = 0; part < 3; ++part)
+      if (error[part].count >= kFewestPixels) {
+        sums[part] += error[part].psnr();
+        ++photos[part];
+      }
+  }
+  const auto mean = [&](size_t part) { return photos[part] > 0 ? sums[part] / double(photos[part]) : 0; };
+  return {.glass = mean(0), .rest = mean(1), .all = mean(2)};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,216 @@
+#include "stages/refine/refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/view_split.h"
+#include "core/mesh/mesh_io.h"
+#include "core/scene/scene_io.h"
+#include "stages/refine/free_space.h"
+#include "stages/refine/quality.h"
+#include "stages/refine/segment_report.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr size_t kMapLevel = 1;      // of the pyramid: segments at half size
+constexpr double kMostLoss = 0.005;  // dB of whole photos that noise may cost
+
+double rounded(double value) { return std::round(value * 1e4) / 1e4; }
+
+Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
+
+float voxel_of(const fs::path& report) {
+  double voxel = 0;
+  try {
+    voxel = nlohmann::json::parse(read_file(report)).at("voxel").get<double>();
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorKind::Input, "the report of the mesh is unusable",
+                {.where = report.string(), .why = e.what(), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
+  }
+  if (!(voxel > 0) || !std::isfinite(voxel))
+    throw Error(
+        ErrorKind::Input, "the report of the mesh is unusable",
+        {.where = report.string(), .why = "voxel is no length", .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
+  return static_cast<float>(voxel);
+}
+
+struct Candidate {
+  std::string name, what;
+  SplatScene surfels;
+  Quality heldout = {};
+};
+
+// The chosen photos, in the split that the scene was trained with.
+Capture capture_of(const RefineConfig& config, const StageContext& context) {
+  const fs::path optimize = context.input("optimize");
+  const ViewSplit split = read_view_split(optimize / "optimize" / "views.json", load_view_set(context.input("sfm")).views);
+  Capture capture = load_capture(context.input("sfm"),
+                                 config.max_side > 0  ? config.max_side
+                                 : split.max_side > 0 ? split.max_side
+                                                      : 16384,
+                                 0);
+  capture.train.assign(split.train.begin(), split.train.end());
+  capture.heldout.assign(split.heldout.begin(), split.heldout.end());
+  return capture;
+}
+
+class Refiner {
+ public:
+  Refiner(const RefineConfig& config, StageContext& context, TrainedScene scene)
+      : config_(config),
+        context_(context),
+        scene_(std::move(scene)),
+        capture_(capture_of(config, context)),
+        targets_(load_targets(capture_, context.optional_input("masks"), std::nullopt)),
+        mesh_(read_mesh_ply(context.input("mesh") / "mesh" / "mesh.ply"), scene_.surfels.diffuse,
+              voxel_of(context.input("mesh") / "mesh" / "report.json")),
+        // A scene trained on all photos is judged by them.
+        judges_(capture_.heldout.empty() ? capture_.train : capture_.heldout) {
+    for (const TargetProblem& problem : targets_.warnings) context.warning(problem.code, problem.text);
+  }
+
+  void run() {
+    step(0.05, "segments");
+    views_ = glass_views({.capture = capture_,
+                          .targets = targets_,
+                          .scene = scene_,
+                          .mesh = mesh_,
+                          .segments = {.min_agreement = static_cast<float>(config_.min_agreement)},
+                          .level = kMapLevel},
+                         capture_.train);
+    report_["segments"] = segments_json(views_, capture_);
+    make_folders(context_.output() / "refine");
+    write_segments_picture(context_.output() / "refine/segments.png", views_, capture_, kMapLevel);
+    tell_fallback();
+    step(0.4, "free space");
+    find_candidates();
+    choose();
+  }
+
+ private:
+  void step(double fraction, std::string text) {
+    throw_if_interrupted();
+    context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
+  }
+
+  void tell_fallback() {
+    const SegmentTotals t = segment_totals(views_);
+    context_.metric("closed_share", t.share(SegmentKind::Closed));
+    context_.metric("fallback_share", t.fallback_share());
+    log_info("rays through glass: {:.0f} % have front and back, {:.0f} % an open pane, {:.0f} % keep the single segment",
+             100 * t.share(SegmentKind::Closed), 100 * t.share(SegmentKind::Open), 100 * t.fallback_share());
+    if (t.fallback_views > 0)
+      context_.warning("MESH_NOT_TRUSTED",
+                       fmt::format("in {} of {} photos the mesh disagrees with the rendered glass: they keep the single segment "
+                                   "(refine/segments.png)",
+                                   t.fallback_views, t.views));
+  }
+
+  void find_candidates() {
+    const SplatLayer& layer = scene_.surfels.transmittance;
+    const std::vector<SurfelVotes> votes = surfel_votes(layer, views_, mesh_);
+    std::vector<uint8_t> filled(votes.size()), within(votes.size());
+    size_t empty = 0, beyond = 0;
+    for (size_t i = 0; i < votes.size(); ++i) {
+      const bool in_empty = stands_in_empty_space(votes[i], config_.prune), is_beyond = stands_beyond(votes[i], config_.prune);
+      filled[i] = !in_empty;
+      within[i] = !in_empty && !is_beyond;
+      empty += in_empty;
+      beyond += is_beyond;
+    }
+    report_["transmittance"] = {{"surfels", votes.size()}, {"in_empty_space", empty}, {"beyond_closed_glass", beyond}};
+    const auto add = [&](const char* name, const char* what, std::span<const uint8_t> keep) {
+      Candidate c{.name = name, .what = what, .surfels = scene_.surfels};
+      c.surfels.transmittance = selected(layer, keep);
+      // Without a surfel there would be no layer, and glass would show nothing of the room.
+      if (c.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
+    };
+    if (empty > 0 && config_.exterior_set != "diffuse") add("free_space", "without surfels in empty space", filled);
+    if (beyond > 0 && config_.exterior_set != "transmittance")
+      add("exterior_diffuse", "and without those beyond closed glass", within);
+  }
+
+  void choose() {
+    const QualityMeter meter(scene_, capture_, targets_, judges_);
+    const Quality before = meter.of(scene_);
+    const Candidate* best = nullptr;
+    report_["candidates"] = Json::array();
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+      Candidate& c = candidates_[i];
+      step(0.5 + 0.5 * double(i) / double(candidates_.size()), c.name);
+      c.heldout = meter.of({c.surfels, scene_.image});
+      report_["candidates"].push_back({{"name", c.name},
+                                       {"what", c.what},
+                                       {"transmittance_surfels", c.surfels.transmittance.size()},
+                                       {"psnr", json_of(c.heldout)}});
+      const bool better = c.heldout.glass >= before.glass + config_.min_gain && c.heldout.all >= before.all - kMostLoss;
+      if (better && (!best || c.heldout.glass > best->heldout.glass)) best = &c;
+    }
+    report_["judged_by"] = capture_.heldout.empty() ? "training photos" : "held-out photos";
+    report_["before"] = json_of(before);
+    report_["state"] = best ? "refined" : "kept";
+    if (best) report_["chosen"] = best->name;
+    report_["after"] = json_of(best ? best->heldout : before);
+    write_file(context_.output() / "refine/report.json", report_.dump(2) + "\n");
+    if (best) write_scene(best->surfels);
+    context_.metric("glass_psnr_before", before.glass);
+    context_.metric("glass_psnr", best ? best->heldout.glass : before.glass);
+    if (best)
+      context_.summary(fmt::format("{}: glass {:.2f} -> {:.2f} dB in {}", best->what, before.glass, best->heldout.glass,
+                                   report_["judged_by"].get<std::string>()));
+    else
+      context_.summary(fmt::format("kept the scene as it was: {}", why_kept(before)));
+  }
+
+  std::string why_kept(const Quality& before) const {
+    if (candidates_.empty()) return "nothing stands where it cannot be";
+    double best = -INFINITY;
+    for (const Candidate& c : candidates_) best = std::max(best, c.heldout.glass);
+    return fmt::format("glass {:.2f} dB, changed {:.2f} dB", before.glass, best);
+  }
+
+  void write_scene(const SplatScene& surfels) {
+    const fs::path out = context_.output() / "refine";
+    make_folders(out / "gaussians");
+    for (const LayerKind kind : kAllLayers)
+      if (kind == LayerKind::Diffuse || surfels.layer(kind).size() > 0)
+        write_layer(out / "gaussians" / fmt::format("{}.ply", name(kind)), surfels.layer(kind));
+    write_image_options(out / "model.json", scene_.image);
+  }
+
+  const RefineConfig& config_;
+  StageContext& context_;
+  const TrainedScene scene_;
+  const Capture capture_;
+  const Targets targets_;
+  const GlassMesh mesh_;
+  const std::vector<uint32_t> judges_;
+  std::vector<GlassView> views_;
+  std::vector<Candidate> candidates_;
+  Json report_ = Json::object();
+};
+
+}  // namespace
+
+void run_refine(const RefineConfig& config, StageContext& context) {
+  set_thread_limit(context.threads());
+  TrainedScene scene = read_trained_scene(context.input("optimize"));
+  if (scene.surfels.transmittance.size() == 0) {
+    const std::string why = "nothing to refine: no transmittance layer";
+    write_file(context.output() / "refine/report.json", Json{{"state", "nothing"}, {"why", why}}.dump(2) + "\n");
+    context.summary(why);
+    return;
+  }
+  Refiner(config, context, std::move(scene)).run();
+}
+
+}  // namespace vitrine

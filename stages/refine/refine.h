@@ -1,0 +1,31 @@
+// The refine stage: what stands behind glass, put in order with the help of the mesh (algorithms 5.2, 5.3).
+//   reads   sfm, optimize, mesh, masks when there are any
+//   writes  refine/{report.json,segments.png}; where the scene became better refine/gaussians/*.ply and refine/model.json
+// Every change is measured on the photos that training never saw; a scene that does not gain by it stays as it is.
+#pragma once
+
+#include <string>
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct PruneConfig {
+  int min_votes = 2;
+  double share = 0.25;
+  double inside_share = 0.5;
+};
+
+struct RefineConfig {
+  int max_side = 0;
+  std::string exterior_set = "auto";
+  double min_gain = 0.01;
+  double min_agreement = 0.8;
+  PruneConfig prune;
+};
+void describe(Describer& d, RefineConfig& c);
+
+void run_refine(const RefineConfig& config, StageContext& context);
+Stage refine_stage();
+
+}  // namespace vitrine

@@ -1,0 +1,26 @@
+// What the segments of all photos say, as JSON for the report and as a picture for people.
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/json.h"
+#include "stages/refine/glass_views.h"
+
+namespace vitrine {
+
+struct SegmentTotals {
+  std::array<size_t, kSegmentKinds> count{};
+  size_t views = 0, fallback_views = 0;  // with glass; of them those whose mesh is not trusted
+  double share(SegmentKind kind) const;  // of the glass pixels
+  double fallback_share() const;         // of the glass pixels that keep the single segment
+  size_t glass = 0, fallback = 0;
+};
+SegmentTotals segment_totals(std::span<const GlassView> views);
+nlohmann::ordered_json segments_json(std::span<const GlassView> views, const Capture& capture);
+
+// Up to twelve photos side by side, their glass coloured: green between front and back, blue an open pane, yellow glass that
+// the mesh takes for opaque, red where mesh and G-buffer disagree; photos whose mesh is not trusted have a red frame.
+void write_segments_picture(const std::filesystem::path& path, std::span<const GlassView> views, const Capture& capture,
+                            size_t level);
+
+}  // namespace vitrine
