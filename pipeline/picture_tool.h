@@ -18,11 +18,11 @@ struct PictureArguments {
 void add_picture_options(CommandLine& cli, PictureArguments& a, const std::string& folder);
 
 struct PictureTool {
-  std::string name;                 // "render": program vitrine-render, store and folder `render`
-  std::vector<std::string> stages;  // whose artifacts it reads
+  std::string name;                                       // "render": program vitrine-render, store and folder `render`
+  std::vector<std::string> stages;                        // whose artifacts it reads
   std::vector<std::string> optional_stages = {"refine"};  // likewise, where there are any
-  std::string missing;              // "there is no trained scene yet"
-  Words words;                      // more arguments for the program
+  std::string missing;                                    // "there is no trained scene yet"
+  Words words;                                            // more arguments for the program
 };
 // The project folder of the words that the command line left over, or the current folder.
 fs::path picture_project(const Words& rest);

@@ -8,8 +8,8 @@
 
 #include "core/scene/splat_scene.h"
 #include "core/train/capture.h"
-#include "stages/optimize/optimize.h"
 #include "core/train/targets.h"
+#include "stages/optimize/optimize.h"
 
 namespace vitrine {
 

@@ -10,8 +10,8 @@
 #include "core/optim/archive.h"
 #include "core/train/capture.h"
 #include "core/train/layer_training.h"
-#include "stages/optimize/optimize.h"
 #include "core/train/targets.h"
+#include "stages/optimize/optimize.h"
 
 namespace vitrine {
 

@@ -52,7 +52,9 @@ double area_of(const TriMesh& mesh) {
 class Decomposition {
  public:
   Decomposition(const RelightConfig& config, StageContext& context)
-      : config_(config), context_(context), scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))) {
+      : config_(config),
+        context_(context),
+        scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))) {
     const ViewSet set = load_view_set(context.input("sfm"));
     all_views_ = set.views;
     for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));

@@ -176,11 +176,10 @@ void describe(Describer& d, RelitConfig& c) {
 void run_relit(const RelitConfig& config, StageContext& context) {
   // Bad light and bad cameras are told before anything is computed.
   const std::vector<View> all_views = chosen_views(config, context);
-  RelitScene scene = read_relit_scene(
-      {.optimize = context.input("optimize"),
-       .refine = context.optional_input("refine"),
-       .mesh = context.input("mesh"),
-       .relight = context.input("relight")});
+  RelitScene scene = read_relit_scene({.optimize = context.input("optimize"),
+                                       .refine = context.optional_input("refine"),
+                                       .mesh = context.input("mesh"),
+                                       .relight = context.input("relight")});
   const Lighting lighting = chosen_lighting(config, context, scene);
   const auto environment = context.optional_input("env");
   const float brightest = lighting.environment.map().empty() ? 0.f : *std::ranges::max_element(lighting.environment.map().data());
