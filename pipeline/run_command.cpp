@@ -9,6 +9,7 @@
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
+#include "pipeline/grey_card.h"
 #include "pipeline/project.h"
 #include "pipeline/runner.h"
 
@@ -17,7 +18,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, normals, truth, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, normals, truth, grey_card, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0;
@@ -42,6 +43,10 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
   cli.value("truth", 0, "DIR", a.truth,
             "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
+  cli.value(
+      "grey-card", 0, "PHOTO:X,Y,W,H", a.grey_card,
+      "A card of known albedo (relight.grey_albedo, 0.18), which sets the scale of all albedos and the colour of the light: a "
+      "box in one photo, in pixels of that photo in the output folder's `images`.");
   cli.section("which stages");
   cli.value("from", 0, "STAGE", a.selection.from, "Leave the stages before this one as they are.");
   cli.value("to", 0, "STAGE", a.selection.to, "Stop after this stage.");
@@ -105,6 +110,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.masks", a.masks, "--masks");
   flag("input.normals", a.normals, "--normals");
   flag("input.truth", a.truth, "--truth");
+  flag("relight.grey_card", a.grey_card, "--grey-card");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
   if (a.max_gaussians > 0) {
@@ -163,6 +169,8 @@ int run_command(const Words& words) {
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
   find_truth(settings);
+  if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
+    check_grey_card(card->text(), settings.text("input.photos"));
   Planner planner(graph, settings, target.project, a.selection);
   if (a.dry_run) return dry_run(planner, target.project);
 

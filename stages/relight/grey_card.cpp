@@ -1,9 +1,9 @@
 #include "stages/relight/grey_card.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "core/base/error.h"
+#include "core/config/photo_box.h"
 
 namespace vitrine {
 
@@ -15,22 +15,14 @@ GreyCard parse_grey_card(const std::string& text, const std::vector<View>& views
                   .hint = "photo:x,y,w,h, pixels of the undistorted photo, for example IMG_0007.jpg:410,220,60,40",
                   .code = "GREY_CARD"});
   };
-  const size_t colon = text.rfind(':');
-  GreyCard card;
-  int end = 0;
-  if (colon == std::string::npos ||
-      std::sscanf(text.c_str() + colon + 1, "%d,%d,%d,%d%n", &card.x, &card.y, &card.width, &card.height, &end) != 4 ||
-      colon + 1 + size_t(end) != text.size())
-    throw fail("four whole numbers belong behind the photo's name");
-  const std::string name = text.substr(0, colon);
-  const auto it = std::ranges::find_if(views, [&](const View& v) { return v.name == name || v.stem() == name; });
-  if (it == views.end()) throw fail(fmt::format("no view is called '{}'", name));
+  const auto card = parse_photo_box(text);
+  if (!card) throw fail("behind the photo's name belong four whole numbers: a box at least one pixel wide and high");
+  const auto it = std::ranges::find_if(views, [&](const View& v) { return v.name == card->photo || v.stem() == card->photo; });
+  if (it == views.end()) throw fail(fmt::format("no photo with a known camera is called '{}'", card->photo));
   const Intrinsics& k = it->intrinsics;
-  if (card.width < 1 || card.height < 1 || card.x < 0 || card.y < 0 || card.width > k.width - card.x ||
-      card.height > k.height - card.y)
+  if (card->width > k.width - card->x || card->height > k.height - card->y)
     throw fail(fmt::format("the box does not lie in the photo of {}x{} pixels", k.width, k.height));
-  card.view = size_t(it - views.begin());
-  return card;
+  return {size_t(it - views.begin()), card->x, card->y, card->width, card->height};
 }
 
 Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture) {

@@ -53,6 +53,16 @@ TEST_F(TinyRoom, PosesThatDoNotFitAreRefused) {
   EXPECT_EQ(room("nowhere").exit, 3);
 }
 
+TEST_F(TinyRoom, AGreyCardThatIsNotThereEndsTheRunBeforeItBegins) {
+  const Outcome unknown = room(true_poses(), {"--grey-card", "img_0099.png:1,2,3,4"});
+  EXPECT_EQ(unknown.exit, 2);
+  EXPECT_TRUE(unknown.has("error: the grey card cannot be found\n  where  img_0099.png:1,2,3,4\n  why    no photo in "))
+      << unknown.text;
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(room(true_poses(), {"--set", "relight.grey_card=img_0003.png"}).exit, 2);
+  EXPECT_EQ(room(true_poses(), {"--grey-card", "img_0003.png:1,2,3,4", "--dry-run"}).exit, 0);
+}
+
 TEST_F(TinyRoom, WithoutColmapTheFirstStageIsKept) {
   setenv("VITRINE_COLMAP", "/nonexistent", 1);
   const Outcome o = call({"run", photos().string(), "-o", out().string()});

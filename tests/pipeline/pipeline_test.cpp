@@ -4,8 +4,10 @@
 #include <sstream>
 
 #include "core/base/timer.h"
+#include "pipeline/grey_card.h"
 #include "pipeline/printed_key.h"
 #include "tests/pipeline/sandbox.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -249,6 +251,22 @@ TEST(PrintedKey, IsFoundBetweenWhatLibrariesSay) {
   EXPECT_FALSE(printed_key("no key\n"));
   EXPECT_FALSE(printed_key("{\n \"key\": \"ab12\"\n"));
   EXPECT_FALSE(printed_key("{\n \"version\": 1\n}\n"));
+}
+
+TEST_F(Sandbox, AGreyCardIsLookedAtBeforeAnythingIsComputed) {
+  EXPECT_TRUE(run({"--grey-card", "a.jpg:1,2,3,4"}).has("--grey-card is of no use here: no stage reads 'grey_card'"));
+  write_file(photos() / "d.exr", "five");
+  for (const char* good : {"a.jpg:0,0,1,1", "a:410,220,60,40", "ä b.jpg:1,2,3,4", "a_jpg.jpg:1,2,3,4", "d.png:1,2,3,4"})
+    EXPECT_NO_THROW(check_grey_card(good, photos())) << good;
+  for (const char* bad : {"a.jpg", "a.jpg:1,2,3", "a.jpg:1,2,3,4,5", "a.jpg:1,2,0,4", "a.jpg:-1,2,3,4", "a.jpg:1 2 3 4",
+                          ":1,2,3,4", "a.jpg:1,2,3,99999999999", "d.jpg:1,2,3,4", "a.png:1,2,3,4"}) {
+    const Error e = error_of([&] { check_grey_card(bad, photos()); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << bad;
+    EXPECT_EQ(e.detail().code, "GREY_CARD");
+    EXPECT_EQ(e.detail().where, bad);
+  }
+  EXPECT_EQ(error_of([&] { check_grey_card("ä_b.jpg:1,2,3,4", photos()); }).detail().hint, "did you mean 'ä b.jpg'?");
+  EXPECT_NO_THROW(check_grey_card("a.jpg:1,2,3,4", folder.path() / "nowhere"));
 }
 
 TEST_F(Sandbox, OptionalInputsTakePart) {
