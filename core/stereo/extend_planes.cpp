@@ -21,12 +21,12 @@ constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below whi
 // Costs of a choice, in brightness.
 constexpr float kImpossible = 1;
 constexpr float kUnseen = 0.06f;          // no other photo sees it
-constexpr float kContradicted = 0.3f;     // it would hide what other photos surely see
-constexpr float kOtherSurface = 0.15f;    // at a reliable pixel: not the surface found there
+constexpr float kContradicted = 0.6f;     // it would hide what other photos surely see
+constexpr float kOtherSurface = 0.07f;    // at a reliable pixel: not the surface found there
 constexpr float kLocalHandicap = 0.005f;  // a large plane is more exact than the continuation of a few pixels
-constexpr float kFarHandicap = 0.025f;
+constexpr float kFarHandicap = 0.05f;
 constexpr double kSameDepth = 0.02, kBefore = 0.06;  // relative depths
-constexpr double kReach = 8;                         // pixels over which costs are averaged
+constexpr double kReach = 4;                         // pixels over which costs are averaged
 constexpr int kAverages = 2;
 
 struct Nearest {
@@ -153,11 +153,13 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
   const Witnesses witnesses(photos, maps, index);
 
   // Choices: the large planes, the far background, the continuation.
-  std::vector<InversePlane> choices;
+  std::vector<InversePlane> choices, floors;
   for (const ScenePlane& plane : planes) {
     const Vec3d normal = photo.view.cam_from_world.rotation * plane.normal;
     const double offset = plane.offset + dot(normal, photo.view.cam_from_world.translation);
-    if (std::abs(offset) > 1e-6) choices.push_back(inverse_plane(k, normal, offset));
+    if (!(std::abs(offset) > 1e-6)) continue;
+    choices.push_back(inverse_plane(k, normal, offset));
+    if (plane.floor) floors.push_back(choices.back());
   }
   const size_t far = choices.size(), local = far + 1;
   choices.push_back({0, 0, 1 / photo.far_z});
@@ -165,6 +167,8 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
   std::vector<std::vector<float>> cost(choices.size() + 1, std::vector<float>(pixels, kImpossible));
   const auto possible = [&](const InversePlane& plane, double x, double y) {
     const double w = plane.at(x, y);
+    for (const InversePlane& floor : floors)
+      if (w < (1 - kSameDepth) * floor.at(x, y)) return false;
     return w * photo.near_z < 1 && w * photo.far_z > 0.999 &&
            -dot(normal_towards_camera(k, plane), normalized(k.ray(x, y))) > kMostSlanted;
   };
@@ -192,15 +196,15 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     if (map.reliable(i)) continue;
     const double x = double(int(i) % map.width) + 0.5, y = double(int(i) / map.width) + 0.5;
     const uint32_t from = nearest.source[i];
-    std::optional<InversePlane> chosen;
+    InversePlane chosen = choices[far];
     float least = 1e30f;
     for (size_t c = 0; c < cost.size(); ++c) {
       const InversePlane& plane = c == local ? *fitted[from] : choices[c];
-      if (c != far && !possible(plane, x, y)) continue;
+      if (!possible(plane, x, y)) continue;
       if (cost[c][i] < least) least = cost[c][i], chosen = plane;
     }
-    map.zdepth[i] = float(std::clamp(1 / chosen->at(x, y), photo.near_z, photo.far_z));
-    map.normal[i] = cast<float>(normal_towards_camera(k, *chosen));
+    map.zdepth[i] = float(std::clamp(1 / chosen.at(x, y), photo.near_z, photo.far_z));
+    map.normal[i] = cast<float>(normal_towards_camera(k, chosen));
   }
   return map;
 }

@@ -17,6 +17,8 @@ constexpr double kOnPlane = 0.012;                  // distance from a plane, re
 constexpr double kTurned = 0.8;                     // cosine between a point's normal and the plane's
 constexpr size_t kMostPlanes = 12;
 constexpr double kLeastShare = 0.01;
+constexpr double kLevel = 0.94;        // cosine between a floor's normal and up (+z)
+constexpr double kBelowFloor = 0.005;  // of all samples: errors of stereo
 
 struct Sample {
   Vec3d position, normal;
@@ -60,6 +62,21 @@ ScenePlane refined(const std::vector<Sample>& samples, const ScenePlane& plane) 
   return better;
 }
 
+bool is_floor(const ScenePlane& plane, std::span<const StereoPhoto> photos, std::span<const DepthMap> maps,
+              const std::vector<Sample>& samples) {
+  if (std::abs(plane.normal.z) < kLevel) return false;
+  const double up = plane.normal.z > 0 ? 1 : -1;
+  const auto height = [&](const Vec3d& p) { return up * (dot(plane.normal, p) - plane.offset); };
+  for (size_t v = 0; v < maps.size(); ++v)
+    if (!maps[v].zdepth.empty() && !(height(photos[v].view.centre_in_world()) > 0)) return false;
+  double below = 0, all = 0;
+  for (const Sample& s : samples) {
+    all += s.weight;
+    if (height(s.position) < -2 * kOnPlane * s.depth) below += s.weight;
+  }
+  return below < kBelowFloor * all;
+}
+
 }  // namespace
 
 std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps) {
@@ -90,6 +107,7 @@ std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::s
         candidates.push_back({normal, dot(normal, point), 0});
       }
   }
+  const std::vector<Sample> all = samples;
   std::vector<ScenePlane> planes;
   while (planes.size() < kMostPlanes && !candidates.empty()) {
     parallel_for(candidates.size(), 64, [&](size_t c) { candidates[c].share = support(samples, candidates[c]); });
@@ -98,6 +116,7 @@ std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::s
     for (int round = 0; round < 3; ++round) best = refined(samples, best);
     best.share = support(samples, best) / total;
     if (!(best.share >= kLeastShare)) break;
+    best.floor = is_floor(best, photos, maps, all);
     planes.push_back(best);
     std::erase_if(samples, [&](const Sample& s) { return lies_on(s, best); });
     std::erase_if(candidates, [&](const ScenePlane& c) { return c.share < kLeastShare * total; });

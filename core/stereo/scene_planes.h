@@ -9,9 +9,10 @@
 namespace vitrine {
 
 struct ScenePlane {
-  Vec3d normal;       // world frame, unit
-  double offset = 0;  // normal.X = offset
-  double share = 0;   // of the surface that stereo found in all photos
+  Vec3d normal;        // world frame, unit
+  double offset = 0;   // normal.X = offset
+  double share = 0;    // of the surface that stereo found in all photos
+  bool floor = false;  // level, below all cameras, and nothing was found below it: no ray goes on behind it
 };
 
 // Largest first, at most twelve, each at least a hundredth of the surface found. `maps` after count_agreement().
