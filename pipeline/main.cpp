@@ -26,6 +26,7 @@ constexpr Command kCommands[] = {
     {"render", "pictures of the trained scene, from its photos' cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
     {"export", "the scene in other programs' formats; --list says what each holds", export_command},
+    {"report", "one page that says how the run went: OUT/report.html", report_command},
     {"status", "which stages of an output folder are up to date", status_command},
     {"explain", "why a stage would be computed again", explain_command},
     {"config", "all options, their values and where they come from", config_command},

@@ -35,11 +35,13 @@ if [ -e "$out/relight/materials.ply" ]; then
   say "relight: vitrine relight $out --lights $lamps"
   "$vitrine" relight "$out" --lights "$lamps"
   "$vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16 --output "$out/turntable"
+  "$vitrine" report "$out"  # with the pictures under the lamps
 fi
 
 say "done. Where to look:"
 # show FILE WHAT: a line about what is there.
 show() { [ ! -e "$out/$1" ] || printf '  %-32s %s\n' "$out/$1" "$2"; }
+show report.html "how well it went, what is weak, what to try next; open it in a browser"
 show eval/contact_sheet.jpg "photo, render, error, normals and depth of the held-out views"
 show mesh/mesh.ply "the mesh, with colours and normals (MeshLab, Blender, CloudCompare)"
 show relit/ "held-out views under two lamps (another light: vitrine relight $out --env HDRI)"

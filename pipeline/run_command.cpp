@@ -10,6 +10,7 @@
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/grey_card.h"
+#include "pipeline/html_report.h"
 #include "pipeline/project.h"
 #include "pipeline/runner.h"
 
@@ -132,6 +133,13 @@ void find_truth(Settings& settings) {
   if (fs::is_directory(beside, ec)) truth->assign(beside.string(), "found beside the photos");
 }
 
+// The page is for people: nothing fails because of it.
+void write_page(Report& report, const fs::path& project, bool only_if_changed) {
+  const auto why_not = write_html_report(project, only_if_changed);
+  report.line(why_not ? fmt::format("note: there is no report.html of this run: {}", *why_not)
+                      : fmt::format("report: {}", html_report_path(project).string()));
+}
+
 int dry_run(Planner& planner, const fs::path& project) {
   int to_run = 0;
   for (const Step& step : planner.all()) {
@@ -201,6 +209,7 @@ int run_command(const Words& words) {
   } catch (const Error& e) {
     try {
       report.finish(settings, exit_code(e.kind()));
+      write_page(report, target.project, false);
     } catch (const Error& unwritten) {  // a full disk takes the report too; what is told is the failure before it
       report.line(fmt::format("note: there is no report of this run: {}", unwritten.detail().why));
     }
@@ -210,6 +219,7 @@ int run_command(const Words& words) {
     throw;
   }
   report.finish(settings, 0);
+  write_page(report, target.project, true);
   return 0;
 }
 

@@ -102,7 +102,7 @@ ProcessResult run_process(const ProcessDesc& desc) {
   int forwarded = 0;
   const auto forward_interrupt = [&] {
     const int signal = interrupt_signal();
-    if (signal != 0 && forwarded == 0) {
+    if (signal != 0 && forwarded == 0 && desc.forward_interrupts) {
       kill(pid, signal == SIGINT ? SIGINT : SIGTERM);
       forwarded = signal;
     }

@@ -21,6 +21,7 @@ struct ProcessDesc {
   fs::path log = {};                                      // when set, everything printed is also written here
   std::function<void(std::string_view line)> on_line = {}; // stdout and stderr, in order of arrival
   bool inherit_output = false;                            // child writes to our own stdout and stderr
+  bool forward_interrupts = true;                         // false: short work that is to be done although we were asked to stop
 };
 
 struct ProcessResult {

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/jpeg.h"
 #include "core/image/png.h"
 #include "core/math/color.h"
 
@@ -134,6 +135,11 @@ void write_ldr(const fs::path& path, const Image8& image, int jpeg_quality) {
 
 std::string png_bytes(const Image8& image) {
   return encoded(".png", bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3), {cv::IMWRITE_PNG_COMPRESSION, 6});
+}
+
+std::string jpeg_bytes(const Image8& image, int quality) {
+  return encoded(".jpg", bgr(image, image.channels() == 1 ? CV_8UC1 : CV_8UC3),
+                 {cv::IMWRITE_JPEG_QUALITY, quality, cv::IMWRITE_JPEG_OPTIMIZE, 1, cv::IMWRITE_JPEG_PROGRESSIVE, 1});
 }
 
 void write_png16(const fs::path& path, const Image16& image) {

@@ -37,6 +37,12 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
   EXPECT_LT(truth.at("depth_rel"), 0.02);
   EXPECT_GT(truth.at("mesh").at("fscore"), 0.6);
 
+  EXPECT_TRUE(first.has("report: " + (out() / "report.html").string())) << first.text;
+  const std::string page = read_file(out() / "report.html");
+  for (const char* part :
+       {"<h1>", "class=\"compare\"", "<section id=\"mesh\"", "<section id=\"cameras\"", "<section id=\"cost\""})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+
   const double before_s = cpu_seconds(RUSAGE_CHILDREN);  // CPU time: a busy machine must not decide
   const Outcome second = room(poses);
   EXPECT_LT(cpu_seconds(RUSAGE_CHILDREN) - before_s, 2.0);

@@ -1,0 +1,191 @@
+#include "pipeline/report_page/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/math/color.h"
+#include "pipeline/report_page/html.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kWidth = 520, kMargin = 14, kWedge = 9;  // of a drawing, in its own units
+constexpr size_t kMostPoints = 3000;
+constexpr double kMinSpread = 0.02;  // determinant against that of axes in all directions: below, they are parallel
+constexpr double kGapDrawn = 40;     // degrees: narrower ones are usual
+
+Vec3d axis_of(const View& v) { return transposed(v.cam_from_world.rotation) * Vec3d{0, 0, 1}; }
+
+// A drawing plane: world -> (right, up).
+struct Plane {
+  Vec3d right, up;
+  Vec2d operator()(const Vec3d& p) const { return {dot(right, p), dot(up, p)}; }
+};
+
+struct Range {
+  double low = 0, high = 0;
+  double size() const { return high - low; }
+};
+
+// Holds all cameras and the middle of the points.
+Range range_of(std::vector<double> cameras, std::vector<double> points) {
+  constexpr double kOutliers = 0.03;
+  Range r{*std::min_element(cameras.begin(), cameras.end()), *std::max_element(cameras.begin(), cameras.end())};
+  if (!points.empty()) {
+    std::sort(points.begin(), points.end());
+    const size_t cut = size_t(kOutliers * double(points.size()));
+    r.low = std::min(r.low, points[cut]);
+    r.high = std::max(r.high, points[points.size() - 1 - cut]);
+  }
+  if (r.size() < 1e-6) r.low -= 0.5, r.high += 0.5;
+  return r;
+}
+
+class Drawing {
+ public:
+  Drawing(const ViewSet& views, const Plane& plane) : views_(views), plane_(plane) {
+    std::vector<double> cx, cy, px, py;
+    for (const View& v : views.views) {
+      const Vec2d c = plane(v.centre_in_world());
+      cx.push_back(c.x), cy.push_back(c.y);
+    }
+    for (const ScenePoint& p : views.points) {
+      const Vec2d q = plane(p.position);
+      px.push_back(q.x), py.push_back(q.y);
+    }
+    x_ = range_of(cx, px);
+    y_ = range_of(cy, py);
+    scale_ = (kWidth - 2 * kMargin) / std::max(x_.size(), y_.size());
+    height_ = std::max(y_.size() * scale_ + 2 * kMargin, kWidth / 4);
+  }
+
+  std::string svg(const std::set<std::string>& heldout, const std::string& title, const std::string& extra) const {
+    return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">", kWidth, height_, escaped(title)) +
+           points() + extra + cameras(heldout) + "</svg>";
+  }
+  Vec2d at(const Vec3d& p) const {
+    const Vec2d q = plane_(p);
+    return {kWidth / 2 + (q.x - 0.5 * (x_.low + x_.high)) * scale_, height_ / 2 - (q.y - 0.5 * (y_.low + y_.high)) * scale_};
+  }
+  double scale() const { return scale_; }
+
+ private:
+  // One path per colour, four steps a channel: a dot is a line of no length with a round cap.
+  std::string points() const {
+    const size_t stride = std::max<size_t>(1, (views_.points.size() + kMostPoints - 1) / kMostPoints);
+    std::map<int, std::string> paths;
+    for (size_t i = 0; i < views_.points.size(); i += stride) {
+      const Vec2d q = at(views_.points[i].position);
+      if (!(q.x >= 0 && q.x <= kWidth && q.y >= 0 && q.y <= height_)) continue;
+      int colour = 0;
+      for (size_t c = 0; c < 3; ++c)
+        colour = colour * 4 + std::clamp(int(srgb_from_linear(views_.points[i].linear_rgb[c]) * 4), 0, 3);
+      paths[colour] += fmt::format("M{:.0f} {:.0f}h0", q.x, q.y);
+    }
+    std::string out = "<g class=\"points\">";
+    for (const auto& [colour, path] : paths)
+      out += fmt::format("<path stroke=\"rgb({},{},{})\" d=\"{}\"/>", 32 + 64 * (colour / 16), 32 + 64 * (colour / 4 % 4),
+                         32 + 64 * (colour % 4), path);
+    return out + "</g>";
+  }
+
+  std::string cameras(const std::set<std::string>& heldout) const {
+    std::string out = "<g class=\"cameras\">";
+    for (const View& v : views_.views) {
+      const Vec2d tip = at(v.centre_in_world());
+      Vec2d d = plane_(axis_of(v));
+      d.y = -d.y;
+      const Vec2d side{-d.y, d.x};
+      const double flat =
+          std::hypot(d.x, d.y);  // a camera that looks along the drawing's normal is a small dot with a short wedge
+      const Vec2d unit = flat > 1e-9 ? (1 / flat) * side : Vec2d{1, 0};
+      const Vec2d base = tip + kWedge * d, a = base + 0.45 * kWedge * unit, b = base - 0.45 * kWedge * unit;
+      out += fmt::format("<path{} d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\"><title>{}{}</title></path>",
+                         heldout.contains(v.name) ? " class=\"heldout\"" : "", tip.x, tip.y, a.x, a.y, b.x, b.y, escaped(v.name),
+                         heldout.contains(v.name) ? " (held out)" : "");
+    }
+    return out + "</g>";
+  }
+
+  const ViewSet& views_;
+  Plane plane_;
+  Range x_, y_;
+  double scale_ = 1, height_ = 0;
+};
+
+}  // namespace
+
+std::optional<Vec3d> looked_at(const ViewSet& views) {
+  if (views.views.size() < 3) return std::nullopt;
+  Mat3d sum{};
+  Vec3d right{};
+  for (const View& v : views.views) {
+    const Vec3d d = axis_of(v), c = v.centre_in_world();
+    for (size_t k = 0; k < 3; ++k) {
+      Vec3d column{};
+      column[k] = 1;
+      sum.column(k) += column - d[k] * d;
+    }
+    right += c - dot(d, c) * d;
+  }
+  const double n = double(views.views.size()), det = determinant(sum);
+  if (!(det > kMinSpread * 8.0 / 27.0 * n * n * n)) return std::nullopt;
+  return Vec3d{dot(right, cross(sum.c1, sum.c2)), dot(sum.c0, cross(right, sum.c2)), dot(sum.c0, cross(sum.c1, right))} / det;
+}
+
+std::optional<RingCoverage> ring_coverage(const ViewSet& views) {
+  const auto centre = looked_at(views);
+  if (!centre) return std::nullopt;
+  std::vector<double> azimuths;
+  RingCoverage r{.lowest_deg = 90, .highest_deg = -90};
+  for (const View& v : views.views) {
+    const Vec3d d = v.centre_in_world() - *centre;
+    azimuths.push_back(std::atan2(d.y, d.x) * kDegrees);
+    const double elevation = std::atan2(d.z, std::hypot(d.x, d.y)) * kDegrees;
+    r.lowest_deg = std::min(r.lowest_deg, elevation);
+    r.highest_deg = std::max(r.highest_deg, elevation);
+  }
+  std::sort(azimuths.begin(), azimuths.end());
+  for (size_t i = 0; i < azimuths.size(); ++i) {
+    const bool last = i + 1 == azimuths.size();
+    const double gap = (last ? azimuths[0] + 360 : azimuths[i + 1]) - azimuths[i];
+    if (gap > r.gap_deg) r.gap_deg = gap, r.gap_from_deg = azimuths[i];
+  }
+  return r;
+}
+
+std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout) {
+  if (views.views.empty()) return {};
+  const Drawing drawing(views, {.right = {1, 0, 0}, .up = {0, 1, 0}});
+  std::string gap;
+  const auto ring = ring_coverage(views);
+  const auto centre = looked_at(views);
+  if (ring && ring->gap_deg >= kGapDrawn) {
+    double radius = 0;
+    for (const View& v : views.views) {
+      const Vec3d d = v.centre_in_world() - *centre;
+      radius += std::hypot(d.x, d.y) / double(views.views.size());
+    }
+    const auto on_ring = [&](double degrees) {
+      return drawing.at(*centre + radius * Vec3d{std::cos(degrees / kDegrees), std::sin(degrees / kDegrees), 0});
+    };
+    const Vec2d from = on_ring(ring->gap_from_deg), to = on_ring(ring->gap_from_deg + ring->gap_deg);
+    gap = fmt::format("<path class=\"gap\" d=\"M{:.1f} {:.1f}A{:.1f} {:.1f} 0 {} 0 {:.1f} {:.1f}\"/>", from.x, from.y,
+                      radius * drawing.scale(), radius * drawing.scale(), ring->gap_deg > 180 ? 1 : 0, to.x, to.y);
+  }
+  return drawing.svg(heldout, fmt::format("Plan: {} cameras and the sparse points from above", views.views.size()), gap);
+}
+
+std::string elevation_svg(const ViewSet& views, const std::set<std::string>& heldout) {
+  if (views.views.empty()) return {};
+  const Drawing drawing(views, {.right = {1, 0, 0}, .up = {0, 0, 1}});
+  return drawing.svg(heldout, fmt::format("Elevation: {} cameras and the sparse points from the front", views.views.size()), "");
+}
+
+}  // namespace vitrine

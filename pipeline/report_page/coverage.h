@@ -1,0 +1,25 @@
+// Where the photos were taken from: plan and elevation as inline SVG, and the gaps in words.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/camera/view.h"
+
+namespace vitrine {
+
+// The point that the cameras look at: nearest to all optical axes. Nothing when they look (almost) in parallel.
+std::optional<Vec3d> looked_at(const ViewSet& views);
+
+struct RingCoverage {
+  double gap_deg = 0, gap_from_deg = 0;    // widest gap in azimuth around what is looked at, counter-clockwise from +x
+  double lowest_deg = 0, highest_deg = 0;  // elevation of the cameras above it
+};
+std::optional<RingCoverage> ring_coverage(const ViewSet& views);
+
+// Drawings: cameras as wedges in their direction (those in `heldout` of another kind), sparse points in their colours.
+std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout);       // from above: x right, y up
+std::string elevation_svg(const ViewSet& views, const std::set<std::string>& heldout);  // from the front: x right, z up
+
+}  // namespace vitrine

@@ -1,0 +1,195 @@
+#include "pipeline/report_page/figures.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "pipeline/report_page/facts.h"
+
+namespace vitrine {
+
+namespace {
+
+class Group {
+ public:
+  explicit Group(std::string title) { group_.title = std::move(title); }
+  void add(std::string_view id, std::optional<double> value, std::string note = {}) {
+    if (!value) return;
+    const Rule& r = rule(id);
+    group_.figures.push_back({&r, *value, rate(r, *value), std::move(note)});
+  }
+  void into(std::vector<FigureGroup>& groups) && {
+    if (!group_.figures.empty()) groups.push_back(std::move(group_));
+  }
+
+ private:
+  FigureGroup group_;
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<PhotoPose> read_photos(const Facts& sfm) {
+  std::vector<PhotoPose> photos;
+  for (const Facts& p : sfm.at("photos").items())
+    photos.push_back({.name = p.text("name"),
+                      .reason = p.text("reason"),
+                      .registered = p.boolean("registered").value_or(false),
+                      .features = p.number("features").value_or(0),
+                      .matches = p.number("verified_matches").value_or(0),
+                      .observations = p.number("observations").value_or(0)});
+  return photos;
+}
+
+std::vector<ViewScore> read_views(const fs::path& project) {
+  constexpr std::string_view kPrefix = "psnr_";
+  std::vector<ViewScore> views;
+  for (const auto& row : rows_of_csv(text_of_file(project / "eval/per_view.csv"))) {
+    const auto cell = [&](const char* name) {
+      const auto found = row.find(name);
+      return found == row.end() ? std::string() : found->second;
+    };
+    const auto psnr = number_of(cell("psnr"));
+    if (!psnr || cell("name").empty()) continue;
+    ViewScore& v = views.emplace_back();
+    v.name = cell("name");
+    v.heldout = cell("set") == "heldout";
+    v.psnr = *psnr;
+    v.ssim = number_of(cell("ssim"));
+    for (const auto& [key, text] : row)
+      if (const auto region = number_of(text); region && key.starts_with(kPrefix))
+        v.regions[key.substr(kPrefix.size())] = *region;
+  }
+  return views;
+}
+
+void add_poses(const Facts& sfm, Figures& f) {
+  Group group("Photos and poses");
+  const auto registered = sfm.number("registered"), count = sfm.number("photo_count");
+  if (registered && count && *count > 0)
+    group.add("registered", *registered / *count, fmt::format("{:.0f} of {:.0f}", *registered, *count));
+  group.add("reprojection", sfm.number("mean_reprojection_error_px"));
+  std::vector<double> observations;
+  for (const PhotoPose& p : f.photos)
+    if (p.registered) observations.push_back(p.observations);
+  if (!observations.empty()) group.add("observations", median(observations));
+  std::move(group).into(f.groups);
+}
+
+void add_views(const Facts& metrics, Figures& f) {
+  Group group("Pictures from new places");
+  const auto psnr = metrics.number("heldout.psnr"), train = metrics.number("train.psnr");
+  const auto views = metrics.number("heldout.views");
+  group.add("psnr", psnr, views ? fmt::format("{:.0f} view{} held out of training", *views, *views == 1 ? "" : "s") : "");
+  group.add("ssim", metrics.number("heldout.ssim"));
+  if (psnr && train)
+    group.add("gap", *train - *psnr, fmt::format("{:.1f} dB where it trained, {:.1f} dB where not", *train, *psnr));
+  const ViewScore* weakest = nullptr;
+  for (const ViewScore& v : f.views)
+    if (v.heldout && (weakest == nullptr || v.psnr < weakest->psnr)) weakest = &v;
+  if (psnr && weakest != nullptr && views.value_or(0) > 1)
+    group.add("weakest", std::max(0.0, *psnr - weakest->psnr), fmt::format("{}: {:.1f} dB", weakest->name, weakest->psnr));
+  std::move(group).into(f.groups);
+}
+
+void add_regions(const Facts& metrics, Figures& f) {
+  Group group("Parts of the picture");
+  for (const char* region : {"transparent", "reflective", "object", "rest"})
+    group.add(fmt::format("region_{}", region), metrics.at("regions").member(region).number("psnr"));
+  std::move(group).into(f.groups);
+}
+
+void add_geometry(const Facts& normals, const Facts& mesh, Figures& f) {
+  Group group("Geometry");
+  std::vector<double> known;
+  for (const Facts& p : normals.at("photos").items())
+    if (const auto k = p.number("known")) known.push_back(*k);
+  if (!known.empty()) {
+    double sum = 0;
+    for (double k : known) sum += k;
+    group.add("normals_known", sum / double(known.size()), fmt::format("source: {}", normals.text("source")));
+  }
+  const auto edges = mesh.number("mesh.edges"), border = mesh.number("mesh.boundary_edges");
+  if (edges && border && *edges > 0) group.add("mesh_border", *border / *edges);
+  group.add("mesh_crossing", mesh.number("mesh.self_intersections"));
+  group.add("mesh_nonmanifold", mesh.number("mesh.nonmanifold_edges"));
+  std::move(group).into(f.groups);
+}
+
+void add_light(const Facts& relight, Figures& f) {
+  Group group("Light and materials");
+  group.add("baked", relight.number("baked_log_rms"));
+  if (const auto rounds = relight.at("misfit_log_rms").items(); !rounds.empty()) group.add("misfit", rounds.back().number());
+  std::move(group).into(f.groups);
+}
+
+void add_truth(const Facts& metrics, Figures& f) {
+  Group group("Against the truth");
+  const Facts truth = metrics.at("truth");
+  group.add("truth_rotation", truth.number("pose.rotation_deg"));
+  group.add("truth_centre", truth.number("pose.centre_rel"));
+  group.add("truth_normals", truth.number("normal_mae_deg"));
+  group.add("truth_depth", truth.number("depth_rel"));
+  group.add("truth_fscore", truth.number("mesh.fscore"));
+  group.add("truth_transmitted", truth.number("transmitted.psnr"));
+  group.add("truth_albedo", truth.number("albedo.psnr"));
+  group.add("truth_relit", truth.number("relit.psnr"));
+  std::move(group).into(f.groups);
+}
+
+std::string counted(double n, std::string_view what) {
+  std::string digits = fmt::format("{:.0f}", n);
+  for (ptrdiff_t at = ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(size_t(at), "\u202f");  // narrow space
+  return fmt::format("{} {}", digits, what);
+}
+
+void add_facts(const Facts& sfm, const Facts& training, const Facts& mesh, const Facts& metrics, Figures& f) {
+  if (const auto points = sfm.number("points.kept")) f.facts.push_back(counted(*points, "sparse points"));
+  if (const auto surfels = training.number("surfels")) {
+    std::string parts;
+    for (const std::string& layer : training.at("layers").keys())
+      if (const auto n = training.at("layers").member(layer).number("surfels"))
+        parts += (parts.empty() ? "" : ", ") + counted(*n, layer);
+    const bool several = training.at("layers").keys().size() > 1;
+    f.facts.push_back(counted(*surfels, "surfels") + (several ? fmt::format(" (by layer: {})", parts) : ""));
+  }
+  if (const auto all = metrics.number("surfels"); all && !training.number("surfels")) f.facts.push_back(counted(*all, "surfels"));
+  if (const auto steps = training.number("iterations")) f.facts.push_back(counted(*steps, "training steps"));
+  const auto width = metrics.number("resolution.width"), height = metrics.number("resolution.height");
+  if (width && height) f.facts.push_back(fmt::format("pictures of {:.0f} × {:.0f}", *width, *height));
+  const auto faces = mesh.number("mesh.faces"), pieces = mesh.number("mesh.components");
+  if (faces && pieces)
+    f.facts.push_back(
+        fmt::format("a mesh of {} in {}", counted(*faces, "triangles"), counted(*pieces, *pieces == 1 ? "piece" : "pieces")));
+}
+
+}  // namespace
+
+const Figure* Figures::find(std::string_view id) const {
+  for (const FigureGroup& group : groups)
+    for (const Figure& figure : group.figures)
+      if (figure.rule->id == id) return &figure;
+  return nullptr;
+}
+
+Figures gather_figures(const fs::path& project, const Outcome& outcome) {
+  const Facts sfm = Facts::of_file(outcome.sfm_report), training = Facts::of_file(project / "optimize/report.json"),
+              normals = Facts::of_file(project / "normals/report.json"), mesh = Facts::of_file(project / "mesh/report.json"),
+              relight = Facts::of_file(project / "relight/report.json"), metrics = Facts::of_file(project / "eval/metrics.json");
+  Figures f;
+  f.photos = read_photos(sfm);
+  f.views = read_views(project);
+  add_poses(sfm, f);
+  add_views(metrics, f);
+  add_regions(metrics, f);
+  add_geometry(normals, mesh, f);
+  add_light(relight, f);
+  add_truth(metrics, f);
+  add_facts(sfm, training, mesh, metrics, f);
+  return f;
+}
+
+}  // namespace vitrine

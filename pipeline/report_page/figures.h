@@ -1,0 +1,52 @@
+// The figures of a run, gathered from the reports in its folder and rated.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/report_page/outcome.h"
+#include "pipeline/report_page/thresholds.h"
+
+namespace vitrine {
+
+struct Figure {
+  const Rule* rule = nullptr;
+  double value = 0;
+  Rating rating = Rating::Good;
+  std::string note;  // evidence beside the value: "36 of 36", the photo's name
+};
+
+struct FigureGroup {
+  std::string title;
+  std::vector<Figure> figures;
+};
+
+// How a photo fared in the search for camera poses.
+struct PhotoPose {
+  std::string name, reason;  // reason: why it has no pose
+  bool registered = false;
+  double features = 0, matches = 0, observations = 0;
+};
+
+struct ViewScore {
+  std::string name;
+  bool heldout = false;
+  double psnr = 0;
+  std::optional<double> ssim;
+  std::map<std::string, double> regions;  // psnr of the region's pixels
+};
+
+struct Figures {
+  std::vector<FigureGroup> groups;  // without empty ones
+  std::vector<PhotoPose> photos;    // in name order
+  std::vector<ViewScore> views;
+  std::vector<std::string> facts;  // sentences without a rating: what was made, and of what size
+
+  const Figure* find(std::string_view id) const;
+};
+
+Figures gather_figures(const fs::path& project, const Outcome& outcome);
+
+}  // namespace vitrine

@@ -1,0 +1,30 @@
+// Pictures of the folder, scaled down and carried inside the page as data URIs.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/file.h"
+#include "core/image/image.h"
+
+namespace vitrine {
+
+struct Picture {
+  std::string uri;  // data:image/jpeg;base64,...
+  int width = 0, height = 0;
+};
+
+inline constexpr int kLargePicture = 800, kMiddlePicture = 480, kSmallPicture = 300;  // longest side, pixels
+
+// Nothing when the file is missing or damaged. 8-bit pictures: JPEG, PNG.
+std::optional<Picture> picture_of_file(const fs::path& path, int max_side);
+// Linear light, 1 or 3 channels.
+Picture picture_of_linear(const ImageF& linear, int max_side);
+Picture picture_of(const Image8& image);
+
+enum class LayerKind { Radiance, Weight, Normal, Depth };
+// An OpenEXR layer of a picture (stages/render/README.md) as people look at it: radiance encoded, weights as grey, normals as
+// colours, depth from near (bright) to far.
+std::optional<Picture> picture_of_layer(const fs::path& exr, LayerKind kind, int max_side);
+
+}  // namespace vitrine

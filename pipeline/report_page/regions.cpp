@@ -1,0 +1,149 @@
+#include "pipeline/report_page/regions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/image/ldr.h"
+#include "pipeline/report_page/facts.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kMostPhotos = 12;
+constexpr int kSamplesAcross = 160;  // of a photo, for shares and confidence
+constexpr double kFewViews = 3;      // a point seen by fewer is held by a single pair of photos
+
+enum Region : size_t { kTransparent, kReflective, kRest, kRegions };
+constexpr std::array<const char*, kRegions> kIds = {"transparent", "reflective", "rest"};
+
+std::optional<Image8> grey(const fs::path& path) {
+  std::error_code ec;
+  if (!fs::is_regular_file(path, ec)) return std::nullopt;
+  try {
+    return read_grey8(path);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+// At relative coordinates in [0,1).
+uint8_t look_up(const Image8& image, double u, double v) {
+  return image.at(std::min(int(u * image.width()), image.width() - 1), std::min(int(v * image.height()), image.height() - 1));
+}
+
+struct PhotoMasks {
+  std::optional<Image8> transparent, specular, confidence;
+  Region at(double u, double v) const {
+    if (transparent && look_up(*transparent, u, v) >= 128) return kTransparent;
+    if (specular && look_up(*specular, u, v) >= 128) return kReflective;
+    return kRest;
+  }
+};
+
+struct Tally {
+  double samples = 0, confidence = 0, confidence_samples = 0, points = 0;
+  std::vector<double> views_per_point;
+};
+
+void tally_photo(const ViewSet& set, size_t index, const PhotoMasks& masks, std::array<Tally, kRegions>& tallies) {
+  const View& view = set.views[index];
+  const int rows = std::max(1, kSamplesAcross * view.intrinsics.height / std::max(1, view.intrinsics.width));
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < kSamplesAcross; ++x) {
+      const double u = (x + 0.5) / kSamplesAcross, v = (y + 0.5) / rows;
+      Tally& t = tallies[masks.at(u, v)];
+      t.samples += 1;
+      if (!masks.confidence) continue;
+      t.confidence += look_up(*masks.confidence, u, v) / 255.0;
+      t.confidence_samples += 1;
+    }
+  for (const ScenePoint& p : set.points) {
+    if (std::find(p.views.begin(), p.views.end(), uint32_t(index)) == p.views.end()) continue;
+    const Vec3d q = view.cam_from_world * p.position;
+    if (!(q.z > 0)) continue;
+    const Intrinsics& k = view.intrinsics;
+    const double u = (k.fx * q.x / q.z + k.cx) / k.width, v = (k.fy * q.y / q.z + k.cy) / k.height;
+    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) continue;
+    Tally& t = tallies[masks.at(u, v)];
+    t.points += 1;
+    t.views_per_point.push_back(double(p.views.size()));
+  }
+}
+
+std::optional<double> mean_psnr(const std::vector<ViewScore>& views, const char* region, bool heldout) {
+  double sum = 0, n = 0;
+  for (const ViewScore& v : views)
+    if (const auto found = v.regions.find(region); v.heldout == heldout && found != v.regions.end()) sum += found->second, n += 1;
+  return n > 0 ? std::optional(sum / n) : std::nullopt;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// As good as it is drawn from new places; at most medium when the training views are far better, or when few photos hold it.
+void judge(RegionTrust& r, const Rule& by_psnr) {
+  if (!r.psnr) return;
+  int step = int(rate(by_psnr, *r.psnr));
+  std::vector<std::string> why = {step == 0   ? "drawn well from new places"
+                                  : step == 1 ? "somewhat soft from new places"
+                                              : "poor from new places"};
+  if (const double limit = rule("gap").okay; r.train_psnr && *r.train_psnr - *r.psnr > limit)
+    step = std::max(step, 1), why.push_back("much better where it was trained");
+  if (r.views_per_point && *r.views_per_point < kFewViews)
+    step = std::max(step, 1), why.push_back("its points are seen by two photos");
+  else if (r.views_per_point)
+    why.push_back(fmt::format("half of its points are seen by {:.0f} photos or more", *r.views_per_point));
+  else
+    why.push_back("no sparse point lies on it");
+  r.trust = Rating(step);
+  for (const std::string& w : why) r.why += (r.why.empty() ? "" : "; ") + w;
+}
+
+}  // namespace
+
+std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& views, const Figures& figures) {
+  std::array<Tally, kRegions> tallies;
+  const size_t n = views.views.size(), count = std::min(n, kMostPhotos);
+  bool masked = false;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t index = i * n / count;
+    const std::string stem = views.views[index].stem();
+    if (!stays_inside(stem)) continue;
+    const PhotoMasks masks{.transparent = grey(project / "masks/transparent" / (stem + ".png")),
+                           .specular = grey(project / "masks/specular" / (stem + ".png")),
+                           .confidence = grey(project / "normals" / (stem + "_confidence.png"))};
+    masked |= masks.transparent.has_value() || masks.specular.has_value();
+    tally_photo(views, index, masks, tallies);
+  }
+  double all = 0;
+  for (const Tally& t : tallies) all += t.samples;
+  std::vector<RegionTrust> regions;
+  for (size_t r = 0; r < kRegions; ++r) {
+    Tally& t = tallies[r];
+    if (t.samples == 0) continue;
+    RegionTrust& out = regions.emplace_back();
+    out.id = kIds[r];
+    const Rule& by_psnr = rule(fmt::format("region_{}", kIds[r]));
+    out.title = masked ? std::string(by_psnr.label) : "The whole picture";
+    out.share = t.samples / all;
+    out.points = t.points / double(count) / (10 * out.share);
+    if (!t.views_per_point.empty()) out.views_per_point = median(std::move(t.views_per_point));
+    if (t.confidence_samples > 0) out.normals_confidence = t.confidence / t.confidence_samples;
+    out.psnr = mean_psnr(figures.views, kIds[r], true);
+    out.train_psnr = mean_psnr(figures.views, kIds[r], false);
+    if (!masked && !out.psnr) {
+      const Figure *psnr = figures.find("psnr"), *gap = figures.find("gap");
+      if (psnr != nullptr) out.psnr = psnr->value;
+      if (psnr != nullptr && gap != nullptr) out.train_psnr = psnr->value + gap->value;
+    }
+    judge(out, by_psnr);
+  }
+  return regions;
+}
+
+}  // namespace vitrine

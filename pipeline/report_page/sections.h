@@ -1,0 +1,38 @@
+// The sections of the page. Each is a piece of HTML, or nothing when the folder has nothing to show for it.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "pipeline/report_page/figures.h"
+#include "pipeline/report_page/regions.h"
+#include "pipeline/report_page/verdict.h"
+
+namespace vitrine {
+
+// What the sections draw from, read once.
+struct Material {
+  fs::path project;
+  Outcome outcome;
+  Figures figures;
+  Verdict verdict;
+  std::optional<ViewSet> views;   // when the sparse model can be read
+  std::set<std::string> heldout;  // names of views
+};
+
+std::string verdict_section(const Material& m);
+std::string figures_section(const Material& m);
+std::string regions_section(const Material& m);
+std::string compare_section(const Material& m);  // photo against render, with a slider
+std::string layers_section(const Material& m);   // what the picture is made of
+std::string surface_section(const Material& m);  // mesh and its normals
+std::string relit_section(const Material& m);
+std::string cameras_section(const Material& m);  // plan, elevation, photos without a pose
+std::string cost_section(const Material& m);     // time and memory, warnings
+
+// <section id><h2>title</h2>lead, body</section>; empty when the body is.
+std::string section(std::string_view id, std::string_view title, std::string_view lead, const std::string& body);
+std::string rating_badge(Rating rating);
+
+}  // namespace vitrine

@@ -1,0 +1,122 @@
+// Verdict, rated figures, and how far each kind of surface can be trusted.
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "core/base/terminal.h"
+#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/sections.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kMostAdvice = 3;
+constexpr std::array<std::string_view, 3> kSigns = {"●", "◐", "○"};  // the rating does not hang on colour alone
+
+std::string figure_row(const Figure& f) {
+  const Rule& r = *f.rule;
+  std::string text =
+      fmt::format("<li class=\"figure\"><div class=\"what\"><h4>{}</h4><p>{}</p>", escaped(r.label), escaped(r.means));
+  if (f.rating != Rating::Good) text += fmt::format("<p class=\"why\">{}</p>", escaped(r.weak));
+  if (!f.note.empty()) text += fmt::format("<p class=\"note\">{}</p>", escaped(f.note));
+  text += fmt::format(
+      "</div><div class=\"value\"><span class=\"number\">{}</span>{}<span class=\"scale\" aria-hidden=\"true\"><i "
+      "style=\"left:{:.0f}%\">"
+      "</i></span><small>{}</small></div></li>",
+      escaped(shown(r, f.value)), rating_badge(f.rating), 100 * place_on_scale(r, f.value), escaped(thresholds_text(r)));
+  return text;
+}
+
+std::string decibels(const std::optional<double>& v) { return v ? fmt::format("{:.1f}\u00a0dB", *v) : std::string("–"); }
+
+std::string trust_word(Rating rating) {
+  return rating == Rating::Good ? "high" : rating == Rating::Borderline ? "medium" : "low";
+}
+
+}  // namespace
+
+std::string section(std::string_view id, std::string_view title, std::string_view lead, const std::string& body) {
+  if (body.empty()) return {};
+  return fmt::format("<section id=\"{}\"><h2>{}</h2>{}{}</section>\n", id, title,
+                     lead.empty() ? std::string() : fmt::format("<p class=\"lead\">{}</p>", lead), body);
+}
+
+std::string rating_badge(Rating rating) {
+  return fmt::format("<span class=\"rating {0}\"><span aria-hidden=\"true\">{1}</span> {0}</span>", name(rating),
+                     kSigns[size_t(rating)]);
+}
+
+std::string verdict_section(const Material& m) {
+  constexpr std::array<std::string_view, 4> kClasses = {"good", "borderline", "bad", "unfinished"};
+  const Verdict& v = m.verdict;
+  std::string text = fmt::format("<section id=\"verdict\" class=\"{}\"><h1>{}.</h1><p class=\"sentence\">{}</p>",
+                                 kClasses[size_t(v.mood)], escaped(v.word), escaped(v.sentence));
+  if (!v.weak.empty()) {
+    text +=
+        fmt::format("<div class=\"columns\"><div><h2>{}</h2><ul>", m.outcome.ending == Ending::Failed ? "Why" : "What is weak");
+    for (const WeakSpot& w : v.weak)
+      text += fmt::format("<li>{}{}</li>", escaped(w.text),
+                          w.figure.empty() ? std::string() : fmt::format("<small class=\"by\">{}</small>", escaped(w.figure)));
+    text += "</ul></div>";
+  } else {
+    text += "<div class=\"columns\">";
+  }
+  text += "<div><h2>Try next</h2><ol>";
+  for (size_t i = 0; i < std::min(v.next.size(), std::max(kMostAdvice, m.outcome.failure ? v.next.size() : 0)); ++i) {
+    text += fmt::format("<li>{}", escaped(v.next[i].text));
+    // The same command under two pieces of advice is shown once.
+    const bool before = i > 0 && v.next[i].command == v.next[i - 1].command;
+    if (!v.next[i].command.empty() && !before)
+      text += fmt::format("<code class=\"command\">{}</code>", escaped(v.next[i].command));
+    text += "</li>";
+  }
+  text += "</ol></div></div>";
+  if (m.outcome.ending != Ending::Done && m.figures.find("psnr") != nullptr)
+    text += "<p class=\"note\">Figures and pictures below are of what earlier runs left in this folder.</p>";
+  return text + "</section>\n";
+}
+
+std::string figures_section(const Material& m) {
+  std::string body;
+  for (const FigureGroup& group : m.figures.groups) {
+    body += fmt::format("<div class=\"group\"><h3>{}</h3><ul class=\"figures\">", escaped(group.title));
+    for (const Figure& f : group.figures) body += figure_row(f);
+    body += "</ul></div>";
+  }
+  if (!m.figures.facts.empty()) {
+    body += "<p class=\"facts\">Made of: ";
+    for (size_t i = 0; i < m.figures.facts.size(); ++i) body += (i > 0 ? "; " : "") + escaped(m.figures.facts[i]);
+    body += ".</p>";
+  }
+  return section("figures", "Figures", "Ratings say what is worth doing next; the figures themselves are measurements.", body);
+}
+
+std::string regions_section(const Material& m) {
+  if (!m.views) return {};
+  const std::vector<RegionTrust> regions = region_trust(m.project, *m.views, m.figures);
+  std::string body;
+  for (const RegionTrust& r : regions) {
+    if (!r.trust) continue;
+    body += fmt::format(
+        "<article class=\"region\"><h3>{}</h3><p class=\"trust {}\"><span aria-hidden=\"true\">{}</span> {} "
+        "confidence</p><p>{}.</p><dl>",
+        escaped(r.title), name(*r.trust), kSigns[size_t(*r.trust)], trust_word(*r.trust), escaped(r.why));
+    const auto row = [&](std::string_view term, const std::string& value) {
+      body += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", term, value);
+    };
+    row("share of the pictures", fmt::format("{:.0f}\u00a0%", 100 * r.share));
+    row("new views", decibels(r.psnr));
+    row("training views", decibels(r.train_psnr));
+    row("sparse points per tenth of a photo", fmt::format("{:.0f}", r.points));
+    if (r.views_per_point) row("photos per point", fmt::format("{:.0f}", *r.views_per_point));
+    if (r.normals_confidence) row("confidence of the normals", fmt::format("{:.2f}", *r.normals_confidence));
+    body += "</dl></article>";
+  }
+  if (!body.empty()) body = "<div class=\"regions\">" + body + "</div>";
+  return section("regions", "What can be trusted",
+                 "Per kind of surface: how it is drawn from new places, and how much the photos know of it.", body);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,192 @@
+#include "pipeline/report_page/verdict.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "core/base/process.h"
+
+namespace vitrine {
+
+namespace {
+
+// The figures that decide; the others are shown, and may be named as weak.
+constexpr std::string_view kDeciding[] = {"registered", "psnr", "ssim", "gap"};
+// Weak spots are named in this order, bad ones before borderline ones.
+constexpr std::string_view kNamed[] = {"registered",  "gap",           "psnr",        "region_transparent", "region_reflective",
+                                       "region_rest", "region_object", "weakest",     "reprojection",       "ssim",
+                                       "mesh_border", "baked",         "observations"};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    const size_t begin = line.find_first_not_of(" \t");
+    if (begin != std::string::npos) lines.push_back(line.substr(begin));
+  }
+  return lines;
+}
+
+Rating worst_deciding(const Figures& figures) {
+  Rating worst = Rating::Good;
+  for (std::string_view id : kDeciding)
+    if (const Figure* f = figures.find(id)) worst = std::max(worst, f->rating);
+  return worst;
+}
+
+std::vector<const Figure*> weak_figures(const Figures& figures) {
+  std::vector<const Figure*> weak;
+  for (Rating rating : {Rating::Bad, Rating::Borderline})
+    for (std::string_view id : kNamed)
+      if (const Figure* f = figures.find(id); f != nullptr && f->rating == rating) weak.push_back(f);
+  return weak;
+}
+
+WeakSpot weak_spot(const Figure& f) {
+  return {std::string(f.rule->weak), fmt::format("{}: {}", f.rule->label, shown(*f.rule, f.value))};
+}
+
+std::string how_well(const Figures& figures) {
+  std::string text;
+  if (const Figure* registered = figures.find("registered")) text = fmt::format("{} photos found their place", registered->note);
+  if (const Figure* psnr = figures.find("psnr"))
+    text += fmt::format("{}pictures from places that training never saw come out at {}", text.empty() ? "" : ", and ",
+                        shown(*psnr->rule, psnr->value));
+  else if (!text.empty())
+    text += "; pictures from new places have not been measured";
+  if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.empty() ? std::string() : text + ".";
+}
+
+class Commands {
+ public:
+  Commands(const Outcome& outcome, std::string project) : outcome_(outcome), project_(std::move(project)) {}
+  std::string again(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"vitrine", "run", project_});
+    return join_command(more);
+  }
+  // With photos added or masks given: from the folder of photos.
+  std::string with_photos(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"vitrine", "run", outcome_.photos.empty() ? "PHOTOS" : outcome_.photos, "-o", project_};
+    if (!outcome_.preset.empty()) words.insert(words.end(), {"--preset", outcome_.preset});
+    if (!outcome_.masks.empty() && std::find(more.begin(), more.end(), "--masks") == more.end())
+      words.insert(words.end(), {"--masks", outcome_.masks});
+    words.insert(words.end(), more.begin(), more.end());
+    return join_command(words);
+  }
+  std::string of(std::vector<std::string> words) const {
+    words.insert(words.begin() + 1, project_);
+    words.insert(words.begin(), "vitrine");
+    return join_command(words);
+  }
+  // The next quality up; empty at the top.
+  std::string better() const { return outcome_.preset == "preview" ? "standard" : outcome_.preset == "standard" ? "high" : ""; }
+
+ private:
+  const Outcome& outcome_;
+  std::string project_;
+};
+
+void advise(const Figures& figures, const Outcome& outcome, const Commands& commands, Verdict& v) {
+  const auto rating = [&](std::string_view id) {
+    const Figure* f = figures.find(id);
+    return f == nullptr ? Rating::Good : f->rating;
+  };
+  const auto add = [&](std::string text, std::string command) { v.next.push_back({std::move(text), std::move(command)}); };
+  if (rating("registered") != Rating::Good)
+    add("Add photos between those that were left out (listed below) and their neighbours, then run again.",
+        commands.with_photos());
+  if (rating("gap") == Rating::Bad || rating("weakest") == Rating::Bad)
+    add("Add photos around the weakest views: each surface wants to be seen by four or more photos from different places.",
+        commands.with_photos());
+  const bool shiny = rating("region_transparent") != Rating::Good || rating("region_reflective") != Rating::Good;
+  const bool soft = rating("psnr") != Rating::Good || rating("ssim") != Rating::Good || rating("region_rest") != Rating::Good;
+  if ((soft || shiny) && !commands.better().empty())
+    add("Train longer and finer.", commands.again({"--preset", commands.better()}));
+  if (outcome.masks.empty() && soft)
+    add("If there is glass or polished metal in the scene, mark it in two or three photos.",
+        commands.with_photos({"--masks", "marks.yaml"}));
+  if (rating("reprojection") != Rating::Good)
+    add("Take sharper photos with a fixed focus and nothing moving; leave blurred ones out.", commands.with_photos());
+  if (rating("gap") == Rating::Borderline)
+    add("More photos from places in between would help most of all.", commands.with_photos());
+  add("Look at it under another light, any HDRI of yours.", commands.of({"relight", "--env", "studio.exr", "--turntable", "24"}));
+}
+
+void tell_failure(const Outcome& outcome, const Commands& commands, Verdict& v) {
+  const std::string stage = outcome.last_stage();
+  v.mood = Mood::Unfinished;
+  v.word = stage.empty() ? "It did not finish" : fmt::format("It stopped at {}", stage);
+  if (!outcome.failure) {
+    v.sentence = fmt::format("The run ended with exit code {}.", outcome.exit);
+    v.next.push_back({"log.txt has what was said. Run it again once the cause is gone.", commands.again()});
+    return;
+  }
+  const StageFailure& f = *outcome.failure;
+  v.sentence = f.message;
+  if (!v.sentence.empty()) v.sentence[0] = char(std::toupper(static_cast<unsigned char>(v.sentence[0])));
+  if (!v.sentence.empty() && std::string_view(".!?").find(v.sentence.back()) == std::string_view::npos) v.sentence += ".";
+  for (std::string& line : lines_of(f.why)) v.weak.push_back({std::move(line), ""});
+  for (std::string line : lines_of(f.hint)) {
+    const size_t number = line.find_first_not_of("0123456789");  // "2. put a pattern ...": the page numbers them itself
+    if (number != std::string::npos && number > 0 && line.substr(number).starts_with(". ")) line.erase(0, number + 2);
+    Advice& a = v.next.emplace_back();
+    if (const size_t flag = line.find("--"); flag != std::string::npos && line.find(' ', flag) != std::string::npos) {
+      // "accept fewer: --set sfm.min_registered=0.3" is a command without its beginning.
+      const std::string option = line.substr(flag, line.find_first_of(",;", flag) - flag);
+      a.command = commands.again() + " " + option;
+    }
+    a.text = std::move(line);
+  }
+  if (v.next.empty()) v.next.push_back({"Run it again once the cause is gone; what was finished is kept.", commands.again()});
+}
+
+}  // namespace
+
+Verdict verdict_of(const Outcome& outcome, const Figures& figures, const std::string& project) {
+  const Commands commands(outcome, project);
+  Verdict v;
+  switch (outcome.ending) {
+    case Ending::Failed:
+      tell_failure(outcome, commands, v);
+      return v;
+    case Ending::Stopped:
+    case Ending::CutOff: {
+      const std::string stage = outcome.last_stage();
+      const std::string during = stage.empty() ? "" : fmt::format(" during {}", stage);
+      v.mood = Mood::Unfinished;
+      v.word = outcome.ending == Ending::Stopped ? fmt::format("It was stopped{}", during)
+                                                 : fmt::format("It has not finished{}", during);
+      v.sentence = outcome.ending == Ending::Stopped ? "What was finished and the last checkpoint are kept."
+                                                     : "The run still goes on, or it was killed; what was finished is kept.";
+      v.next.push_back({"Continue where it ended.", commands.again()});
+      return v;
+    }
+    case Ending::Unknown:
+      v.mood = Mood::Unfinished;
+      v.word = "Nothing has been run here";
+      v.sentence = "There is no trace of a run in this folder.";
+      v.next.push_back({"Give it photos.", commands.with_photos()});
+      return v;
+    case Ending::Done:
+      break;
+  }
+  const Rating worst = worst_deciding(figures);
+  const bool measured = figures.find("psnr") != nullptr;
+  v.mood = !measured && worst == Rating::Good ? Mood::Unfinished : Mood(int(worst));
+  v.word = !measured                     ? "So far so good"
+           : worst == Rating::Good       ? "It worked"
+           : worst == Rating::Borderline ? "It worked, with weak spots"
+                                         : "It ran through, but the result is weak";
+  if (!measured && worst != Rating::Good) v.word = "The start is weak";
+  v.sentence = how_well(figures);
+  if (v.sentence.empty()) v.sentence = "The stages that were asked for are done; nothing has been measured yet.";
+  for (const Figure* f : weak_figures(figures))
+    if (v.weak.size() < kMostWeak) v.weak.push_back(weak_spot(*f));
+  if (!measured) v.next.push_back({"Go on with the stages that follow.", commands.again()});
+  if (measured || worst != Rating::Good) advise(figures, outcome, commands, v);
+  return v;
+}
+
+}  // namespace vitrine

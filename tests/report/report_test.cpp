@@ -1,0 +1,194 @@
+// report.html: what it says of good, weak, failed and damaged folders, and that nothing in a folder gets out of its quotes.
+#include <gtest/gtest.h>
+
+#include "pipeline/report_page/facts.h"
+#include "pipeline/report_page/html.h"
+#include "pipeline/report_page/thresholds.h"
+#include "pipeline/report_page/verdict.h"
+#include "tests/report/small_output.h"
+
+namespace vitrine {
+namespace {
+
+using test::OutputDesc;
+using test::page;
+using test::write_output;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+Verdict verdict(const OutputDesc& desc) {
+  const TemporaryFolder folder;
+  write_output(folder.path(), desc);
+  const Outcome outcome = read_outcome(folder.path());
+  return verdict_of(outcome, gather_figures(folder.path(), outcome), "out");
+}
+
+TEST(Thresholds, EveryRuleHasItsTwoBordersAndTheReadmeTellsThem) {
+  const std::string readme = read_file(fs::path(VITRINE_SOURCE_DIR) / "pipeline/report_page/README.md");
+  for (const Rule& r : rules()) {
+    SCOPED_TRACE(r.id);
+    ASSERT_NE(r.good, r.okay);
+    const double step = 1e-6 * (r.good > r.okay ? 1 : -1);
+    EXPECT_EQ(rate(r, r.good), Rating::Good);
+    EXPECT_EQ(rate(r, r.good - step), Rating::Borderline);
+    EXPECT_EQ(rate(r, r.okay), Rating::Borderline);
+    EXPECT_EQ(rate(r, r.okay - step), Rating::Bad);
+    EXPECT_NEAR(place_on_scale(r, r.good), 2.0 / 3, 1e-9);
+    EXPECT_NEAR(place_on_scale(r, r.okay), 1.0 / 3, 1e-9);
+    std::string row = fmt::format("| {} | {} |", r.label, thresholds_text(r));
+    for (size_t at; (at = row.find("\u00a0")) != std::string::npos;) row.replace(at, 2, " ");
+    EXPECT_TRUE(has(readme, row)) << "missing in README.md: " << row;
+  }
+}
+
+TEST(Html, EscapesWhatComesFromOutsideAndMendsWhatIsNoText) {
+  EXPECT_EQ(escaped("<a href='x' & \"y\">"), "&lt;a href=&#39;x&#39; &amp; &quot;y&quot;&gt;");
+  EXPECT_EQ(escaped("ä€😀"), "ä€😀");
+  EXPECT_EQ(escaped("a\xff\xc0\xaf z\x01"), "a\uFFFD\uFFFD\uFFFD z\uFFFD");
+  EXPECT_EQ(escaped("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD");  // a surrogate
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("\xff\xfe\xfd\xfc"), "//79/A==");
+}
+
+TEST(Facts, CsvWithQuotesAndNamesThatLeaveTheFolder) {
+  const auto rows = rows_of_csv("name,psnr\n\"a,\"\"b\"\".jpg\",21.5\r\nc.jpg,\n");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].at("name"), "a,\"b\".jpg");
+  EXPECT_EQ(number_of(rows[0].at("psnr")), 21.5);
+  EXPECT_EQ(number_of(rows[1].at("psnr")), std::nullopt);
+  EXPECT_TRUE(stays_inside("left/a.jpg"));
+  for (const char* name : {"", "/etc/passwd", "../a.jpg", "left/../../a.jpg"}) EXPECT_FALSE(stays_inside(name)) << name;
+}
+
+TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
+  const Verdict good = verdict({});
+  EXPECT_EQ(good.mood, Mood::Good);
+  EXPECT_EQ(good.word, "It worked");
+  EXPECT_TRUE(has(good.sentence, "3 of 3 photos found their place")) << good.sentence;
+  EXPECT_TRUE(has(good.sentence, "30.0\u00a0dB")) << good.sentence;
+  EXPECT_EQ(verdict({.psnr = 27, .train_psnr = 29}).mood, Mood::Good);
+  EXPECT_EQ(verdict({.psnr = 26.99, .train_psnr = 28}).word, "It worked, with weak spots");
+  EXPECT_EQ(verdict({.psnr = 22, .train_psnr = 23}).mood, Mood::Borderline);
+  const Verdict bad = verdict({.psnr = 21.99, .train_psnr = 33});
+  EXPECT_EQ(bad.mood, Mood::Bad);
+  EXPECT_EQ(bad.weak.at(0).figure, "Training against new views: 11.0\u00a0dB");
+  EXPECT_EQ(bad.next.at(0).command, "vitrine run 'my photos' -o out --preset preview");
+  EXPECT_EQ(bad.next.at(1).command, "vitrine run out --preset standard");
+  const Verdict few = verdict({.registered = 2});
+  EXPECT_EQ(few.mood, Mood::Borderline);
+  EXPECT_TRUE(has(few.next.at(0).text, "left out"));
+}
+
+TEST(Verdict, OfAFailureNamesTheStageTheCauseAndWhatToTry) {
+  const Verdict v = verdict(
+      {.exit = 4,
+       .events = "{\"type\":\"run_start\",\"version\":\"0.1.0\"}\n{\"type\":\"stage_start\",\"stage\":\"sfm\",\"key\":\"ab\"}\n"
+                 "{\"type\":\"error\",\"stage\":\"sfm\",\"exit\":4,\"code\":\"X\",\"message\":\"2 of 7 photos have "
+                 "poses\",\"why\":\"blur\\n  "
+                 "dark\",\"hint\":\"1. add photos\\n 2. accept fewer: --set "
+                 "sfm.min_registered=0.3\"}\n{\"type\":\"run_end\",\"exit\":4}\n"});
+  EXPECT_EQ(v.mood, Mood::Unfinished);
+  EXPECT_EQ(v.word, "It stopped at sfm");
+  EXPECT_EQ(v.sentence, "2 of 7 photos have poses.");
+  ASSERT_EQ(v.weak.size(), 2u);
+  EXPECT_EQ(v.weak[1].text, "dark");
+  ASSERT_EQ(v.next.size(), 2u);
+  EXPECT_EQ(v.next[0].text, "add photos");
+  EXPECT_EQ(v.next[1].command, "vitrine run out --set sfm.min_registered=0.3");
+}
+
+TEST(Verdict, OfARunThatWasStoppedOrKilledIsToGoOn) {
+  const std::string start = "{\"type\":\"run_start\"}\n{\"type\":\"stage_start\",\"stage\":\"mesh\",\"key\":\"ab\"}\n";
+  const Verdict stopped = verdict({.exit = 75, .events = start + "{\"type\":\"run_end\",\"exit\":75}\n"});
+  EXPECT_EQ(stopped.word, "It was stopped during evaluate");  // as run.json has it
+  EXPECT_EQ(stopped.next.at(0).command, "vitrine run out");
+  const Verdict killed = verdict({.events = "{\"type\":\"run_start\"}\n{\"type\":\"run_end\"}\n" + start});
+  EXPECT_EQ(killed.word, "It has not finished during mesh");
+}
+
+TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
+  const TemporaryFolder folder;
+  write_output(folder.path(), {.registered = 2});
+  const std::string html = page(folder.path());
+  for (const char* id : {"verdict", "figures", "views", "regions", "layers", "mesh", "light", "cameras", "cost"})
+    EXPECT_TRUE(has(html, fmt::format("<section id=\"{}\"", id))) << id;
+  EXPECT_TRUE(has(html, "12 features &amp; too few"));
+  EXPECT_TRUE(has(html, "few &lt;views&gt;"));
+  EXPECT_TRUE(has(html, "default-src 'none'"));
+  for (const char* outside : {"http://", "https://", "src=\"/", "url(", "@import", "<link"})
+    EXPECT_FALSE(has(html, outside)) << outside;
+  for (size_t at = 0; (at = html.find("<img", at)) != std::string::npos; ++at) {
+    const std::string tag = html.substr(at, html.find('>', at) - at);
+    EXPECT_TRUE(has(tag, "src=\"data:image/jpeg;base64,")) << tag.substr(0, 80);
+    EXPECT_TRUE(has(tag, "alt=\"")) << tag.substr(0, 80);
+  }
+  EXPECT_EQ(page(folder.path()), html) << "the same folder gives the same page";
+  EXPECT_LT(html.size(), size_t(200) << 10);
+}
+
+TEST(Page, APhotoMayBeCalledAnything) {
+  const std::string name = "<script>alert('x')<b>\"&,.jpg";
+  const TemporaryFolder folder;
+  write_output(folder.path(), {.photo = name});
+  const std::string html = page(folder.path());
+  EXPECT_FALSE(has(html, "<script>alert"));
+  EXPECT_TRUE(has(html, escaped(name)));
+  EXPECT_TRUE(has(html, "Photo " + escaped(name))) << "its pictures are found";
+  size_t scripts = 0;
+  for (size_t at = 0; (at = html.find("<script", at)) != std::string::npos; ++at) ++scripts;
+  EXPECT_EQ(scripts, 1u);
+}
+
+TEST(Page, IsMadeOfWhateverIsThere) {
+  const TemporaryFolder whole;
+  write_output(whole.path());
+  std::vector<fs::path> files;
+  for (const auto& e : fs::recursive_directory_iterator(whole.path()))
+    if (e.is_regular_file()) files.push_back(e.path());
+  ASSERT_GT(files.size(), 15u);
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file);
+    const std::string bytes = read_file(file);
+    for (const std::string& instead :
+         {std::string("[1, {\"photos\": 7, \"stages\": {}}]"), bytes.substr(0, bytes.size() / 2), std::string()}) {
+      write_file(file, instead);
+      EXPECT_TRUE(has(page(whole.path()), "</html>"));
+    }
+    fs::remove(file);
+    EXPECT_TRUE(has(page(whole.path()), "</html>"));
+    write_file(file, bytes);
+  }
+  const TemporaryFolder empty;
+  EXPECT_TRUE(has(page(empty.path()), "Nothing has been run here"));
+}
+
+TEST(Page, ReadsNothingOutsideTheFolder) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  write_output(out);
+  for (const char* what : {"gt", "pred"})
+    write_ldr(folder.path() / fmt::format("secret_{}.png", what), test::plain_picture(8, 8, 1));
+  write_file(out / "eval/per_view.csv", "name,set,psnr,ssim\n../../secret.jpg,heldout,20,0.9\n");
+  EXPECT_FALSE(has(page(out), "class=\"compare\""));
+  write_file(out / "eval/per_view.csv", "name,set,psnr,ssim\na.jpg,heldout,20,0.9\n");
+  EXPECT_TRUE(has(page(out), "class=\"compare\""));
+}
+
+TEST(Page, KnowsWhetherItIsUpToDate) {
+  const TemporaryFolder folder;
+  write_output(folder.path());
+  const PageDesc desc{.project = folder.path(), .typed = "out"};
+  const fs::path file = folder.path() / "report.html";
+  EXPECT_EQ(state_of_page(file), "");
+  write_file(file, report_page(desc));
+  EXPECT_EQ(state_of_page(file), page_state(desc));
+  make_folders(folder.path() / ".cache");
+  write_file(folder.path() / ".cache/current.json", "{\"mesh\": \"0b\"}");
+  EXPECT_NE(state_of_page(file), page_state(desc));
+}
+
+}  // namespace
+}  // namespace vitrine
