@@ -1,20 +1,13 @@
 // vitrine export PROJECT: the scene in other programs' formats, besides those that `vitrine run` wrote. The work is done by the
 // export stage; this command puts its files where they are wanted and never over others without being told so.
-#include <unistd.h>
-
 #include <charconv>
 #include <iostream>
 
-#include "core/artifact/current.h"
-#include "core/artifact/store.h"
 #include "core/base/error.h"
-#include "core/base/process.h"
 #include "core/config/cli.h"
-#include "pipeline/commands.h"
 #include "pipeline/export_folder.h"
-#include "pipeline/graph.h"
-#include "pipeline/printed_key.h"
 #include "pipeline/project.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 
@@ -24,7 +17,7 @@ struct ExportArguments {
   std::string output, formats, axes, scale;
   std::vector<std::string> sets;
   int threads = 0;
-  bool list = false, overwrite = false, no_progress = false, quiet = false, help = false;
+  bool list = false, overwrite = false, edited = false, no_progress = false, quiet = false, help = false;
 };
 
 CommandLine export_command_line(ExportArguments& a) {
@@ -34,6 +27,7 @@ CommandLine export_command_line(ExportArguments& a) {
   cli.value("formats", 'f', "A,B,...", a.formats, "Which formats; default: all.");
   cli.value("axes", 0, "AXES", a.axes, "Frame of the files: rhzu, rhyu, lhzu or lhyu (right- or left-handed, z or y up).");
   cli.value("scale", 0, "LENGTH", a.scale, "Length of one scene unit, as 0.24m, 24cm, or a bare number.");
+  cli.flag("edited", 0, a.edited, "The scene with its edits (vitrine edit), into PROJECT/edited/export.");
   cli.value("output", 'o', "DIR", a.output, "Where the files go; default: PROJECT/export.");
   cli.flag("overwrite", 0, a.overwrite, "Replace files that are there with other contents.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-export.");
@@ -42,6 +36,13 @@ CommandLine export_command_line(ExportArguments& a) {
   cli.flag("quiet", 'q', a.quiet, "Warnings and errors only.");
   cli.flag("help", 'h', a.help, "Print this text.");
   return cli;
+}
+
+Words quietness(const ExportArguments& a) {
+  Words words;
+  if (a.no_progress) words.emplace_back("--no-progress");
+  if (a.quiet) words.emplace_back("--quiet");
+  return words;
 }
 
 // A length in metres.
@@ -55,23 +56,6 @@ double metres(const std::string& text) {
   return value * factor;
 }
 
-fs::path export_program() {
-  const fs::path program = stage_folder() / "vitrine-export";
-  std::error_code ec;
-  if (!fs::exists(program, ec))
-    throw Error(ErrorKind::Dependency, "the program vitrine-export is missing",
-                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
-  return program;
-}
-
-int run_and_tell(const Words& words) {
-  // The program tells its own errors.
-  const ProcessResult result = run_process(
-      {.arguments = words, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
-  if (result.ok()) return 0;
-  return result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code;
-}
-
 }  // namespace
 
 int export_command(const Words& words) {
@@ -82,38 +66,30 @@ int export_command(const Words& words) {
     std::cout << cli.help();
     return 0;
   }
-  if (a.list) return run_and_tell({export_program().string(), "--list"});
+  if (a.list) return run_and_tell({tool_program("export").string(), "--list"});
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
-  const auto current = current_keys(project);
-
-  Words run = {export_program().string(), "--store", store_of(project).string()};
-  for (const char* stage : {"sfm", "optimize", "mesh", "refine", "relight"}) {
-    if (current.contains(stage))
-      run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / current.at(stage)).string())});
-    else if (std::string_view(stage) != "relight" && std::string_view(stage) != "refine")
-      throw Error(ErrorKind::Input, "there is no scene to export yet",
-                  {.where = project.string(),
-                   .why = fmt::format("the stage '{}' has not been computed", stage),
-                   .hint = "vitrine run " + join_command({project.string()}),
-                   .code = "NO_SCENE"});
+  const ProjectLock lock(project);
+  ToolInputs inputs{
+      .stages = {"sfm", "optimize", "mesh"}, .optional = {"refine", "relight"}, .missing = "there is no scene to export yet"};
+  const Words how = quietness(a);
+  if (a.edited) {
+    const EditedScene edited = edited_scene(project, {}, how);
+    if (edited.exit_code != 0) return edited.exit_code;
+    inputs.edited = edited.folder;
   }
+  Words run = tool_call("export", project, inputs);
   if (!a.formats.empty()) run.insert(run.end(), {"--set", "formats=[" + a.formats + "]"});
   if (!a.axes.empty()) run.insert(run.end(), {"--set", "axes=" + a.axes});
   if (!a.scale.empty()) run.insert(run.end(), {"--set", fmt::format("scale={}", metres(a.scale))});
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
 
-  const ProjectLock lock(project);
-  const std::string key = key_of_run(run);
-  if (a.no_progress) run.push_back("--no-progress");
-  if (a.quiet) run.push_back("--quiet");
-  if (const int code = run_and_tell(run); code != 0) return code;
+  const ToolResult result = run_tool("export", project, run, how);
+  if (result.exit_code != 0) return result.exit_code;
 
-  const ArtifactStore store(store_of(project));
-  const auto manifest = store.find("export", key);
-  VITRINE_CHECK(manifest.has_value(), "vitrine-export ended well but left no artifact {}", key);
-  const fs::path target = a.output.empty() ? project / "export" : fs::absolute(a.output).lexically_normal();
-  put_export(store.entry("export", key), *manifest, {.project = project, .target = target, .overwrite = a.overwrite});
+  const fs::path there = (a.edited ? edited_folder(project) : project) / kExportStage;
+  const fs::path target = a.output.empty() ? there : fs::absolute(a.output).lexically_normal();
+  put_export(result.entry, result.manifest, {.project = project, .target = target, .overwrite = a.overwrite});
   if (!a.quiet) fmt::print("{}\n", target.string());
   return 0;
 }

@@ -25,6 +25,7 @@ constexpr Command kCommands[] = {
     {"run", "photos in, scene out; computes what is not up to date", run_command},
     {"render", "pictures of the trained scene, from its photos' cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
+    {"edit", "changes to a finished scene: materials, deletion; replayable", edit_command},
     {"export", "the scene in other programs' formats; --list says what each holds", export_command},
     {"report", "one page that says how the run went: OUT/report.html", report_command},
     {"status", "which stages of an output folder are up to date", status_command},

@@ -1,7 +1,5 @@
 #include "pipeline/picture_tool.h"
 
-#include <unistd.h>
-
 #include <charconv>
 
 #include "core/artifact/current.h"
@@ -9,9 +7,8 @@
 #include "core/artifact/store.h"
 #include "core/base/error.h"
 #include "core/base/process.h"
-#include "pipeline/graph.h"
-#include "pipeline/printed_key.h"
 #include "pipeline/project.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 
@@ -55,6 +52,7 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const std::strin
   cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as the path says.");
   cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", folder));
   cli.values("set", 0, "OPTION=VALUE", a.sets, fmt::format("An option of vitrine-{}.", folder));
+  cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", folder));
   cli.flag("force", 0, a.force, "Compute the pictures even if they are in the store.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Pictures do not depend on it.");
   cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
@@ -73,50 +71,37 @@ void add_input_file(const std::string& name, const std::string& path, const std:
 }
 
 int run_picture_tool(const PictureTool& tool, const fs::path& project, const PictureArguments& a) {
-  const auto current = current_keys(project);
-  for (const std::string& stage : tool.stages)
-    if (!current.contains(stage))
-      throw Error(ErrorKind::Input, tool.missing,
-                  {.where = project.string(),
-                   .why = fmt::format("the stage '{}' has not been computed", stage),
-                   .hint = "vitrine run " + join_command({project.string()}),
-                   .code = "NO_SCENE"});
-  const fs::path program = stage_folder() / ("vitrine-" + tool.name);
-  std::error_code ec;
-  if (!fs::exists(program, ec))
-    throw Error(ErrorKind::Dependency, fmt::format("the program vitrine-{} is missing", tool.name),
-                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
-
-  Words run = {program.string(), "--store", store_of(project).string()};
-  for (const auto& stages : {tool.stages, tool.optional_stages})
-    for (const std::string& stage : stages)
-      if (const auto key = current.find(stage); key != current.end())
-        run.insert(run.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / key->second).string())});
+  const ProjectLock lock(project);
+  Words how;
+  if (a.no_progress) how.emplace_back("--no-progress");
+  if (a.quiet) how.emplace_back("--quiet");
+  ToolInputs inputs{.stages = tool.stages, .optional = tool.optional_stages, .missing = tool.missing};
+  if (a.edited) {
+    const EditedScene edited = edited_scene(project, {}, how);
+    if (edited.exit_code != 0) return edited.exit_code;
+    inputs.edited = edited.folder;
+  }
+  Words run = tool_call(tool.name, project, inputs);
   add_views(a.views, run);
   if (!a.size.empty()) add_size(a.size, run);
   run.insert(run.end(), tool.words.begin(), tool.words.end());
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
 
-  const ProjectLock lock(project);
-  const std::string key = key_of_run(run);
-  if (a.force) run.push_back("--force");
-  if (a.no_progress) run.push_back("--no-progress");
-  if (a.quiet) run.push_back("--quiet");
-  // It tells its own errors.
-  const ProcessResult result =
-      run_process({.arguments = run, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
-  if (!result.ok()) return result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code;
+  if (a.force) how.emplace_back("--force");
+  const ToolResult result = run_tool(tool.name, project, run, how);
+  if (result.exit_code != 0) return result.exit_code;
 
+  const fs::path there = a.edited ? edited_folder(project) : project;
+  const fs::path target = a.output.empty() ? there : fs::absolute(a.output).lexically_normal();
+  // Which pictures lie in the project, and which beside its edits.
+  const std::string role = a.edited ? tool.name + "-edited" : tool.name;
   ArtifactStore store(store_of(project));
-  const auto manifest = store.find(tool.name, key);
-  VITRINE_CHECK(manifest.has_value(), "vitrine-{} ended well but left no artifact {}", tool.name, key);
-  const fs::path target = a.output.empty() ? project : fs::absolute(a.output).lexically_normal();
   std::optional<Manifest> before;
-  if (const auto last = current.find(tool.name); target == project && last != current.end() && last->second != key)
-    before = pictures_before(store, tool.name, last->second, *manifest);
-  publish(store.entry(tool.name, key), *manifest, target, before ? &*before : nullptr);
-  if (target == project) set_current_key(project, tool.name, key);
+  if (const auto last = current_key(project, role); target == there && last && *last != result.key)
+    before = pictures_before(store, tool.name, *last, result.manifest);
+  publish(result.entry, result.manifest, target, before ? &*before : nullptr);
+  if (target == there) set_current_key(project, role, result.key);
   if (!a.quiet) fmt::print("{}\n", (target / tool.name).string());
   return 0;
 }

@@ -12,7 +12,7 @@ struct PictureArguments {
   std::string output, views = "heldout", size;
   std::vector<std::string> sets;
   int threads = 0;
-  bool force = false, no_progress = false, quiet = false, help = false;
+  bool edited = false, force = false, no_progress = false, quiet = false, help = false;
 };
 // `folder`: what the pictures appear in.
 void add_picture_options(CommandLine& cli, PictureArguments& a, const std::string& folder);

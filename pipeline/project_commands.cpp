@@ -129,8 +129,9 @@ int cache_command(const Words& words) {
   ArtifactStore store(store_of(project));
   const auto current = current_keys(project);
   const auto is_current = [&](const ArtifactStore::Entry& e) {
-    const auto found = current.find(e.stage);
-    return found != current.end() && found->second == e.key;
+    for (const char* role : {"", "-edited"})
+      if (const auto found = current.find(e.stage + role); found != current.end() && found->second == e.key) return true;
+    return false;
   };
   size_t total = 0, freed = 0;
   if (rest[0] == "du") {

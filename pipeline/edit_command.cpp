@@ -1,0 +1,60 @@
+// vitrine edit PROJECT edits.yaml: changes to a finished scene, beside it in PROJECT/edited. The work is done by the program
+// vitrine-edit, which stands beside the stages but not in their graph.
+#include <iostream>
+
+#include "core/base/error.h"
+#include "core/base/json.h"
+#include "core/config/cli.h"
+#include "pipeline/project.h"
+#include "pipeline/tool.h"
+
+namespace vitrine {
+
+namespace {
+
+void tell(const fs::path& report) {
+  const auto json = nlohmann::json::parse(read_file(report));
+  for (const auto& edit : json["edits"]) {
+    const bool deleted = edit.contains("delete");
+    std::string parts = fmt::format("{} surfels", edit.value("surfels", 0));
+    if (const int behind = edit.value("surfels_behind_glass", 0)) parts += fmt::format(", {} behind glass", behind);
+    if (const int faces = edit.value("mesh_faces", 0)) parts += fmt::format(", {} faces of the mesh", faces);
+    fmt::print("{:<16} {} {}: {}\n", edit.value("name", ""), deleted ? "deleted" : "changed", edit.value("select", ""), parts);
+  }
+}
+
+}  // namespace
+
+int edit_command(const Words& words) {
+  int threads = 0;
+  bool no_progress = false, quiet = false, help = false;
+  CommandLine cli(
+      "vitrine edit", "PROJECT [EDITS.yaml] [options]",
+      "Changes to a finished scene: materials by mask class, box, marks or component of the mesh; deletion. They go to "
+      "PROJECT/edited, the originals stay; render, relight and export take --edited. Without a file: the edits of "
+      "PROJECT/edited/edits.yaml once more. stages/edit/README.md shows the format.");
+  cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all. Files do not depend on it.");
+  cli.flag("no-progress", 0, no_progress, "No progress bar, no progress lines.");
+  cli.flag("quiet", 'q', quiet, "Warnings and errors only.");
+  cli.flag("help", 'h', help, "Print this text.");
+  const Words rest = cli.parse(words, 2);
+  if (help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  if (rest.empty()) throw Error(ErrorKind::Usage, "which project?", {.hint = "vitrine edit PROJECT edits.yaml", .code = "USAGE"});
+  const fs::path project = project_of(rest[0]);
+  Words how;
+  if (threads > 0) how.insert(how.end(), {"--threads", std::to_string(threads)});
+  if (no_progress) how.emplace_back("--no-progress");
+  if (quiet) how.emplace_back("--quiet");
+  const ProjectLock lock(project);
+  const EditedScene edited = edited_scene(project, rest.size() == 2 ? fs::path(rest[1]) : fs::path(), how);
+  if (edited.exit_code != 0) return edited.exit_code;
+  if (quiet) return 0;
+  tell(edited.folder / "report.json");
+  fmt::print("{}\n", edited_folder(project).string());
+  return 0;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,97 @@
+#include "pipeline/tool.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
+#include "core/artifact/store.h"
+#include "core/base/error.h"
+#include "core/base/process.h"
+#include "pipeline/graph.h"
+#include "pipeline/printed_key.h"
+
+namespace vitrine {
+
+namespace {
+
+bool replaced_by_edits(const std::string& stage) { return stage == "optimize" || stage == "mesh" || stage == "relight"; }
+
+}  // namespace
+
+fs::path tool_program(const std::string& tool) {
+  const fs::path program = stage_folder() / ("vitrine-" + tool);
+  std::error_code ec;
+  if (!fs::exists(program, ec))
+    throw Error(ErrorKind::Dependency, fmt::format("the program vitrine-{} is missing", tool),
+                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
+  return program;
+}
+
+Words tool_call(const std::string& tool, const fs::path& project, const ToolInputs& inputs) {
+  const auto current = current_keys(project);
+  for (const std::string& stage : inputs.stages)
+    if (!current.contains(stage))
+      throw Error(ErrorKind::Input, inputs.missing,
+                  {.where = project.string(),
+                   .why = fmt::format("the stage '{}' has not been computed", stage),
+                   .hint = "vitrine run " + join_command({project.string()}),
+                   .code = "NO_SCENE"});
+  Words words = {tool_program(tool).string(), "--store", store_of(project).string()};
+  std::vector<std::string> stages = inputs.stages;
+  std::ranges::copy_if(inputs.optional, std::back_inserter(stages), [&](const std::string& s) { return current.contains(s); });
+  for (const std::string& stage : stages) {
+    if (!inputs.edited.empty() && stage == "refine") continue;  // the edited surfels are refined already
+    const bool edited = !inputs.edited.empty() && replaced_by_edits(stage);
+    const fs::path folder = edited ? inputs.edited : store_of(project) / stage / current.at(stage);
+    words.insert(words.end(), {"--input", fmt::format("{}={}", stage, folder.string())});
+  }
+  return words;
+}
+
+int run_and_tell(const Words& words) {
+  const ProcessResult result = run_process(
+      {.arguments = words, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
+  if (result.ok()) return 0;
+  return result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code;
+}
+
+ToolResult run_tool(const std::string& tool, const fs::path& project, const Words& call, const Words& how) {
+  ToolResult result{.key = key_of_run(call)};
+  Words words = call;
+  words.insert(words.end(), how.begin(), how.end());
+  result.exit_code = run_and_tell(words);
+  if (result.exit_code != 0) return result;
+  const ArtifactStore store(store_of(project));
+  auto manifest = store.find(tool, result.key);
+  VITRINE_CHECK(manifest.has_value(), "vitrine-{} ended well but left no artifact {}", tool, result.key);
+  result.manifest = std::move(*manifest);
+  result.entry = store.entry(tool, result.key);
+  return result;
+}
+
+EditedScene edited_scene(const fs::path& project, const fs::path& edits, const Words& how) {
+  std::error_code ec;
+  const bool replay = edits.empty();
+  const fs::path file = replay ? edited_folder(project) / "edits.yaml" : fs::absolute(edits);
+  if (!fs::is_regular_file(file, ec))
+    throw Error(
+        ErrorKind::Input, replay ? "this scene has no edits" : "there is no such file of edits",
+        {.where = file.string(), .hint = "vitrine edit PROJECT edits.yaml", .code = replay ? "NO_EDITS" : "MISSING_INPUT"});
+  Words call = tool_call("edit", project,
+                         {.stages = {"sfm", "optimize", "mesh"},
+                          .optional = {"refine", "relight", "masks"},
+                          .missing = "there is no scene to edit yet"});
+  call.insert(call.end(), {"--input", "edits=" + file.string()});
+  const ToolResult result = run_tool("edit", project, call, how);
+  if (result.exit_code != 0) return {.exit_code = result.exit_code};
+  const auto last = current_key(project, "edit");
+  std::optional<Manifest> before;
+  if (last && *last != result.key) before = ArtifactStore(store_of(project)).find("edit", *last);
+  publish(result.entry, result.manifest, project, before ? &*before : nullptr);
+  set_current_key(project, "edit", result.key);
+  return {.folder = result.entry / "edited"};
+}
+
+}  // namespace vitrine

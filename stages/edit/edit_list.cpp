@@ -1,0 +1,227 @@
+#include "stages/edit/edit_list.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/config/text.h"
+#include "core/config/yaml_reader.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kMostTint = 10;
+constexpr const char* kHint = "stages/edit/README.md shows the format";
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& path, std::span<const View> views) : in_(read_yaml(path.string())), views_(views) {}
+
+  std::vector<Edit> edits() {
+    const YamlNode& root = in_.root();
+    in_.only_keys(root, {"edits"});
+    const YamlNode* list = root.find("edits");
+    if (list == nullptr || list->kind != YamlNode::Kind::List || list->items.empty())
+      in_.complain(list != nullptr ? *list : root, "edits must be a list of edits");
+    else
+      for (const YamlNode& node : list->items) edits_.push_back(edit(node));
+    in_.finish(kHint);
+    return std::move(edits_);
+  }
+
+ private:
+  Edit edit(const YamlNode& node) {
+    Edit out;
+    out.name = fmt::format("edit {}", edits_.size() + 1);
+    out.where = fmt::format("{}:{}:{}", in_.name(), node.mark.line, node.mark.column);
+    in_.only_keys(node, {"name", "select", "set", "delete"});
+    if (node.kind != YamlNode::Kind::Map) return out;
+    if (const YamlNode* name = node.find("name")) out.name = name->text;
+    const YamlNode *select = node.find("select"), *set = node.find("set"), *remove = node.find("delete");
+    if (select == nullptr) {
+      in_.complain(node, "an edit says what it selects: a class, a box, marks, a component, or 'all'");
+    } else if (select->kind == YamlNode::Kind::Scalar) {
+      if (select->text != "all") in_.complain(*select, fmt::format("\"{}\" is no selection: 'all', or a map", select->text));
+      out.wanted = "all";
+    } else {
+      out.select = selector(*select, true, out.wanted);
+    }
+    if ((set == nullptr) == (remove == nullptr)) {
+      in_.complain(node, "an edit has either 'set' or 'delete: true'");
+    } else if (remove != nullptr) {
+      if (remove->text != "true") in_.complain(*remove, "it can only be 'delete: true'");
+      out.remove = true;
+    } else {
+      out.set = change(*set);
+    }
+    return out;
+  }
+
+  Selector selector(const YamlNode& node, bool outer, std::string& words) {
+    Selector out;
+    std::vector<std::string> keys{"class", "box", "marks", "component"};
+    if (outer) keys.emplace_back("except");
+    in_.only_keys(node, keys);
+    if (node.kind != YamlNode::Kind::Map) return out;
+    if (node.entries.empty()) in_.complain(node, "it selects nothing; 'select: all' selects everything");
+    const auto say = [&](const std::string& text) { words += (words.empty() ? "" : ", ") + text; };
+    if (const YamlNode* kind = node.find("class")) {
+      out.kind = mask_class(kind->text);
+      if (!out.kind) in_.complain(*kind, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind->text));
+      say(fmt::format("class {}", kind->text));
+    }
+    if (const YamlNode* box = node.find("box")) {
+      out.box = world_box(*box);
+      if (out.box)
+        say(fmt::format("box [{}, {}, {}] to [{}, {}, {}]", out.box->low.x, out.box->low.y, out.box->low.z, out.box->high.x,
+                        out.box->high.y, out.box->high.z));
+    }
+    if (const YamlNode* marks = node.find("marks")) {
+      if (marks->kind != YamlNode::Kind::List || marks->items.empty())
+        in_.complain(*marks, "marks must be a list of marks in photos");
+      else
+        for (const YamlNode& one : marks->items) add_mark(one, out.marks);
+      say(fmt::format("{} {}", marks->items.size(), marks->items.size() == 1 ? "mark" : "marks"));
+    }
+    if (const YamlNode* component = node.find("component")) {
+      const auto n = in_.number(*component);
+      if (n && !(*n >= 1 && *n <= 1e9 && *n == std::floor(*n)))
+        in_.complain(*component, "components are numbered from 1, the one with most faces");
+      else if (n)
+        out.component = size_t(*n);
+      say(fmt::format("component {}", component->text));
+    }
+    if (const YamlNode* except = outer ? node.find("except") : nullptr) {
+      std::string left_out;
+      out.except.push_back(selector(*except, false, left_out));
+      words += (words.empty() ? "all but " : " but not ") + left_out;
+    }
+    return out;
+  }
+
+  std::optional<Bounds3> world_box(const YamlNode& node) {
+    const auto b = in_.numbers(node, 6, "[x0, y0, z0, x1, y1, z1] in the scene's frame");
+    if (!b) return std::nullopt;
+    const Bounds3 box{{(*b)[0], (*b)[1], (*b)[2]}, {(*b)[3], (*b)[4], (*b)[5]}};
+    if (box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z) return box;
+    in_.complain(node, "x0 must be smaller than x1, y0 than y1, z0 than z1");
+    return std::nullopt;
+  }
+
+  void add_mark(const YamlNode& node, std::vector<EditMark>& marks) {
+    in_.only_keys(node, {"photo", "box", "polygon", "size"});
+    if (node.kind != YamlNode::Kind::Map) return;
+    const YamlNode* photo = node.find("photo");
+    if (photo == nullptr) return in_.complain(node, "a mark names its photo");
+    const auto view = view_of(*photo);
+    auto outline = corners(node);
+    if (!view || !outline) return;
+    const Intrinsics& k = views_[*view].intrinsics;
+    Vec2d size{double(k.width), double(k.height)};
+    if (const YamlNode* given = node.find("size")) {
+      const auto s = in_.numbers(*given, 2, "[width, height] of the photo in pixels");
+      if (!s) return;
+      size = {(*s)[0], (*s)[1]};
+      constexpr double kSameShape_rel = 0.02;
+      if (!(size.x > 0 && size.y > 0) || std::abs(size.x / size.y / (double(k.width) / k.height) - 1) > kSameShape_rel)
+        return in_.complain(*given, fmt::format("this photo has {}x{} pixels, or as many in proportion", k.width, k.height));
+    }
+    for (Vec2d& p : *outline) {
+      if (p.x < 0 || p.y < 0 || p.x > size.x || p.y > size.y)
+        return in_.complain(node, fmt::format("({}, {}) lies outside a photo of {}x{}", p.x, p.y, size.x, size.y));
+      p = {p.x * k.width / size.x, p.y * k.height / size.y};
+    }
+    marks.push_back({*view, std::move(*outline)});
+  }
+
+  std::optional<size_t> view_of(const YamlNode& node) {
+    std::vector<std::string> names;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      if (views_[v].name == node.text || views_[v].stem() == node.text) return v;
+      names.push_back(views_[v].name);
+    }
+    const std::string near = nearest_word(node.text, names);
+    in_.complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
+                                   near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
+    return std::nullopt;
+  }
+
+  std::optional<std::vector<Vec2d>> corners(const YamlNode& mark) {
+    const YamlNode *box = mark.find("box"), *polygon = mark.find("polygon");
+    if ((box == nullptr) == (polygon == nullptr)) {
+      in_.complain(mark, "a mark has a box or a polygon");
+      return std::nullopt;
+    }
+    if (box != nullptr) {
+      const auto b = in_.numbers(*box, 4, "[left, top, right, bottom] in pixels of the photo");
+      if (!b) return std::nullopt;
+      const double l = (*b)[0], t = (*b)[1], r = (*b)[2], d = (*b)[3];
+      if (l < r && t < d) return std::vector<Vec2d>{{l, t}, {r, t}, {r, d}, {l, d}};
+      in_.complain(*box, "left must be smaller than right, and top than bottom");
+      return std::nullopt;
+    }
+    if (polygon->kind != YamlNode::Kind::List || polygon->items.size() < 3) {
+      in_.complain(*polygon, "expected three corners or more: [[x, y], [x, y], [x, y]]");
+      return std::nullopt;
+    }
+    std::vector<Vec2d> points;
+    for (const YamlNode& corner : polygon->items) {
+      const auto p = in_.numbers(corner, 2, "[x, y]");
+      if (!p) return std::nullopt;
+      points.push_back({(*p)[0], (*p)[1]});
+    }
+    return points;
+  }
+
+  MaterialChange change(const YamlNode& node) {
+    MaterialChange out;
+    in_.only_keys(node, {"tint", "f0", "roughness", "k_s", "tau"});
+    if (node.kind != YamlNode::Kind::Map) return out;
+    if (node.entries.empty()) in_.complain(node, "nothing is set: tint, f0, roughness, k_s or tau");
+    out.tint = color(node, "tint", kMostTint);
+    out.f0 = color(node, "f0", 1);
+    out.roughness = value(node, "roughness");
+    out.specular_weight = value(node, "k_s");
+    out.transmission = value(node, "tau");
+    return out;
+  }
+
+  std::optional<float> value(const YamlNode& map, const char* key) {
+    const YamlNode* node = map.find(key);
+    if (node == nullptr) return std::nullopt;
+    const auto v = in_.number(*node);
+    return v && within(*node, key, *v, 1) ? std::optional(float(*v)) : std::nullopt;
+  }
+  std::optional<Vec3f> color(const YamlNode& map, const char* key, double most) {
+    const YamlNode* node = map.find(key);
+    if (node == nullptr) return std::nullopt;
+    if (node->kind == YamlNode::Kind::Scalar) {
+      const auto v = in_.number(*node);
+      return v && within(*node, key, *v, most) ? std::optional(Vec3f{float(*v), float(*v), float(*v)}) : std::nullopt;
+    }
+    const auto rgb = in_.numbers(*node, 3, fmt::format("'{}' to be a number or [red, green, blue], linear", key));
+    if (!rgb) return std::nullopt;
+    for (double v : *rgb)
+      if (!within(*node, key, v, most)) return std::nullopt;
+    return Vec3f{float((*rgb)[0]), float((*rgb)[1]), float((*rgb)[2])};
+  }
+  bool within(const YamlNode& node, const char* key, double v, double most) {
+    if (v >= 0 && v <= most) return true;
+    in_.complain(node, fmt::format("'{}' must lie between 0 and {}, got {}", key, most, v));
+    return false;
+  }
+
+  YamlReader in_;
+  std::span<const View> views_;
+  std::vector<Edit> edits_;
+};
+
+}  // namespace
+
+std::vector<Edit> read_edits(const std::filesystem::path& path, std::span<const View> views) {
+  return Reader(path, views).edits();
+}
+
+}  // namespace vitrine

@@ -1,0 +1,60 @@
+// What a user wants changed in a finished scene: a YAML file, a list of edits that are applied in order. README.md shows it.
+//
+//   edits:
+//     - name: golden kettle
+//       select: {class: specular, except: {class: transparent}}
+//       set: {tint: [1, 0.8, 0.4], f0: [1, 0.77, 0.34], k_s: 0.05, roughness: 0.1}
+//     - select: {box: [-0.2, -0.1, -0.8, 0.3, 0.4, -0.2]}      # x0 y0 z0 x1 y1 z1 in the scene's frame
+//       delete: true
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/camera/mask_files.h"
+#include "core/camera/view.h"
+#include "core/math/rigid.h"
+
+namespace vitrine {
+
+// A region of a photo: what lies in it, near or far.
+struct EditMark {
+  size_t view = 0;
+  std::vector<Vec2d> outline;  // pixels of the undistorted photo
+};
+
+// All that is given must hold. Nothing given: everything.
+struct Selector {
+  std::optional<MaskClass> kind = {};
+  std::optional<Bounds3> box = {};
+  std::vector<EditMark> marks = {};
+  std::optional<size_t> component = {};  // of the mesh, 1 = most faces
+  std::vector<Selector> except = {};     // one at most: what it selects is left out
+
+  // By place alone, whatever the photos or the mesh say.
+  bool geometric() const { return !kind && !component; }
+};
+
+struct MaterialChange {
+  std::optional<Vec3f> tint = {};  // times the albedo
+  std::optional<Vec3f> f0 = {};
+  std::optional<float> roughness = {}, specular_weight = {}, transmission = {};
+};
+
+struct Edit {
+  std::string name;    // of the user, or "edit 3"
+  std::string where;   // file:line:col
+  std::string wanted;  // the selector in words
+  Selector select = {};
+  MaterialChange set = {};
+  bool remove = false;  // the selected parts; `set` is empty then
+};
+
+// Photos of marks are found among `views`, whose intrinsics have the size of the undistorted photos. Throws Error{Usage} that
+// shows every mistake at its line.
+std::vector<Edit> read_edits(const std::filesystem::path& path, std::span<const View> views);
+
+}  // namespace vitrine

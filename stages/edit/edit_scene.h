@@ -1,0 +1,41 @@
+// A scene as edits see it: what the stages left, and which of it is still there. Read once, changed in place, written as a folder
+// that stands for their artifacts (optimize with refine, mesh, relight).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/mesh/tri_mesh.h"
+#include "core/picture/relight_materials.h"
+#include "core/picture/trained_scene.h"
+
+namespace vitrine {
+
+struct EditFolders {
+  std::filesystem::path optimize, mesh;
+  std::optional<std::filesystem::path> refine = {}, relight = {};
+};
+
+// Flags: 0 or 1 for each.
+struct Parts {
+  std::vector<uint8_t> diffuse, transmittance;  // surfels
+  std::vector<uint8_t> vertices, faces;         // of the mesh
+  std::vector<uint8_t> walls;                   // vertices of the surroundings
+};
+
+struct EditScene {
+  TrainedScene trained;
+  std::optional<RelightMaterials> materials;  // of trained.surfels.diffuse
+  TriMesh mesh, surroundings;                 // the latter: walls that the relight stage found, or empty
+  Parts there;                                // what no edit has deleted
+
+  bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
+};
+
+// Throws Error{Input} with file and cause, also when the files do not belong together.
+EditScene read_edit_scene(const EditFolders& folders);
+// Without what was deleted. Files that no edit touches (views, light of the photos) are copied.
+void write_edit_scene(const EditScene& scene, const EditFolders& from, const std::filesystem::path& folder);
+
+}  // namespace vitrine

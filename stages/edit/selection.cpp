@@ -1,0 +1,275 @@
+#include "stages/edit/selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/image/resample.h"
+#include "core/render/renderer.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kMaskSide = 320;       // of the pictures in which masks are looked up
+constexpr float kInside = 0.5f;      // share from which a part belongs to a class; mask value inside
+constexpr float kLeastSeen = 0.5f;   // pixels, summed over the photos: less was hidden
+constexpr double kHullShare = 0.8;   // of the photos that must show a hidden place inside the mask
+constexpr size_t kHullViews = 3;     // and at least so many that have it in the picture
+constexpr float kReachEdges = 3;     // mean edges of the mesh: surfels farther away lie on no component
+constexpr float kOffSurface = 0.5f;  // mean edges: rays to the cameras start this far from the mesh
+constexpr size_t kGrain = 256;
+
+std::optional<Vec2d> pixel_of(const View& view, const Vec3d& p) {
+  const Vec3d c = view.cam_from_world * p;
+  if (!(c.z > 1e-6)) return std::nullopt;
+  const Intrinsics& k = view.intrinsics;
+  const Vec2d px{k.fx * c.x / c.z + k.cx, k.fy * c.y / c.z + k.cy};
+  if (!(px.x >= 0 && px.y >= 0 && px.x < k.width && px.y < k.height)) return std::nullopt;
+  return px;
+}
+
+// Even-odd rule.
+bool inside_outline(const std::vector<Vec2d>& outline, const Vec2d& p) {
+  bool inside = false;
+  for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+    const Vec2d &a = outline[i], &b = outline[j];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) inside = !inside;
+  }
+  return inside;
+}
+
+Vec3d mean_of(const SplatLayer& layer, size_t i) {
+  const float* m = layer.at(Attribute::Mean, i);
+  return {double(m[0]), double(m[1]), double(m[2])};
+}
+
+float mean_edge(const TriMesh& mesh) {
+  double sum = 0;
+  for (const auto& f : mesh.faces)
+    for (size_t k = 0; k < 3; ++k) sum += double(length(mesh.positions[f[(k + 1) % 3]] - mesh.positions[f[k]]));
+  return float(sum / (3.0 * double(std::max<size_t>(1, mesh.faces.size()))));
+}
+
+void set_faces(const TriMesh& mesh, Parts& parts) {
+  parts.faces.resize(mesh.faces.size());
+  for (size_t f = 0; f < parts.faces.size(); ++f) {
+    int corners = 0;
+    for (uint32_t v : mesh.faces[f]) corners += parts.vertices[v];
+    parts.faces[f] = corners >= 2;
+  }
+}
+
+// Each of the five lists of flags: a = op(a, b).
+template <class Op>
+void combine(Parts& a, const Parts& b, Op&& op) {
+  for (auto list : {&Parts::diffuse, &Parts::transmittance, &Parts::vertices, &Parts::faces, &Parts::walls})
+    for (size_t i = 0; i < (a.*list).size(); ++i) (a.*list)[i] = op((a.*list)[i], (b.*list)[i]);
+}
+
+// By a pixel: what stands on the outline of a thing belongs to it, and its centre falls on either side.
+ImageF widened(const ImageF& mask) {
+  ImageF out = mask;
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x)
+      for (int v = std::max(0, y - 1); v <= std::min(y + 1, mask.height() - 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(x + 1, mask.width() - 1); ++u)
+          out.at(x, y) = std::max(out.at(x, y), mask.at(u, v));
+  return out;
+}
+
+// Stands behind the mask in nearly all photos that have it in the picture.
+template <class Views>
+bool in_hull(const Views& views, const Vec3d& p) {
+  size_t seen = 0, inside = 0;
+  for (const auto& v : views)
+    if (const auto px = pixel_of(v.view, p)) ++seen, inside += v.mask.at(int(px->x), int(px->y)) > kInside;
+  return seen >= kHullViews && double(inside) >= kHullShare * double(seen);
+}
+
+}  // namespace
+
+SceneSelector::SceneSelector(const EditScene& scene, std::span<const View> views, std::optional<std::filesystem::path> masks)
+    : scene_(scene), views_(views), masks_(std::move(masks)), distance_(scene.mesh), reach_(kReachEdges * mean_edge(scene.mesh)) {
+  const FaceComponents found = face_components(scene.mesh);
+  std::vector<uint32_t> order(found.faces.size()), rank(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::stable_sort(order, [&](uint32_t a, uint32_t b) { return found.faces[a] > found.faces[b]; });
+  for (uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+  components_.resize(order.size());
+  component_of_face_.resize(scene.mesh.faces.size());
+  for (size_t f = 0; f < component_of_face_.size(); ++f) {
+    component_of_face_[f] = rank[found.label[f]];
+    MeshComponent& component = components_[component_of_face_[f]];
+    ++component.faces;
+    for (uint32_t v : scene.mesh.faces[f]) component.box.extend(cast<double>(scene.mesh.positions[v]));
+  }
+}
+
+Parts SceneSelector::select(const Selector& selector, const std::string& where) {
+  Parts out = where_place([&](const Vec3d& p) {
+    if (selector.box)
+      for (size_t c = 0; c < 3; ++c)
+        if (!(p[c] >= selector.box->low[c] && p[c] <= selector.box->high[c])) return false;
+    return std::ranges::all_of(selector.marks, [&](const EditMark& mark) {
+      const auto px = pixel_of(views_[mark.view], p);
+      return px && inside_outline(mark.outline, *px);
+    });
+  });
+  const auto both = [](uint8_t a, uint8_t b) { return uint8_t(a && b); };
+  if (selector.kind) combine(out, of_class(*selector.kind, where), both);
+  if (selector.component) combine(out, of_component(*selector.component, where), both);
+  for (const Selector& except : selector.except)
+    combine(out, select(except, where), [](uint8_t a, uint8_t b) { return uint8_t(a && !b); });
+  return out;
+}
+
+Parts SceneSelector::where_place(const std::function<bool(const Vec3d&)>& inside) const {
+  const auto flags = [&](size_t n, const auto& place) {
+    std::vector<uint8_t> out(n);
+    parallel_for(n, kGrain, [&](size_t i) { out[i] = inside(place(i)); });
+    return out;
+  };
+  const SplatScene& surfels = scene_.trained.surfels;
+  Parts out;
+  out.diffuse = flags(surfels.diffuse.size(), [&](size_t i) { return mean_of(surfels.diffuse, i); });
+  out.transmittance = flags(surfels.transmittance.size(), [&](size_t i) { return mean_of(surfels.transmittance, i); });
+  out.vertices = flags(scene_.mesh.positions.size(), [&](size_t v) { return cast<double>(scene_.mesh.positions[v]); });
+  const TriMesh& walls = scene_.surroundings;
+  out.walls = flags(walls.positions.size(), [&](size_t v) { return cast<double>(walls.positions[v]); });
+  set_faces(scene_.mesh, out);
+  return out;
+}
+
+Parts SceneSelector::of_component(size_t component, const std::string& where) const {
+  if (component > components_.size())
+    throw Error(ErrorKind::Input, fmt::format("the mesh has no component {}", component),
+                {.where = where,
+                 .why = fmt::format("it has {}", components_.size()),
+                 .hint = "edited/report.json of any edit lists them; boxes and marks select by place",
+                 .code = "EDIT_SELECTS_NOTHING"});
+  const auto wanted = uint32_t(component - 1);
+  const SplatScene& surfels = scene_.trained.surfels;
+  Parts out;
+  out.diffuse.resize(surfels.diffuse.size());
+  parallel_for(out.diffuse.size(), kGrain, [&](size_t i) {
+    const ClosestPoint c = distance_.closest(cast<float>(mean_of(surfels.diffuse, i)));
+    out.diffuse[i] = c.distance <= reach_ && component_of_face_[c.face] == wanted;
+  });
+  out.transmittance.resize(surfels.transmittance.size());
+  parallel_for(out.transmittance.size(), kGrain, [&](size_t i) {
+    const Vec3f p = cast<float>(mean_of(surfels.transmittance, i));
+    const ClosestPoint c = distance_.closest(p);
+    const auto& f = scene_.mesh.faces[c.face];
+    const Vec3f &a = scene_.mesh.positions[f[0]], &b = scene_.mesh.positions[f[1]], &d = scene_.mesh.positions[f[2]];
+    const bool behind = dot(p - c.position, cross(b - a, d - a)) < 0;
+    out.transmittance[i] = (behind || c.distance <= reach_) && component_of_face_[c.face] == wanted;
+  });
+  out.vertices.assign(scene_.mesh.positions.size(), 0);
+  out.faces.resize(scene_.mesh.faces.size());
+  for (size_t f = 0; f < out.faces.size(); ++f) {
+    out.faces[f] = component_of_face_[f] == wanted;
+    if (out.faces[f])
+      for (uint32_t v : scene_.mesh.faces[f]) out.vertices[v] = 1;
+  }
+  out.walls.assign(scene_.surroundings.positions.size(), 0);
+  return out;
+}
+
+std::vector<SceneSelector::MaskedView> SceneSelector::masked_views(MaskClass kind, const std::string& where) const {
+  const auto missing = [&](std::string why) {
+    return Error(ErrorKind::Input, fmt::format("this scene has no masks of the class '{}'", name(kind)),
+                 {.where = where,
+                  .why = std::move(why),
+                  .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
+                  .code = "NO_MASKS"});
+  };
+  std::error_code ec;
+  if (!masks_ || !std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec))
+    throw missing(masks_ ? "the masks stage wrote none" : "the masks stage has not been computed");
+  const MaskFolder folder(*masks_ / "masks");
+  std::vector<MaskedView> out;
+  for (View view : views_) {
+    throw_if_interrupted();
+    const auto file = folder.find(kind, view.name);
+    if (!file) continue;
+    view.intrinsics = view.intrinsics.limited_to(kMaskSide);
+    out.push_back({view, widened(resized(read_mask(*file), view.intrinsics.width, view.intrinsics.height))});
+  }
+  if (out.empty()) throw missing("none of its files belongs to a photo");
+  return out;
+}
+
+const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
+  const auto known = classes_.find(kind);
+  if (known != classes_.end()) return known->second;
+  const std::vector<MaskedView> views = masked_views(kind, where);
+  Parts out;
+  out.diffuse = surfels_seen_in(views);
+  const SplatLayer& behind_glass = scene_.trained.surfels.transmittance;
+  out.transmittance.resize(behind_glass.size());
+  parallel_for(out.transmittance.size(), kGrain,
+               [&](size_t i) { out.transmittance[i] = in_hull(views, mean_of(behind_glass, i)); });
+  out.vertices = vertices_seen_in(views);
+  out.walls.assign(scene_.surroundings.positions.size(), 0);
+  set_faces(scene_.mesh, out);
+  return classes_[kind] = std::move(out);
+}
+
+std::vector<uint8_t> SceneSelector::surfels_seen_in(std::span<const MaskedView> views) const {
+  const SplatLayer& layer = scene_.trained.surfels.diffuse;
+  const auto renderer = make_renderer(Backend::Cpu);
+  RasterImages images, gradients;
+  SplatLayer unused = layer.zeros_like();
+  std::vector<double> inside(layer.size(), 0), all(layer.size(), 0);
+  for (const MaskedView& v : views) {
+    throw_if_interrupted();
+    const RasterDesc desc{.intrinsics = v.view.intrinsics,
+                          .cam_from_world = v.view.cam_from_world,
+                          .features = FeatureSet::ColorOnly,
+                          .sh_degree = 0,
+                          .near_z = scene_.trained.image.diffuse.near_z};
+    renderer->forward(layer, desc, images);
+    // The reverse of the rasteriser counts how many pixels each surfel fills; it has no gradients to hand on.
+    gradients.reset(desc);
+    SurfelStatistics statistics;
+    renderer->backward({.gradients = &gradients}, unused, &statistics);
+    parallel_for(layer.size(), kGrain, [&](size_t i) {
+      const auto px = statistics.weight[i] > 0 ? pixel_of(v.view, mean_of(layer, i)) : std::nullopt;
+      if (!px) return;
+      inside[i] += double(statistics.weight[i]) * double(v.mask.at(int(px->x), int(px->y)));
+      all[i] += double(statistics.weight[i]);
+    });
+  }
+  std::vector<uint8_t> out(layer.size());
+  parallel_for(out.size(), kGrain, [&](size_t i) {
+    out[i] = all[i] > kLeastSeen ? inside[i] > kInside * all[i] : in_hull(views, mean_of(layer, i));
+  });
+  return out;
+}
+
+std::vector<uint8_t> SceneSelector::vertices_seen_in(std::span<const MaskedView> views) {
+  if (!hits_) hits_ = std::make_unique<MeshHits>(scene_.mesh);
+  const float off = kOffSurface * reach_ / kReachEdges;
+  std::vector<uint8_t> out(scene_.mesh.positions.size());
+  parallel_for(out.size(), kGrain, [&](size_t v) {
+    const Vec3f p = scene_.mesh.positions[v];
+    size_t seen = 0;
+    float inside = 0;
+    for (const MaskedView& view : views) {
+      const auto px = pixel_of(view.view, cast<double>(p));
+      if (!px) continue;
+      const Vec3f to_camera = cast<float>(view.view.centre_in_world()) - p;
+      const float distance = length(to_camera);
+      if (hits_->occluded(p, to_camera / distance, off, distance)) continue;
+      ++seen, inside += view.mask.at(int(px->x), int(px->y));
+    }
+    out[v] = seen > 0 ? inside > kInside * float(seen) : in_hull(views, cast<double>(p));
+  });
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,67 @@
+// Which surfels and which parts of the mesh a selector means.
+//   class      the photos that see it show it inside the masks. For a surfel each photo counts by the pixels that it fills there,
+//                share = sum w m / sum w,   w = summed blending weights, m = mask at its centre;
+//              for a vertex those photos count in which the mesh does not hide it. What no photo sees (the inside of a
+//              thing) belongs to the class when it stands behind the mask in nearly all photos: its visual hull.
+//   box        the place itself          marks      the place, projected into every marked photo
+//   component  faces of the mesh that hang together; surfels near them, and what glass shows inside of them
+// A face is selected with two of its corners. The reflection layer holds mirrored places: nothing selects it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/camera/view.h"
+#include "core/image/image.h"
+#include "core/mesh/mesh_distance.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/trace/mesh_hits.h"
+#include "stages/edit/edit_list.h"
+#include "stages/edit/edit_scene.h"
+
+namespace vitrine {
+
+struct MeshComponent {
+  size_t faces = 0;
+  Bounds3 box;
+};
+
+class SceneSelector {
+ public:
+  // `masks`: an artifact of the masks stage. All but it must live as long as this; edits that change materials or delete parts
+  // change no selection.
+  SceneSelector(const EditScene& scene, std::span<const View> views, std::optional<std::filesystem::path> masks);
+
+  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks or a component does not exist.
+  Parts select(const Selector& selector, const std::string& where);
+  const std::vector<MeshComponent>& components() const { return components_; }  // from most faces to fewest
+
+ private:
+  struct MaskedView {
+    View view;
+    ImageF mask;
+  };
+  std::vector<MaskedView> masked_views(MaskClass kind, const std::string& where) const;
+  const Parts& of_class(MaskClass kind, const std::string& where);
+  Parts of_component(size_t component, const std::string& where) const;
+  Parts where_place(const std::function<bool(const Vec3d&)>& inside) const;
+  std::vector<uint8_t> surfels_seen_in(std::span<const MaskedView> views) const;
+  std::vector<uint8_t> vertices_seen_in(std::span<const MaskedView> views);
+
+  const EditScene& scene_;
+  std::span<const View> views_;
+  std::optional<std::filesystem::path> masks_;
+  std::map<MaskClass, Parts> classes_;
+  std::unique_ptr<MeshHits> hits_;
+  MeshDistance distance_;
+  float reach_ = 0;
+  std::vector<uint32_t> component_of_face_;  // index into components_
+  std::vector<MeshComponent> components_;
+};
+
+}  // namespace vitrine
