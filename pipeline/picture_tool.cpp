@@ -7,6 +7,7 @@
 #include "core/artifact/store.h"
 #include "core/base/error.h"
 #include "core/base/process.h"
+#include "pipeline/html_report.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 
@@ -103,6 +104,11 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   publish(result.entry, result.manifest, target, before ? &*before : nullptr);
   if (target == there) set_current_key(project, role, result.key);
   if (!a.quiet) fmt::print("{}\n", (target / tool.name).string());
+  // The report shows the relit pictures; a folder that has none yet gets it from its next run.
+  if (tool.name == "relit" && target == there && fs::exists(html_report_path(project))) {
+    const auto why_not = write_html_report(project, true);
+    if (why_not && !a.quiet) fmt::print("note: report.html does not show these pictures yet: {}\n", *why_not);
+  }
   return 0;
 }
 

@@ -15,7 +15,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kWidth = 520, kMargin = 14, kWedge = 9;  // of a drawing, in its own units
+constexpr double kWidth = 520, kMargin = 14, kFrustum = 9;  // of a drawing, in its own units
 constexpr size_t kMostPoints = 3000;
 constexpr double kMinSpread = 0.02;  // determinant against that of axes in all directions: below, they are parallel
 constexpr double kGapDrawn = 40;     // degrees: narrower ones are usual
@@ -95,20 +95,33 @@ class Drawing {
     return out + "</g>";
   }
 
+  // All faces turn the same way round, so that the one behind does not cut a hole into the one before it.
+  static std::string closed(std::vector<Vec2d> corners) {
+    double area = 0;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const Vec2d &p = corners[i], &q = corners[(i + 1) % corners.size()];
+      area += p.x * q.y - p.y * q.x;
+    }
+    if (area < 0) std::reverse(corners.begin(), corners.end());
+    std::string path;
+    for (const Vec2d& p : corners) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? 'M' : 'L', p.x, p.y);
+    return path + "Z";
+  }
+
   std::string cameras(const std::set<std::string>& heldout) const {
     std::string out = "<g class=\"cameras\">";
     for (const View& v : views_.views) {
-      const Vec2d tip = at(v.centre_in_world());
-      Vec2d d = plane_(axis_of(v));
-      d.y = -d.y;
-      const Vec2d side{-d.y, d.x};
-      const double flat =
-          std::hypot(d.x, d.y);  // a camera that looks along the drawing's normal is a small dot with a short wedge
-      const Vec2d unit = flat > 1e-9 ? (1 / flat) * side : Vec2d{1, 0};
-      const Vec2d base = tip + kWedge * d, a = base + 0.45 * kWedge * unit, b = base - 0.45 * kWedge * unit;
-      out += fmt::format("<path{} d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\"><title>{}{}</title></path>",
-                         heldout.contains(v.name) ? " class=\"heldout\"" : "", tip.x, tip.y, a.x, a.y, b.x, b.y, escaped(v.name),
-                         heldout.contains(v.name) ? " (held out)" : "");
+      // The frustum, of one size on paper: right from every side, also along the view.
+      const Vec3d centre = v.centre_in_world();
+      const auto corner = [&](double x, double y) {
+        return at(centre + (kFrustum / scale_) * (transposed(v.cam_from_world.rotation) * Vec3d{0.55 * x, 0.42 * y, 1}));
+      };
+      const Vec2d tip = at(centre), a = corner(-1, -1), b = corner(1, -1), c = corner(1, 1), d = corner(-1, 1);
+      const bool held = heldout.contains(v.name);
+      std::string path = closed({a, b, c, d});
+      for (const auto& [p, q] : {std::pair(a, b), std::pair(b, c), std::pair(c, d), std::pair(d, a)}) path += closed({tip, p, q});
+      out += fmt::format("<path{} d=\"{}\"><title>{}{}</title></path>", held ? " class=\"heldout\"" : "", path, escaped(v.name),
+                         held ? " (held out)" : "");
     }
     return out + "</g>";
   }
@@ -170,7 +183,7 @@ std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout)
     double radius = 0;
     for (const View& v : views.views) {
       const Vec3d d = v.centre_in_world() - *centre;
-      radius += std::hypot(d.x, d.y) / double(views.views.size());
+      radius += 0.5 * std::hypot(d.x, d.y) / double(views.views.size());  // half way out: inside the drawing
     }
     const auto on_ring = [&](double degrees) {
       return drawing.at(*centre + radius * Vec3d{std::cos(degrees / kDegrees), std::sin(degrees / kDegrees), 0});

@@ -18,7 +18,7 @@ struct RingCoverage {
 };
 std::optional<RingCoverage> ring_coverage(const ViewSet& views);
 
-// Drawings: cameras as wedges in their direction (those in `heldout` of another kind), sparse points in their colours.
+// Drawings: cameras as small frusta (those in `heldout` of another kind), sparse points in their colours.
 std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout);       // from above: x right, y up
 std::string elevation_svg(const ViewSet& views, const std::set<std::string>& heldout);  // from the front: x right, z up
 

@@ -29,6 +29,13 @@ std::string figure_row(const Figure& f) {
   return text;
 }
 
+// Breaks between words only, never at the hyphens of an option.
+std::string command_block(const std::string& command) {
+  std::string words;
+  for (char c : escaped(command)) words += c == ' ' ? std::string("</span> <span>") : std::string(1, c);
+  return "<code class=\"command\"><span>" + words + "</span></code>";
+}
+
 std::string decibels(const std::optional<double>& v) { return v ? fmt::format("{:.1f}\u00a0dB", *v) : std::string("–"); }
 
 std::string trust_word(Rating rating) {
@@ -68,8 +75,7 @@ std::string verdict_section(const Material& m) {
     text += fmt::format("<li>{}", escaped(v.next[i].text));
     // The same command under two pieces of advice is shown once.
     const bool before = i > 0 && v.next[i].command == v.next[i - 1].command;
-    if (!v.next[i].command.empty() && !before)
-      text += fmt::format("<code class=\"command\">{}</code>", escaped(v.next[i].command));
+    if (!v.next[i].command.empty() && !before) text += command_block(v.next[i].command);
     text += "</li>";
   }
   text += "</ol></div></div>";

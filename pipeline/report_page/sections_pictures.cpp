@@ -77,18 +77,19 @@ std::string compared(const Material& m, const ViewScore& v, size_t number) {
 struct LayerKindOf {
   const char *folder, *title;
   LayerKind kind;
+  bool main = false;  // shown at once; the others on request
 };
 constexpr LayerKindOf kLayers[] = {
-    {"diffuse", "matt surface", LayerKind::Radiance},
-    {"reflection", "what is reflected, as it adds to the picture", LayerKind::Radiance},
-    {"transmission", "what is seen through glass, as it adds to the picture", LayerKind::Radiance},
-    {"reflected", "reflected light before weighting", LayerKind::Radiance},
-    {"transmitted", "light behind the glass before weighting", LayerKind::Radiance},
+    {"diffuse", "matt surface", LayerKind::Radiance, true},
+    {"reflection", "what is reflected", LayerKind::Radiance, true},
+    {"transmission", "what is seen through glass", LayerKind::Radiance, true},
+    {"reflected", "what the reflected rays brought", LayerKind::Radiance},
+    {"transmitted", "what the rays behind the glass brought", LayerKind::Radiance},
     {"specular_weight", "where it is glossy", LayerKind::Weight},
     {"transmission_weight", "where light goes through", LayerKind::Weight},
     {"roughness", "roughness", LayerKind::Weight},
-    {"normal", "normals, world", LayerKind::Normal},
-    {"depth", "depth, near is bright", LayerKind::Depth},
+    {"normal", "normals, world", LayerKind::Normal, true},
+    {"depth", "depth, near is bright", LayerKind::Depth, true},
 };
 
 // Frames of one light: PNG files of a folder, without the contact sheet.
@@ -128,12 +129,16 @@ std::string layers_section(const Material& m) {
   std::vector<ViewScore> views = heldout_by_psnr(m);
   std::reverse(views.begin(), views.end());
   for (const ViewScore& v : spread(views, kMostLayered)) {
-    std::string cells;
+    std::string main, more;
     for (const LayerKindOf& layer : kLayers)
       if (const auto p =
               picture_of_layer(m.project / "eval/layers" / layer.folder / (stem_of(v.name) + ".exr"), layer.kind, kSmallPicture))
-        cells += captioned(*p, fmt::format("{} of {}", layer.title, v.name), layer.title);
-    if (!cells.empty()) body += fmt::format("<h3>{}</h3><div class=\"grid\">{}</div>", escaped(v.name), cells);
+        (layer.main ? main : more) += captioned(*p, fmt::format("{} of {}", layer.title, v.name), layer.title);
+    if (main.empty() && more.empty()) continue;
+    body += fmt::format("<h3>{}</h3><div class=\"grid five\">{}</div>", escaped(v.name), main);
+    if (!more.empty())
+      body += fmt::format("<details><summary>Rays and weights of {}</summary><div class=\"grid five\">{}</div></details>",
+                          escaped(v.name), more);
   }
   if (const auto masks = picture_of_file(m.project / "masks/contact_sheet.png", kLargePicture))
     body += fmt::format("<details><summary>What was taken for glass and gloss</summary>{}</details>",

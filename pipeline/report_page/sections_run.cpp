@@ -88,10 +88,11 @@ std::string cameras_section(const Material& m) {
     body += fmt::format("{}</p>", ring && ring->gap_deg >= 40 ? " <span class=\"key gap\"></span> widest gap" : "");
   }
   body += left_out(m) + photo_table(m);
-  return section("cameras", "Cameras",
-                 "Where the photos were taken from, and what they have in common: wedges are cameras, dots are points that "
-                 "several photos share.",
-                 body);
+  return section(
+      "cameras", "Cameras",
+      "Where the photos were taken from, and what they have in common: small pyramids are cameras, dots are points that "
+      "several photos share.",
+      body);
 }
 
 std::string cost_section(const Material& m) {
@@ -106,14 +107,15 @@ std::string cost_section(const Material& m) {
   const auto seconds = [](std::optional<double> v) { return v && *v > 0 ? duration_text(*v) : std::string("–"); };
   std::string rows, warnings;
   for (const StageCost& s : m.outcome.stages) {
+    const bool stopped = s.state == "failed" && m.outcome.ending == Ending::Stopped;
     rows += fmt::format(
         "<li><span class=\"stage\">{}</span><span class=\"state\">{}</span><span class=\"length\" aria-hidden=\"true\"><i "
         "style=\"width:{:.1f}%\"></i></span>"
-        "<span class=\"time\">{}</span><span class=\"cpu\">{} CPU</span><span class=\"memory\">{}</span><span "
+        "<span class=\"time\">{}</span><span class=\"cpu\">{}</span><span class=\"memory\">{}</span><span "
         "class=\"summary\">{}</span></li>",
-        escaped(s.name), escaped(s.state), longest > 0 ? 100 * s.seconds.value_or(0) / longest : 0.0, seconds(s.seconds),
-        seconds(s.cpu_seconds), s.peak_bytes && *s.peak_bytes > 0 ? bytes_text(size_t(*s.peak_bytes)) : std::string("–"),
-        escaped(s.summary));
+        escaped(s.name), stopped ? "stopped" : escaped(s.state), longest > 0 ? 100 * s.seconds.value_or(0) / longest : 0.0,
+        seconds(s.seconds), seconds(s.cpu_seconds) + (s.cpu_seconds.value_or(0) > 0 ? " CPU" : ""),
+        s.peak_bytes && *s.peak_bytes > 0 ? bytes_text(size_t(*s.peak_bytes)) : std::string("–"), escaped(s.summary));
     for (const std::string& w : s.warnings) warnings += fmt::format("<li><b>{}</b> {}</li>", escaped(s.name), escaped(w));
   }
   std::string body = fmt::format("<ol class=\"stages\">{}</ol>", rows);

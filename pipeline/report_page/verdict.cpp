@@ -12,11 +12,32 @@ namespace vitrine {
 namespace {
 
 // The figures that decide; the others are shown, and may be named as weak.
-constexpr std::string_view kDeciding[] = {"registered", "psnr", "ssim", "gap"};
-// Weak spots are named in this order, bad ones before borderline ones.
-constexpr std::string_view kNamed[] = {"registered",  "gap",           "psnr",        "region_transparent", "region_reflective",
-                                       "region_rest", "region_object", "weakest",     "reprojection",       "ssim",
-                                       "mesh_border", "baked",         "observations"};
+constexpr std::string_view kDeciding[] = {"registered", "gap", "psnr", "ssim"};
+// Others that may be named as weak.
+constexpr std::string_view kNamed[] = {"region_transparent", "region_reflective", "region_rest", "region_object", "weakest",
+                                       "reprojection",       "observations",      "mesh_border", "baked"};
+constexpr size_t kMostCauses = 6;  // of a failure; photos without a pose are listed below anyway
+
+// What a stage is about, for people who do not know its name.
+std::string stage_in_words(const std::string& stage) {
+  constexpr std::pair<std::string_view, std::string_view> kWords[] = {{"ingest", "reading the photos"},
+                                                                      {"sfm", "finding the camera poses"},
+                                                                      {"masks", "finding glass and mirrors"},
+                                                                      {"normals", "estimating surfaces"},
+                                                                      {"optimize", "training"},
+                                                                      {"mesh", "building the mesh"},
+                                                                      {"relight", "separating colour and light"},
+                                                                      {"evaluate", "measuring"},
+                                                                      {"export", "writing files for other programs"}};
+  for (const auto& [name, words] : kWords)
+    if (name == stage) return fmt::format("while {} ({})", words, name);
+  return "during " + stage;
+}
+
+std::string capital(std::string text) {
+  if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -35,16 +56,28 @@ Rating worst_deciding(const Figures& figures) {
   return worst;
 }
 
+// Bad ones before borderline ones; among these the deciding ones, then the weakest first.
 std::vector<const Figure*> weak_figures(const Figures& figures) {
-  std::vector<const Figure*> weak;
-  for (Rating rating : {Rating::Bad, Rating::Borderline})
-    for (std::string_view id : kNamed)
-      if (const Figure* f = figures.find(id); f != nullptr && f->rating == rating) weak.push_back(f);
+  std::vector<const Figure*> weak, others;
+  const auto add = [&](std::string_view id, std::vector<const Figure*>& to) {
+    if (const Figure* f = figures.find(id); f != nullptr && f->rating != Rating::Good) to.push_back(f);
+  };
+  for (std::string_view id : kDeciding) {
+    const Figure* psnr = figures.find("psnr");  // which says what SSIM would say again
+    if (id != "ssim" || psnr == nullptr || psnr->rating == Rating::Good) add(id, weak);
+  }
+  for (std::string_view id : kNamed) add(id, others);
+  std::stable_sort(others.begin(), others.end(), [](const Figure* a, const Figure* b) {
+    return place_on_scale(*a->rule, a->value) < place_on_scale(*b->rule, b->value);
+  });
+  weak.insert(weak.end(), others.begin(), others.end());
+  std::stable_sort(weak.begin(), weak.end(), [](const Figure* a, const Figure* b) { return a->rating > b->rating; });
   return weak;
 }
 
 WeakSpot weak_spot(const Figure& f) {
-  return {std::string(f.rule->weak), fmt::format("{}: {}", f.rule->label, shown(*f.rule, f.value))};
+  const std::string note = f.note.empty() ? "" : fmt::format(" ({})", f.note);
+  return {std::string(f.rule->weak), fmt::format("{}: {}{}", f.rule->label, shown(*f.rule, f.value), note)};
 }
 
 std::string how_well(const Figures& figures) {
@@ -55,8 +88,7 @@ std::string how_well(const Figures& figures) {
                         shown(*psnr->rule, psnr->value));
   else if (!text.empty())
     text += "; pictures from new places have not been measured";
-  if (!text.empty()) text[0] = char(std::toupper(static_cast<unsigned char>(text[0])));
-  return text.empty() ? std::string() : text + ".";
+  return text.empty() ? std::string() : capital(text) + ".";
 }
 
 class Commands {
@@ -109,25 +141,24 @@ void advise(const Figures& figures, const Outcome& outcome, const Commands& comm
         commands.with_photos({"--masks", "marks.yaml"}));
   if (rating("reprojection") != Rating::Good)
     add("Take sharper photos with a fixed focus and nothing moving; leave blurred ones out.", commands.with_photos());
-  if (rating("gap") == Rating::Borderline)
-    add("More photos from places in between would help most of all.", commands.with_photos());
+  if (rating("gap") == Rating::Borderline) add("Take more photos, from places in between.", commands.with_photos());
   add("Look at it under another light, any HDRI of yours.", commands.of({"relight", "--env", "studio.exr", "--turntable", "24"}));
 }
 
 void tell_failure(const Outcome& outcome, const Commands& commands, Verdict& v) {
   const std::string stage = outcome.last_stage();
   v.mood = Mood::Unfinished;
-  v.word = stage.empty() ? "It did not finish" : fmt::format("It stopped at {}", stage);
+  v.word = stage.empty() ? "It did not finish" : fmt::format("It failed {}", stage_in_words(stage));
   if (!outcome.failure) {
     v.sentence = fmt::format("The run ended with exit code {}.", outcome.exit);
     v.next.push_back({"log.txt has what was said. Run it again once the cause is gone.", commands.again()});
     return;
   }
   const StageFailure& f = *outcome.failure;
-  v.sentence = f.message;
-  if (!v.sentence.empty()) v.sentence[0] = char(std::toupper(static_cast<unsigned char>(v.sentence[0])));
+  v.sentence = capital(f.message);
   if (!v.sentence.empty() && std::string_view(".!?").find(v.sentence.back()) == std::string_view::npos) v.sentence += ".";
-  for (std::string& line : lines_of(f.why)) v.weak.push_back({std::move(line), ""});
+  for (const std::string& line : lines_of(f.why))
+    if (v.weak.size() < kMostCauses) v.weak.push_back({capital(line), ""});
   for (std::string line : lines_of(f.hint)) {
     const size_t number = line.find_first_not_of("0123456789");  // "2. put a pattern ...": the page numbers them itself
     if (number != std::string::npos && number > 0 && line.substr(number).starts_with(". ")) line.erase(0, number + 2);
@@ -137,7 +168,7 @@ void tell_failure(const Outcome& outcome, const Commands& commands, Verdict& v) 
       const std::string option = line.substr(flag, line.find_first_of(",;", flag) - flag);
       a.command = commands.again() + " " + option;
     }
-    a.text = std::move(line);
+    a.text = capital(std::move(line));
   }
   if (v.next.empty()) v.next.push_back({"Run it again once the cause is gone; what was finished is kept.", commands.again()});
 }
@@ -154,10 +185,11 @@ Verdict verdict_of(const Outcome& outcome, const Figures& figures, const std::st
     case Ending::Stopped:
     case Ending::CutOff: {
       const std::string stage = outcome.last_stage();
-      const std::string during = stage.empty() ? "" : fmt::format(" during {}", stage);
+      const std::string during = stage.empty() ? "" : " " + stage_in_words(stage);
       v.mood = Mood::Unfinished;
       v.word = outcome.ending == Ending::Stopped ? fmt::format("It was stopped{}", during)
-                                                 : fmt::format("It has not finished{}", during);
+               : stage.empty()                   ? std::string("It has not finished")
+                                                 : "It was last seen" + during;
       v.sentence = outcome.ending == Ending::Stopped ? "What was finished and the last checkpoint are kept."
                                                      : "The run still goes on, or it was killed; what was finished is kept.";
       v.next.push_back({"Continue where it ended.", commands.again()});

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/json.h"
-#include "core/base/process.h"
 #include "stages/export/export.h"
 #include "tests/export/pane_scene.h"
+#include "tests/external/programs.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -15,29 +15,10 @@ namespace {
 
 using nlohmann::json;
 
-struct Said {
-  int code = -1;
-  std::string out;
-};
-
-// Runs a program in the folder where the packages are installed.
-Said run(const std::vector<std::string>& arguments) {
-  Said said;
-  const ProcessResult r =
-      run_process({.arguments = arguments, .working_folder = EXTERNAL_DIR, .on_line = [&](std::string_view line) {
-                     said.out.append(line) += "\n";
-                   }});
-  said.code = r.signal != 0 ? 128 + r.signal : r.exit_code;
-  return said;
-}
-
 class External : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    make_folders(EXTERNAL_DIR);
-    for (const char* file : {"package.json", "validate.mjs", "render.mjs"})
-      write_file(fs::path(EXTERNAL_DIR) / file, read_file(fs::path(VITRINE_SOURCE_DIR) / "tests/external" / file));
-    installed_ = run({"npm", "install", "--no-audit", "--no-fund", "--prefer-offline"});
+    installed_ = install();
     const TemporaryFolder root;
     test::PaneScene().write(root.path());
     context_ = new test::RecordingContext(
@@ -54,7 +35,7 @@ class External : public testing::Test {
 };
 
 TEST_F(External, TheKhronosValidatorFindsNoErrorInTheGlb) {
-  const Said said = run({"node", "validate.mjs", exported("mesh.glb")});
+  const Said said = run_external({"node", "validate.mjs", exported("mesh.glb")});
   EXPECT_EQ(said.code, 0) << said.out;
   const json report = json::parse(said.out.substr(0, said.out.find('\n')));
   EXPECT_EQ(report["errors"], 0);
@@ -62,7 +43,7 @@ TEST_F(External, TheKhronosValidatorFindsNoErrorInTheGlb) {
 }
 
 TEST_F(External, ThreeJsShowsTheFloorThroughThePane) {
-  const Said said = run({"node", "render.mjs", exported("mesh.glb"), "pane.png", "-20", "15"});
+  const Said said = run_external({"node", "render.mjs", exported("mesh.glb"), "pane.png", "-20", "15"});
   ASSERT_EQ(said.code, 0) << said.out;
   const json r = json::parse(said.out.substr(said.out.find('{')));
   EXPECT_GT(r["glass"], 0.03) << "the pane is in the picture";
@@ -72,7 +53,7 @@ TEST_F(External, ThreeJsShowsTheFloorThroughThePane) {
 }
 
 TEST_F(External, SplatTransformReadsThe3dgsPly) {
-  const Said said = run({"npx", "splat-transform", "-w", exported("gaussians_3dgs.ply"), "splats.csv"});
+  const Said said = run_external({"npx", "splat-transform", "-w", exported("gaussians_3dgs.ply"), "splats.csv"});
   ASSERT_EQ(said.code, 0) << said.out;
   const std::string csv = read_file(fs::path(EXTERNAL_DIR) / "splats.csv");
   const size_t lines = size_t(std::count(csv.begin(), csv.end(), '\n'));

@@ -72,11 +72,16 @@ TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
   EXPECT_EQ(verdict({.psnr = 27, .train_psnr = 29}).mood, Mood::Good);
   EXPECT_EQ(verdict({.psnr = 26.99, .train_psnr = 28}).word, "It worked, with weak spots");
   EXPECT_EQ(verdict({.psnr = 22, .train_psnr = 23}).mood, Mood::Borderline);
-  const Verdict bad = verdict({.psnr = 21.99, .train_psnr = 33});
+  const Verdict bad = verdict({.psnr = 21.98, .train_psnr = 33});
   EXPECT_EQ(bad.mood, Mood::Bad);
-  EXPECT_EQ(bad.weak.at(0).figure, "Training against new views: 11.0\u00a0dB");
+  EXPECT_EQ(bad.weak.at(0).figure, "Training against new views: 11.0\u00a0dB (33.0 dB where it trained, 22.0 dB where not)");
   EXPECT_EQ(bad.next.at(0).command, "vitrine run 'my photos' -o out --preset preview");
   EXPECT_EQ(bad.next.at(1).command, "vitrine run out --preset standard");
+  const Verdict soft = verdict({.psnr = 24, .train_psnr = 28, .ssim = 0.8});
+  ASSERT_EQ(soft.weak.size(), kMostWeak);
+  EXPECT_TRUE(has(soft.weak[0].figure, "Training against new views")) << soft.weak[0].figure;
+  EXPECT_TRUE(has(soft.weak[1].figure, "New views, PSNR")) << soft.weak[1].figure;
+  EXPECT_FALSE(has(soft.weak[2].figure, "SSIM")) << "PSNR has said it";
   const Verdict few = verdict({.registered = 2});
   EXPECT_EQ(few.mood, Mood::Borderline);
   EXPECT_TRUE(has(few.next.at(0).text, "left out"));
@@ -91,22 +96,22 @@ TEST(Verdict, OfAFailureNamesTheStageTheCauseAndWhatToTry) {
                  "dark\",\"hint\":\"1. add photos\\n 2. accept fewer: --set "
                  "sfm.min_registered=0.3\"}\n{\"type\":\"run_end\",\"exit\":4}\n"});
   EXPECT_EQ(v.mood, Mood::Unfinished);
-  EXPECT_EQ(v.word, "It stopped at sfm");
+  EXPECT_EQ(v.word, "It failed while finding the camera poses (sfm)");
   EXPECT_EQ(v.sentence, "2 of 7 photos have poses.");
   ASSERT_EQ(v.weak.size(), 2u);
-  EXPECT_EQ(v.weak[1].text, "dark");
+  EXPECT_EQ(v.weak[1].text, "Dark");
   ASSERT_EQ(v.next.size(), 2u);
-  EXPECT_EQ(v.next[0].text, "add photos");
+  EXPECT_EQ(v.next[0].text, "Add photos");
   EXPECT_EQ(v.next[1].command, "vitrine run out --set sfm.min_registered=0.3");
 }
 
 TEST(Verdict, OfARunThatWasStoppedOrKilledIsToGoOn) {
   const std::string start = "{\"type\":\"run_start\"}\n{\"type\":\"stage_start\",\"stage\":\"mesh\",\"key\":\"ab\"}\n";
   const Verdict stopped = verdict({.exit = 75, .events = start + "{\"type\":\"run_end\",\"exit\":75}\n"});
-  EXPECT_EQ(stopped.word, "It was stopped during evaluate");  // as run.json has it
+  EXPECT_EQ(stopped.word, "It was stopped while measuring (evaluate)");  // as run.json has it
   EXPECT_EQ(stopped.next.at(0).command, "vitrine run out");
   const Verdict killed = verdict({.events = "{\"type\":\"run_start\"}\n{\"type\":\"run_end\"}\n" + start});
-  EXPECT_EQ(killed.word, "It has not finished during mesh");
+  EXPECT_EQ(killed.word, "It was last seen while building the mesh (mesh)");
 }
 
 TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
@@ -127,6 +132,14 @@ TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
   }
   EXPECT_EQ(page(folder.path()), html) << "the same folder gives the same page";
   EXPECT_LT(html.size(), size_t(200) << 10);
+}
+
+TEST(Page, CommandsBreakBetweenWordsAndKeepEveryLetter) {
+  const TemporaryFolder folder;
+  write_output(folder.path(), {.psnr = 24, .train_psnr = 25});
+  const std::string html = report_page({.project = folder.path(), .typed = "ö/a<b"});
+  EXPECT_TRUE(has(html, "<span>run</span> <span>&#39;ö/a&lt;b&#39;</span> <span>--preset</span> <span>standard</span>"))
+      << html.substr(html.find("<h1>"), 3000);
 }
 
 TEST(Page, APhotoMayBeCalledAnything) {

@@ -91,7 +91,7 @@ inline void write_output(const fs::path& out, const OutputDesc& d = {}) {
   file("optimize/report.json", R"({"surfels": 60000, "iterations": 3000, "layers": {"diffuse": {"surfels": 60000}}})");
   file("optimize/views.json", fmt::format(R"({{"train": ["c.jpg"], "heldout": ["a.jpg", {}]}})", second));
   file("mesh/report.json",
-       R"({"mesh": {"faces": 2, "components": 1, "edges": 5, "boundary_edges": 4, "self_intersections": 0}})");
+       R"({"mesh": {"faces": 2, "components": 1, "edges": 500, "boundary_edges": 4, "self_intersections": 0}})");
   file("relight/report.json", R"({"baked_log_rms": 0.5, "misfit_log_rms": [0.4, 0.2]})");
   file("normals/report.json", R"({"source": "geometric", "photos": [{"known": 0.5}, {"known": 0.9}]})");
   file("eval/metrics.json",

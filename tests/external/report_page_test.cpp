@@ -1,0 +1,41 @@
+// report.html in headless Chromium, from file://: nothing said on the console, nothing asked of the network, readable on a phone.
+#include <gtest/gtest.h>
+
+#include "core/base/json.h"
+#include "tests/external/programs.h"
+#include "tests/report/small_output.h"
+
+namespace vitrine {
+namespace {
+
+using nlohmann::json;
+
+TEST(ReportPage, OpensOnDeskAndPhoneWithoutAWordOrARequest) {
+  const Said installed = install();
+  ASSERT_EQ(installed.code, 0) << installed.out;
+  const TemporaryFolder folder;
+  test::write_output(folder.path(), {.photo = "<script>alert(1)<img src=x onerror=alert(2)>.jpg", .psnr = 20, .registered = 2});
+  const fs::path file = folder.path() / "report.html";
+  write_file(file, test::page(folder.path()));
+  const auto opened = [&](const char* width, const char* scheme) {
+    const Said said =
+        run_external({"node", "open_page.mjs", file.string(), fmt::format("report_{}_{}.png", width, scheme), width, scheme});
+    EXPECT_EQ(said.code, 0) << said.out;
+    return said.code == 0 ? json::parse(said.out.substr(said.out.find('{'))) : json::object();
+  };
+  for (const auto& [width, scheme] : {std::pair("1280", "light"), std::pair("390", "dark")}) {
+    SCOPED_TRACE(width);
+    const json r = opened(width, scheme);
+    ASSERT_FALSE(r.empty());
+    EXPECT_TRUE(r["messages"].empty()) << r["messages"];
+    EXPECT_LE(r["scroll"], std::stoi(width));
+    EXPECT_GT(r["readable"], 0.95) << r;  // asked for: 0.8
+    EXPECT_GT(r["pictures"][0], 8);
+    EXPECT_EQ(r["pictures"][1], 0);
+    EXPECT_EQ(r["split"], "80%");
+    EXPECT_EQ(r["colour"], std::string(scheme) == "dark" ? "rgb(22, 22, 20)" : "rgb(251, 250, 247)");
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
