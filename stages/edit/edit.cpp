@@ -96,15 +96,14 @@ Counts remove(EditScene& scene, const Parts& parts) {
   Bounds3 box;
   for (const Vec3f& p : scene.mesh.positions) box.extend(cast<double>(p));
   const bool some_deleted = count(scene.there.diffuse) < scene.there.diffuse.size();
-  throw Error(
-      ErrorKind::Input, fmt::format("'{}' selects nothing", edit.name),
-      {.where = edit.where,
-       .why =
-           fmt::format("no surfel and no part of the mesh{} is in: {}", some_deleted ? " that is still there" : "", edit.wanted),
-       .hint = fmt::format("the mesh lies between [{:.3g}, {:.3g}, {:.3g}] and [{:.3g}, {:.3g}, {:.3g}]; masks/contact_sheet.png "
-                           "shows the classes; marks can be looked up in images/",
-                           box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z),
-       .code = "EDIT_SELECTS_NOTHING"});
+  throw Error(ErrorKind::Input, fmt::format("'{}' selects nothing", edit.name),
+              {.where = edit.where,
+               .why = fmt::format("no surfel and no part of the mesh{} is in: {}", some_deleted ? " that is still there" : "",
+                                  edit.wanted),
+               .hint = fmt::format("the mesh lies between [{:.3g}, {:.3g}, {:.3g}] and [{:.3g}, {:.3g}, {:.3g}]; classes: "
+                                   "masks/contact_sheet.png; pixels of marks: images/",
+                                   box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z),
+               .code = "EDIT_SELECTS_NOTHING"});
 }
 
 void refuse_to_delete_all(const Edit& edit, const char* what) {

@@ -64,6 +64,16 @@ TEST(EditList, EveryKeyIsRead) {
   EXPECT_TRUE(edits[2].remove);
 }
 
+TEST(EditList, OfTheSampleIsRead) {
+  std::vector<View> views;
+  for (const char* name : {"img_0002.jpg", "img_0017.jpg", "img_0020.jpg", "img_0035.jpg"})
+    views.push_back({.name = name, .intrinsics = {640, 480, 500, 500, 320, 240}, .cam_from_world = {}});
+  const auto edits = read_edits(fs::path(VITRINE_SOURCE_DIR) / "sample_data/cabinet/edits.yaml", views);
+  ASSERT_EQ(edits.size(), 2u);
+  EXPECT_EQ(edits[0].select.marks.size(), 4u);
+  EXPECT_TRUE(edits[1].remove);
+}
+
 TEST(EditList, EveryMistakeIsShownAtItsLine) {
   const std::string set = "\n    set: {tint: 1}";
   const struct {

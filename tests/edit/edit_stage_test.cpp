@@ -214,6 +214,26 @@ TEST_F(EditStage, ASelectionOfNothingIsAnErrorAtItsLine) {
   EXPECT_TRUE(masks.detail().where.ends_with("edits.yaml:2:5")) << masks.what();
 }
 
+TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
+  const fs::path refine = folder_.path() / "refined";
+  make_folders(refine / "refine/gaussians");
+  SplatLayer better = balls().layer;
+  for (float& v : better.values(Attribute::ShDc)) v = 0.1f;
+  write_layer(refine / "refine/gaussians/diffuse.ply", better);
+  ImageOptions options;
+  options.composite.blend = LayerBlend::RtrGs;
+  write_image_options(refine / "refine/model.json", options);
+  write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
+  auto inputs = with_edits();
+  inputs["refine"] = refine;
+  RecordingContext context(inputs);
+  run_edit({}, context);
+  const TrainedScene scene = read_trained_scene(context.output() / "edited");
+  EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
+  EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
+  EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
+}
+
 TEST_F(EditStage, WorksWithoutMaterialsAndMasks) {
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 1}\n" + kTint);
   auto inputs = with_edits();
