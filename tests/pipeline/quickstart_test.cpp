@@ -49,7 +49,7 @@ TEST_F(Quickstart, RelightsWhatHasMaterialsOnly) {
   make_folders(out() / "relight");
   write_file(out() / "relight/materials.ply", "ply\n");
   make_folders(out() / "relit");
-  EXPECT_EQ(calls({}), "run\nrelight\nrelight\n");
+  EXPECT_EQ(calls({}), "run\nrelight\nrelight\nreport\n");
   EXPECT_NE(printed.find(out().string() + "/relit/"), std::string::npos) << printed;
   EXPECT_EQ(calls({"--dry-run"}), "run\n");
 }
