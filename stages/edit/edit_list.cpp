@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/config/text.h"
-#include "core/config/yaml_reader.h"
+#include "core/camera/photo_marks.h"
+#include "core/camera/photo_masks.h"
 
 namespace vitrine {
 
@@ -115,64 +115,24 @@ class Reader {
     if (node.kind != YamlNode::Kind::Map) return;
     const YamlNode* photo = node.find("photo");
     if (photo == nullptr) return in_.complain(node, "a mark names its photo");
-    const auto view = view_of(*photo);
-    auto outline = corners(node);
-    if (!view || !outline) return;
+    const auto view = marked_view(in_, *photo, views_);
+    auto region = marked_region(in_, node);
+    if (!view || !region) return;
     const Intrinsics& k = views_[*view].intrinsics;
     Vec2d size{double(k.width), double(k.height)};
     if (const YamlNode* given = node.find("size")) {
       const auto s = in_.numbers(*given, 2, "[width, height] of the photo in pixels");
       if (!s) return;
       size = {(*s)[0], (*s)[1]};
-      constexpr double kSameShape_rel = 0.02;
-      if (!(size.x > 0 && size.y > 0) || std::abs(size.x / size.y / (double(k.width) / k.height) - 1) > kSameShape_rel)
+      if (!same_shape(k.width, k.height, size.x, size.y))
         return in_.complain(*given, fmt::format("this photo has {}x{} pixels, or as many in proportion", k.width, k.height));
     }
-    for (Vec2d& p : *outline) {
+    for (Vec2d& p : region->corners) {
       if (p.x < 0 || p.y < 0 || p.x > size.x || p.y > size.y)
         return in_.complain(node, fmt::format("({}, {}) lies outside a photo of {}x{}", p.x, p.y, size.x, size.y));
       p = {p.x * k.width / size.x, p.y * k.height / size.y};
     }
-    marks.push_back({*view, std::move(*outline)});
-  }
-
-  std::optional<size_t> view_of(const YamlNode& node) {
-    std::vector<std::string> names;
-    for (size_t v = 0; v < views_.size(); ++v) {
-      if (views_[v].name == node.text || views_[v].stem() == node.text) return v;
-      names.push_back(views_[v].name);
-    }
-    const std::string near = nearest_word(node.text, names);
-    in_.complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
-                                   near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
-    return std::nullopt;
-  }
-
-  std::optional<std::vector<Vec2d>> corners(const YamlNode& mark) {
-    const YamlNode *box = mark.find("box"), *polygon = mark.find("polygon");
-    if ((box == nullptr) == (polygon == nullptr)) {
-      in_.complain(mark, "a mark has a box or a polygon");
-      return std::nullopt;
-    }
-    if (box != nullptr) {
-      const auto b = in_.numbers(*box, 4, "[left, top, right, bottom] in pixels of the photo");
-      if (!b) return std::nullopt;
-      const double l = (*b)[0], t = (*b)[1], r = (*b)[2], d = (*b)[3];
-      if (l < r && t < d) return std::vector<Vec2d>{{l, t}, {r, t}, {r, d}, {l, d}};
-      in_.complain(*box, "left must be smaller than right, and top than bottom");
-      return std::nullopt;
-    }
-    if (polygon->kind != YamlNode::Kind::List || polygon->items.size() < 3) {
-      in_.complain(*polygon, "expected three corners or more: [[x, y], [x, y], [x, y]]");
-      return std::nullopt;
-    }
-    std::vector<Vec2d> points;
-    for (const YamlNode& corner : polygon->items) {
-      const auto p = in_.numbers(corner, 2, "[x, y]");
-      if (!p) return std::nullopt;
-      points.push_back({(*p)[0], (*p)[1]});
-    }
-    return points;
+    marks.push_back({*view, std::move(region->corners)});
   }
 
   MaterialChange change(const YamlNode& node) {

@@ -5,9 +5,8 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/camera/photo_marks.h"
 #include "core/camera/photo_masks.h"
-#include "core/config/text.h"
-#include "core/config/yaml_reader.h"
 
 namespace vitrine {
 
@@ -49,54 +48,6 @@ class Reader {
     in_.complain(*node, "a photo has a positive width and height");
     return std::nullopt;
   }
-  std::optional<size_t> view_of(const YamlNode& node) {
-    const std::vector<View>& views = capture_.set.views;
-    std::vector<std::string> names;
-    std::vector<size_t> meant;  // called so without their folder or extension
-    for (size_t v = 0; v < views.size(); ++v) {
-      if (views[v].name == node.text) return v;
-      if (views[v].stem() == node.text || fs::path(views[v].name).filename() == node.text) meant.push_back(v);
-      names.push_back(views[v].name);
-    }
-    if (meant.size() == 1) return meant[0];
-    if (meant.size() > 1) {
-      in_.complain(node, fmt::format("'{}' may be {} or {}: write all of its name", node.text, names[meant[0]], names[meant[1]]));
-      return std::nullopt;
-    }
-    const std::string near = nearest_word(node.text, names);
-    in_.complain(node, fmt::format("'{}' is not among the photos that have a camera{}", node.text,
-                                   near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
-    return std::nullopt;
-  }
-
-  // In the marked photo's pixels.
-  std::optional<std::vector<Vec2d>> corners(const YamlNode& mark, bool& box) {
-    const YamlNode *box_node = mark.find("box"), *polygon = mark.find("polygon");
-    if ((box_node == nullptr) == (polygon == nullptr)) {
-      in_.complain(mark, "a mark has a box or a polygon");
-      return std::nullopt;
-    }
-    box = box_node != nullptr;
-    if (box) {
-      const auto b = in_.numbers(*box_node, 4, "[left, top, right, bottom]");
-      if (!b) return std::nullopt;
-      const double l = (*b)[0], t = (*b)[1], r = (*b)[2], d = (*b)[3];
-      if (l < r && t < d) return std::vector<Vec2d>{{l, t}, {r, t}, {r, d}, {l, d}};
-      in_.complain(*box_node, "left must be smaller than right, and top than bottom");
-      return std::nullopt;
-    }
-    if (polygon->kind != YamlNode::Kind::List || polygon->items.size() < 3) {
-      in_.complain(*polygon, "expected three corners or more: [[x, y], [x, y], [x, y]]");
-      return std::nullopt;
-    }
-    std::vector<Vec2d> points;
-    for (const YamlNode& corner : polygon->items) {
-      const auto p = in_.numbers(corner, 2, "[x, y]");
-      if (!p) return std::nullopt;
-      points.push_back({(*p)[0], (*p)[1]});
-    }
-    return points;
-  }
 
   // From the marked photo to the undistorted one, edge by edge.
   std::optional<std::vector<Vec2d>> outline(const YamlNode& mark, const std::vector<Vec2d>& points, const Vec2d& size,
@@ -137,20 +88,18 @@ class Reader {
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
-    const auto view = view_of(*photo);
+    const auto view = marked_view(in_, *photo, capture_.set.views);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
     if (!kind)
       in_.complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
     const auto own_size = size_of(node);
-    Mark mark;
-    const auto points = corners(node, mark.box);
-    if (!view || !kind || !points) return;
+    const auto region = marked_region(in_, node);
+    if (!view || !kind || !region) return;
     const std::optional<Vec2d> size = own_size ? own_size : common_size;
     if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
-    const auto line = outline(node, *points, *size, *view);
+    const auto line = outline(node, region->corners, *size, *view);
     if (!line) return;
-    mark.view = *view;
-    mark.outline = *line;
+    Mark mark{.view = *view, .box = region->box, .outline = *line};
     std::string thing_name(name(*kind));
     if (thing != nullptr) thing_name += " " + thing->text;
     auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
