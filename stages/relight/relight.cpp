@@ -23,6 +23,7 @@
 #include "core/scene/activation.h"
 #include "stages/relight/grey_card.h"
 #include "stages/relight/light_solver.h"
+#include "stages/relight/metals.h"
 #include "stages/relight/pictures.h"
 #include "stages/relight/point_grid.h"
 #include "stages/relight/spread.h"
@@ -96,22 +97,34 @@ class Decomposition {
     context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
   }
 
-  // What the masks stage calls glass or mirror in this view.
-  ImageF masked(const View& view, const Intrinsics& k) const {
+  // One class of the masks stage in this view; empty: none.
+  ImageF mask(const char* kind, const View& view, const Intrinsics& k) const {
     const auto folder = context_.optional_input("masks");
-    ImageF out;
-    if (!folder) return out;
-    for (const char* kind : {"transparent", "specular"}) {
-      const fs::path path = *folder / "masks" / kind / (view.stem() + ".png");
-      std::error_code ec;
-      if (!fs::exists(path, ec)) continue;
-      const Image8 grey = read_grey8(path);
-      ImageF mask(grey.width(), grey.height(), 1);
-      for (size_t i = 0; i < mask.data().size(); ++i) mask.data()[i] = float(grey.data()[i]) / 255.f;
-      mask = resized(mask, k.width, k.height);
-      if (out.empty()) out = ImageF(k.width, k.height, 1);
-      for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = std::max(out.data()[i], mask.data()[i]);
-    }
+    std::error_code ec;
+    if (!folder) return {};
+    const fs::path path = *folder / "masks" / kind / (view.stem() + ".png");
+    if (!fs::exists(path, ec)) return {};
+    const Image8 grey = read_grey8(path);
+    ImageF out(grey.width(), grey.height(), 1);
+    for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = float(grey.data()[i]) / 255.f;
+    return resized(out, k.width, k.height);
+  }
+
+  // Glass or mirror.
+  ImageF masked(const View& view, const Intrinsics& k) const {
+    ImageF out = mask("transparent", view, k);
+    const ImageF specular = mask("specular", view, k);
+    if (out.empty()) return specular;
+    for (size_t i = 0; i < specular.data().size(); ++i) out.data()[i] = std::max(out.data()[i], specular.data()[i]);
+    return out;
+  }
+
+  // Mirror and no glass.
+  ImageF mirrors(const View& view, const Intrinsics& k) const {
+    ImageF out = mask("specular", view, k);
+    const ImageF glass = mask("transparent", view, k);
+    if (out.empty() || glass.empty()) return out;
+    for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = std::min(out.data()[i], 1 - glass.data()[i]);
     return out;
   }
 
@@ -243,9 +256,28 @@ class Decomposition {
       materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
       if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
+    if (reflects) color_metals();
     if (card_) match_card();
     for (Vec3f& rho : materials_.albedo)
       for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
+  }
+
+  void color_metals() {
+    const fs::path sfm = context_.input("sfm");
+    const Environment light(environment());
+    const Metals found = find_metals({.sfm_folder = sfm,
+                                      .scene = scene_,
+                                      .views = views_,
+                                      .environment = light,
+                                      .mirrors = [&](const View& v, const Intrinsics& k) { return mirrors(v, k); },
+                                      .max_side = config_.max_side,
+                                      .cell = float(2 * voxel_),
+                                      .reach = float(3 * edge_)});
+    metals_ = found.metals;
+    for (size_t i = 0; i < materials_.size(); ++i)
+      if (found.of_surfel[i] >= 0)
+        tint_reflection(scene_.image.composite.blend, metals_[size_t(found.of_surfel[i])].tint, materials_.specular_weight[i],
+                        materials_.f0[i]);
   }
 
   // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
@@ -346,6 +378,8 @@ class Decomposition {
                                         config_.white_albedo)},
           {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
     if (baked) report["baked_log_rms"] = *baked;
+    for (const Metal& m : metals_)
+      report["metals"].push_back({{"tint", {m.tint.x, m.tint.y, m.tint.z}}, {"pixels", m.pixels}, {"reflects", m.reflects}});
     write_file(out / "relight" / "report.json", report.dump(2) + "\n");
     context_.metric("misfit_log_rms", solution_.misfit.back());
     context_.metric("light_known_share", solution_.known_share);
@@ -380,6 +414,7 @@ class Decomposition {
   LightSolution solution_;
   std::vector<Vec3f> irradiance_;
   RelightMaterials materials_;
+  std::vector<Metal> metals_;
   Vec3f card_gain_{1, 1, 1};
 };
 
