@@ -172,11 +172,24 @@ std::vector<PhotoFeatures> ColmapDatabase::features() const {
 
 std::vector<VerifiedPair> ColmapDatabase::verified_pairs() const {
   std::vector<VerifiedPair> out;
-  Statement s(handle_, path_, "SELECT pair_id, rows FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
+  const auto column = [&](const char* name) {
+    Statement s(handle_, path_, "SELECT 1 FROM pragma_table_info('two_view_geometries') WHERE name=?");
+    s.bind(1, name);
+    return s.step() ? std::string(name) : std::string("NULL");
+  };
+  Statement s(handle_, path_,
+              fmt::format("SELECT pair_id, rows, {}, {} FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id",
+                          column("config"), column("H")));
   while (s.step()) {
     const uint64_t pair = static_cast<uint64_t>(s.integer(0));
-    out.push_back(
-        {static_cast<uint32_t>(pair / kPairBase), static_cast<uint32_t>(pair % kPairBase), static_cast<size_t>(s.integer(1))});
+    VerifiedPair& v = out.emplace_back();
+    v.image_a = static_cast<uint32_t>(pair / kPairBase), v.image_b = static_cast<uint32_t>(pair % kPairBase);
+    v.inliers = static_cast<size_t>(s.integer(1));
+    v.config = static_cast<int>(s.integer(2));
+    const auto [h, bytes] = s.blob(3);
+    if (bytes != 9 * sizeof(double)) continue;
+    v.homography.resize(9);
+    std::memcpy(v.homography.data(), h, bytes);
   }
   return out;
 }

@@ -23,7 +23,10 @@ struct PhotoFeatures {
 struct VerifiedPair {
   uint32_t image_a = 0, image_b = 0;  // image ids, a < b
   size_t inliers = 0;
+  int config = 0;                  // COLMAP's TwoViewGeometry: 2 calibrated, 3 uncalibrated, 4 to 6 a plane or a rotation
+  std::vector<double> homography;  // [9] row by row, pixels of a to pixels of b; empty: not known
 };
+inline constexpr int kCalibratedPair = 2, kUncalibratedPair = 3, kFirstPlanarPair = 4, kLastPlanarPair = 6;
 
 class ColmapDatabase {
  public:

@@ -1,6 +1,7 @@
 #include "stages/sfm/diagnosis.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.h"
 #include "stages/sfm/sfm.h"
@@ -9,8 +10,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kFewFeatures = 150;  // a sharp, textured photo of 1000 pixels has thousands
-constexpr size_t kSmallestModel = 3;  // two views are a guess, not a model
+constexpr size_t kFewFeatures = 150;   // a sharp, textured photo of 1000 pixels has thousands
+constexpr size_t kHardlyEnough = 400;  // features a photo that blur may be blamed for
+constexpr size_t kSmallestModel = 3;   // two views are a guess, not a model
 // Of pairs with enough raw matches: when fewer survive the geometric check than this, the matches lie on things that move with
 // the camera (reflections) or look alike (repetition).
 constexpr double kFewSurvive = 0.3;
@@ -22,6 +24,59 @@ size_t median_features(const Reconstruction& r, bool masked_too) {
   if (f.empty()) return 0;
   std::nth_element(f.begin(), f.begin() + long(f.size() / 2), f.end());
   return f[f.size() / 2];
+}
+
+constexpr double kBlurred = 0.8;        // px: where features are few, they were smeared away
+constexpr double kOtherExposure = 1.5;  // EV from the median: SIFT forgives less than that
+constexpr double kManyPhotos = 0.25, kMostPhotos = 0.5;
+constexpr double kMostPairs = 0.6;
+constexpr double kFewAgree = 0.12;    // of the features of a photo: with its best partner
+constexpr double kFewTogether = 0.3;  // of photos that pairs connect: the pairs contradict each other
+constexpr double kGroupPhotos = 3;    // a group of so many would make a model of its own
+
+template <class F>
+std::optional<double> median_of(const Reconstruction& r, F&& figure) {
+  std::vector<double> v;
+  for (const PhotoReport& p : r.photos)
+    if (const std::optional<double> x = figure(p)) v.push_back(*x);
+  if (v.empty()) return std::nullopt;
+  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+template <class F>
+double share_of(const Reconstruction& r, F&& holds) {
+  const auto count = std::count_if(r.photos.begin(), r.photos.end(), holds);
+  return r.photos.empty() ? 0 : double(count) / double(r.photos.size());
+}
+
+// Of the features of a photo, the share that agrees with its best partner; median over the photos.
+std::optional<double> agreeing_share(const Reconstruction& r) {
+  if (r.pairs.empty()) return std::nullopt;
+  std::vector<size_t> best(r.photos.size(), 0);
+  for (const PairReport& p : r.pairs)
+    for (size_t i : {p.a, p.b}) best[i] = std::max(best[i], p.verified);
+  size_t i = 0;
+  return median_of(r, [&](const PhotoReport& p) {
+    const size_t matched = best[i++], used = p.features - p.masked;
+    return used > 0 ? std::optional(double(matched) / double(used)) : std::nullopt;
+  });
+}
+
+bool blurred(const PhotoReport& p) { return p.blur_px.value_or(0) > kBlurred; }
+
+std::optional<double> median_brightness(const Reconstruction& r) {
+  return median_of(r, [](const PhotoReport& p) { return p.brightness_ev; });
+}
+bool otherwise_exposed(const PhotoReport& p, std::optional<double> typical) {
+  return typical && p.brightness_ev && std::abs(*p.brightness_ev - *typical) > kOtherExposure;
+}
+
+std::string sizes_text(const std::vector<size_t>& groups) {
+  constexpr size_t kShown = 8;
+  std::string sizes;
+  for (size_t i = 0; i < std::min(groups.size(), kShown); ++i) sizes += (i ? ", " : "") + std::to_string(groups[i]);
+  return sizes + (groups.size() > kShown ? ", ..." : "");
 }
 
 std::string left_out_list(const Reconstruction& r, const SfmConfig& config) {
@@ -51,9 +106,23 @@ std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
   return fmt::format("{} verified matches with {} photos, too few with known points", p.verified, p.neighbours);
 }
 
+std::string cause_left_out(const PhotoReport& p, const Reconstruction& r, const SfmConfig& config) {
+  if (p.registered || p.pose_missing) return {};
+  const std::optional<double> typical = median_brightness(r);
+  const bool few = p.features - p.masked < kFewFeatures, alone = p.matches < size_t(config.min_matches) || p.neighbours == 0;
+  if ((few || alone) && otherwise_exposed(p, typical)) return "mixed_exposure";
+  if ((few || alone) && blurred(p)) return "motion_blur";
+  if (few) return "too_few_features";
+  if (p.group > 0 && p.group < r.groups.size() && double(r.groups[p.group]) >= kGroupPhotos) return "split_models";
+  if (p.matches >= size_t(config.min_matches) && p.neighbours == 0) return "reflections_dominate";
+  return "no_overlap";
+}
+
 Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   const size_t n = r.photos.size(), have = r.model.images.size();
-  if (have >= kSmallestModel && double(have) >= config.min_registered * double(n)) return {};
+  // A mapper invents depth for photos from one place: its model does not count then.
+  const bool turned = r.rotation_share >= kMostPairs;
+  if (have >= kSmallestModel && double(have) >= config.min_registered * double(n) && !turned) return {};
   Diagnosis d;
   const size_t median = median_features(r, false), found = median_features(r, true), largest = r.groups.empty() ? 0 : r.groups[0];
   const std::string of_found = found > median ? fmt::format(" ({} before masks)", found) : "";
@@ -61,13 +130,33 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
       fmt::format("median {} features a photo{}; of {} pairs compared {} had at least {} matches and {} agree on a camera motion",
                   median, of_found, r.pairs_compared, r.pairs_matched, config.min_matches, r.pairs_verified);
   const double survive = r.pairs_matched > 0 ? double(r.pairs_verified) / double(r.pairs_matched) : 0;
+  const double needed = std::max(double(kSmallestModel), config.min_registered * double(n));
+  const bool connected = double(largest) >= needed;
+  const bool split = r.groups.size() >= 2 && double(r.groups[1]) >= kGroupPhotos;
   const std::string poses_hint = "3. supply poses: --poses transforms.json, or a COLMAP model";
+  const std::optional<double> typical = median_brightness(r), blur = median_of(r, [](const PhotoReport&p) { return p.blur_px; });
+  const double exposed = share_of(r, [&](const PhotoReport& p) { return otherwise_exposed(p, typical); });
   if (median < kFewFeatures && found >= kFewFeatures) {
     d.code = "SFM_TOO_FEW_FEATURES";
     d.why = "the masks leave too little texture: " + figures;
     d.hint =
         "1. look at the masks: features are not used inside specular, transparent and ignore, on a turntable outside object\n"
         "2. find the cameras without masks of a class: --set sfm.masks.specular=off (object, transparent, ignore)\n" +
+        poses_hint;
+  } else if (exposed >= kManyPhotos) {
+    d.code = "SFM_MIXED_EXPOSURE";
+    d.why = fmt::format("{:.0f} % of the photos are more than {} EV brighter or darker than the others, too much to match: {}",
+                        100 * exposed, kOtherExposure, figures);
+    d.hint =
+        "1. manual exposure: one time, one aperture, one ISO for all photos; `vitrine inspect PHOTOS -v` lists them\n"
+        "2. develop the raw files again with one exposure\n" +
+        poses_hint;
+  } else if (median < kHardlyEnough && share_of(r, blurred) >= kMostPhotos) {
+    d.code = "SFM_MOTION_BLUR";
+    d.why = fmt::format("the photos are blurred: edges are smeared over {:.1f} pixels; {}", blur.value_or(0), figures);
+    d.hint =
+        "1. tripod or more light, and take them again; `vitrine inspect PHOTOS` says which are sharp\n"
+        "2. smaller pictures hide some of it: --set ingest.max_side=800\n" +
         poses_hint;
   } else if (median < kFewFeatures) {
     d.code = "SFM_TOO_FEW_FEATURES";
@@ -76,19 +165,59 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
         "1. sharper, brighter photos, and keep the background (do not cut the object out)\n"
         "2. put the object on a printed pattern or newspaper\n" +
         poses_hint;
-  } else if (n >= 2 && double(largest) < std::max(double(kSmallestModel), config.min_registered * double(n))) {
+  } else if (turned) {
+    d.code = "SFM_PURE_ROTATION";
+    d.why = fmt::format("the camera turned but did not move: that explains {:.0f} % of the pairs; {}", 100 * r.rotation_share,
+                        figures);
+    d.hint =
+        "1. walk around the scene: depth shows only from different places, a step for every photo\n"
+        "2. a turntable? give masks of the object: --masks DIR --set sfm.turntable=yes\n" +
+        poses_hint;
+  } else if (r.uncalibrated_share >= kMostPairs && have == 0) {
+    d.code = "SFM_BAD_FOCAL";
+    d.why =
+        fmt::format("{:.0f} % of the pairs contradict the focal length that EXIF names (cropped, resized or edited photos?); {}",
+                    100 * r.uncalibrated_share, figures);
+    d.hint =
+        "1. use the photos as the camera wrote them\n"
+        "2. or remove their EXIF data, so that the focal length is solved for: exiftool -all= PHOTOS\n" +
+        poses_hint;
+  } else if (!connected && split) {
+    d.code = "SFM_SPLIT_MODELS";
+    d.why = fmt::format("the photos are of {} places that share nothing (groups of {} photos): {}", r.groups.size(),
+                        sizes_text(r.groups), figures);
+    d.hint =
+        "1. take a few photos that show both parts, or run each part by itself\n"
+        "2. take the largest group as it is: --set sfm.min_registered=0.3\n" +
+        poses_hint;
+  } else if (!connected && survive >= kFewSurvive) {
     d.code = "SFM_NO_OVERLAP";
-    std::string sizes;
-    for (size_t i = 0; i < std::min<size_t>(r.groups.size(), 8); ++i) sizes += (i ? ", " : "") + std::to_string(r.groups[i]);
-    if (r.groups.size() > 8) sizes += ", ...";
-    d.why = fmt::format("the photos fall into {} groups that share nothing (sizes {}): {}", r.groups.size(), sizes, figures);
-    if (survive < kFewSurvive && r.pairs_matched > 0)
-      d.why +=
-          ". Matches that disagree with every camera motion are typical of polished surfaces, whose reflections move with the "
-          "camera";
+    d.why = fmt::format("the photos fall into {} groups that share nothing (sizes {}): {}", r.groups.size(), sizes_text(r.groups),
+                        figures);
     d.hint =
         "1. take more photos in between: two thirds of a picture should be seen in the next one, steps of 10-15 degrees\n"
         "2. shiny object or plain table: put a printed pattern under it, and keep the surroundings in the picture\n" +
+        poses_hint;
+  } else if (!connected && r.pairs_matched == 0) {
+    d.code = "SFM_NO_OVERLAP";
+    d.why = "no photo shows what another shows: " + figures;
+    d.hint =
+        "1. take more photos in between: two thirds of a picture should be seen in the next one, steps of 10-15 degrees\n"
+        "2. shiny object or plain table: put a printed pattern under it, and keep the surroundings in the picture\n" +
+        poses_hint;
+  } else if (!connected || (r.pairs_matched > 0 && survive < kFewSurvive) ||
+             (have > 0 && double(have) < kFewTogether * double(largest)) || agreeing_share(r).value_or(1) < kFewAgree) {
+    // Pairs that agree two by two but not on one scene: what they show moves with the camera.
+    d.code = "SFM_REFLECTIONS_DOMINATE";
+    d.why = (connected && survive >= kFewSurvive
+                 ? "the photos agree two by two, but not on one scene, as when most matches lie on polished surfaces, whose "
+                   "reflections move with the camera (or on repeated patterns): "
+                 : "most matches disagree with every camera motion, as on polished surfaces, whose reflections move with the "
+                   "camera (or on repeated patterns): ") +
+            figures;
+    d.hint =
+        "1. put a printed pattern under the object, and keep more of the surroundings in the picture\n"
+        "2. mark the shiny parts: --masks marks.yaml (stages/masks/README.md), or a folder of masks\n" +
         poses_hint;
   } else if (have == 0) {
     d.code = "SFM_NO_MODEL";
@@ -100,8 +229,6 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   } else {
     d.code = "SFM_TOO_FEW_REGISTERED";
     d.why = figures;
-    if (survive < kFewSurvive && r.pairs_matched > 0)
-      d.why += ". Most matches disagree with every camera motion: polished surfaces or repeated patterns";
     d.hint =
         "1. add photos between those with a pose and those without\n"
         "2. put a printed pattern under the object, keep the surroundings in the picture\n" +
@@ -110,6 +237,8 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   d.message = have == 0 ? fmt::format("none of {} photos got a camera pose", n)
                         : fmt::format("{} of {} photos have poses ({:.0f} %, need {:.0f} % and at least {})", have, n,
                                       100.0 * double(have) / double(n), 100 * config.min_registered, kSmallestModel);
+  if (turned && have > 0)
+    d.message = fmt::format("the poses of {} photos cannot be trusted: they were all taken from one place", have);
   if (r.attempts.size() > 1) d.why += fmt::format("; {} attempts were made", r.attempts.size());
   d.why += left_out_list(r, config);
   return d;

@@ -12,6 +12,9 @@ struct SfmConfig;
 
 // Why this photo is not in the model: "few features (37)", "no photo matches it", ...; empty when it is registered.
 std::string reason_left_out(const PhotoReport& photo, const SfmConfig& config);
+// The same in a word: too_few_features, motion_blur, mixed_exposure, split_models, reflections_dominate, no_overlap; empty when
+// it is registered, or when poses were given.
+std::string cause_left_out(const PhotoReport& photo, const Reconstruction& r, const SfmConfig& config);
 // nullopt-like: empty `code` = the model is good enough. `evidence` is a path for the reader (the report in the scratch folder).
 struct Diagnosis {
   std::string code, message, why, hint;

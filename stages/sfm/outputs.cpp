@@ -1,7 +1,9 @@
 #include "stages/sfm/outputs.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <mutex>
 
@@ -98,12 +100,37 @@ void write_pictures(const PicturesDesc& desc) {
   });
 }
 
+void write_match_matrix(const fs::path& path, const Reconstruction& r) {
+  const int n = int(r.photos.size());
+  constexpr int kSide = 720;
+  const int cell = std::clamp(kSide / std::max(n, 1), 1, 40);
+  Image8 image(n * cell, n * cell, 3, uint8_t{245});
+  const auto fill = [&](size_t row, size_t column, std::array<int, 3> colour) {
+    for (int y = 0; y < cell - (cell > 3); ++y)
+      for (int x = 0; x < cell - (cell > 3); ++x)
+        for (int c = 0; c < 3; ++c) image.at(int(column) * cell + x, int(row) * cell + y, c) = uint8_t(colour[size_t(c)]);
+  };
+  constexpr double kFull = 1000;  // matches of the darkest cell
+  for (const PairReport& p : r.pairs) {
+    const double strength = std::min(std::log1p(double(p.verified)) / std::log1p(kFull), 1.0);
+    const std::array<int, 3> colour{int(215 - 200 * strength), int(225 - 135 * strength), int(245 - 75 * strength)};
+    fill(p.a, p.b, colour);
+    fill(p.b, p.a, colour);
+  }
+  for (size_t i = 0; i < r.photos.size(); ++i)
+    fill(i, i, r.photos[i].registered ? std::array<int, 3>{40, 150, 60} : std::array<int, 3>{210, 40, 40});
+  make_folders(path.parent_path());
+  write_ldr(path, image);
+}
+
 void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
   const Reconstruction& r = *desc.reconstruction;
   nlohmann::json j;
   j["colmap"] = desc.colmap;
   j["pairs"] = {{"compared", r.pairs_compared}, {"matched", r.pairs_matched}, {"verified", r.pairs_verified}};
   j["connected_groups"] = r.groups;
+  j["rotation_share"] = r.rotation_share;
+  j["uncalibrated_share"] = r.uncalibrated_share;
   for (const Attempt& a : r.attempts)
     j["attempts"].push_back({{"what", a.what}, {"registered", a.registered}, {"model_sizes", a.model_sizes}});
   if (r.masks) j["masks"] = masks_json(*r.masks);
@@ -119,7 +146,13 @@ void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
                        {"registered", p.registered},
                        {"observations", p.observations}};
     if (r.masks) row["masked_features"] = p.masked;
-    if (!p.registered) row["reason"] = reason_left_out(p, *desc.config);
+    row["group"] = p.group;
+    if (p.blur_px) row["blur_px"] = *p.blur_px;
+    if (p.brightness_ev) row["brightness_ev"] = *p.brightness_ev;
+    if (!p.registered) {
+      row["reason"] = reason_left_out(p, *desc.config);
+      row["cause"] = cause_left_out(p, r, *desc.config);
+    }
     j["photos"].push_back(std::move(row));
   }
   j["registered"] = registered;

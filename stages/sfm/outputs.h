@@ -37,6 +37,10 @@ struct ReportDesc {
   std::string code = {};  // of the diagnosis, for a failed run
 };
 
+// Evidence: a square for every pair of photos in name order, darker blue with more verified matches; on the diagonal green with a
+// pose, red without.
+void write_match_matrix(const std::filesystem::path& path, const Reconstruction& r);
+
 void write_sfm_report(const std::filesystem::path& path, const ReportDesc& desc);
 
 }  // namespace vitrine

@@ -10,6 +10,7 @@
 #include "core/base/timer.h"
 #include "stages/sfm/features.h"
 #include "stages/sfm/point_filter.h"
+#include "stages/sfm/rotation_pairs.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -59,21 +60,24 @@ std::vector<ColmapModel> models_in(const fs::path& folder) {
   return models;
 }
 
-// Sizes of the groups that verified pairs connect.
-std::vector<size_t> connected_groups(size_t n, const std::vector<std::pair<size_t, size_t>>& edges) {
+// Which group of photos that verified pairs connect each photo is in; `sizes` largest first.
+std::vector<size_t> connected_groups(size_t n, const std::vector<PairReport>& edges, std::vector<size_t>& sizes) {
   std::vector<size_t> root(n);
   std::iota(root.begin(), root.end(), size_t{0});
   const auto find = [&](size_t i) {
     while (root[i] != i) i = root[i] = root[root[i]];
     return i;
   };
-  for (const auto& [a, b] : edges) root[std::max(find(a), find(b))] = std::min(find(a), find(b));
-  std::vector<size_t> sizes(n, 0), out;
-  for (size_t i = 0; i < n; ++i) ++sizes[find(i)];
-  for (size_t s : sizes)
-    if (s > 0) out.push_back(s);
-  std::sort(out.rbegin(), out.rend());
-  return out;
+  for (const PairReport& e : edges) root[std::max(find(e.a), find(e.b))] = std::min(find(e.a), find(e.b));
+  std::vector<size_t> count(n, 0), order, group(n);
+  for (size_t i = 0; i < n; ++i) ++count[find(i)];
+  for (size_t i = 0; i < n; ++i)
+    if (count[i] > 0) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return count[a] > count[b]; });
+  sizes.clear();
+  for (size_t i : order) sizes.push_back(count[i]);
+  for (size_t i = 0; i < n; ++i) group[i] = size_t(std::find(order.begin(), order.end(), find(i)) - order.begin());
+  return group;
 }
 
 // What the database says about every photo.
@@ -92,10 +96,16 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
     photo_of_id[f.image_id] = *i;
     out.photos[*i].features = f.count;
   }
-  std::vector<std::pair<size_t, size_t>> edges;
-  for (const VerifiedPair& pair : db.verified_pairs()) {
+  const std::vector<VerifiedPair> verified = db.verified_pairs();
+  size_t with_focal = 0, uncalibrated = 0;
+  for (const VerifiedPair& pair : verified) {
     const size_t a = photo_of_id.at(pair.image_a), b = photo_of_id.at(pair.image_b);
-    edges.push_back({a, b});
+    out.pairs.push_back({a, b, pair.inliers});
+    if (desc.photos[a].focal_px && desc.photos[b].focal_px &&
+        (pair.config == kCalibratedPair || pair.config == kUncalibratedPair)) {
+      ++with_focal;
+      uncalibrated += pair.config == kUncalibratedPair;
+    }
     for (size_t i : {a, b}) {
       out.photos[i].verified += pair.inliers;
       ++out.photos[i].neighbours;
@@ -106,8 +116,11 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
     for (size_t i = 0; i < counts.masks->removed_of_photo.size(); ++i) out.photos[i].masked = counts.masks->removed_of_photo[i];
   out.pairs_compared = counts.compared;
   out.pairs_matched = counts.matched;
-  out.pairs_verified = edges.size();
-  out.groups = connected_groups(desc.photos.size(), edges);
+  out.pairs_verified = out.pairs.size();
+  const std::vector<size_t> group = connected_groups(desc.photos.size(), out.pairs, out.groups);
+  for (size_t i = 0; i < group.size(); ++i) out.photos[i].group = group[i];
+  out.uncalibrated_share = with_focal > 0 ? double(uncalibrated) / double(with_focal) : 0;
+  if (!desc.photos.empty()) out.rotation_share = rotation_share(verified, desc.photos[0].width, desc.photos[0].height);
 }
 
 // Photo names instead of safe names; image ids 1..n in name order; tracks follow.
@@ -263,6 +276,7 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
   const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &poses);
   Reconstruction out;
   survey(desc, database, counts, out);
+  out.rotation_share = 0;  // where the photos were taken is known
 
   // The triangulator wants the given poses under the database's names and ids, with no points.
   ColmapModel start;

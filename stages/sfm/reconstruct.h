@@ -37,6 +37,9 @@ struct PhotoReport {
   size_t masked = 0;                                                                 // of its features: not used, by the masks
   size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
   bool registered = false;
+  size_t group = 0;               // of photos that verified pairs connect; 0 = the largest
+  std::optional<double> blur_px;  // measured when something went wrong (core/photo/measures.h)
+  std::optional<double> brightness_ev;
   bool pose_missing = false;          // poses were given, but none for this photo
   std::optional<size_t> weak_points;  // the mapper gave it a pose from so few points that it was taken out again
 };
@@ -47,11 +50,18 @@ struct Attempt {
   size_t registered = 0;
 };
 
+struct PairReport {
+  size_t a = 0, b = 0, verified = 0;  // indices of photos
+};
+
 struct Reconstruction {
   ColmapModel model;                // image names are photo names; ids 1..n in name order
   std::vector<PhotoReport> photos;  // in the order given
   std::vector<Attempt> attempts;
-  std::vector<size_t> groups;  // sizes of groups connected by verified pairs, largest first
+  std::vector<size_t> groups;     // sizes of groups connected by verified pairs, largest first
+  std::vector<PairReport> pairs;  // verified ones
+  double rotation_share = 0;      // of the verified pairs: explained by a camera that turned on the spot
+  double uncalibrated_share = 0;  // of the pairs of photos with a focal length from EXIF: explained only without it
   size_t pairs_compared = 0, pairs_matched = 0, pairs_verified = 0;
   std::optional<MaskEffect> masks;  // of the attempt that counts
 };

@@ -4,11 +4,14 @@
 
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/parallel.h"
 #include "core/base/timer.h"
 #include "core/camera/photo_list.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/photo/measures.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
@@ -114,6 +117,37 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
   return s;
 }
 
+// When photos are missing: are they blurred, or exposed otherwise?
+void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Reconstruction& r) {
+  if (std::all_of(r.photos.begin(), r.photos.end(), [](const PhotoReport& p) { return p.registered; })) return;
+  parallel_for(photos.size(), 1, [&](size_t i) {
+    const PhotoMeasures m = measured(read_srgb8(ingested_ldr_path(ingest, photos[i])));
+    r.photos[i].blur_px = m.blur_px;
+    r.photos[i].brightness_ev = m.brightness_ev;
+  });
+}
+
+// EXIF's focal length against the one that the photos agree on.
+void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, StageContext& context) {
+  constexpr double kFar = 1.33;
+  size_t far = 0;
+  double named = 0, solved = 0;
+  for (const ColmapImage& image : model.images) {
+    const auto photo = std::find_if(photos.begin(), photos.end(), [&](const Photo& p) { return p.name == image.name; });
+    const ColmapCamera* camera = model.find_camera(image.camera_id);
+    if (photo == photos.end() || !photo->focal_px || camera == nullptr || camera->params.empty()) continue;
+    const double ratio = camera->params[0] / *photo->focal_px;
+    if (ratio < kFar && ratio > 1 / kFar) continue;
+    ++far;
+    named = *photo->focal_px, solved = camera->params[0];
+  }
+  if (far > 0)
+    context.warning("SFM_BAD_FOCAL",
+                    fmt::format("EXIF names a focal length of {:.0f} pixels, {} photos agree on {:.0f}: cropped or edited "
+                                "photos? The latter is used",
+                                named, far, solved));
+}
+
 // What exposure and white balance did to each photo, from the colours of the tracks in the undistorted photos.
 Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext& context) {
   const std::vector<GainSample> samples = track_samples(model, [&](const ColmapImage& image) {
@@ -140,7 +174,8 @@ Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext
 void run(const SfmConfig& config, StageContext& context) {
   const fs::path ingest = context.input("ingest"), output = context.output();
   const std::vector<Photo> photos = read_photo_list(ingest);
-  const Solved s = solved(config, context, ingest, photos);
+  Solved s = solved(config, context, ingest, photos);
+  measure_photos(ingest, photos, s.reconstruction);
   const Reconstruction& r = s.reconstruction;
   const Diagnosis diagnosis = diagnosed(r, config);
   if (!diagnosis.code.empty()) {
@@ -152,6 +187,7 @@ void run(const SfmConfig& config, StageContext& context) {
     report.colmap = s.colmap;
     report.code = diagnosis.code;
     write_sfm_report(evidence, report);
+    write_match_matrix(context.scratch() / "evidence" / "matches.png", r);
     throw_diagnosis(diagnosis, evidence);
   }
   for (const PhotoReport& p : r.photos)
@@ -160,6 +196,7 @@ void run(const SfmConfig& config, StageContext& context) {
     context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
                                                    r.attempts.back().model_sizes.size(), r.model.images.size()));
 
+  if (!context.optional_input("poses")) compare_focal(photos, r.model, context);
   FilterCounts counts;
   const ColmapModel kept = filtered(r.model, config.points, counts);
   std::vector<Undistortion> undistortions;
@@ -196,6 +233,7 @@ void run(const SfmConfig& config, StageContext& context) {
   write_colmap_model(sparse, model, ColmapFormat::Text);
   write_scene_info(output / "scene.json", scene);
   timer.restart();
+  if (!r.pairs.empty()) write_match_matrix(output / "sfm" / "evidence" / "matches.png", r);
   write_gains(output / "sfm" / "gains.json", photo_gains(model, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
@@ -270,7 +308,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 3,
+                 .version = 4,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

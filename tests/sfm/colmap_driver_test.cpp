@@ -1,4 +1,4 @@
-// The driver against programs that answer like five versions of COLMAP, like nothing, and like something else.
+// The driver against programs that answer like six versions of COLMAP, like nothing, and like something else.
 #include "stages/sfm/colmap_driver.h"
 
 #include <gtest/gtest.h>
@@ -24,6 +24,8 @@ const FakeVersion kVersions[] = {
     {"COLMAP 3.12.0.dev0 -- Structure-from-Motion", "3.12.0.dev0", "SiftExtraction", "SiftExtraction", "SiftMatching",
      "random_seed"},
     {"COLMAP 3.13.0 -- Structure-from-Motion", "3.13.0", "FeatureExtraction", "SiftExtraction", "FeatureMatching",
+     "default_random_seed"},
+    {"COLMAP 4.0.0 -- Structure-from-Motion", "4.0.0", "FeatureExtraction", "FeatureExtraction", "FeatureMatching",
      "default_random_seed"},
     {"COLMAP 4.1.1 (Commit abc)", "4.1.1", "FeatureExtraction", "FeatureExtraction", "FeatureMatching", "default_random_seed"},
 };
@@ -63,7 +65,7 @@ fs::path fake_colmap(const fs::path& folder, const FakeVersion& v) {
                                    "exit 3\n");
 }
 
-TEST(ColmapDriver, FindsTheOptionNamesOfFiveVersions) {
+TEST(ColmapDriver, FindsTheOptionNamesOfSixVersions) {
   for (const FakeVersion& v : kVersions) {
     const TemporaryFolder folder;
     Colmap colmap(fake_colmap(folder.path(), v));
@@ -95,7 +97,7 @@ TEST(ColmapDriver, PassesArgumentsWithoutAShellAndReportsTheExitCode) {
 
 TEST(ColmapDriver, NamesAMissingOptionAndTheVersion) {
   const TemporaryFolder folder;
-  Colmap colmap(fake_colmap(folder.path(), kVersions[4]));
+  Colmap colmap(fake_colmap(folder.path(), kVersions[5]));
   const Error e = error_of([&] { colmap.run({.command = "feature_extractor", .settings = {{"match_threads", "1"}}}); });
   EXPECT_EQ(e.kind(), ErrorKind::Dependency);
   EXPECT_EQ(e.detail().code, "COLMAP_OPTION_MISSING");

@@ -32,7 +32,22 @@ TEST(Diagnosis, AcceptsEnoughPhotos) {
 
 TEST(Diagnosis, NamesTheCause) {
   EXPECT_EQ(diagnosed(capture(10, 40, 0, {10}), {}).code, "SFM_TOO_FEW_FEATURES");
-  EXPECT_EQ(diagnosed(capture(10, 3000, 0, {4, 4, 2}), {}).code, "SFM_NO_OVERLAP");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 0, {4, 2, 2, 2}), {}).code, "SFM_NO_OVERLAP");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 0, {4, 4, 2}), {}).code, "SFM_SPLIT_MODELS");
+  EXPECT_EQ(diagnosed(capture(10, 3000, 2, {10}), {}).code, "SFM_REFLECTIONS_DOMINATE") << "pairs that contradict each other";
+  Reconstruction r = capture(10, 3000, 0, {10});
+  r.rotation_share = 0.9;
+  EXPECT_EQ(diagnosed(r, {}).code, "SFM_PURE_ROTATION");
+  r = capture(10, 3000, 0, {10});
+  r.uncalibrated_share = 0.9;
+  EXPECT_EQ(diagnosed(r, {}).code, "SFM_BAD_FOCAL");
+  r = capture(10, 100, 0, {10});
+  for (PhotoReport& p : r.photos) p.blur_px = 4;
+  EXPECT_EQ(diagnosed(r, {}).code, "SFM_MOTION_BLUR");
+  EXPECT_EQ(cause_left_out(r.photos[3], r, {}), "motion_blur");
+  for (size_t i = 0; i < 10; ++i) r.photos[i].brightness_ev = i < 4 ? -7 : -2;
+  EXPECT_EQ(diagnosed(r, {}).code, "SFM_MIXED_EXPOSURE");
+  EXPECT_EQ(cause_left_out(r.photos[3], r, {}), "mixed_exposure");
   EXPECT_EQ(diagnosed(capture(10, 3000, 0, {10}), {}).code, "SFM_NO_MODEL");
 }
 
