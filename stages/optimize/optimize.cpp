@@ -11,7 +11,7 @@
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
 #include "core/train/capture.h"
-#include "stages/optimize/checkpoint.h"
+#include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/outputs.h"
 

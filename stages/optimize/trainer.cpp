@@ -7,13 +7,12 @@
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/scene/activation.h"
+#include "core/train/photo_order.h"
 #include "stages/optimize/layer_init.h"
 
 namespace vitrine {
 
 namespace {
-
-enum : uint64_t { kOrderStream = 0x7401 };
 
 constexpr double kSceneRadius = 1;   // the sfm stage scales the ring of cameras to it
 constexpr double kNoiseScale = 5e5;  // MCMC: noise per unit of the position's rate
@@ -74,10 +73,8 @@ size_t Trainer::level() const {
 
 uint32_t Trainer::photo_of_step() {
   const uint64_t count = setup_.capture.train.size(), epoch = step_ / count;
-  if (epoch != order_epoch_) {  // a permutation that depends on the epoch's number alone
-    order_ = setup_.capture.train;
-    Rng rng(static_cast<uint64_t>(config().seed), mix64(kOrderStream, epoch));
-    for (size_t i = order_.size() - 1; i > 0; --i) std::swap(order_[i], order_[rng.below(static_cast<uint32_t>(i + 1))]);
+  if (epoch != order_epoch_) {
+    order_ = photo_order(setup_.capture.train, static_cast<uint64_t>(config().seed), epoch);
     order_epoch_ = epoch;
   }
   return order_[step_ % count];

@@ -26,6 +26,7 @@ void describe(Describer& d, RefineConfig& c) {
            "A photo's segments count when mesh and rendered depth agree on this share of its glass.")
       .range(0, 1);
   d.group("prune", c.prune, "Surfels of the transmittance layer that stand where the photos see through.");
+  d.group("fine_tune", c.fine_tune, "A short training of all layers afterwards.");
 }
 
 Stage refine_stage() {

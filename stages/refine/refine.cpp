@@ -11,6 +11,7 @@
 #include "core/camera/view_split.h"
 #include "core/mesh/mesh_io.h"
 #include "core/scene/scene_io.h"
+#include "core/train/checkpoint.h"
 #include "stages/refine/free_space.h"
 #include "stages/refine/quality.h"
 #include "stages/refine/segment_report.h"
@@ -45,7 +46,7 @@ float voxel_of(const fs::path& report) {
 
 struct Candidate {
   std::string name, what;
-  SplatScene surfels;
+  TrainedScene scene;
   Quality heldout = {};
 };
 
@@ -91,8 +92,19 @@ class Refiner {
     make_folders(context_.output() / "refine");
     write_segments_picture(context_.output() / "refine/segments.png", views_, capture_, kMapLevel);
     tell_fallback();
-    step(0.4, "free space");
+    step(0.05, "free space");
     find_candidates();
+    const QualityMeter meter(scene_, capture_, targets_, judges_);
+    before_ = meter.of(scene_);
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+      step(0.05 + 0.05 * double(i) / double(candidates_.size()), candidates_[i].name);
+      candidates_[i].heldout = meter.of(candidates_[i].scene);
+    }
+    if (config_.fine_tune.iterations > 0) {
+      Candidate tuned = fine_tuned(best());
+      tuned.heldout = meter.of(tuned.scene);
+      candidates_.push_back(std::move(tuned));
+    }
     choose();
   }
 
@@ -128,63 +140,100 @@ class Refiner {
       beyond += is_beyond;
     }
     report_["transmittance"] = {{"surfels", votes.size()}, {"in_empty_space", empty}, {"beyond_closed_glass", beyond}};
-    const auto add = [&](const char* name, const char* what, std::span<const uint8_t> keep) {
-      Candidate c{.name = name, .what = what, .surfels = scene_.surfels};
-      c.surfels.transmittance = selected(layer, keep);
+    const bool traced = scene_.image.transmission.glass == Glass::Traced;
+    const auto add = [&](const char* name, const char* what, std::span<const uint8_t> keep, Glass glass) {
+      Candidate c{.name = name, .what = what, .scene = scene_};
+      c.scene.surfels.transmittance = selected(layer, keep);
+      c.scene.image.transmission.glass = glass;
       // Without a surfel there would be no layer, and glass would show nothing of the room.
-      if (c.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
+      if (c.scene.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
     };
-    if (empty > 0 && config_.exterior_set != "diffuse") add("free_space", "without surfels in empty space", filled);
-    if (beyond > 0 && config_.exterior_set != "transmittance")
-      add("exterior_diffuse", "and without those beyond closed glass", within);
+    if (empty > 0 && config_.exterior_set != "diffuse")
+      add("free_space", "without surfels in empty space", filled, scene_.image.transmission.glass);
+    // Rays of traced glass see the transmittance layer alone; sorted into sets, the room behind is the diffuse layer's.
+    if ((beyond > 0 || traced) && config_.exterior_set != "transmittance")
+      add("exterior_diffuse", "the room behind closed glass is the diffuse layer's", within, Glass::Thin);
+  }
+
+  // Trained on from the best of the scenes so far.
+  Candidate fine_tuned(const Candidate* from) {
+    const FineTuneConfig& config = config_.fine_tune;
+    const fs::path checkpoint = context_.scratch() / "checkpoint.bin";
+    const TrainedScene& start = from ? from->scene : scene_;
+    auto run = std::make_unique<FineTune>(config, capture_, targets_, start);
+    try {
+      if (load_checkpoint(checkpoint, *run)) log_info("continues at step {}", run->step_index());
+    } catch (const Error& error) {
+      context_.warning("CHECKPOINT_IGNORED", error.what());
+      run = std::make_unique<FineTune>(config, capture_, targets_, start);
+    }
+    while (!run->finished()) {
+      if (interrupt_signal() != 0) {
+        write_checkpoint(checkpoint, *run);
+        throw_if_interrupted();
+      }
+      run->step();
+      if (config.checkpoint_every > 0 && run->step_index() % static_cast<uint64_t>(config.checkpoint_every) == 0)
+        write_checkpoint(checkpoint, *run);
+      step(0.1 + 0.85 * double(run->step_index()) / config.iterations,
+           fmt::format("step {}/{}", run->step_index(), config.iterations));
+    }
+    return {.name = "fine_tuned",
+            .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),
+            .scene = {run->mean(), start.image}};
+  }
+
+  bool is_better(const Candidate& c) const {
+    return c.heldout.glass >= before_.glass + config_.min_gain && c.heldout.all >= before_.all - kMostLoss;
+  }
+  // nullptr: the scene as it was.
+  const Candidate* best() const {
+    const Candidate* best = nullptr;
+    for (const Candidate& c : candidates_)
+      if (is_better(c) && (!best || c.heldout.glass > best->heldout.glass)) best = &c;
+    return best;
   }
 
   void choose() {
-    const QualityMeter meter(scene_, capture_, targets_, judges_);
-    const Quality before = meter.of(scene_);
-    const Candidate* best = nullptr;
+    const Candidate* chosen = best();
     report_["candidates"] = Json::array();
-    for (size_t i = 0; i < candidates_.size(); ++i) {
-      Candidate& c = candidates_[i];
-      step(0.5 + 0.5 * double(i) / double(candidates_.size()), c.name);
-      c.heldout = meter.of({c.surfels, scene_.image});
+    for (const Candidate& c : candidates_)
       report_["candidates"].push_back({{"name", c.name},
                                        {"what", c.what},
-                                       {"transmittance_surfels", c.surfels.transmittance.size()},
+                                       {"transmittance_surfels", c.scene.surfels.transmittance.size()},
                                        {"psnr", json_of(c.heldout)}});
-      const bool better = c.heldout.glass >= before.glass + config_.min_gain && c.heldout.all >= before.all - kMostLoss;
-      if (better && (!best || c.heldout.glass > best->heldout.glass)) best = &c;
-    }
-    report_["judged_by"] = capture_.heldout.empty() ? "training photos" : "held-out photos";
-    report_["before"] = json_of(before);
-    report_["state"] = best ? "refined" : "kept";
-    if (best) report_["chosen"] = best->name;
-    report_["after"] = json_of(best ? best->heldout : before);
+    const std::string judge = capture_.heldout.empty() ? "training photos" : "held-out photos";
+    const Quality after = chosen ? chosen->heldout : before_;
+    report_["judged_by"] = judge;
+    report_["before"] = json_of(before_);
+    report_["state"] = chosen ? "refined" : "kept";
+    if (chosen) report_["chosen"] = chosen->name;
+    report_["after"] = json_of(after);
     write_file(context_.output() / "refine/report.json", report_.dump(2) + "\n");
-    if (best) write_scene(best->surfels);
-    context_.metric("glass_psnr_before", before.glass);
-    context_.metric("glass_psnr", best ? best->heldout.glass : before.glass);
-    if (best)
-      context_.summary(fmt::format("{}: glass {:.2f} -> {:.2f} dB in {}", best->what, before.glass, best->heldout.glass,
-                                   report_["judged_by"].get<std::string>()));
-    else
-      context_.summary(fmt::format("kept the scene as it was: {}", why_kept(before)));
+    context_.metric("glass_psnr_before", before_.glass);
+    context_.metric("glass_psnr", after.glass);
+    if (!chosen) {
+      context_.summary("kept the scene as it was: " + why_kept());
+      return;
+    }
+    write_scene(chosen->scene);
+    context_.summary(fmt::format("{}: glass {:.2f} -> {:.2f} dB in {}", chosen->what, before_.glass, after.glass, judge));
   }
 
-  std::string why_kept(const Quality& before) const {
+  std::string why_kept() const {
     if (candidates_.empty()) return "nothing stands where it cannot be";
-    double best = -INFINITY;
-    for (const Candidate& c : candidates_) best = std::max(best, c.heldout.glass);
-    return fmt::format("glass {:.2f} dB, changed {:.2f} dB", before.glass, best);
+    double most = -INFINITY;
+    for (const Candidate& c : candidates_) most = std::max(most, c.heldout.glass);
+    return fmt::format("glass {:.2f} dB, changed {:.2f} dB", before_.glass, most);
   }
 
-  void write_scene(const SplatScene& surfels) {
+  void write_scene(const TrainedScene& scene) {
     const fs::path out = context_.output() / "refine";
     make_folders(out / "gaussians");
     for (const LayerKind kind : kAllLayers)
-      if (kind == LayerKind::Diffuse || surfels.layer(kind).size() > 0)
-        write_layer(out / "gaussians" / fmt::format("{}.ply", name(kind)), surfels.layer(kind));
-    write_image_options(out / "model.json", scene_.image);
+      if (kind == LayerKind::Diffuse || scene.surfels.layer(kind).size() > 0)
+        write_layer(out / "gaussians" / fmt::format("{}.ply", name(kind)), scene.surfels.layer(kind));
+    write_image_options(out / "model.json", scene.image);
   }
 
   const RefineConfig& config_;
@@ -196,6 +245,7 @@ class Refiner {
   const std::vector<uint32_t> judges_;
   std::vector<GlassView> views_;
   std::vector<Candidate> candidates_;
+  Quality before_;
   Json report_ = Json::object();
 };
 

@@ -1,11 +1,13 @@
 // The refine stage: what stands behind glass, put in order with the help of the mesh (algorithms 5.2, 5.3).
 //   reads   sfm, optimize, mesh, masks when there are any
 //   writes  refine/{report.json,segments.png}; where the scene became better refine/gaussians/*.ply and refine/model.json
-// Every change is measured on the photos that training never saw; a scene that does not gain by it stays as it is.
+// Interrupted while it trains it continues from its last checkpoint and ends with the same bytes. Every change is measured on the
+// photos that training never saw; a scene that does not gain by it stays as it is.
 #pragma once
 
 #include <string>
 
+#include "stages/refine/fine_tune.h"
 #include "stages/stage.h"
 
 namespace vitrine {
@@ -22,6 +24,7 @@ struct RefineConfig {
   double min_gain = 0.01;
   double min_agreement = 0.8;
   PruneConfig prune;
+  FineTuneConfig fine_tune;
 };
 void describe(Describer& d, RefineConfig& c);
 

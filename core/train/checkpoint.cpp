@@ -1,4 +1,4 @@
-#include "stages/optimize/checkpoint.h"
+#include "core/train/checkpoint.h"
 
 #include "core/base/file.h"
 #include "core/base/hash.h"
@@ -12,26 +12,22 @@ constexpr size_t kDigestSize = 32;
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const Trainer& trainer) {
-  ArchiveWriter archive;
-  trainer.save(archive);
-  write_file(path, std::string(kMagic) + digest_bytes(archive.bytes()).hex() + archive.bytes());
+void write_checkpoint_bytes(const std::filesystem::path& path, const std::string& state) {
+  write_file(path, std::string(kMagic) + digest_bytes(state).hex() + state);
 }
 
-bool load_checkpoint(const std::filesystem::path& path, Trainer& trainer) {
-  if (!std::filesystem::exists(path)) return false;
-  const std::string bytes = read_file(path);
+std::optional<std::string> read_checkpoint_bytes(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  std::string bytes = read_file(path);
   const auto damaged = [&](std::string why) {
     return Error(ErrorKind::Input, "a checkpoint cannot be used",
                  {.where = path.string(), .why = std::move(why), .hint = "delete it to start over", .code = "BAD_CHECKPOINT"});
   };
   if (!bytes.starts_with(kMagic) || bytes.size() < kMagic.size() + kDigestSize) throw damaged("it has another format");
-  const std::string_view state = std::string_view(bytes).substr(kMagic.size() + kDigestSize);
+  std::string state = bytes.substr(kMagic.size() + kDigestSize);
   if (digest_bytes(state).hex() != std::string_view(bytes).substr(kMagic.size(), kDigestSize))
     throw damaged("its digest does not match");
-  ArchiveReader archive(state);
-  trainer.load(archive);
-  return true;
+  return state;
 }
 
 }  // namespace vitrine
