@@ -29,10 +29,15 @@ std::optional<std::string> write_html_report(const fs::path& project, bool only_
   if (!fs::exists(program, ec)) return "the program vitrine-report is missing";
   std::vector<std::string> words = {program.string(), project.string(), "--typed", typed(project).string()};
   if (only_if_changed) words.push_back("--if-changed");
-  const ProcessResult result = run_process({.arguments = words, .on_line = [](std::string_view) {}, .forward_interrupts = false});
-  if (result.ok()) return std::nullopt;
-  const std::string first = result.tail.substr(0, result.tail.find('\n'));
-  return first.empty() ? fmt::format("vitrine-report ended with {}", result.signal != 0 ? "a signal" : "an error") : first;
+  try {
+    const ProcessResult result =
+        run_process({.arguments = words, .on_line = [](std::string_view) {}, .forward_interrupts = false});
+    if (result.ok()) return std::nullopt;
+    const std::string first = result.tail.substr(0, result.tail.find('\n'));
+    return first.empty() ? fmt::format("vitrine-report ended with {}", result.signal != 0 ? "a signal" : "an error") : first;
+  } catch (const Error& e) {  // it cannot be started
+    return e.message();
+  }
 }
 
 int report_command(const Words& words) {
