@@ -232,9 +232,9 @@ TEST(PhotoNames, AreValidUtf8) {
                                                         "b\x7f.png",
                                                         "a_b_.png"}};
   for (const auto& [source, name] : names) {
-    std::vector<ingest::PhotoFile> photos(1);
+    std::vector<PhotoFile> photos(1);
     photos[0].source = source;
-    ingest::assign_names(photos);
+    assign_names(photos);
     EXPECT_EQ(photos[0].name, name);
   }
 }
