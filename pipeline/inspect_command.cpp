@@ -2,6 +2,7 @@
 // photos (and at the cameras, once there are poses); what a run would take is added here, from the presets.
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <set>
 
@@ -253,6 +254,9 @@ void say_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
   for (const PresetCost& c : costs)
     fmt::print("  {:>7}{:>7}{:>7}", short_time(c.seconds), short_bytes(double(c.memory)), short_bytes(double(c.disk)));
   fmt::print("\n");
+  const auto& stages = costs.front().stages;
+  if (std::any_of(stages.begin(), stages.end(), [](const auto& stage) { return !stage.second; }))
+    say("", "? = no estimate yet, and not in the sum");
   say("",
       fmt::format("estimates for {} threads of a recent processor with AVX-512{}; poses that are hard to find take up to three "
                   "times as long",
