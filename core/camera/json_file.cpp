@@ -1,5 +1,6 @@
 #include "core/camera/json_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -7,6 +8,22 @@
 #include "core/base/file.h"
 
 namespace vitrine {
+
+bool stays_below(const fs::path& name) {
+  return !name.empty() && !name.is_absolute() && name.native().find('\0') == std::string::npos &&
+         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+}
+
+fs::path path_inside(const fs::path& folder, const fs::path& name) {
+  if (!stays_below(name)) throw std::invalid_argument("'" + name.string() + "' is not a path inside the folder of this file");
+  std::error_code ec;
+  const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ec);
+  const fs::path real = ec ? fs::path() : fs::weakly_canonical(folder / name, ec);
+  // A link to nowhere, or one that leads to itself, is not followed any further.
+  if (ec || !stays_below(real.lexically_relative(root)))
+    throw std::invalid_argument("'" + name.string() + "' leads out of the folder of this file");
+  return folder / name;
+}
 
 void throw_bad_json(const fs::path& path, const char* format, std::string why) {
   throw Error(ErrorKind::Input, fmt::format("this is not a usable {}", format),
@@ -36,7 +53,9 @@ nlohmann::json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 Vec3d vec3_of(const nlohmann::json& j) {
   if (!j.is_array() || j.size() != 3)
-    throw std::invalid_argument("expected a list of three numbers, found " + j.dump().substr(0, 60));
+    // A structure is not printed: printing descends as deep as a hostile file is nested.
+    throw std::invalid_argument("expected a list of three numbers, found " +
+                                (j.is_structured() ? std::string(j.type_name()) : j.dump().substr(0, 60)));
   const Vec3d v{j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) throw std::invalid_argument("a number is not finite");
   return v;

@@ -64,8 +64,15 @@ MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
         ErrorKind::Input, "there are no masks",
         {.where = path.string(), .hint = "give a folder of masks, or a transforms.json with mask_path", .code = "MASKS_MISSING"});
   std::vector<fs::path> found;
-  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::follow_directory_symlink))
-    if (entry.is_regular_file()) found.push_back(entry.path());
+  fs::recursive_directory_iterator at(path, fs::directory_options::follow_directory_symlink, ec);
+  for (std::error_code odd; !ec && at != fs::recursive_directory_iterator(); at.increment(ec))
+    if (at->is_regular_file(odd)) found.push_back(at->path());
+  if (ec)  // no permission, or links in a circle
+    throw Error(ErrorKind::Input, "cannot read the folder of masks",
+                {.where = path.string(),
+                 .why = ec.message(),
+                 .hint = "check its permissions, and that no link in it leads to a folder above",
+                 .code = "MASKS_UNREADABLE"});
   std::sort(found.begin(), found.end());
   for (const fs::path& file : found) {
     fs::path relative = file.lexically_relative(path);
@@ -124,7 +131,7 @@ void MaskFolder::add_transforms(MaskClass kind, const fs::path& path) {
     for (const nlohmann::json& frame : j.at("frames")) {
       if (!frame.contains("mask_path")) continue;
       const fs::path photo = frame.at("file_path").get<std::string>();
-      const fs::path mask = path.parent_path() / frame.at("mask_path").get<std::string>();
+      const fs::path mask = path_inside(path.parent_path(), frame.at("mask_path").get<std::string>());
       ++index.files;
       index.by_stem[stem_key(photo.filename().generic_string())].push_back({mask, "mask_path"});
     }
@@ -139,7 +146,7 @@ void MaskFolder::add_meshroom(MaskClass kind, const fs::path& path) {
       const fs::path photo = view.at("path").get<std::string>();
       const nlohmann::json& id = view.at("viewId");
       const std::string number = id.is_string() ? id.get<std::string>() : std::to_string(id.get<uint64_t>());
-      const fs::path mask = path.parent_path() / (number + ".png");
+      const fs::path mask = path_inside(path.parent_path(), number + ".png");
       std::error_code ec;
       if (!fs::exists(mask, ec)) continue;
       ++index.files;

@@ -42,7 +42,12 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.exposure_ev = optional_number(j.at("exposure_ev"));
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
-      if (p.width <= 0 || p.height <= 0) throw_bad_json(path, kFormat, "photo '" + p.name + "' has no size");
+      constexpr int kMaxSide = 1 << 20;
+      for (int side : {p.width, p.height, p.original_width, p.original_height})
+        if (side <= 0 || side > kMaxSide) throw_bad_json(path, kFormat, "photo '" + p.name + "' has no size");
+      // Files of later stages are called so.
+      if (!stays_below(p.name) || !stays_below(p.stem))
+        throw_bad_json(path, kFormat, "the name '" + p.name + "' is not a path inside a folder");
       photos.push_back(std::move(p));
     }
   });

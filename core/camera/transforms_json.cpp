@@ -178,7 +178,7 @@ ColmapModel model_of(const json& top, const fs::path& folder) {
   ColmapModel model;
   for (size_t i = 0; i < paths.size(); ++i) {
     ColmapCamera camera = camera_of(Lookup(top, frames[i]), [&] {
-      if (first_photo.width == 0) first_photo = size_of_photo(folder / paths[i]);
+      if (first_photo.width == 0) first_photo = size_of_photo(path_inside(folder, paths[i]));
       return first_photo;
     });
     const auto same =

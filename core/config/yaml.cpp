@@ -1,5 +1,6 @@
 #include "core/config/yaml.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <yaml-cpp/eventhandler.h>
@@ -90,13 +91,26 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<Open> stack_;
 };
 
+constexpr size_t kExcerpt = 240;  // columns
+constexpr int kMostShown = 100;   // complaints; the others are counted
+
 std::string excerpt(const YamlFile& file, SourceMark mark, size_t length) {
   if (mark.line < 1 || mark.line > static_cast<int>(file.lines.size())) return {};
   const std::string& line = file.lines[static_cast<size_t>(mark.line - 1)];
+  // Of a long line (data, not something typed) the part around the mark.
+  const size_t column = std::min(static_cast<size_t>(std::max(mark.column - 1, 0)), line.size());
+  const size_t from = column > kExcerpt / 2 && line.size() > kExcerpt ? column - kExcerpt / 2 : 0;
+  const std::string shown = line.substr(from, kExcerpt);
   std::string pad;
-  for (int i = 0; i + 1 < mark.column && i < static_cast<int>(line.size()); ++i)
-    pad += line[static_cast<size_t>(i)] == '\t' ? '\t' : ' ';
-  return fmt::format("{:>5} | {}\n      | {}^{}\n", mark.line, line, pad, std::string(length > 1 ? length - 1 : 0, '~'));
+  for (size_t i = from; i < column; ++i) pad += line[i] == '\t' ? '\t' : ' ';
+  length = std::clamp<size_t>(length, 1, kExcerpt);
+  return fmt::format("{:>5} | {}\n      | {}^{}\n", mark.line, shown, pad, std::string(length - 1, '~'));
+}
+
+// A message may quote a value of any length.
+std::string shortened(const std::string& message) {
+  constexpr size_t kLongest = 2000;
+  return message.size() <= kLongest ? message : message.substr(0, kLongest) + "...";
 }
 
 }  // namespace
@@ -136,18 +150,19 @@ YamlFile parse_yaml(std::string_view text, std::string name) {
 YamlFile read_yaml(const std::string& path) { return parse_yaml(read_file(path), path); }
 
 void ConfigErrors::add(const YamlFile& file, SourceMark mark, size_t length, const std::string& message) {
-  text_ += fmt::format("{}:{}:{}: error: {}\n{}", file.name, mark.line, mark.column, message, excerpt(file, mark, length));
-  ++count_;
+  if (++count_ > kMostShown) return;
+  text_ +=
+      fmt::format("{}:{}:{}: error: {}\n{}", file.name, mark.line, mark.column, shortened(message), excerpt(file, mark, length));
 }
 
 void ConfigErrors::add(std::string_view where, const std::string& message) {
-  text_ += fmt::format("{}: error: {}\n", where, message);
-  ++count_;
+  if (++count_ <= kMostShown) text_ += fmt::format("{}: error: {}\n", where, shortened(message));
 }
 
 void ConfigErrors::throw_if_any(std::string_view hint) const {
   if (count_ == 0) return;
-  throw Error(ErrorKind::Usage, fmt::format("{}{} error{}", text_, count_, count_ == 1 ? "" : "s"),
+  const std::string more = count_ > kMostShown ? fmt::format(", the first {} are shown", kMostShown) : "";
+  throw Error(ErrorKind::Usage, fmt::format("{}{} error{}{}", text_, count_, count_ == 1 ? "" : "s", more),
               {.hint = std::string(hint), .code = "BAD_CONFIG"});
 }
 

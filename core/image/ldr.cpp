@@ -4,21 +4,22 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/core/utils/logger.hpp>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/image/jpeg.h"
 #include "core/image/png.h"
+#include "core/image/probe.h"
 #include "core/math/color.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr size_t kMaxPixels = size_t(1) << 28;
+constexpr size_t kMaxPixels = size_t(1) << 28, kMaxBytes = size_t(1) << 30;
 
 [[noreturn]] void bad_image(const fs::path& path, std::string why) {
   throw Error(ErrorKind::Input, "cannot read an image",
@@ -28,18 +29,21 @@ constexpr size_t kMaxPixels = size_t(1) << 28;
 // OpenCV repairs truncated JPEG files in silence; a JPEG without its end marker lost a part of its picture.
 bool truncated_jpeg(const std::string& bytes) {
   if (bytes.size() < 4 || uint8_t(bytes[0]) != 0xff || uint8_t(bytes[1]) != 0xd8) return false;
-  constexpr size_t kTrailerBytes = 1 << 16;               // cameras append maker data behind the end marker
+  constexpr size_t kTrailerBytes = 1 << 16;  // cameras append maker data behind the end marker
   return bytes.rfind("\xff\xd9") == std::string::npos || bytes.size() - bytes.rfind("\xff\xd9") > kTrailerBytes;
 }
 
 cv::Mat decode(const fs::path& path, int flags) {
   const std::string bytes = read_file(path);
   if (bytes.empty()) bad_image(path, "the file is empty");
+  if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
+  if (const std::string why = implausible_size(probe_photo(bytes), bytes.size()); !why.empty()) bad_image(path, why);
   if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by our Error
   cv::Mat mat;
   try {
-    mat = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), flags | cv::IMREAD_IGNORE_ORIENTATION);
+    mat = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())),
+                       flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& e) {
     bad_image(path, e.what());
   }
@@ -50,9 +54,12 @@ cv::Mat decode(const fs::path& path, int flags) {
 
 float full_scale(const cv::Mat& mat, const fs::path& path) {
   switch (mat.depth()) {
-    case CV_8U: return 255.f;
-    case CV_16U: return 65535.f;
-    case CV_32F: return 1.f;
+    case CV_8U:
+      return 255.f;
+    case CV_16U:
+      return 65535.f;
+    case CV_32F:
+      return 1.f;
   }
   bad_image(path, "its sample type is neither 8 nor 16 bit nor float");
 }
@@ -69,7 +76,7 @@ ImageF read_unchanged(const fs::path& path) {
     const float* source = scaled.ptr<float>(y);
     for (int x = 0; x < mat.cols; ++x)
       for (int c = 0; c < channels; ++c) {
-        const int from = channels >= 3 && c < 3 ? 2 - c : c;      // OpenCV stores B, G, R
+        const int from = channels >= 3 && c < 3 ? 2 - c : c;  // OpenCV stores B, G, R
         image.at(x, y, c) = source[x * channels + from];
       }
   }
@@ -117,7 +124,8 @@ std::string encoded(const std::string& extension, const cv::Mat& mat, const std:
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-template <class T> cv::Mat bgr(const Image<T>& image, int type) {
+template <class T>
+cv::Mat bgr(const Image<T>& image, int type) {
   VITRINE_CHECK(image.channels() == 1 || image.channels() == 3, "{} channels", image.channels());
   cv::Mat mat(image.height(), image.width(), type, const_cast<T*>(image.data().data()));
   if (image.channels() == 1) return mat.clone();
@@ -148,7 +156,8 @@ void write_png16(const fs::path& path, const Image16& image) {
 
 namespace {
 
-template <class F> ImageF mapped(const ImageF& image, F&& f) {
+template <class F>
+ImageF mapped(const ImageF& image, F&& f) {
   ImageF out(image.width(), image.height(), image.channels());
   std::transform(image.data().begin(), image.data().end(), out.data().begin(), f);
   return out;
@@ -158,9 +167,8 @@ template <class F> ImageF mapped(const ImageF& image, F&& f) {
 
 Image8 srgb8_from_linear(const ImageF& linear) {
   Image8 out(linear.width(), linear.height(), linear.channels());
-  std::transform(linear.data().begin(), linear.data().end(), out.data().begin(), [](float l) {
-    return uint8_t(std::lround(255.f * srgb_from_linear(std::clamp(l, 0.f, 1.f))));
-  });
+  std::transform(linear.data().begin(), linear.data().end(), out.data().begin(),
+                 [](float l) { return uint8_t(std::lround(255.f * srgb_from_linear(std::clamp(l, 0.f, 1.f)))); });
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using Rgbe = std::array<uint8_t, 4>;
 
-constexpr size_t kMaxPixels = size_t(1) << 28;
+constexpr size_t kMaxPixels = size_t(1) << 28, kAlwaysFine = size_t(1) << 22, kPixelsPerByte = 64;
 constexpr int kLeastCoded = 8, kMostCoded = 0x7fff;  // widths of scanlines that can be coded by component
 
 class Reader {
@@ -114,6 +114,10 @@ ImageF parse_radiance_hdr(std::string_view bytes, const std::string& name) {
   const Size size = read_header(in);
   // A coded row takes at least 4 bytes, and so does anything flat: no memory for a size that the file cannot hold.
   if (in.left() / 4 < size_t(size.height)) in.fail("the file ends in the middle of the picture");
+  // A coded row takes 8 bytes for 127 pixels. Runs in flat rows may say more, but no program writes so large a picture that way.
+  const size_t pixels = size_t(size.width) * size_t(size.height);
+  if (pixels > kAlwaysFine && pixels / kPixelsPerByte > in.left())
+    in.fail(fmt::format("{} bytes cannot hold {} x {} pixels", in.left(), size.width, size.height));
   ImageF image(size.width, size.height, 3);
   std::vector<Rgbe> row(static_cast<size_t>(size.width));
   for (int y = 0; y < size.height; ++y) {

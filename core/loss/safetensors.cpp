@@ -33,6 +33,7 @@ std::map<std::string, Tensor> read_safetensors(const fs::path& path, const std::
   in.read(header.data(), static_cast<std::streamsize>(length));
   const uint64_t data_begin = 8 + length, data_size = size - data_begin;
   std::map<std::string, Tensor> tensors;
+  uint64_t taken = 0;  // tensors may not share bytes: a small file would fill any memory
   try {
     const auto json = nlohmann::json::parse(header);
     for (const auto& [name, entry] : json.items()) {
@@ -50,6 +51,8 @@ std::map<std::string, Tensor> read_safetensors(const fs::path& path, const std::
       const auto begin = entry.at("data_offsets").at(0).get<uint64_t>(), end = entry.at("data_offsets").at(1).get<uint64_t>();
       if (begin > end || end > data_size || end - begin != count * sizeof(float))
         throw fail(fmt::format("the bytes of {} do not lie in the file, or do not fit its shape", name));
+      taken += end - begin;
+      if (taken > data_size) throw fail("its tensors overlap");
       tensor.values.resize(count);
       in.seekg(static_cast<std::streamoff>(data_begin + begin));
       in.read(reinterpret_cast<char*>(tensor.values.data()), static_cast<std::streamsize>(end - begin));

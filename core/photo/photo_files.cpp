@@ -127,9 +127,7 @@ PhotoHead read_photo_head(const fs::path& path) {
   if (bytes.empty()) throw_unusable("the file is empty");
   const Probe probe = probe_photo(bytes);
   if (probe.format == PhotoFormat::Unknown) throw_unusable("its content is neither JPEG, PNG, TIFF nor EXR");
-  constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
-  if (probe.width > kMaxPixels || probe.height > kMaxPixels || probe.width * probe.height > kMaxPixels)
-    throw_unusable(fmt::format("{} x {} pixels are more than vitrine takes ({})", probe.width, probe.height, kMaxPixels));
+  if (const std::string why = implausible_size(probe, bytes.size()); !why.empty()) throw_unusable(why);
   if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(missing);
   return {probe, parse_exif(exif_block(bytes)), digest_bytes(bytes)};
 }

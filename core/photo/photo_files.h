@@ -8,7 +8,7 @@
 
 #include "core/base/hash.h"
 #include "core/photo/exif.h"
-#include "core/photo/probe.h"
+#include "core/image/probe.h"
 
 namespace vitrine {
 

@@ -25,7 +25,8 @@ void decode_srgb(ImageF& image) {
     for (size_t i = 0; i < t.size(); ++i) t[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 65535.0));
     return t;
   }();
-  for (float& v : image.data()) v = table[static_cast<size_t>(std::clamp(v, 0.0f, 1.0f) * 65535.0f + 0.5f)];
+  // The comparison also catches NaN, which a float file in disguise may hold.
+  for (float& v : image.data()) v = v > 0 ? table[static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f)] : 0.0f;
 }
 
 size_t repair(ImageF& image) {

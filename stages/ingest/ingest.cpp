@@ -13,7 +13,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/photo/photo_files.h"
-#include "core/photo/probe.h"
+#include "core/image/probe.h"
 #include "stages/ingest/develop.h"
 
 namespace vitrine {

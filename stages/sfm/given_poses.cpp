@@ -181,6 +181,7 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
     if (!photo || !taken.insert(*photo).second) continue;
     const Photo& p = photos[*photo];
     const ColmapCamera& camera = *model.find_camera(image.camera_id);
+    is_distorted(camera);  // throws for lenses whose parameters are not known here
     if (!same_shape(p.width, p.height, double(camera.width), double(camera.height)))
       throw Error(ErrorKind::Input, "given poses and photos differ in shape",
                   {.where = image.name,

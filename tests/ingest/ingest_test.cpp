@@ -12,7 +12,7 @@
 #include "core/math/color.h"
 #include "core/photo/exif.h"
 #include "core/photo/photo_files.h"
-#include "core/photo/probe.h"
+#include "core/image/probe.h"
 #include "stages/ingest/develop.h"
 #include "tests/ingest/tiny_photos.h"
 #include "tests/support/error_of.h"

@@ -2,6 +2,7 @@
 // its end is missing (decoders repair truncated files in silence, and grey halves would go into the reconstruction).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -18,6 +19,9 @@ struct Probe {
 
 // `bytes` may be the beginning of a file.
 Probe probe_photo(std::string_view bytes);
+// Why pixels of this size are not decoded from a file of so many bytes, or empty: too many for any use, or so many more than the
+// file can hold that its header is damaged (a decoder asks for the memory before it finds out).
+std::string implausible_size(const Probe& probe, size_t file_bytes);
 // For a whole file: what is missing at its end, or empty.
 std::string missing_end(std::string_view bytes);
 // The EXIF block in the form libexif wants ("Exif\0\0" + TIFF structure); empty when there is none.

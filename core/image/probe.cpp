@@ -1,6 +1,8 @@
-#include "core/photo/probe.h"
+#include "core/image/probe.h"
 
 #include <functional>
+
+#include <fmt/format.h>
 
 namespace vitrine {
 
@@ -119,6 +121,17 @@ Probe probe_photo(std::string_view b) {
       break;
   }
   return probe;
+}
+
+std::string implausible_size(const Probe& probe, size_t file_bytes) {
+  constexpr uint64_t kMaxPixels = uint64_t{1} << 28, kAlwaysFine = uint64_t{1} << 24;
+  constexpr uint64_t kPixelsPerByte = 2048;  // deflate shrinks 1032 times at best, a byte of a JPEG fills 340 pixels at most
+  const uint64_t w = probe.width, h = probe.height;
+  if (w > kMaxPixels || h > kMaxPixels || w * h > kMaxPixels)
+    return fmt::format("{} x {} pixels are more than vitrine takes ({})", w, h, kMaxPixels);
+  if (w * h > kAlwaysFine && w * h / kPixelsPerByte > file_bytes)
+    return fmt::format("a file of {} bytes cannot hold {} x {} pixels: its header is damaged", file_bytes, w, h);
+  return "";
 }
 
 std::string missing_end(std::string_view b) {

@@ -1,0 +1,167 @@
+// Binary files: meshes, surfels, pictures, networks.
+#include <cmath>
+
+#include "core/camera/mask_files.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/light/environment.h"
+#include "core/loss/feature_network.h"
+#include "core/mesh/mesh_io.h"
+#include "core/scene/scene_io.h"
+#include "stages/ingest/develop.h"
+#include "stages/normals/network.h"
+#include "tests/fuzz/entry.h"
+#include "tests/ingest/tiny_photos.h"
+#include "tests/normals/tiny_onnx.h"
+#include "tests/support/feature_network_file.h"
+
+namespace vitrine {
+
+void fuzz_mesh_ply(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("mesh.ply", text_of(bytes));
+  refuses_or_reads([&] { read_mesh_ply(path); });
+}
+
+void fuzz_surfel_ply(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("surfels.ply", text_of(bytes));
+  refuses_or_reads([&] { read_layer(path); });
+}
+
+void fuzz_exr(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("picture.exr", text_of(bytes));
+  refuses_or_reads([&] { read_exr(path); });
+  refuses_or_reads([&] { ingest::develop(path, 64); });
+}
+
+void fuzz_hdr(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("sky.hdr", text_of(bytes));
+  refuses_or_reads([&] {
+    const Environment sky = read_environment(path);
+    (void)sky.sample({0.3f, 0.7f});
+  });
+}
+
+// PNG, JPEG and TIFF as photos; the same bytes as a mask.
+void fuzz_photo(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("photo.png", text_of(bytes));
+  refuses_or_reads([&] { ingest::develop(path, 64); });
+  refuses_or_reads([&] { read_mask({path, "b.*"}); });
+}
+
+void fuzz_onnx(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("network.onnx", text_of(bytes));
+  refuses_or_reads([&] {
+    OnnxConfig config;
+    config.width = config.height = 16;
+    NormalNetwork network(path, config);
+    network.predict(ImageF(16, 16, 3, 0.5f));
+  });
+}
+
+void fuzz_weights(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("vgg.safetensors", text_of(bytes));
+  refuses_or_reads([&] { FeatureNetwork{path}; });
+}
+
+namespace {
+
+std::string bytes_of(const char* name, const std::function<void(const fs::path&)>& write) {
+  const fs::path path = fuzz_folder() / name;
+  write(path);
+  return read_file(path);
+}
+
+ImageF gradient(int width, int height, int channels) {
+  ImageF image(width, height, channels);
+  for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] = float(i % 97) / 96.f;
+  return image;
+}
+
+Image8 gradient8(int width, int height, int channels) {
+  Image8 image(width, height, channels);
+  for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] = static_cast<uint8_t>(i * 37);
+  return image;
+}
+
+}  // namespace
+
+std::vector<std::string> mesh_ply_corpus() {
+  TriMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.colors.assign(4, {0.2f, 0.5f, 0.7f});
+  mesh.faces = {{0, 1, 2}, {0, 2, 3}};
+  return {
+      bytes_of("made.ply", [&](const fs::path& p) { write_mesh_ply(p, mesh); }),
+      "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
+      "property ushort red\nproperty ushort green\nproperty ushort blue\nelement face 1\nproperty list uchar int vertex_index\n"
+      "property float quality\nelement edge 1\nproperty list int int ends\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n"
+      "0 1 0 1 2 3\n4 0 1 2 3 0.5\n2 0 1\n"};
+}
+
+std::vector<std::string> surfel_ply_corpus() {
+  std::vector<std::string> all;
+  for (LayerKind kind : kAllLayers) {
+    SplatLayer layer(kind, 1, 3);
+    for (const AttributeRow& r : kAttributes)
+      for (float& v : layer.values(r.id)) v = 0.25f;
+    all.push_back(bytes_of("made.ply", [&](const fs::path& p) { write_layer(p, layer); }));
+  }
+  return all;
+}
+
+std::vector<std::string> exr_corpus() {
+  const auto rgb = [](ExrPrecision precision) {
+    return bytes_of("made.exr", [&](const fs::path& p) {
+      write_exr_rgb(p, gradient(20, 13, 3), precision, {{"vitrine:stage", "x"}});
+    });
+  };
+  return {rgb(ExrPrecision::Half), rgb(ExrPrecision::Float), bytes_of("made.exr", [](const fs::path& p) {
+            write_exr(p, {.pixels = gradient(9, 40, 2), .channels = {"depth.Z", "Y"}, .attributes = {}}, ExrPrecision::Float);
+          })};
+}
+
+std::vector<std::string> hdr_corpus() {
+  std::string flat = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+  for (int i = 0; i < 7; ++i) flat += std::string{char(100 + i), char(90), char(80), char(129)};
+  flat += std::string("\1\1\1\1", 4);
+  std::string coded = "#?RADIANCE\nEXPOSURE=1\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
+  for (int y = 0; y < 8; ++y) {
+    coded += std::string("\2\2\0\20", 4);
+    for (int c = 0; c < 4; ++c) coded += std::string("\212", 1) + char(130) + std::string("\6", 1) + "abcdef";
+  }
+  return {flat, coded};
+}
+
+std::vector<std::string> photo_corpus() {
+  using namespace test;
+  const auto file = [](const char* name, int channels) {
+    return bytes_of(name, [&](const fs::path& p) { write_ldr(p, gradient8(24, 18, channels)); });
+  };
+  const std::string exif = exif_bytes({{0x010f, 'a', 0, 1, "Maker"}, {0x0112, 's', 6}},
+                                      {{0x829a, 'r', 1, 125}, {0x829d, 'r', 28, 10}, {0x8827, 's', 200}, {0xa405, 's', 35}});
+  Image16 deep(10, 9, 3);
+  for (size_t i = 0; i < deep.data().size(); ++i) deep.data()[i] = static_cast<uint16_t>(i * 1237);
+  return {bytes_of("made.jpg",
+                   [&](const fs::path& p) {
+                     write_ldr(p, gradient8(24, 18, 3));
+                     add_exif(p, exif);
+                   }),
+          file("made.jpg", 1),
+          file("made.png", 3),
+          file("made.png", 1),
+          bytes_of("made.png", [&](const fs::path& p) { write_png16(p, deep); }),
+          file("made.tif", 3)};
+}
+
+std::vector<std::string> onnx_corpus() {
+  return {test::one_operator_network("Relu", 16, 16), test::one_operator_network("Sigmoid", 16, 16),
+          test::one_operator_network("Identity", 16, 16),
+          read_file(fs::path(VITRINE_SOURCE_DIR) / "stages/normals/network/rooms.onnx")};
+}
+
+std::vector<std::string> weights_corpus() {
+  return {bytes_of("made.safetensors", [](const fs::path& p) { testing::write_network(p, testing::small_network()); })};
+}
+
+}  // namespace vitrine

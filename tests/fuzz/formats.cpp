@@ -1,0 +1,95 @@
+#include "tests/fuzz/formats.h"
+
+#include "core/base/error.h"
+
+namespace vitrine {
+
+// Beside their entry functions.
+std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), records_corpus();
+std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
+std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), onnx_corpus(),
+    weights_corpus();
+
+std::span<const FuzzFormat> fuzz_formats() {
+  using namespace std::string_view_literals;
+  static const std::vector<std::string_view> yaml = {"[",   "]",     "{",   "}",    ": ",  "- ",   "\n", "  ",   "\t", "#",
+                                                     "&a",  "*a",    "!!",  "|",    ">",   "? ",   "~",  "null", "\"", "'",
+                                                     "\\x", "---\n", "...", "<<: ", "nan", "-inf", ",",  "1e999"};
+  static const std::vector<std::string_view> json = {"[",
+                                                     "]",
+                                                     "{",
+                                                     "}",
+                                                     ",",
+                                                     ":",
+                                                     "null",
+                                                     "true",
+                                                     "\"\"",
+                                                     "\"..\"",
+                                                     "-1",
+                                                     "1e999",
+                                                     "1e-9",
+                                                     "\"\\ud800\"",
+                                                     "\"/etc\"",
+                                                     "[[",
+                                                     "{}",
+                                                     "[]",
+                                                     "18446744073709551616"};
+  static const std::vector<std::string_view> numbers = {
+      "-1", "nan", "inf", "1e308", "1e-320", "0", " ", "\n", "18446744073709551615", "4294967296", "../"};
+  static const std::vector<std::string_view> ply = {"list ",
+                                                    "uchar ",
+                                                    "int ",
+                                                    "float ",
+                                                    "double ",
+                                                    "property ",
+                                                    "element face ",
+                                                    "ascii",
+                                                    "-1",
+                                                    "4294967295",
+                                                    "binary_big_endian",
+                                                    "vertex_index",
+                                                    "nan",
+                                                    "end_header\n",
+                                                    "18446744073709551615"};
+  static const std::vector<FuzzFormat> all = {
+      {"yaml", fuzz_yaml, yaml_corpus, yaml},
+      {"lights", fuzz_lights, lights_corpus, yaml},
+      {"marks", fuzz_marks, marks_corpus, yaml},
+      {"edits", fuzz_edits, edits_corpus, yaml},
+      {"records", fuzz_records, records_corpus, json},
+      {"colmap_binary", fuzz_colmap_binary, colmap_binary_corpus, {kPartMark, "../", "\0"sv}},
+      {"colmap_text", fuzz_colmap_text, colmap_text_corpus, numbers},
+      {"transforms", fuzz_transforms, transforms_corpus, json},
+      {"matrices", fuzz_matrices, matrices_corpus, numbers},
+      {"mesh_ply", fuzz_mesh_ply, mesh_ply_corpus, ply},
+      {"surfel_ply", fuzz_surfel_ply, surfel_ply_corpus, ply},
+      {"exr",
+       fuzz_exr,
+       exr_corpus,
+       {"tiles\0tiledesc\0"sv, "dataWindow\0box2i\0"sv, "chlist\0"sv, "\x76\x2f\x31\x01"sv, "\2\2\0\0"sv}},
+      {"hdr", fuzz_hdr, hdr_corpus, {"-Y ", "+X ", "2147483647", "\2\2", "\1\1\1\xff", "FORMAT=", "\n\n"}},
+      {"photo",
+       fuzz_photo,
+       photo_corpus,
+       {"\xff\xd9", "\xff\xda", "\xff\xc0", "\xff\xc2", "\xff\xc4", "IHDR", "IDAT", "PLTE", "tRNS", "eXIf", "IEND", "Exif\0\0"sv,
+        "II*\0"sv, "MM\0*"sv}},
+      {"onnx",
+       fuzz_onnx,
+       onnx_corpus,
+       {"Conv", "Resize", "Slice", "Concat", "Reshape", "Constant", "Gemm", "Pad", "Split", "Upsample"}},
+      {"weights", fuzz_weights, weights_corpus, json},
+  };
+  return all;
+}
+
+const FuzzFormat& fuzz_format(std::string_view name) {
+  std::string names;
+  for (const FuzzFormat& f : fuzz_formats()) {
+    if (f.name == name) return f;
+    names += fmt::format("{}{}", names.empty() ? "" : " ", f.name);
+  }
+  throw Error(ErrorKind::Usage, fmt::format("there is no format '{}'", name),
+              {.why = "the formats are: " + names, .code = "USAGE"});
+}
+
+}  // namespace vitrine
