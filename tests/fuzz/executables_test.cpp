@@ -1,5 +1,5 @@
 // Damaged files of every kind through the real programs: they end with a documented code, and say "error:" unless it is 0. How
-// many: VITRINE_MUTATED_FILES (60); which: VITRINE_FUZZ_SEED (1). A defect leaves its file in the folder that the message names.
+// many: VITRINE_MUTATED_FILES (34); which: VITRINE_FUZZ_SEED (1). A defect leaves its file in the folder that the message names.
 #include <set>
 
 #include "core/light/environment.h"
@@ -88,7 +88,8 @@ class Executables : public TinyRoom {
          "edits.yaml",
          {program("vitrine"), "edit", o, at("edits.yaml")}},
         {"marks",
-         fuzz_format("marks").corpus(),
+         {"size: [96, 64]\nmarks:\n  - {photo: img_0001.png, class: object, box: [20, 10, 80, 60]}\n"
+          "  - {photo: img_0002.png, class: object, polygon: [[20, 10], [80, 12], [78, 60], [22, 58]]}\n"},
          "marks.yaml",
          {program("vitrine-masks"), "-i", "sfm=" + o, "-i", "masks=" + at("marks.yaml"), "-o", result, "-q"}},
         {"onnx",
@@ -105,7 +106,7 @@ class Executables : public TinyRoom {
 
 TEST_F(Executables, EndWithADocumentedCodeWhateverTheFileHolds) {
   ASSERT_EQ(room(true_poses(), {"--set", "optimize.iterations=10", "--set", "mesh.resolution=32"}).exit, 0);
-  const uint64_t files = number_from("VITRINE_MUTATED_FILES", 60), seed = number_from("VITRINE_FUZZ_SEED", 1);
+  const uint64_t files = number_from("VITRINE_MUTATED_FILES", 34), seed = number_from("VITRINE_FUZZ_SEED", 1);
   const std::set<int> documented = {0, 2, 3, 4, 5, 6, 7, 8, 9, 10};
   std::map<int, size_t> ends;
   const std::vector<Road> all = roads();
@@ -118,7 +119,7 @@ TEST_F(Executables, EndWithADocumentedCodeWhateverTheFileHolds) {
     if (!r.ok()) fmt::print("the valid {} is refused: {}\n", road.file, r.tail.substr(0, 400));
     fs::remove_all(folder.path() / "result");
   }
-  EXPECT_GE(accepted, all.size() - 2)  // the marked boxes and the tiny network may fit the room badly
+  EXPECT_GE(accepted, all.size() - 1)  // the tiny network's frame is ambiguous in this room
       << "valid files are refused: the roads do not lead to the parsers";
   fs::remove(folder.path() / "few photos/img_0002.exr");
   for (uint64_t i = 0; i < files; ++i) {
@@ -152,7 +153,7 @@ TEST_F(Executables, EndWithADocumentedCodeWhateverTheFileHolds) {
   std::string text;
   for (const auto& [code, count] : ends) text += fmt::format("  {} x code {}", count, code);
   fmt::print("{} files:{}\n", files, text);
-  EXPECT_GT(ends.size(), 1u) << "nothing was refused: the files reach no parser";
+  if (files >= all.size()) EXPECT_GT(ends.size(), 1u) << "nothing was refused: the files reach no parser";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What fuzzing and reading the parsers found: most of these once crashed, took memory without end, or left the project's folder.
+// What fuzzing and reading the parsers found: what would crash, take memory without end, or leave the project's folder.
 #include <gtest/gtest.h>
 
 #include "core/camera/mask_files.h"

@@ -1,0 +1,75 @@
+// Runs that are killed (SIGKILL) at random moments, program and stages alike: the same command again ends with the same bytes.
+// How often: VITRINE_KILLS (2); which moments: VITRINE_KILL_SEED (1).
+#include <csignal>
+
+#include <chrono>
+#include <thread>
+
+#include "core/base/rng.h"
+#include "core/base/timer.h"
+#include "tests/e2e/tiny_room.h"
+
+namespace vitrine {
+namespace {
+
+const std::vector<std::string> kSmoke = {"--set", "optimize.iterations=60", "--set", "optimize.checkpoint_every=10",
+                                         "--set", "mesh.resolution=32",     "--set", "optimize.max_gaussians=3000"};
+
+class KilledRuns : public TinyRoom {
+ protected:
+  static uint64_t number_from(const char* name, uint64_t otherwise) {
+    const char* text = std::getenv(name);
+    return text != nullptr ? std::strtoull(text, nullptr, 10) : otherwise;
+  }
+  // The program that does the work now: the child of `vitrine`.
+  static pid_t stage_of(pid_t vitrine) {
+    std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", vitrine));
+    pid_t stage = 0;
+    children >> stage;
+    return stage;
+  }
+};
+
+TEST_F(KilledRuns, GoOnToTheSameBytes) {
+  const uint64_t kills = number_from("VITRINE_KILLS", 2), seed = number_from("VITRINE_KILL_SEED", 1);
+  const Timer clock;
+  ASSERT_EQ(room(true_poses(), kSmoke).exit, 0);
+  const double whole_s = clock.seconds();
+  const auto whole = digests();
+  ASSERT_GE(whole.size(), 5u);
+  uint64_t recovered = 0, hit = 0;
+  for (uint64_t i = 0; i < kills; ++i) {
+    fs::remove_all(out());
+    Rng rng(seed, i);
+    std::vector<std::string> words = room_words(true_poses(), kSmoke);
+    words.push_back("-q");
+    const pid_t child = start(words);
+    const double moment_s = whole_s * rng.uniform_double();
+    std::this_thread::sleep_for(std::chrono::duration<double>(moment_s));
+    // Every third time the stage alone, every third time both.
+    const pid_t stage = stage_of(child);
+    if (i % 3 != 0 && stage > 0) kill(stage, SIGKILL);
+    if (i % 3 != 1 || stage <= 0) kill(child, SIGKILL);
+    hit += wait_for(child) != 0;
+    const Outcome again = room(true_poses(), kSmoke);
+    EXPECT_EQ(again.exit, 0) << "kill " << i << " after " << moment_s << " s\n" << again.text;
+    EXPECT_EQ(digests(), whole) << "kill " << i << " after " << moment_s << " s";
+    recovered += again.exit == 0 && digests() == whole;
+    if (again.exit == 9) kill(stage, SIGKILL);
+  }
+  fmt::print("{} of {} kills recovered to equal digests, {} of them met a run that was not yet done\n", recovered, kills, hit);
+}
+
+TEST_F(KilledRuns, PhotosThatCannotBeWrittenToAreNotTouched) {
+  for (const auto& e : fs::directory_iterator(photos())) fs::permissions(e.path(), fs::perms::owner_read);
+  fs::permissions(photos(), fs::perms::owner_read | fs::perms::owner_exec);
+  const Outcome o = room(true_poses(), kSmoke);
+  size_t files = 0;
+  for (const auto& e : fs::directory_iterator(photos())) files += e.is_regular_file();
+  fs::permissions(photos(), fs::perms::owner_all);
+  EXPECT_EQ(o.exit, 0) << o.text;
+  EXPECT_EQ(files, 12u);
+}
+
+}  // namespace
+}  // namespace vitrine
