@@ -26,6 +26,7 @@ std::string stage_in_words(const std::string& stage) {
                                                                       {"normals", "estimating surfaces"},
                                                                       {"optimize", "training"},
                                                                       {"mesh", "building the mesh"},
+                                                                      {"refine", "putting in order what stands behind glass"},
                                                                       {"relight", "separating colour and light"},
                                                                       {"evaluate", "measuring"},
                                                                       {"export", "writing files for other programs"}};
