@@ -1,6 +1,8 @@
 #include "pipeline/report_page/figures.h"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -32,11 +34,26 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// Why a photo has no pose; sfm's word for the likely cause (stages/sfm/README.md) in words.
+std::string reason_of(const Facts& photo) {
+  constexpr std::pair<std::string_view, std::string_view> kCauses[] = {
+      {"mixed_exposure", "much brighter or darker than the others"},
+      {"motion_blur", "blurred"},
+      {"too_few_features", "too little texture"},
+      {"split_models", "part of another group of photos"},
+      {"reflections_dominate", "mostly reflections"},
+      {"no_overlap", "too little in common with the others"}};
+  const std::string reason = photo.text("reason"), cause = photo.text("cause");
+  for (const auto& [name, words] : kCauses)
+    if (name == cause) return reason.empty() ? std::string(words) : fmt::format("{} (likely: {})", reason, words);
+  return reason;
+}
+
 std::vector<PhotoPose> read_photos(const Facts& sfm) {
   std::vector<PhotoPose> photos;
   for (const Facts& p : sfm.at("photos").items())
     photos.push_back({.name = p.text("name"),
-                      .reason = p.text("reason"),
+                      .reason = reason_of(p),
                       .registered = p.boolean("registered").value_or(false),
                       .features = p.number("features").value_or(0),
                       .matches = p.number("verified_matches").value_or(0),

@@ -120,7 +120,7 @@ TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
   const std::string html = page(folder.path());
   for (const char* id : {"verdict", "figures", "views", "regions", "layers", "mesh", "light", "cameras", "cost"})
     EXPECT_TRUE(has(html, fmt::format("<section id=\"{}\"", id))) << id;
-  EXPECT_TRUE(has(html, "12 features &amp; too few"));
+  EXPECT_TRUE(has(html, "12 features &amp; too few (likely: blurred)"));
   EXPECT_TRUE(has(html, "few &lt;views&gt;"));
   EXPECT_TRUE(has(html, "default-src 'none'"));
   for (const char* outside : {"http://", "https://", "src=\"/", "url(", "@import", "<link"})

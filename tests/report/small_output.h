@@ -86,7 +86,7 @@ inline void write_output(const fs::path& out, const OutputDesc& d = {}) {
       {{"name": "a.jpg", "features": 900, "verified_matches": 500, "observations": 400, "registered": true}},
       {{"name": {}, "features": 800, "verified_matches": 400, "observations": 350, "registered": true}},
       {{"name": "c.jpg", "features": 12, "verified_matches": 3, "observations": 0, "registered": {},
-        "reason": "12 features & too few"}}]}})",
+        "reason": "12 features & too few", "cause": "motion_blur"}}]}})",
                                       d.registered, second, d.registered == 3));
   file("optimize/report.json", R"({"surfels": 60000, "iterations": 3000, "layers": {"diffuse": {"surfels": 60000}}})");
   file("optimize/views.json", fmt::format(R"({{"train": ["c.jpg"], "heldout": ["a.jpg", {}]}})", second));
