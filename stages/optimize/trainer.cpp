@@ -6,8 +6,8 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
-#include "core/scene/activation.h"
 #include "core/train/photo_order.h"
+#include "core/train/picture_step.h"
 #include "stages/optimize/layer_init.h"
 
 namespace vitrine {
@@ -21,15 +21,6 @@ constexpr double kRecentLossDecay = 0.02;
 // a row, is a failing run.
 constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
-constexpr float kOpaque = 0.9f;  // 1 - tau of what is no glass
-
-LossRays loss_rays(const SecondaryRays& rays) {
-  return {.first_hit = rays.values.first_hit,
-          .mean_distance = rays.mean_distance,
-          .alpha = rays.alpha,
-          .wall = {},
-          .weight = rays.weight};
-}
 
 Backend backend_of(const OptimizeConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -140,24 +131,8 @@ double Trainer::descend(uint32_t photo_index) {
   model_.forward(scene_, photo.view, frame_);
   const double l1 = blame(photo);
 
-  for (LayerKind kind : kAllLayers) grad_.layer(kind).fill(0.f);
-  const LossInput input{.view = &photo.view,
-                        .raster = &frame_.diffuse,
-                        .prediction_srgb = frame_.srgb,
-                        .target_srgb = target_,
-                        .weight = weight_,
-                        .diffuse = &scene_.diffuse,
-                        .targets = target_images_.spans(),
-                        .step = step_,
-                        .reflection = loss_rays(frame_.reflection),
-                        .transmission = loss_rays(frame_.transmission)};
-  LossGradient gradient{.raster = &frame_.grad_diffuse,
-                        .prediction_srgb = frame_.grad_srgb,
-                        .diffuse = &grad_.diffuse,
-                        .reflection_first_hit = frame_.reflection.gradients.first_hit,
-                        .transmission_first_hit = frame_.transmission.gradients.first_hit};
-  const LossValues values = config().loss.evaluate(f, input, gradient);
-  model_.backward(scene_, frame_, grad_);
+  const PictureTarget target{.view = &photo.view, .srgb = target_, .weight = weight_, .targets = target_images_.spans()};
+  const LossValues values = learn(target, config().loss, f, step_, model_, scene_, frame_, grad_);
   update(clock, photo.view.name);
   record(values.total, l1);
   return values.total;
@@ -165,23 +140,13 @@ double Trainer::descend(uint32_t photo_index) {
 
 void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   damping_.clear();
-  if (begun_[static_cast<size_t>(LayerKind::Transmittance)]) {  // glass stays where it is, whatever is seen through it
-    const auto factor = static_cast<float>(config().phases.transmittance.glass_factor);
-    damping_.resize(scene_.diffuse.size());
-    for (size_t i = 0; i < damping_.size(); ++i) {
-      const float opaque = 1 - sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
-      damping_[i] = opaque + factor * (1 - opaque);
-      frame_.statistics.error[i] *= opaque;  // nor is it to blame for it
-      // What began opaque stays so: masks reach over the rim of the glass, and what stands behind must not be taken for it.
-      if (opaque > kOpaque) *grad_.diffuse.at(Attribute::Transmission, i) = 0;
-    }
-  }
+  if (begun_[static_cast<size_t>(LayerKind::Transmittance)])
+    hold_glass(scene_.diffuse, static_cast<float>(config().phases.transmittance.glass_factor), damping_, frame_.statistics.error,
+               grad_.diffuse);
   DescentCounts worst;
   bool broken = false;
   for (LayerKind kind : kAllLayers) {
-    const SurfelStatistics& statistics = kind == LayerKind::Diffuse      ? frame_.statistics
-                                         : kind == LayerKind::Reflection ? frame_.reflection.statistics
-                                                                         : frame_.transmission.statistics;
+    const SurfelStatistics& statistics = statistics_of(frame_, kind);
     const bool diffuse = kind == LayerKind::Diffuse;
     if (!diffuse && statistics.weight.empty()) continue;  // the pass had nothing to do
     const std::span<const float> damping = diffuse ? std::span<const float>(damping_) : std::span<const float>();

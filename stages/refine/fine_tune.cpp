@@ -4,15 +4,14 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/scene/activation.h"
 #include "core/train/photo_order.h"
+#include "core/train/picture_step.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
-constexpr float kOpaque = 0.9f;     // 1 - tau of what is no glass
 constexpr size_t kGrain = 1 << 14;  // floats
 
 ImageOptions options_of(const TrainedScene& scene, const FineTuneConfig& config) {
@@ -20,14 +19,6 @@ ImageOptions options_of(const TrainedScene& scene, const FineTuneConfig& config)
   o.surface.ray_budget = config.ray_budget;
   o.composite.gate = static_cast<float>(config.gate);
   return o;
-}
-
-LossRays loss_rays(const SecondaryRays& rays) {
-  return {.first_hit = rays.values.first_hit,
-          .mean_distance = rays.mean_distance,
-          .alpha = rays.alpha,
-          .wall = {},
-          .weight = rays.weight};
 }
 
 }  // namespace
@@ -80,48 +71,25 @@ void FineTune::step() {
   frame_.transparent_mask = images_.mask(MaskClass::Transparent);
   model_.forward(scene_, photo.view, frame_);
 
-  for (LayerKind kind : kAllLayers) grad_.layer(kind).fill(0.f);
-  const LossInput input{.view = &photo.view,
-                        .raster = &frame_.diffuse,
-                        .prediction_srgb = frame_.srgb,
-                        .target_srgb = target_,
-                        .weight = weight_,
-                        .diffuse = &scene_.diffuse,
-                        .targets = images_.spans(),
-                        .step = step_,
-                        .reflection = loss_rays(frame_.reflection),
-                        .transmission = loss_rays(frame_.transmission)};
-  LossGradient gradient{.raster = &frame_.grad_diffuse,
-                        .prediction_srgb = frame_.grad_srgb,
-                        .diffuse = &grad_.diffuse,
-                        .reflection_first_hit = frame_.reflection.gradients.first_hit,
-                        .transmission_first_hit = frame_.transmission.gradients.first_hit};
-  const LossValues values = config_.loss.evaluate(1, input, gradient);
+  const PictureTarget target{.view = &photo.view, .srgb = target_, .weight = weight_, .targets = images_.spans()};
+  const LossValues values = learn(target, config_.loss, 1, step_, model_, scene_, frame_, grad_);
   if (!std::isfinite(values.total))
     throw Error(ErrorKind::Diverged, "fine-tuning broke down: the loss is not a number",
                 {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
                  .hint = "--set refine.fine_tune.iterations=0",
                  .code = "LOSS_NOT_FINITE"});
-  model_.backward(scene_, frame_, grad_);
   update();
   ++step_;
   average();
 }
 
 void FineTune::update() {
-  damping_.resize(scene_.diffuse.size());
-  for (size_t i = 0; i < damping_.size(); ++i) {  // glass stays where it is, and what is none becomes none
-    const float opaque = 1 - sigmoid(*scene_.diffuse.at(Attribute::Transmission, i));
-    damping_[i] = opaque + static_cast<float>(config_.glass_factor) * (1 - opaque);
-    if (opaque > kOpaque) *grad_.diffuse.at(Attribute::Transmission, i) = 0;
-  }
+  hold_glass(scene_.diffuse, static_cast<float>(config_.glass_factor), damping_, {}, grad_.diffuse);
   AttributeRates rates = rates_at(config_.rates, 1, kSceneRadius);
   for (float& rate : rates) rate *= static_cast<float>(config_.rate_factor);
   for (LayerKind kind : kAllLayers) {
     const bool diffuse = kind == LayerKind::Diffuse;
-    const SurfelStatistics& statistics = diffuse                         ? frame_.statistics
-                                         : kind == LayerKind::Reflection ? frame_.reflection.statistics
-                                                                         : frame_.transmission.statistics;
+    const SurfelStatistics& statistics = statistics_of(frame_, kind);
     if (statistics.weight.empty()) continue;  // the pass had nothing to do
     training_[static_cast<size_t>(kind)].descend(grad_.layer(kind), rates, statistics,
                                                  diffuse ? std::span<const float>(damping_) : std::span<const float>(),

@@ -1,0 +1,60 @@
+#include "core/train/picture_step.h"
+
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kOpaque = 0.9f;  // 1 - tau of what is no glass
+
+LossRays loss_rays(const SecondaryRays& rays) {
+  return {.first_hit = rays.values.first_hit,
+          .mean_distance = rays.mean_distance,
+          .alpha = rays.alpha,
+          .wall = {},
+          .weight = rays.weight};
+}
+
+}  // namespace
+
+LossValues learn(const PictureTarget& target, const LossSet& losses, double fraction, uint64_t step, LayeredModel& model,
+                 const SplatScene& scene, Frame& frame, SplatScene& grad) {
+  for (LayerKind kind : kAllLayers) grad.layer(kind).fill(0.f);
+  const LossInput input{.view = target.view,
+                        .raster = &frame.diffuse,
+                        .prediction_srgb = frame.srgb,
+                        .target_srgb = target.srgb,
+                        .weight = target.weight,
+                        .diffuse = &scene.diffuse,
+                        .targets = target.targets,
+                        .step = step,
+                        .reflection = loss_rays(frame.reflection),
+                        .transmission = loss_rays(frame.transmission)};
+  LossGradient gradient{.raster = &frame.grad_diffuse,
+                        .prediction_srgb = frame.grad_srgb,
+                        .diffuse = &grad.diffuse,
+                        .reflection_first_hit = frame.reflection.gradients.first_hit,
+                        .transmission_first_hit = frame.transmission.gradients.first_hit};
+  const LossValues values = losses.evaluate(fraction, input, gradient);
+  model.backward(scene, frame, grad);
+  return values;
+}
+
+SurfelStatistics& statistics_of(Frame& frame, LayerKind kind) {
+  if (kind == LayerKind::Diffuse) return frame.statistics;
+  return kind == LayerKind::Reflection ? frame.reflection.statistics : frame.transmission.statistics;
+}
+
+void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float>& damping, std::span<float> error,
+                SplatLayer& grad) {
+  damping.resize(diffuse.size());
+  for (size_t i = 0; i < damping.size(); ++i) {
+    const float opaque = 1 - sigmoid(*diffuse.at(Attribute::Transmission, i));
+    damping[i] = opaque + glass_factor * (1 - opaque);
+    if (!error.empty()) error[i] *= opaque;
+    if (opaque > kOpaque) *grad.at(Attribute::Transmission, i) = 0;
+  }
+}
+
+}  // namespace vitrine
