@@ -8,6 +8,7 @@
 #include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/view_masks.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -47,36 +48,20 @@ std::vector<int16_t> quantised_normals(const ImageF& image) {
   return planes;
 }
 
-// The first channel of a mask, of the size of its photo.
-ImageF read_mask_of(const fs::path& path, const View& view) {
-  const ImageF image = read_unchanged(path);
-  const Intrinsics& k = view.intrinsics;
-  if (image.width() != k.width || image.height() != k.height)
-    throw Error(
-        ErrorKind::Input, "a mask and its photo have different sizes",
-        {.where = path.string(),
-         .why = fmt::format("the mask has {} x {} pixels, the photo {} x {}", image.width(), image.height(), k.width, k.height),
-         .hint = "run the masks stage again",
-         .code = "MASK_SIZE"});
-  ImageF grey(image.width(), image.height(), 1);
-  for (size_t i = 0; i < grey.pixel_count(); ++i) grey.data()[i] = image.data()[i * size_t(image.channels())];
-  return grey;
-}
-
 // Every photo's mask of one class; how much of it each marks (NaN: no file).
-std::vector<double> load_class(const Capture& capture, const fs::path& folder, size_t mask, Targets& targets) {
+std::vector<double> load_class(const Capture& capture, const fs::path& artifact, size_t mask, Targets& targets) {
   const auto& views = capture.view_set.views;
   std::vector<double> coverage(views.size(), NAN);
   parallel_for(views.size(), 1, [&](size_t i) {
-    const fs::path path = folder / (views[i].stem() + ".png");
-    if (interrupt_signal() != 0 || !fs::exists(path)) return;
-    ImageF image = read_mask_of(path, views[i]);
+    if (interrupt_signal() != 0) return;
+    auto image = read_view_mask(artifact, static_cast<MaskClass>(mask), views[i]);
+    if (!image) return;
     double sum = 0;
-    for (float m : image.data()) sum += m;
-    coverage[i] = sum / double(image.pixel_count());
+    for (float m : image->data()) sum += m;
+    coverage[i] = sum / double(image->pixel_count());
     for (size_t level = 0; level < kLevels; ++level) {
-      image = sized(image, capture.photos[i].levels[level].view.intrinsics);
-      targets.photos[i][level].masks[mask] = quantised(image);
+      image = sized(*image, capture.photos[i].levels[level].view.intrinsics);
+      targets.photos[i][level].masks[mask] = quantised(*image);
     }
   });
   throw_if_interrupted();
@@ -101,7 +86,7 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
     const std::string name(vitrine::name(static_cast<MaskClass>(mask)));
     const fs::path folder = artifact / "masks" / name;
     if (!fs::is_directory(folder)) continue;
-    const std::vector<double> coverage = load_class(capture, folder, mask, targets);
+    const std::vector<double> coverage = load_class(capture, artifact, mask, targets);
     size_t found = 0, marked = 0;
     double sum = 0;
     for (double c : coverage) {

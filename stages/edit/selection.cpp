@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/view_masks.h"
 #include "core/image/resample.h"
 #include "core/render/renderer.h"
 
@@ -190,14 +191,13 @@ std::vector<SceneSelector::MaskedView> SceneSelector::masked_views(MaskClass kin
   std::error_code ec;
   if (!masks_ || !std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec))
     throw missing(masks_ ? "the masks stage wrote none" : "the masks stage has not been computed");
-  const MaskFolder folder(*masks_ / "masks");
   std::vector<MaskedView> out;
   for (View view : views_) {
     throw_if_interrupted();
-    const auto file = folder.find(kind, view.name);
-    if (!file) continue;
+    const auto mask = read_view_mask(*masks_, kind, view);
+    if (!mask) continue;
     view.intrinsics = view.intrinsics.limited_to(kMaskSide);
-    out.push_back({view, widened(resized(read_mask(*file), view.intrinsics.width, view.intrinsics.height))});
+    out.push_back({view, widened(resized(*mask, view.intrinsics.width, view.intrinsics.height))});
   }
   if (out.empty()) throw missing("none of its files belongs to a photo");
   return out;

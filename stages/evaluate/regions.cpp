@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/image/ldr.h"
+#include "core/camera/view_masks.h"
 #include "core/image/metrics.h"
 #include "core/image/resample.h"
 
@@ -43,23 +42,11 @@ RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics) {
 
 std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,
                                  const Intrinsics& intrinsics) {
-  const std::filesystem::path path = masks_folder / "masks" / name(c) / (view.stem() + ".png");
-  std::error_code ec;
-  if (!std::filesystem::exists(path, ec)) return std::nullopt;
-  const ImageF soft = read_unchanged(path);
-  if (soft.width() != view.intrinsics.width || soft.height() != view.intrinsics.height)
-    throw Error(ErrorKind::Input, "a mask does not have the size of its photo",
-                {.where = path.string(),
-                 .why = fmt::format("{}x{}, but the photo is {}x{}", soft.width(), soft.height(), view.intrinsics.width,
-                                    view.intrinsics.height),
-                 .hint = "run the masks stage again",
-                 .code = "BAD_MASK"});
-  ImageF grey(soft.width(), soft.height(), 1);
-  for (size_t i = 0; i < grey.pixel_count(); ++i) grey.data()[i] = soft.data()[i * size_t(soft.channels())];
-  if (grey.width() != intrinsics.width || grey.height() != intrinsics.height)
-    grey = resized(grey, intrinsics.width, intrinsics.height);
-  for (float& v : grey.data()) v = v >= kBelongs ? 1.f : 0.f;
-  return grey;
+  const auto soft = read_view_mask(masks_folder, c, view);
+  if (!soft) return std::nullopt;
+  ImageF belongs = resized(*soft, intrinsics.width, intrinsics.height);
+  for (float& v : belongs.data()) v = v >= kBelongs ? 1.f : 0.f;
+  return belongs;
 }
 
 std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/camera/view_masks.h"
 #include "core/image/bitmap_font.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
@@ -64,13 +65,13 @@ void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results)
       if (results.classes[size_t(kind)].kept)
         label += fmt::format("  {} {:.0f}%", name(kind), 100 * results.classes[size_t(kind)].coverage[v]);
     if (results.classes[size_t(MaskClass::Object)].kept) {
-      const ImageF object = grey_at(masks / "object" / (view.stem() + ".png"), width, height);
+      const ImageF object = grey_at(view_mask_path(desc.output, MaskClass::Object, view), width, height);
       for (size_t i = 0; i < painted.pixel_count(); ++i)
         for (size_t c = 0; c < 3; ++c) painted.data()[3 * i + c] *= 0.3f + 0.7f * object.data()[i];
     }
     for (const Tint& tint : kTints) {
       if (!results.classes[size_t(tint.kind)].kept) continue;
-      const ImageF mask = grey_at(masks / name(tint.kind) / (view.stem() + ".png"), width, height);
+      const ImageF mask = grey_at(view_mask_path(desc.output, tint.kind, view), width, height);
       for (size_t i = 0; i < painted.pixel_count(); ++i)
         for (size_t c = 0; c < 3; ++c) {
           float& p = painted.data()[3 * i + c];

@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
+#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 
@@ -30,10 +31,6 @@ Image<T> quantised(const ImageF& image) {
   for (size_t i = 0; i < out.data().size(); ++i)
     out.data()[i] = static_cast<T>(std::lround(std::clamp(image.data()[i], 0.f, 1.f) * kFull));
   return out;
-}
-
-fs::path mask_path(const fs::path& output, MaskClass kind, const View& view) {
-  return output / "masks" / name(kind) / (view.stem() + ".png");
 }
 
 // Black where COLMAP should not look for features: outside the object, and on everything that does not hold still.
@@ -77,7 +74,7 @@ MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
       const ImageF mask = soft ? fitted(std::move(soft->value), k) : ImageF(k.width, k.height, 1, value_without_mask(kind));
       const ImageF sure = soft ? fitted(std::move(soft->confidence), k) : ImageF(k.width, k.height, 1, 0.f);
       for (size_t i = 0; i < confidence.data().size(); ++i) confidence.data()[i] = std::min(confidence.data()[i], sure.data()[i]);
-      const fs::path path = mask_path(desc.output, kind, views[v]);
+      const fs::path path = view_mask_path(desc.output, kind, views[v]);
       make_folders(path.parent_path());
       double sum = 0;
       for (float value : mask.data()) sum += value;

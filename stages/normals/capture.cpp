@@ -22,20 +22,10 @@ ImageF NormalCapture::photo(size_t view, int width, int height) const {
   return srgb_from_linear_image(resized(linear, width, height));
 }
 
-std::optional<ImageF> NormalCapture::mask(const std::string& kind, size_t view, int width, int height) const {
-  if (!masks) return std::nullopt;
-  const fs::path path = *masks / "masks" / kind / (set.views[view].stem() + ".png");
-  if (!fs::exists(path)) return std::nullopt;
-  const ImageF file = read_unchanged(path);
-  const Intrinsics& k = set.views[view].intrinsics;
-  if (file.width() != k.width || file.height() != k.height || file.channels() != 1)
-    throw Error(ErrorKind::Input, "a mask does not fit its photo",
-                {.where = path.string(),
-                 .why = fmt::format("{} x {} with {} channels; the photo has {} x {}", file.width(), file.height(),
-                                    file.channels(), k.width, k.height),
-                 .hint = "run the masks stage again",
-                 .code = "SIZE_MISMATCH"});
-  return resized(file, width, height);
+std::optional<ImageF> NormalCapture::mask(MaskClass kind, size_t view, int width, int height) const {
+  const auto file = masks ? read_view_mask(*masks, kind, set.views[view]) : std::nullopt;
+  if (!file) return std::nullopt;
+  return resized(*file, width, height);
 }
 
 NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,

@@ -3,9 +3,9 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
 #include "core/image/image.h"
 
@@ -20,7 +20,7 @@ struct NormalCapture {
   // The photo, display-referred, at a size of the caller's. [h,w,3]
   ImageF photo(size_t view, int width, int height) const;
   // Mask of a class in [0,1] at that size; nullopt when the class has none of this photo.
-  std::optional<ImageF> mask(const std::string& kind, size_t view, int width, int height) const;
+  std::optional<ImageF> mask(MaskClass kind, size_t view, int width, int height) const;
 };
 
 NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,

@@ -114,7 +114,7 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
 ImageF hull_mask(const NormalCapture& capture, const std::vector<std::string>& classes, size_t view, const Intrinsics& k) {
   ImageF all;
   for (const std::string& kind : classes) {
-    const auto mask = capture.mask(kind, view, k.width, k.height);
+    const auto mask = capture.mask(*mask_class(kind), view, k.width, k.height);
     if (!mask) continue;
     if (all.empty())
       all = *mask;
@@ -144,7 +144,7 @@ void put_hull(const GeometricDesc& desc, const VisualHull& hull, const View& vie
   const Intrinsics& k = view.intrinsics;
   const ImageF mask = hull_mask(desc.capture, desc.config.hull, index, k);
   if (mask.empty()) return;
-  const auto glass = desc.capture.mask("transparent", index, k.width, k.height);
+  const auto glass = desc.capture.mask(MaskClass::Transparent, index, k.width, k.height);
   const Vec3d centre = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {

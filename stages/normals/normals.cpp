@@ -105,7 +105,7 @@ class NormalsRun {
       const auto [w, h] = network.input_size(k.width, k.height);
       NormalMap map = network.predict(capture_.photo(v, w, h));
       // Predictors see glass less well than what is painted.
-      if (const auto glass = capture_.mask("transparent", v, map.normal.width(), map.normal.height()))
+      if (const auto glass = capture_.mask(MaskClass::Transparent, v, map.normal.width(), map.normal.height()))
         for (size_t i = 0; i < glass->data().size(); ++i)
           map.confidence.data()[i] *= 1 + glass->data()[i] * float(config.glass_confidence - 1);
       return map;

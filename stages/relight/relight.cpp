@@ -13,8 +13,6 @@
 #include "core/base/timer.h"
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
 #include "core/light/environment.h"
 #include "core/mesh/mesh_io.h"
 #include "core/picture/relight_materials.h"
@@ -23,6 +21,7 @@
 #include "core/scene/activation.h"
 #include "stages/relight/grey_card.h"
 #include "stages/relight/light_solver.h"
+#include "stages/relight/marked_pixels.h"
 #include "stages/relight/metals.h"
 #include "stages/relight/pictures.h"
 #include "stages/relight/point_grid.h"
@@ -97,37 +96,6 @@ class Decomposition {
     context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
   }
 
-  // One class of the masks stage in this view; empty: none.
-  ImageF mask(const char* kind, const View& view, const Intrinsics& k) const {
-    const auto folder = context_.optional_input("masks");
-    std::error_code ec;
-    if (!folder) return {};
-    const fs::path path = *folder / "masks" / kind / (view.stem() + ".png");
-    if (!fs::exists(path, ec)) return {};
-    const Image8 grey = read_grey8(path);
-    ImageF out(grey.width(), grey.height(), 1);
-    for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = float(grey.data()[i]) / 255.f;
-    return resized(out, k.width, k.height);
-  }
-
-  // Glass or mirror.
-  ImageF masked(const View& view, const Intrinsics& k) const {
-    ImageF out = mask("transparent", view, k);
-    const ImageF specular = mask("specular", view, k);
-    if (out.empty()) return specular;
-    for (size_t i = 0; i < specular.data().size(); ++i) out.data()[i] = std::max(out.data()[i], specular.data()[i]);
-    return out;
-  }
-
-  // Mirror and no glass.
-  ImageF mirrors(const View& view, const Intrinsics& k) const {
-    ImageF out = mask("specular", view, k);
-    const ImageF glass = mask("transparent", view, k);
-    if (out.empty() || glass.empty()) return out;
-    for (size_t i = 0; i < out.data().size(); ++i) out.data()[i] = std::min(out.data()[i], 1 - glass.data()[i]);
-    return out;
-  }
-
   void gather() {
     const Timer clock;
     points_ = lit_points(scene_.surfels.diffuse, views_,
@@ -136,7 +104,7 @@ class Decomposition {
                           .outer_factor = kOuterFactor,
                           .max_side = config_.max_side,
                           .near_z = scene_.image.diffuse.near_z,
-                          .masked = [&](const View& v, const Intrinsics& k) { return masked(v, k); }},
+                          .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
                          [&](double f) { step(0.2 * f, "surface points"); });
     if (points_.size() < kFewestPoints)
       throw Error(ErrorKind::Input, "the views show too little surface to find the light",
@@ -269,7 +237,7 @@ class Decomposition {
                                       .scene = scene_,
                                       .views = views_,
                                       .environment = light,
-                                      .mirrors = [&](const View& v, const Intrinsics& k) { return mirrors(v, k); },
+                                      .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
                                       .max_side = config_.max_side,
                                       .cell = float(2 * voxel_),
                                       .reach = float(3 * edge_)});
@@ -394,6 +362,7 @@ class Decomposition {
   }
 
   const SplatLayer& layer() const { return scene_.surfels.diffuse; }
+  MarkedPixels marks() const { return {.masks = context_.optional_input("masks"), .photos = all_views_}; }
 
   const RelightConfig& config_;
   StageContext& context_;

@@ -127,7 +127,7 @@ TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
   EXPECT_GT(r["rest"]["psnr"].get<double>(), 45);
   write("specular", 0, 5, 32);
   RecordingContext wrong(inputs);
-  EXPECT_EQ(error_of([&] { run_evaluate(quick(), wrong); }).detail().code, "BAD_MASK");
+  EXPECT_EQ(error_of([&] { run_evaluate(quick(), wrong); }).detail().code, "MASK_SIZE");
 }
 
 // The sphere turned to glass with a ball in it: layers, what lies behind the glass, and the glass itself.
