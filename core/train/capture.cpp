@@ -33,8 +33,8 @@ std::vector<uint16_t> encoded(const ImageF& linear) {
 
 }  // namespace
 
-Photo make_photo(const View& view, const ImageF& linear, int max_side) {
-  Photo photo;
+PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side) {
+  PhotoPyramid photo;
   ImageF image = linear;
   for (size_t level = 0; level < kLevels; ++level) {
     PhotoLevel& l = photo.levels[level];

@@ -18,14 +18,14 @@ struct PhotoLevel {
   std::vector<uint16_t> srgb;  // [3,h,w], 65535 = 1
 };
 
-struct Photo {
+struct PhotoPyramid {
   std::array<PhotoLevel, kLevels> levels;
   const std::string& name() const { return levels[0].view.name; }
 };
 
 struct Capture {
   ViewSet view_set;
-  std::vector<Photo> photos;             // in the order of view_set.views
+  std::vector<PhotoPyramid> photos;      // in the order of view_set.views
   std::vector<uint32_t> train, heldout;  // indices into photos
   // Nothing stands nearer to a camera: half the depth of the nearest sparse points, at most a tenth of the ring of cameras.
   // Stray surfels that hang there are veils before a camera that comes by.
@@ -35,7 +35,7 @@ struct Capture {
 };
 
 // Pyramid of one photo. `linear` has the size of the view's intrinsics.
-Photo make_photo(const View& view, const ImageF& linear, int max_side);
+PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side);
 // Planar [3,h,w] floats of a level.
 void decode(const PhotoLevel& level, std::vector<float>& srgb);
 

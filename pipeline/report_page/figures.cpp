@@ -61,9 +61,9 @@ std::vector<PhotoPose> read_photos(const Facts& sfm) {
   return photos;
 }
 
-std::vector<ViewScore> read_views(const fs::path& project) {
+std::vector<PhotoScore> read_views(const fs::path& project) {
   constexpr std::string_view kPrefix = "psnr_";
-  std::vector<ViewScore> views;
+  std::vector<PhotoScore> views;
   for (const auto& row : rows_of_csv(text_of_file(project / "eval/per_view.csv"))) {
     const auto cell = [&](const char* name) {
       const auto found = row.find(name);
@@ -71,7 +71,7 @@ std::vector<ViewScore> read_views(const fs::path& project) {
     };
     const auto psnr = number_of(cell("psnr"));
     if (!psnr || cell("name").empty()) continue;
-    ViewScore& v = views.emplace_back();
+    PhotoScore& v = views.emplace_back();
     v.name = cell("name");
     v.heldout = cell("set") == "heldout";
     v.psnr = *psnr;
@@ -104,8 +104,8 @@ void add_views(const Facts& metrics, Figures& f) {
   group.add("ssim", metrics.number("heldout.ssim"));
   if (psnr && train)
     group.add("gap", *train - *psnr, fmt::format("{:.1f} dB where it trained, {:.1f} dB where not", *train, *psnr));
-  const ViewScore* weakest = nullptr;
-  for (const ViewScore& v : f.views)
+  const PhotoScore* weakest = nullptr;
+  for (const PhotoScore& v : f.views)
     if (v.heldout && (weakest == nullptr || v.psnr < weakest->psnr)) weakest = &v;
   if (psnr && weakest != nullptr && views.value_or(0) > 1)
     group.add("weakest", std::max(0.0, *psnr - weakest->psnr), fmt::format("{}: {:.1f} dB", weakest->name, weakest->psnr));
@@ -192,7 +192,7 @@ const Figure* Figures::find(std::string_view id) const {
   return nullptr;
 }
 
-Figures gather_figures(const fs::path& project, const Outcome& outcome) {
+Figures gather_figures(const fs::path& project, const RunOutcome& outcome) {
   const Facts sfm = Facts::of_file(outcome.sfm_report), training = Facts::of_file(project / "optimize/report.json"),
               normals = Facts::of_file(project / "normals/report.json"), mesh = Facts::of_file(project / "mesh/report.json"),
               relight = Facts::of_file(project / "relight/report.json"), metrics = Facts::of_file(project / "eval/metrics.json");

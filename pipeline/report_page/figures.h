@@ -30,7 +30,7 @@ struct PhotoPose {
   double features = 0, matches = 0, observations = 0;
 };
 
-struct ViewScore {
+struct PhotoScore {
   std::string name;
   bool heldout = false;
   double psnr = 0;
@@ -41,12 +41,12 @@ struct ViewScore {
 struct Figures {
   std::vector<FigureGroup> groups;  // without empty ones
   std::vector<PhotoPose> photos;    // in name order
-  std::vector<ViewScore> views;
+  std::vector<PhotoScore> views;
   std::vector<std::string> facts;  // sentences without a rating: what was made, and of what size
 
   const Figure* find(std::string_view id) const;
 };
 
-Figures gather_figures(const fs::path& project, const Outcome& outcome);
+Figures gather_figures(const fs::path& project, const RunOutcome& outcome);
 
 }  // namespace vitrine

@@ -31,8 +31,8 @@ std::vector<Facts> last_events(const fs::path& project) {
   return events;
 }
 
-StageCost cost_of(const Facts& stage) {
-  StageCost cost{.name = stage.text("name"), .state = stage.text("state"), .summary = stage.text("summary")};
+StageOutcome cost_of(const Facts& stage) {
+  StageOutcome cost{.name = stage.text("name"), .state = stage.text("state"), .summary = stage.text("summary")};
   if (cost.name.empty()) cost.name = stage.text("stage");  // of an event
   cost.seconds = stage.number("seconds");
   cost.cpu_seconds = stage.number("cpu_seconds");
@@ -41,7 +41,7 @@ StageCost cost_of(const Facts& stage) {
   return cost;
 }
 
-void read_events(const std::vector<Facts>& events, Outcome& o, std::map<std::string, std::string>& keys, bool with_stages) {
+void read_events(const std::vector<Facts>& events, RunOutcome& o, std::map<std::string, std::string>& keys, bool with_stages) {
   for (const Facts& e : events) {
     const std::string type = e.text("type"), stage = e.text("stage");
     if (type == "run_start") o.version = e.text("version");
@@ -51,14 +51,14 @@ void read_events(const std::vector<Facts>& events, Outcome& o, std::map<std::str
     if (!with_stages) continue;
     if (type == "stage_start" && !o.stage(stage)) o.stages.push_back({.name = stage, .state = "running"});
     if (type == "stage_end")
-      for (StageCost& s : o.stages)
+      for (StageOutcome& s : o.stages)
         if (s.name == stage) s = cost_of(e), s.state = "ran";
   }
 }
 
 // A stage that was found in the store cost nothing this time: what it took when it was computed.
-void add_stored_costs(const fs::path& project, const std::map<std::string, std::string>& current, Outcome& o) {
-  for (StageCost& s : o.stages) {
+void add_stored_costs(const fs::path& project, const std::map<std::string, std::string>& current, RunOutcome& o) {
+  for (StageOutcome& s : o.stages) {
     const auto key = current.find(s.name);
     if (s.state == "ran" || s.state == "failed" || s.state == "running" || key == current.end() || !stays_inside(key->second))
       continue;
@@ -71,25 +71,25 @@ void add_stored_costs(const fs::path& project, const std::map<std::string, std::
 
 }  // namespace
 
-const StageCost* Outcome::stage(std::string_view name) const {
-  const auto found = std::find_if(stages.begin(), stages.end(), [&](const StageCost& s) { return s.name == name; });
+const StageOutcome* RunOutcome::stage(std::string_view name) const {
+  const auto found = std::find_if(stages.begin(), stages.end(), [&](const StageOutcome& s) { return s.name == name; });
   return found == stages.end() ? nullptr : &*found;
 }
 
-bool Outcome::has(std::string_view name) const {
-  const StageCost* s = stage(name);
+bool RunOutcome::has(std::string_view name) const {
+  const StageOutcome* s = stage(name);
   return s != nullptr && s->state != "failed" && s->state != "running";
 }
 
-std::string Outcome::last_stage() const {
+std::string RunOutcome::last_stage() const {
   if (failure && !failure->stage.empty()) return failure->stage;
-  for (const StageCost& s : stages)
+  for (const StageOutcome& s : stages)
     if (s.state == "failed" || s.state == "running") return s.name;
   return {};
 }
 
-Outcome read_outcome(const fs::path& project) {
-  Outcome o;
+RunOutcome read_outcome(const fs::path& project) {
+  RunOutcome o;
   const Facts run = Facts::of_file(project / "run.json");
   const std::vector<Facts> events = last_events(project);
   const bool ended =

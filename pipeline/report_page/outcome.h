@@ -18,7 +18,7 @@ enum class Ending {
   Unknown,  // no trace of a run
 };
 
-struct StageCost {
+struct StageOutcome {
   std::string name = {}, state = {}, summary = {};  // state: ran, cached, kept, failed, running
   std::optional<double> seconds = {}, cpu_seconds = {}, peak_bytes = {};
   std::vector<std::string> warnings = {};
@@ -28,21 +28,21 @@ struct StageFailure {
   std::string stage, code, message, why, hint;
 };
 
-struct Outcome {
+struct RunOutcome {
   Ending ending = Ending::Unknown;
   int exit = 0;
   std::string version, preset, photos, masks, finished;  // options and UTC time of the run
   std::string machine;                                   // "2 threads"
-  std::vector<StageCost> stages;                         // in order
+  std::vector<StageOutcome> stages;                      // in order
   std::optional<StageFailure> failure;
   // Where the failed SfM attempt left its figures; else sfm/report.json is the place.
   fs::path sfm_report = {};
 
-  const StageCost* stage(std::string_view name) const;
+  const StageOutcome* stage(std::string_view name) const;
   bool has(std::string_view name) const;  // there is a finished result of this stage
   std::string last_stage() const;         // the one that failed, or that was under way
 };
 
-Outcome read_outcome(const fs::path& project);
+RunOutcome read_outcome(const fs::path& project);
 
 }  // namespace vitrine

@@ -78,7 +78,7 @@ std::string page_state(const PageDesc& desc) {
   Hasher hash;
   hash.add(kPageVersion).add(kReportStyle).add(kReportScript).add(desc.typed);
   // run.json holds times that change with every run; what they say is the outcome.
-  const Outcome outcome = read_outcome(desc.project);
+  const RunOutcome outcome = read_outcome(desc.project);
   hash.add(uint64_t(outcome.ending)).add(uint64_t(outcome.exit)).add(outcome.preset).add(outcome.masks);
   if (outcome.failure) hash.add(outcome.failure->message).add(outcome.failure->why);
   hash.add(text_of_file(desc.project / ".cache/current.json"));

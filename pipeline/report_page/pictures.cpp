@@ -88,20 +88,20 @@ std::optional<Picture> picture_of_file(const fs::path& path, int max_side) {
   }
 }
 
-std::optional<Picture> picture_of_layer(const fs::path& exr, LayerKind kind, int max_side) {
+std::optional<Picture> picture_of_layer(const fs::path& exr, AovKind kind, int max_side) {
   std::error_code ec;
   if (!fs::is_regular_file(exr, ec)) return std::nullopt;
   try {
     const ImageF pixels = read_exr(exr).pixels;
     if (pixels.empty() || pixels.channels() < 1) return std::nullopt;
     switch (kind) {
-      case LayerKind::Radiance:
+      case AovKind::Radiance:
         return picture_of_linear(three_channels(pixels), max_side);
-      case LayerKind::Weight:
+      case AovKind::Weight:
         return picture_of(rounded(limited(three_channels(pixels), max_side)));
-      case LayerKind::Normal:
+      case AovKind::Normal:
         return picture_of(rounded(limited(normal_colours(pixels), max_side)));
-      case LayerKind::Depth:
+      case AovKind::Depth:
         return picture_of(rounded(limited(shaded_depth(pixels), max_side)));
     }
   } catch (const Error&) {

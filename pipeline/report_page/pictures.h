@@ -22,9 +22,9 @@ std::optional<Picture> picture_of_file(const fs::path& path, int max_side);
 Picture picture_of_linear(const ImageF& linear, int max_side);
 Picture picture_of(const Image8& image);
 
-enum class LayerKind { Radiance, Weight, Normal, Depth };
+enum class AovKind { Radiance, Weight, Normal, Depth };
 // An OpenEXR layer of a picture (stages/render/README.md) as people look at it: radiance encoded, weights as grey, normals as
 // colours, depth from near (bright) to far.
-std::optional<Picture> picture_of_layer(const fs::path& exr, LayerKind kind, int max_side);
+std::optional<Picture> picture_of_layer(const fs::path& exr, AovKind kind, int max_side);
 
 }  // namespace vitrine

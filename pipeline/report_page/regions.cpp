@@ -73,9 +73,9 @@ void tally_photo(const ViewSet& set, size_t index, const PhotoMasks& masks, std:
   }
 }
 
-std::optional<double> mean_psnr(const std::vector<ViewScore>& views, const char* region, bool heldout) {
+std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char* region, bool heldout) {
   double sum = 0, n = 0;
-  for (const ViewScore& v : views)
+  for (const PhotoScore& v : views)
     if (const auto found = v.regions.find(region); v.heldout == heldout && found != v.regions.end()) sum += found->second, n += 1;
   return n > 0 ? std::optional(sum / n) : std::nullopt;
 }

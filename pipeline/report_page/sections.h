@@ -14,7 +14,7 @@ namespace vitrine {
 // What the sections draw from, read once.
 struct Material {
   fs::path project;
-  Outcome outcome;
+  RunOutcome outcome;
   Figures figures;
   Verdict verdict;
   std::optional<ViewSet> views;   // when the sparse model can be read

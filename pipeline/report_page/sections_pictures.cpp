@@ -43,15 +43,15 @@ std::vector<T> spread(const std::vector<T>& all, size_t most) {
 }
 
 // Held-out views, the weakest first.
-std::vector<ViewScore> heldout_by_psnr(const Material& m) {
-  std::vector<ViewScore> views;
-  for (const ViewScore& v : m.figures.views)
+std::vector<PhotoScore> heldout_by_psnr(const Material& m) {
+  std::vector<PhotoScore> views;
+  for (const PhotoScore& v : m.figures.views)
     if (v.heldout && stays_inside(v.name)) views.push_back(v);
-  std::stable_sort(views.begin(), views.end(), [](const ViewScore& a, const ViewScore& b) { return a.psnr < b.psnr; });
+  std::stable_sort(views.begin(), views.end(), [](const PhotoScore& a, const PhotoScore& b) { return a.psnr < b.psnr; });
   return views;
 }
 
-std::string compared(const Material& m, const ViewScore& v, size_t number) {
+std::string compared(const Material& m, const PhotoScore& v, size_t number) {
   const std::string stem = stem_of(v.name);
   const auto photo = picture_of_file(eval_file(m, stem, "gt"), kLargePicture),
              render = picture_of_file(eval_file(m, stem, "pred"), kLargePicture),
@@ -76,20 +76,20 @@ std::string compared(const Material& m, const ViewScore& v, size_t number) {
 
 struct LayerKindOf {
   const char *folder, *title;
-  LayerKind kind;
+  AovKind kind;
   bool main = false;  // shown at once; the others on request
 };
 constexpr LayerKindOf kLayers[] = {
-    {"diffuse", "matt surface", LayerKind::Radiance, true},
-    {"reflection", "what is reflected", LayerKind::Radiance, true},
-    {"transmission", "what is seen through glass", LayerKind::Radiance, true},
-    {"reflected", "what the reflected rays brought", LayerKind::Radiance},
-    {"transmitted", "what the rays behind the glass brought", LayerKind::Radiance},
-    {"specular_weight", "where it is glossy", LayerKind::Weight},
-    {"transmission_weight", "where light goes through", LayerKind::Weight},
-    {"roughness", "roughness", LayerKind::Weight},
-    {"normal", "normals, world", LayerKind::Normal, true},
-    {"depth", "depth, near is bright", LayerKind::Depth, true},
+    {"diffuse", "matt surface", AovKind::Radiance, true},
+    {"reflection", "what is reflected", AovKind::Radiance, true},
+    {"transmission", "what is seen through glass", AovKind::Radiance, true},
+    {"reflected", "what the reflected rays brought", AovKind::Radiance},
+    {"transmitted", "what the rays behind the glass brought", AovKind::Radiance},
+    {"specular_weight", "where it is glossy", AovKind::Weight},
+    {"transmission_weight", "where light goes through", AovKind::Weight},
+    {"roughness", "roughness", AovKind::Weight},
+    {"normal", "normals, world", AovKind::Normal, true},
+    {"depth", "depth, near is bright", AovKind::Depth, true},
 };
 
 // Frames of one light: PNG files of a folder, without the contact sheet.
@@ -116,7 +116,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
 std::string compare_section(const Material& m) {
   std::string body;
   size_t number = 0;
-  for (const ViewScore& v : spread(heldout_by_psnr(m), kMostCompared)) body += compared(m, v, ++number);
+  for (const PhotoScore& v : spread(heldout_by_psnr(m), kMostCompared)) body += compared(m, v, ++number);
   if (!body.empty()) body = "<div class=\"compares\">" + body + "</div>";
   return section("views", "Photo against render",
                  "Photos that training never saw, the weakest first. Drag across a picture: the photo is on the left, the render "
@@ -126,9 +126,9 @@ std::string compare_section(const Material& m) {
 
 std::string layers_section(const Material& m) {
   std::string body;
-  std::vector<ViewScore> views = heldout_by_psnr(m);
+  std::vector<PhotoScore> views = heldout_by_psnr(m);
   std::reverse(views.begin(), views.end());
-  for (const ViewScore& v : spread(views, kMostLayered)) {
+  for (const PhotoScore& v : spread(views, kMostLayered)) {
     std::string main, more;
     for (const LayerKindOf& layer : kLayers)
       if (const auto p =

@@ -58,7 +58,7 @@ std::string photo_table(const Material& m) {
   std::string rows;
   for (const PhotoPose& p : m.figures.photos) {
     std::string psnr = "–";
-    for (const ViewScore& v : m.figures.views)
+    for (const PhotoScore& v : m.figures.views)
       if (v.name == p.name) psnr = fmt::format("{:.1f}{}", v.psnr, v.heldout ? " held out" : "");
     rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{:.0f}</td><td>{:.0f}</td><td>{}</td><td>{}</td></tr>", escaped(p.name),
                         p.features, p.matches, p.registered ? fmt::format("{:.0f}", p.observations) : "left out", psnr);
@@ -97,7 +97,7 @@ std::string cameras_section(const Material& m) {
 
 std::string cost_section(const Material& m) {
   double longest = 0, total = 0, cpu = 0, peak = 0;
-  for (const StageCost& s : m.outcome.stages) {
+  for (const StageOutcome& s : m.outcome.stages) {
     longest = std::max(longest, s.seconds.value_or(0));
     total += s.seconds.value_or(0);
     cpu += s.cpu_seconds.value_or(0);
@@ -106,7 +106,7 @@ std::string cost_section(const Material& m) {
   if (m.outcome.stages.empty()) return {};
   const auto seconds = [](std::optional<double> v) { return v && *v > 0 ? duration_text(*v) : std::string("–"); };
   std::string rows, warnings;
-  for (const StageCost& s : m.outcome.stages) {
+  for (const StageOutcome& s : m.outcome.stages) {
     const bool stopped = s.state == "failed" && m.outcome.ending == Ending::Stopped;
     rows += fmt::format(
         "<li><span class=\"stage\">{}</span><span class=\"state\">{}</span><span class=\"length\" aria-hidden=\"true\"><i "

@@ -94,7 +94,7 @@ std::string how_well(const Figures& figures) {
 
 class Commands {
  public:
-  Commands(const Outcome& outcome, std::string project) : outcome_(outcome), project_(std::move(project)) {}
+  Commands(const RunOutcome& outcome, std::string project) : outcome_(outcome), project_(std::move(project)) {}
   std::string again(std::vector<std::string> more = {}) const {
     more.insert(more.begin(), {"vitrine", "run", project_});
     return join_command(more);
@@ -117,11 +117,11 @@ class Commands {
   std::string better() const { return outcome_.preset == "preview" ? "standard" : outcome_.preset == "standard" ? "high" : ""; }
 
  private:
-  const Outcome& outcome_;
+  const RunOutcome& outcome_;
   std::string project_;
 };
 
-void advise(const Figures& figures, const Outcome& outcome, const Commands& commands, Verdict& v) {
+void advise(const Figures& figures, const RunOutcome& outcome, const Commands& commands, Verdict& v) {
   const auto rating = [&](std::string_view id) {
     const Figure* f = figures.find(id);
     return f == nullptr ? Rating::Good : f->rating;
@@ -146,7 +146,7 @@ void advise(const Figures& figures, const Outcome& outcome, const Commands& comm
   add("Look at it under another light, any HDRI of yours.", commands.of({"relight", "--env", "studio.exr", "--turntable", "24"}));
 }
 
-void tell_failure(const Outcome& outcome, const Commands& commands, Verdict& v) {
+void tell_failure(const RunOutcome& outcome, const Commands& commands, Verdict& v) {
   const std::string stage = outcome.last_stage();
   v.mood = Mood::Unfinished;
   v.word = stage.empty() ? "It did not finish" : fmt::format("It failed {}", stage_in_words(stage));
@@ -176,7 +176,7 @@ void tell_failure(const Outcome& outcome, const Commands& commands, Verdict& v) 
 
 }  // namespace
 
-Verdict verdict_of(const Outcome& outcome, const Figures& figures, const std::string& project) {
+Verdict verdict_of(const RunOutcome& outcome, const Figures& figures, const std::string& project) {
   const Commands commands(outcome, project);
   Verdict v;
   switch (outcome.ending) {

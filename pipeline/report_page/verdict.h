@@ -31,6 +31,6 @@ struct Verdict {
 inline constexpr size_t kMostWeak = 3;
 
 // `project`: the output folder as it is to be typed.
-Verdict verdict_of(const Outcome& outcome, const Figures& figures, const std::string& project);
+Verdict verdict_of(const RunOutcome& outcome, const Figures& figures, const std::string& project);
 
 }  // namespace vitrine

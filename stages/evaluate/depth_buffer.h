@@ -13,14 +13,14 @@ namespace vitrine {
 // One channel, camera z; 0 where no triangle is.
 ImageF mesh_zdepth(const TriMesh& mesh, const Intrinsics& intrinsics, const Rigid& cam_from_world);
 
-struct Projection {
+struct ImagePoint {
   double x = 0, y = 0, z = 0;  // pixels, camera z
 };
 // nullopt behind the camera or outside the picture.
-std::optional<Projection> project(const Vec3d& in_world, const Intrinsics& intrinsics, const Rigid& cam_from_world);
+std::optional<ImagePoint> project(const Vec3d& in_world, const Intrinsics& intrinsics, const Rigid& cam_from_world);
 
 // Whether a surface at camera depth p.z can be the one that `zdepth` shows around p: one of the four nearest samples agrees
 // to `tolerance_rel` of its depth.
-bool agrees_with(const ImageF& zdepth, const Projection& p, double tolerance_rel);
+bool agrees_with(const ImageF& zdepth, const ImagePoint& p, double tolerance_rel);
 
 }  // namespace vitrine

@@ -17,7 +17,7 @@ constexpr size_t kSamplesPerTask = 4096;
 
 Vec3d to_double(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
-bool in_mask(const ImageF& mask, const Projection& p) { return !mask.empty() && mask.at(int(p.x), int(p.y)) > 0; }
+bool in_mask(const ImageF& mask, const ImagePoint& p) { return !mask.empty() && mask.at(int(p.x), int(p.y)) > 0; }
 
 struct Distances {
   double mean_rel = 0, median_rel = 0, within = 0;

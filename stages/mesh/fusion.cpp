@@ -28,7 +28,7 @@ TsdfVolume fuse_views(size_t view_count, const DepthSource& depth_of, const Fusi
     std::vector<uint8_t> used(view_count, 0);
     for (size_t i = 0; i < view_count; ++i) {
       progress(done + share * static_cast<double>(i) / static_cast<double>(view_count));
-      const DepthMap map = depth_of(i, volume_desc.voxel);
+      const RgbdFrame map = depth_of(i, volume_desc.voxel);
       used[i] = map.valid_fraction >= desc.min_valid_fraction;
       if (used[i])
         volume.touch(map.view());

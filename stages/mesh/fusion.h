@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/tsdf_volume.h"
-#include "stages/mesh/depth_map.h"
+#include "stages/mesh/rgbd_frame.h"
 
 namespace vitrine {
 
@@ -23,7 +23,7 @@ struct FusionReport {
 };
 
 // The depth map of view i, for a given voxel (its mean/median rule depends on it).
-using DepthSource = std::function<DepthMap(size_t view, double voxel)>;
+using DepthSource = std::function<RgbdFrame(size_t view, double voxel)>;
 
 // `progress` gets a fraction in [0,1]; it may throw to interrupt. Throws Error{Input} when no view shows a surface.
 TsdfVolume fuse_views(size_t view_count, const DepthSource& depth_of, const FusionDesc& desc,

@@ -18,8 +18,8 @@
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
 #include "core/scene/scene_io.h"
-#include "stages/mesh/depth_map.h"
 #include "stages/mesh/fusion.h"
+#include "stages/mesh/rgbd_frame.h"
 #include "stages/mesh/training_views.h"
 
 namespace vitrine {
@@ -72,7 +72,7 @@ class RenderedDepth {
   RenderedDepth(const MeshConfig& config, const SplatLayer& layer, float near_z, const std::vector<View>& views)
       : config_(config), layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(backend_of(config))) {}
 
-  DepthMap operator()(size_t i, double voxel) {
+  RgbdFrame operator()(size_t i, double voxel) {
     const View& v = views_[i];
     renderer_->forward(layer_,
                        {.intrinsics = v.intrinsics,
@@ -81,10 +81,10 @@ class RenderedDepth {
                         .sh_degree = layer_.sh_degree(),
                         .near_z = near_z_},
                        images_);
-    return depth_map(images_, v.intrinsics, v.cam_from_world,
-                     {.min_alpha = float(config_.fusion.min_alpha),
-                      .weight_alpha = float(config_.fusion.weight_alpha),
-                      .mean_median_tolerance = float(config_.fusion.mean_median_voxels * voxel)});
+    return rgbd_frame(images_, v.intrinsics, v.cam_from_world,
+                      {.min_alpha = float(config_.fusion.min_alpha),
+                       .weight_alpha = float(config_.fusion.weight_alpha),
+                       .mean_median_tolerance = float(config_.fusion.mean_median_voxels * voxel)});
   }
 
  private:

@@ -123,7 +123,7 @@ void write_match_matrix(const fs::path& path, const Reconstruction& r) {
   write_ldr(path, image);
 }
 
-void write_sfm_report(const fs::path& path, const ReportDesc& desc) {
+void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
   const Reconstruction& r = *desc.reconstruction;
   nlohmann::json j;
   j["colmap"] = desc.colmap;

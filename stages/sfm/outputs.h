@@ -26,7 +26,7 @@ struct PicturesDesc {
 // linear/<stem>.exr and images/<name> for every photo of the model.
 void write_pictures(const PicturesDesc& desc);
 
-struct ReportDesc {
+struct SfmReportDesc {
   const Reconstruction* reconstruction = nullptr;
   const SfmConfig* config = nullptr;
   std::string colmap;                        // version, or "none" when the poses were complete
@@ -41,6 +41,6 @@ struct ReportDesc {
 // pose, red without.
 void write_match_matrix(const std::filesystem::path& path, const Reconstruction& r);
 
-void write_sfm_report(const std::filesystem::path& path, const ReportDesc& desc);
+void write_sfm_report(const std::filesystem::path& path, const SfmReportDesc& desc);
 
 }  // namespace vitrine

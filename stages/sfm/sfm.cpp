@@ -181,7 +181,7 @@ void run(const SfmConfig& config, StageContext& context) {
   if (!diagnosis.code.empty()) {
     // The output vanishes with the failure; the scratch folder stays, and with it the evidence.
     const fs::path evidence = context.scratch() / "report.json";
-    ReportDesc report;
+    SfmReportDesc report;
     report.reconstruction = &r;
     report.config = &config;
     report.colmap = s.colmap;

@@ -32,7 +32,7 @@ struct PixelGrad {
 };
 
 // d (g . linear) / d channels of the chosen pixel of a group that is this pixel alone.
-PixelGrad specified(const TinyRoom& room, const ImageOptions& options, const Frame& frame, size_t group, const Vec3d& g) {
+PixelGrad specified(const LayeredRoom& room, const ImageOptions& options, const Frame& frame, size_t group, const Vec3d& g) {
   const uint32_t pixel = frame.shaded.chosen_pixel(group);
   const GBuffer buffer(frame);
   const PixelSums<float> f = buffer.sums(pixel);
@@ -86,7 +86,7 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   options.reflection.max_footprint = 1;
   std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
   options.reflection.samples = options.reflection.lobe == Lobe::Sampled ? 3 : 1;
-  const TinyRoom room = furnished_room({}, 3);
+  const LayeredRoom room = furnished_room({}, 3);
   LayeredModel model(options);
   Frame frame;
   model.forward(room.scene, room.view, frame);

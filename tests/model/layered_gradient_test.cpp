@@ -20,7 +20,7 @@ class WholeChain : public testing::TestWithParam<std::tuple<LayerBlend, Lobe>> {
 TEST_P(WholeChain, MatchesFiniteDifferences) {
   ImageOptions options = exact_options();
   std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
-  TinyRoom r = furnished_room({}, 5, 13, 11);
+  LayeredRoom r = furnished_room({}, 5, 13, 11);
   LayeredModel model(options);
   Frame frame;
   const auto loss = [&] {
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(All, WholeChain,
                                          std::tuple{LayerBlend::Layered, Lobe::Cone}));
 
 TEST(LayeredModel, DepthAndNormalGradientsCanBeCut) {
-  const TinyRoom r = furnished_room({}, 5);
+  const LayeredRoom r = furnished_room({}, 5);
   LayeredModel model(exact_options());
   const auto norms = [&] {
     Frame frame;
@@ -82,7 +82,7 @@ TEST(LayeredModel, DepthAndNormalGradientsCanBeCut) {
 
 // For a loss that is a sum over pixels, the budgeted gradient is on average the one with all rays.
 TEST(RayBudget, GradientIsUnbiased) {
-  const TinyRoom r = furnished_room({}, 6);
+  const LayeredRoom r = furnished_room({}, 6);
   LayeredModel model(exact_options());
   Frame frame;
   const auto gradient = [&](uint64_t step, int budget) {
@@ -144,7 +144,7 @@ TEST(RayBudget, GradientIsUnbiased) {
 
 // Losses on first hits leave their gradient with the rays; it reaches the surfels that were hit.
 TEST(LayeredModel, FirstHitGradientsReachTheLayer) {
-  const TinyRoom r = furnished_room({}, 9);
+  const LayeredRoom r = furnished_room({}, 9);
   LayeredModel model(exact_options());
   Frame frame;
   model.forward(r.scene, r.view, frame);
@@ -165,7 +165,7 @@ TEST(LayeredModel, FirstHitGradientsReachTheLayer) {
 
 // The gate lets less through where the reflection varies, and never changes the picture.
 TEST(CompositePass, GateDampsTransmissionWhereTheReflectionVaries) {
-  const TinyRoom r = furnished_room({.f0 = 0.6, .specular = 0.6}, 10);
+  const LayeredRoom r = furnished_room({.f0 = 0.6, .specular = 0.6}, 10);
   const auto run = [&](float strength) {
     ImageOptions options = exact_options();
     options.composite.gate = strength;

@@ -12,7 +12,7 @@ namespace vitrine {
 namespace {
 
 TEST(LayeredModel, WithoutItsLayersIsTheDiffuseModelToTheBit) {
-  TinyRoom r = room({}, 2);
+  LayeredRoom r = room({}, 2);
   ImageModel plain;
   plain.add(std::make_unique<DiffusePass>(DiffuseOptions{}));
   plain.add(std::make_unique<DisplayPass>());
@@ -32,7 +32,7 @@ TEST(LayeredModel, WithoutItsLayersIsTheDiffuseModelToTheBit) {
 
 TEST(LayeredModel, OpaqueSurfacesWithoutSpecularWeightKeepTheirColour) {
   for (LayerBlend blend : {LayerBlend::RtrGs, LayerBlend::Layered}) {
-    TinyRoom r = furnished_room({.specular = 1e-4, .transmission = 1e-4}, 2);
+    LayeredRoom r = furnished_room({.specular = 1e-4, .transmission = 1e-4}, 2);
     ImageOptions options = exact_options();
     options.composite.blend = blend;
     LayeredModel model(options);
@@ -56,10 +56,10 @@ TEST(LayeredModel, OpaqueSurfacesWithoutSpecularWeightKeepTheirColour) {
 
 // One bright surfel before a mirror: the picture of it stands where its mirror image projects.
 TEST(LayeredModel, MirrorShowsAThingWhereGeometrySaysSo) {
-  TinyRoom r = room({.f0 = 0.999, .specular = 0.999}, 4, 80, 60);
+  LayeredRoom r = room({.f0 = 0.999, .specular = 0.999}, 4, 80, 60);
   r.view.intrinsics = {80, 60, 90, 91, 40.3, 29.8};
   for (size_t i = 0; i < r.scene.diffuse.size(); ++i) {  // flat, exactly in the plane
-    const TinyRoom flat = r;
+    const LayeredRoom flat = r;
     SplatLayer one(LayerKind::Diffuse, 1, 0);
     add_surfel(one, {.mean = r.point, .normal = r.normal, .size = 3}, 1);
     for (Attribute a : {Attribute::Mean, Attribute::Rotation}) std::copy_n(one.at(a, 0), one.width(a), r.scene.diffuse.at(a, i));
@@ -88,7 +88,7 @@ TEST(LayeredModel, MirrorShowsAThingWhereGeometrySaysSo) {
 
 // The same behind a pane: straight on, dimmed by what the pane reflects; nothing in front of the pane is seen through it.
 TEST(LayeredModel, GlassShowsAThingBehindItStraightOn) {
-  TinyRoom r = room({.f0 = 0.04, .specular = 0.999, .transmission = 0.999}, 4, 80, 60);
+  LayeredRoom r = room({.f0 = 0.04, .specular = 0.999, .transmission = 0.999}, 4, 80, 60);
   r.view.intrinsics = {80, 60, 90, 91, 40.3, 29.8};
   const Rigid world_from_cam = inverse(r.view.cam_from_world);
   const auto lamp = [&](const Vec3d& in_camera) {
@@ -121,7 +121,7 @@ TEST(LayeredModel, GlassShowsAThingBehindItStraightOn) {
 }
 
 TEST(RayBudget, SampledLobesAverageToWhatManySamplesShow) {
-  const TinyRoom r = furnished_room({.roughness = 0.5}, 6, 13, 11);
+  const LayeredRoom r = furnished_room({.roughness = 0.5}, 6, 13, 11);
   ImageOptions options = exact_options();
   options.reflection.lobe = Lobe::Sampled;
   LayeredModel model(options);
@@ -142,7 +142,7 @@ TEST(RayBudget, SampledLobesAverageToWhatManySamplesShow) {
 }
 
 TEST(LayeredModel, APictureWithoutGradientsIsTheSameAndKeepsNoHits) {
-  const TinyRoom r = furnished_room({}, 6);
+  const LayeredRoom r = furnished_room({}, 6);
   ImageOptions options = exact_options();
   options.reflection.lobe = Lobe::Sampled;
   options.reflection.samples = 9;
@@ -158,7 +158,7 @@ TEST(LayeredModel, APictureWithoutGradientsIsTheSameAndKeepsNoHits) {
 }
 
 TEST(LayeredModel, BytesDoNotDependOnThreads) {
-  TinyRoom r = furnished_room({}, 7, 120, 90);
+  LayeredRoom r = furnished_room({}, 7, 120, 90);
   r.view.intrinsics.fx = r.view.intrinsics.fy = 200;
   ImageOptions options;
   options.surface.ray_budget = 3000;
@@ -185,7 +185,7 @@ TEST(LayeredModel, BytesDoNotDependOnThreads) {
 }
 
 TEST(CompositePass, LayerImagesAddUpToThePicture) {
-  const TinyRoom r = furnished_room({}, 8);
+  const LayeredRoom r = furnished_room({}, 8);
   ImageOptions options = exact_options();
   options.composite.layer_images = true;
   LayeredModel model(options);

@@ -22,8 +22,8 @@ ImageOptions thin_glass() {
 }
 
 // A pane; behind it surfels of the diffuse layer and, among them, of the transmittance layer.
-TinyRoom shop_window(uint64_t seed) {
-  TinyRoom r = room({.transmission = 0.85}, seed, 13, 11);
+LayeredRoom shop_window(uint64_t seed) {
+  LayeredRoom r = room({.transmission = 0.85}, seed, 13, 11);
   const size_t glass = r.scene.diffuse.size();
   const Rigid world_from_cam = inverse(r.view.cam_from_world);
   const Vec3d axis = world_from_cam.rotation * Vec3d{0, 0, 1};
@@ -48,7 +48,7 @@ SplatScene opened(const SplatScene& scene) {
 }
 
 TEST(ThinGlass, ShowsTheSceneWithoutTheGlass) {
-  const TinyRoom r = shop_window(3);
+  const LayeredRoom r = shop_window(3);
   ImageOptions options = thin_glass();
   options.composite.layer_images = true;
   LayeredModel model(options), plain(options);
@@ -63,7 +63,7 @@ TEST(ThinGlass, ShowsTheSceneWithoutTheGlass) {
 }
 
 TEST(ThinGlass, EveryPixelHasItsOwnViewWhateverTheRayBudget) {
-  const TinyRoom r = shop_window(3);
+  const LayeredRoom r = shop_window(3);
   ImageOptions options = thin_glass();
   LayeredModel all(options);
   options.surface.ray_budget = 9;
@@ -76,7 +76,7 @@ TEST(ThinGlass, EveryPixelHasItsOwnViewWhateverTheRayBudget) {
 }
 
 TEST(ThinGlass, GradientsMatchFiniteDifferences) {
-  TinyRoom r = shop_window(5);
+  LayeredRoom r = shop_window(5);
   LayeredModel model(thin_glass());
   Frame frame;
   const auto loss = [&] {
@@ -108,7 +108,7 @@ TEST(ThinGlass, GradientsMatchFiniteDifferences) {
 }
 
 TEST(ThinGlass, BytesDoNotDependOnThreads) {
-  const TinyRoom r = shop_window(7);
+  const LayeredRoom r = shop_window(7);
   std::vector<std::vector<float>> pictures, gradients;
   for (int threads : {1, 3}) {
     set_thread_limit(threads);

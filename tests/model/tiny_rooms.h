@@ -11,7 +11,7 @@
 
 namespace vitrine {
 
-struct TinyRoom {
+struct LayeredRoom {
   SplatScene scene;
   View view;
   Vec3d point, normal;  // of the surface
@@ -47,8 +47,8 @@ struct RoomMaterial {
 };
 
 // A sheet through (0,0,2) in front of a camera at the origin that looks along +z (turned a little), with its materials.
-inline TinyRoom room(const RoomMaterial& m, uint64_t seed, int width = 21, int height = 17) {
-  TinyRoom r;
+inline LayeredRoom room(const RoomMaterial& m, uint64_t seed, int width = 21, int height = 17) {
+  LayeredRoom r;
   const double angle = 0.2, tilt = 0.5;
   r.view.intrinsics = {width, height, 30, 31, 0.5 * width + 0.3, 0.5 * height - 0.2};
   r.view.cam_from_world.rotation =
@@ -98,11 +98,11 @@ inline void scatter(SplatLayer& layer, const Vec3d& centre, const Vec3d& axis, s
 }
 
 // `x` seen in the mirror.
-inline Vec3d mirrored(const TinyRoom& r, const Vec3d& x) { return x - 2 * dot(x - r.point, r.normal) * r.normal; }
+inline Vec3d mirrored(const LayeredRoom& r, const Vec3d& x) { return x - 2 * dot(x - r.point, r.normal) * r.normal; }
 
 // Reflection and transmittance surfels on both sides: the former in front of the mirror where the camera sees them in it.
-inline TinyRoom furnished_room(const RoomMaterial& m, uint64_t seed, int width = 21, int height = 17) {
-  TinyRoom r = room(m, seed, width, height);
+inline LayeredRoom furnished_room(const RoomMaterial& m, uint64_t seed, int width = 21, int height = 17) {
+  LayeredRoom r = room(m, seed, width, height);
   const Rigid world_from_cam = inverse(r.view.cam_from_world);
   const Vec3d axis = world_from_cam.rotation * Vec3d{0, 0, 1}, in_mirror = axis - 2 * dot(axis, r.normal) * r.normal;
   scatter(r.scene.reflection, mirrored(r, world_from_cam * Vec3d{0, 0, 4}), in_mirror, 6, seed + 100);

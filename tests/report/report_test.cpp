@@ -19,7 +19,7 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 Verdict verdict(const OutputDesc& desc) {
   const TemporaryFolder folder;
   write_output(folder.path(), desc);
-  const Outcome outcome = read_outcome(folder.path());
+  const RunOutcome outcome = read_outcome(folder.path());
   return verdict_of(outcome, gather_figures(folder.path(), outcome), "out");
 }
 

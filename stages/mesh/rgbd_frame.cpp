@@ -1,4 +1,4 @@
-#include "stages/mesh/depth_map.h"
+#include "stages/mesh/rgbd_frame.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,20 +8,20 @@
 
 namespace vitrine {
 
-DepthMap depth_map(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
-                   const DepthMapDesc& desc) {
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
+                     const RgbdFrameDesc& desc) {
   const size_t w = static_cast<size_t>(intrinsics.width), h = static_cast<size_t>(intrinsics.height), pixels = w * h;
   const auto color = images.plane(Aov::Color), normal = images.plane(Aov::Normal), zsum = images.plane(Aov::ZDepth);
   const auto alpha = images.plane(Aov::Alpha), median = images.plane(Aov::MedianZ);
   VITRINE_CHECK(color.size() == 3 * pixels && normal.size() == 3 * pixels && zsum.size() == pixels && alpha.size() == pixels &&
                     median.size() == pixels,
                 "a depth map needs colour, normal, zdepth, alpha and median_z");
-  DepthMap map{intrinsics,
-               cam_from_world,
-               std::vector<float>(pixels, 0.f),
-               std::vector<float>(pixels, 0.f),
-               std::vector<float>(3 * pixels, 0.f),
-               0};
+  RgbdFrame map{intrinsics,
+                cam_from_world,
+                std::vector<float>(pixels, 0.f),
+                std::vector<float>(pixels, 0.f),
+                std::vector<float>(3 * pixels, 0.f),
+                0};
   const Mat3f rotation = cast<float>(cam_from_world.rotation);
   std::vector<size_t> valid(h, 0);
   parallel_for(h, 16, [&](size_t y) {

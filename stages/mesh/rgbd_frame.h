@@ -11,13 +11,13 @@
 
 namespace vitrine {
 
-struct DepthMapDesc {
+struct RgbdFrameDesc {
   float min_alpha = 0.5f;
   float weight_alpha = 0.7f;
   float mean_median_tolerance = 0;  // scene units; 2 voxels
 };
 
-struct DepthMap {
+struct RgbdFrame {
   Intrinsics intrinsics;
   Rigid cam_from_world;
   std::vector<float> zdepth, weight;  // [h,w]
@@ -27,7 +27,7 @@ struct DepthMap {
 };
 
 // `images` must hold color, normal, zdepth, alpha and median_z of this view on a black background.
-DepthMap depth_map(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
-                   const DepthMapDesc& desc);
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
+                     const RgbdFrameDesc& desc);
 
 }  // namespace vitrine
