@@ -15,13 +15,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kMaskSide = 320;       // of the pictures in which masks are looked up
-constexpr float kInside = 0.5f;      // share from which a part belongs to a class; mask value inside
-constexpr float kLeastSeen = 0.5f;   // pixels, summed over the photos: less was hidden
-constexpr double kHullShare = 0.8;   // of the photos that must show a hidden place inside the mask
-constexpr size_t kHullViews = 3;     // and at least so many that have it in the picture
-constexpr float kReachEdges = 3;     // mean edges of the mesh: surfels farther away lie on no component
-constexpr float kOffSurface = 0.5f;  // mean edges: rays to the cameras start this far from the mesh
+constexpr int kMaskSide = 320;          // of the pictures in which masks are looked up
+constexpr float kInside = 0.5f;         // share from which a part belongs to a class; mask value inside
+constexpr float kLeastSeen = 0.5f;      // pixels, summed over the photos: less was hidden
+constexpr double kHullShare = 0.8;      // of the photos that must show a hidden place inside the mask
+constexpr size_t kHullViews = 3;        // and at least so many that have it in the picture
+constexpr float kReachEdges = 3;        // mean edges of the mesh: surfels farther away lie on no component
+constexpr float kOffSurface = 0.5f;     // mean edges: rays to the cameras start this far from the mesh
+constexpr size_t kNamedComponents = 5;  // in the error that another does not exist
 constexpr size_t kGrain = 256;
 
 std::optional<Vec2d> pixel_of(const View& view, const Vec3d& p) {
@@ -146,12 +147,19 @@ Parts SceneSelector::where_place(const std::function<bool(const Vec3d&)>& inside
 }
 
 Parts SceneSelector::of_component(size_t component, const std::string& where) const {
-  if (component > components_.size())
+  if (component > components_.size()) {
+    std::string largest;
+    for (size_t i = 0; i < std::min(components_.size(), kNamedComponents); ++i) {
+      const auto& [faces, box] = components_[i];
+      largest += fmt::format("{}{}: {} faces in [{:.3g}, {:.3g}, {:.3g}, {:.3g}, {:.3g}, {:.3g}]", i > 0 ? "; " : "", i + 1,
+                             faces, box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z);
+    }
     throw Error(ErrorKind::Input, fmt::format("the mesh has no component {}", component),
                 {.where = where,
-                 .why = fmt::format("it has {}", components_.size()),
-                 .hint = "edited/report.json of any edit lists them; boxes and marks select by place",
+                 .why = fmt::format("it has {}, from most faces to fewest", components_.size()),
+                 .hint = largest,
                  .code = "EDIT_SELECTS_NOTHING"});
+  }
   const auto wanted = uint32_t(component - 1);
   const SplatScene& surfels = scene_.trained.surfels;
   Parts out;

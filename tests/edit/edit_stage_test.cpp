@@ -207,7 +207,11 @@ TEST_F(EditStage, ASelectionOfNothingIsAnErrorAtItsLine) {
 
   const Error gone = refused("  - select: {component: 2}\n    delete: true\n  - select: {component: 2}\n    delete: true\n");
   EXPECT_NE(gone.detail().why.find("still there"), std::string::npos) << gone.what();
-  EXPECT_EQ(refused("  - select: {component: 3}\n    delete: true\n").detail().code, "EDIT_SELECTS_NOTHING");
+  const Error third = refused("  - select: {component: 3}\n    delete: true\n");
+  EXPECT_EQ(third.detail().code, "EDIT_SELECTS_NOTHING");
+  EXPECT_NE(third.detail().hint.find(fmt::format("1: {} faces in [-0.4, -0.18, -0.18", balls().faces_a)), std::string::npos)
+      << third.what();
+  EXPECT_NE(third.detail().hint.find("2: "), std::string::npos) << "all there are, or the largest";
   EXPECT_EQ(refused("  - select: all\n    delete: true\n").detail().code, "EDIT_DELETES_ALL");
   const Error masks = refused("  - select: {class: ignore}\n    delete: true\n");
   EXPECT_EQ(masks.detail().code, "NO_MASKS");
