@@ -41,7 +41,7 @@ void run_export(const ExportConfig& config, StageContext& context) {
   const fs::path folder = context.output() / "export";
   make_folders(folder);
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
-  size_t count = 0;
+  std::set<std::string> all;
   for (const std::string& name : config.formats) {
     throw_if_interrupted();
     context.progress({.fraction = double(written.size()) / double(config.formats.size()), .text = name, .values = {}});
@@ -49,7 +49,8 @@ void run_export(const ExportConfig& config, StageContext& context) {
     VITRINE_CHECK(known, "'{}' passed the list of choices", name);
     const ExportFormat& format = *known;
     const std::vector<std::string> files = format.write(source, folder);
-    count += files.size();
+    // They are exported, kept and replaced one by one: none may be part of two.
+    for (const std::string& file : files) VITRINE_CHECK(all.insert(file).second, "two formats write {}", file);
     written.push_back({{"format", format.name},
                        {"summary", format.summary},
                        {"holds", format.holds},
@@ -58,8 +59,8 @@ void run_export(const ExportConfig& config, StageContext& context) {
     if (const std::vector<std::string> notes = source.take_notes(); !notes.empty()) written.back()["notes"] = notes;
   }
   write_file(folder / "formats.json", written.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-  context.metric("files", double(count));
-  context.summary(fmt::format("{} files in {} formats", count, config.formats.size()));
+  context.metric("files", double(all.size()));
+  context.summary(fmt::format("{} files in {} formats", all.size(), config.formats.size()));
 }
 
 std::string format_table() {
@@ -89,7 +90,7 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 3;
+  info.version = 4;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},

@@ -39,8 +39,27 @@ class ExportCommand : public testing::Test {
 
   const fs::path& project() const { return folder_.path(); }
   int run(Words words) const {
-    words.insert(words.end(), {project().string(), "--quiet", "--no-progress", "--set", "texture_size=64"});
+    words.insert(words.begin(), {project().string(), "--quiet", "--no-progress", "--set", "texture_size=64"});
     return export_command(words);
+  }
+
+  // What the export stage of a run leaves; the formats that it left alone.
+  std::vector<std::string> run_writes(const std::string& key, const ExportConfig& config) const {
+    ArtifactStore store(store_of(project()));
+    test::RecordingContext context({{"sfm", store.entry("sfm", std::string(32, 's'))},
+                                    {"optimize", store.entry("optimize", std::string(32, 'o'))},
+                                    {"mesh", store.entry("mesh", std::string(32, 'm'))}});
+    run_export(config, context);
+    PendingArtifact pending(store, "export", key);
+    fs::copy(context.output(), pending.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    Manifest manifest;
+    manifest.stage = "export", manifest.key = key;
+    pending.commit(manifest, "{}");
+    const auto last = current_key(project(), "export");
+    const auto before = last ? store.find("export", *last) : std::nullopt;
+    const auto kept = publish_export(store.entry("export", key), manifest, project(), before ? &*before : nullptr);
+    set_current_key(project(), "export", key);
+    return kept;
   }
 
   TemporaryFolder folder_;
@@ -88,24 +107,6 @@ TEST_F(ExportCommand, AReportThatIsNotItsOwnIsInTheWay) {
 }
 
 TEST_F(ExportCommand, ARunLeavesAloneWhatWasAskedFor) {
-  // What a run with three formats leaves.
-  ArtifactStore store(store_of(project()));
-  const auto run_writes = [&](const std::string& key, const ExportConfig& config) {
-    test::RecordingContext context({{"sfm", store.entry("sfm", std::string(32, 's'))},
-                                    {"optimize", store.entry("optimize", std::string(32, 'o'))},
-                                    {"mesh", store.entry("mesh", std::string(32, 'm'))}});
-    run_export(config, context);
-    PendingArtifact pending(store, "export", key);
-    fs::copy(context.output(), pending.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-    Manifest manifest;
-    manifest.stage = "export", manifest.key = key;
-    pending.commit(manifest, "{}");
-    const auto last = current_key(project(), "export");
-    const auto before = last ? store.find("export", *last) : std::nullopt;
-    const auto kept = publish_export(store.entry("export", key), manifest, project(), before ? &*before : nullptr);
-    set_current_key(project(), "export", key);
-    return kept;
-  };
   const auto formats = [&] {
     std::vector<std::string> names;
     for (const auto& f : nlohmann::json::parse(read_file(project() / "export/formats.json"))) names.push_back(f["format"]);
@@ -128,7 +129,8 @@ TEST_F(ExportCommand, ARunLeavesAloneWhatWasAskedFor) {
               Names{"mesh-ply"});
     EXPECT_EQ(read_file(project() / "export/mesh.ply"), asked);
     EXPECT_EQ(read_file(project() / "export/gaussians_3dgs.ply"), splats);
-    EXPECT_EQ(read_file(project() / "export/mesh.obj"), read_file(store.entry("export", key) / "export/mesh.obj"));
+    EXPECT_EQ(read_file(project() / "export/mesh.obj"),
+              read_file(ArtifactStore(store_of(project())).entry("export", key) / "export/mesh.obj"));
     EXPECT_EQ(formats(), (Names{"mesh-ply", "mesh-obj", "ply-2dgs", "ply-3dgs"}));
   }
   // Deleted: the run writes its own again.
@@ -139,10 +141,26 @@ TEST_F(ExportCommand, ARunLeavesAloneWhatWasAskedFor) {
   EXPECT_EQ(formats(), (Names{"mesh-ply", "mesh-obj", "ply-2dgs"}));
 }
 
+// OBJ and USD have textures of the same names on charts that may differ.
+TEST_F(ExportCommand, FormatsDoNotShareFiles) {
+  using Names = std::vector<std::string>;
+  const std::string first(32, '1'), second(32, '2');
+  EXPECT_EQ(run_writes(first, {.formats = {"mesh-obj"}, .texture_size = 64}), Names{});
+  const std::string texture = read_file(project() / "export/textures/obj/base_color.png");
+  EXPECT_EQ(run({"--formats", "mesh-usd", "--set", "texture_size=128"}), 0) << "nothing is in the way";
+  EXPECT_EQ(read_file(project() / "export/textures/obj/base_color.png"), texture);
+  const std::string asked = read_file(project() / "export/textures/usd/base_color.png");
+  EXPECT_NE(asked, texture);
+  // Asked for was USD, so a later run writes its OBJ anew, and leaves the USD.
+  EXPECT_EQ(run_writes(second, {.formats = {"mesh-obj", "mesh-usd"}, .axes = "rhyu", .texture_size = 32}), Names{"mesh-usd"});
+  EXPECT_NE(read_file(project() / "export/textures/obj/base_color.png"), texture);
+  EXPECT_EQ(read_file(project() / "export/textures/usd/base_color.png"), asked);
+}
+
 TEST_F(ExportCommand, AnotherFolderAndAUnitOfLength) {
   const fs::path out = project() / "for blender";
   EXPECT_EQ(run({"--formats", "mesh-obj", "-o", out.string(), "--scale", "50cm"}), 0);
-  EXPECT_TRUE(fs::exists(out / "textures/base_color.png"));
+  EXPECT_TRUE(fs::exists(out / "textures/obj/base_color.png"));
   EXPECT_FALSE(fs::exists(project() / "export"));
   EXPECT_NE(read_file(out / "mesh.obj").find("v -0.5 -0.5 0\n"), std::string::npos);
 }

@@ -96,8 +96,8 @@ TEST_F(PaneFiles, ObjHasTexturedGroupsForFloorAndGlass) {
   const Obj obj(folder / "mesh.obj");
   ASSERT_EQ(obj.faces.size(), scene_.mesh.faces.size());
   EXPECT_EQ(obj.v.size(), scene_.mesh.positions.size());
-  const ImageF picture = read_srgb(folder / "textures/base_color.png");
-  const ImageF transmission = read_unchanged(folder / "textures/transmission.png");
+  const ImageF picture = read_srgb(folder / "textures/obj/base_color.png");
+  const ImageF transmission = read_unchanged(folder / "textures/obj/transmission.png");
   size_t glass = 0, looked = 0;
   for (const Obj::Face& f : obj.faces) {
     EXPECT_EQ(f.group, f.material);
@@ -254,7 +254,7 @@ TEST_F(PaneFiles, ColoursAreAlbedoWhenTheSceneWasDecomposed) {
     EXPECT_NEAR(row.color[1], 255 * srgb_from_linear(0.5f), 1);
     EXPECT_NEAR(row.roughness, 0.35, 1e-4);
   }
-  const ImageF picture = read_srgb(c.output() / "export/textures/base_color.png");
+  const ImageF picture = read_srgb(c.output() / "export/textures/obj/base_color.png");
   for (size_t i = 0; i < picture.pixel_count(); ++i) ASSERT_NEAR(picture.data()[3 * i], srgb_from_linear(0.6f), 0.005);
   EXPECT_NE(read_file(c.output() / "export/mesh.obj").find("albedo"), std::string::npos);
 }

@@ -16,8 +16,8 @@ Image8 channel(const Image8& image, int c) {
 // The extensions Pr, Pm and norm for physically based materials are those that Blender and assimp write and read.
 std::string material(const std::string& name, bool glass) {
   std::string out = fmt::format("newmtl {}", name) + "\nKd 1 1 1\nKs 0.04 0.04 0.04\nNi 1.5\n";
-  out += "map_Kd textures/base_color.png\nPr 1\nmap_Pr textures/roughness.png\nPm 1\nmap_Pm textures/metallic.png\n";
-  out += "norm textures/normal.png\n";
+  out += "map_Kd textures/obj/base_color.png\nPr 1\nmap_Pr textures/obj/roughness.png\nPm 1\nmap_Pm textures/obj/metallic.png\n";
+  out += "norm textures/obj/normal.png\n";
   // Tf: light goes through unfiltered. Readers that do not know it see the dissolve: a pane that hides little.
   out += glass ? "Tf 1 1 1\nd 0.2\nillum 7\n" : "d 1\nillum 2\n";
   return out;
@@ -49,8 +49,8 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
 
   std::vector<std::string> files{"mesh.obj", "mesh.mtl"};
   const auto texture = [&](const char* name, const Image8& image) {
-    files.push_back(fmt::format("textures/{}.png", name));
-    make_folders(folder / "textures");
+    files.push_back(fmt::format("textures/obj/{}.png", name));
+    make_folders(folder / "textures/obj");
     write_ldr(folder / files.back(), image);
   };
   const PbrTextures& t = pbr.textures;

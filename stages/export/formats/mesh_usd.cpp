@@ -1,4 +1,4 @@
-// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures of mesh-obj's folder. A UsdGeomMesh with
+// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures beside it. A UsdGeomMesh with
 // one subset per class of faces. UsdPreviewSurface knows no transmission: glass has opacity 1 - tau, which blends without
 // tinting. Particle fields (Gaussians) are left out: ply-3dgs and gaussians-glb carry them.
 #include "core/base/file.h"
@@ -16,7 +16,7 @@ std::string texture_shader(const Texture& t) {
   return fmt::format(R"(      def Shader "{}"
       {{
         uniform token info:id = "UsdUVTexture"
-        asset inputs:file = @textures/{}@
+        asset inputs:file = @textures/usd/{}@
         token inputs:sourceColorSpace = "{}"
         token inputs:wrapS = "clamp"
         token inputs:wrapT = "clamp"
@@ -142,9 +142,9 @@ def Xform "scene"
   write_file(folder / "mesh.usda", out);
 
   std::vector<std::string> files{"mesh.usda"};
-  make_folders(folder / "textures");
+  make_folders(folder / "textures/usd");
   const auto texture = [&](const char* name, const Image8& image) {
-    files.push_back(fmt::format("textures/{}.png", name));
+    files.push_back(fmt::format("textures/usd/{}.png", name));
     write_ldr(folder / files.back(), image);
   };
   texture("base_color", mesh.textures.base_color);
