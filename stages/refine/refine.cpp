@@ -61,6 +61,12 @@ Capture capture_of(const RefineConfig& config, const StageContext& context) {
                                  0);
   capture.train.assign(split.train.begin(), split.train.end());
   capture.heldout.assign(split.heldout.begin(), split.heldout.end());
+  if (capture.train.empty())
+    throw Error(ErrorKind::Input, "the scene was trained on no photo",
+                {.where = (optimize / "optimize" / "views.json").string(),
+                 .why = "all its views are held out",
+                 .hint = "run the optimize stage again",
+                 .code = "NO_TRAINING_VIEW"});
   return capture;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/picture/view_picture.h"
 #include "tests/evaluate/tiny_capture.h"
+#include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -223,13 +224,15 @@ TEST_F(GlassBall, ARuinedReportOfTheMeshIsToldSo) {
   for (const char* text : {"{", R"({"voxel": 0})", R"({"voxel": "thick"})", "[]"}) {
     write_file(capture.mesh() / "mesh/report.json", text);
     test::RecordingContext context(inputs());
-    try {
-      run(context);
-      FAIL() << text;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::Input) << text;
-    }
+    EXPECT_EQ(error_of([&] { run(context); }).detail().code, "BAD_MESH_REPORT") << text;
   }
+}
+
+TEST_F(GlassBall, AListWithoutATrainingViewIsToldSo) {
+  Json split{{"train", Json::array()}, {"heldout", {capture.views[0].name}}, {"holdout_every", 1}, {"max_side", 0}};
+  write_file(capture.optimize() / "optimize/views.json", split.dump());
+  test::RecordingContext context(inputs());
+  EXPECT_EQ(error_of([&] { run(context, 3); }).detail().code, "NO_TRAINING_VIEW");
 }
 
 }  // namespace
