@@ -1,7 +1,5 @@
 // vitrine inspect PHOTOS|PROJECT: what the photos promise, before anything is computed. The program vitrine-inspect looks at the
 // photos (and at the cameras, once there are poses); what a run would take is added here, from the presets.
-#include <unistd.h>
-
 #include <algorithm>
 #include <iostream>
 #include <set>
@@ -10,7 +8,6 @@
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/base/parallel.h"
-#include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
 #include "core/config/text.h"
@@ -18,6 +15,7 @@
 #include "pipeline/cost_model.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 
@@ -35,38 +33,43 @@ struct InspectArguments {
 struct Subject {
   fs::path photos;
   std::optional<fs::path> project;  // made by an earlier run
+  bool masks = false;               // a run has them, or will be given them
 };
 
-Subject subject_of(const std::string& word, const std::string& output, const Graph& graph) {
+Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
-  if (is_project(what)) {
-    Settings settings(graph);
-    settings.load({.project = what});
-    return {settings.text("input.photos"), what};
-  }
-  if (!output.empty()) return {what, project_of(output)};
-  const fs::path usual = default_project(what);
-  return {what, is_project(usual) ? std::optional(usual) : std::nullopt};
+  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty()};
+  std::error_code ec;
+  if (s.masks && !fs::exists(a.masks, ec))
+    throw Error(
+        ErrorKind::Input, "there are no such masks",
+        {.where = a.masks, .hint = "give a folder of masks or a file of marks, as to vitrine run", .code = "MISSING_INPUT"});
+  if (is_project(what))
+    s.project = what;
+  else if (!a.output.empty())
+    s.project = project_of(a.output);
+  else if (const fs::path usual = default_project(what); is_project(usual))
+    s.project = usual;
+  if (!s.project) return s;
+  Settings settings(graph);
+  settings.load({.project = *s.project});
+  if (*s.project == what) s.photos = settings.text("input.photos");
+  if (const Option* masks = settings.options.table.find("input.masks"); masks != nullptr && a.masks.empty())
+    s.masks = !masks->text().empty() && masks->text() != "none";
+  return s;
 }
 
 Json photos_report(const Subject& subject, const InspectArguments& a) {
-  const fs::path program = stage_folder() / "vitrine-inspect";
-  std::error_code ec;
-  if (!fs::exists(program, ec))
-    throw Error(ErrorKind::Dependency, "the program vitrine-inspect is missing",
-                {.where = program.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_MISSING"});
   const TemporaryFolder folder("vitrine-inspect");
   const fs::path out = folder.path() / "report";
-  Words run = {program.string(), "--input", "photos=" + subject.photos.string(), "--output", out.string(), "--quiet"};
+  Words run = {
+      tool_program("inspect").string(), "--input", "photos=" + subject.photos.string(), "--output", out.string(), "--quiet"};
   if (subject.project)
     if (const auto key = current_key(*subject.project, "sfm"))
       run.insert(run.end(), {"--input", "sfm=" + (store_of(*subject.project) / "sfm" / *key).string()});
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
-  // It tells its own errors.
-  const ProcessResult result =
-      run_process({.arguments = run, .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}}, .inherit_output = true});
-  if (!result.ok()) return {{"exit", result.signal != 0 ? exit_code(ErrorKind::Internal) : result.exit_code}};
+  if (const int exit = run_and_tell(run); exit != 0) return {{"exit", exit}};
   return Json::parse(read_file(out / "inspect" / "report.json"));
 }
 
@@ -298,7 +301,8 @@ int inspect_command(const Words& words) {
                   "What the photos promise before anything is computed: blur, exposure, duplicates, texture, and what a run will "
                   "take. Of PROJECT, the output folder of `vitrine run`, also where its cameras leave gaps.");
   cli.value("output", 'o', "DIR", a.output, "Output folder of a run of these photos; default: the one `vitrine run` would take.");
-  cli.value("masks", 0, "PATH", a.masks, "Masks that the run will be given: its layers take longer.");
+  cli.value("masks", 0, "PATH", a.masks,
+            "Masks that the run will be given: its layers take longer. Default: those of an earlier run.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads, here and in the estimates; 0 = all.");
   cli.flag("json", 0, a.json, "One JSON record on stdout.");
@@ -314,10 +318,11 @@ int inspect_command(const Words& words) {
                 rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
                 {.hint = "vitrine inspect PHOTOS", .code = "USAGE"});
   const Graph graph = load_graph(stage_folder());
-  Json report = photos_report(subject_of(rest[0], a.output, graph), a);
+  const Subject subject = subject_of(rest[0], a, graph);
+  Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();
-  const std::vector<PresetCost> costs = preset_costs(graph, capture_size(report, !a.masks.empty()), threads);
+  const std::vector<PresetCost> costs = preset_costs(graph, capture_size(report, subject.masks), threads);
   report["estimates"] = costs_json(costs, threads);
   if (a.json) {
     std::cout << report.dump() << "\n";
@@ -328,7 +333,7 @@ int inspect_command(const Words& words) {
   say_findings(report);
   if (report.contains("coverage")) say_coverage(report["coverage"]);
   if (a.verbose) say_each_photo(report);
-  say_costs(costs, threads, !a.masks.empty());
+  say_costs(costs, threads, subject.masks);
   return 0;
 }
 
