@@ -15,11 +15,12 @@ std::string reason_left_out(const PhotoReport& photo, const SfmConfig& config);
 // The same in a word: too_few_features, motion_blur, mixed_exposure, split_models, reflections_dominate, no_overlap; empty when
 // it is registered, or when poses were given.
 std::string cause_left_out(const PhotoReport& photo, const Reconstruction& r, const SfmConfig& config);
-// nullopt-like: empty `code` = the model is good enough. `evidence` is a path for the reader (the report in the scratch folder).
 struct Diagnosis {
   std::string code, message, why, hint;
 };
+// An empty `code`: the model is good enough.
 Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config);
+// `where`: the report that was left for the reader.
 [[noreturn]] void throw_diagnosis(const Diagnosis& d, const std::filesystem::path& where);
 
 }  // namespace vitrine
