@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/utf8.h"
 
 namespace vitrine {
 
@@ -30,27 +31,11 @@ bool contains(const char* const (&list)[N], const std::string& word) {
               {.where = folder.string(), .why = why, .hint = "check the path and its permissions", .code = "PHOTOS_UNREADABLE"});
 }
 
-// Length of the UTF-8 sequence that starts at s[i], 0 when there is no valid one (The Unicode Standard, table 3-7): overlong
-// forms, halves of surrogate pairs and what lies beyond U+10FFFF are none.
-size_t utf8_length(const std::string& s, size_t i) {
-  const auto byte = [&](size_t k) { return k < s.size() ? static_cast<unsigned char>(s[k]) : 0u; };
-  const unsigned first = byte(i);
-  if (first < 0x80) return 1;
-  if (first < 0xc2 || first > 0xf4) return 0;
-  const size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  const unsigned lowest = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
-  const unsigned highest = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
-  if (byte(i + 1) < lowest || byte(i + 1) > highest) return 0;
-  for (size_t k = 2; k < length; ++k)
-    if ((byte(i + k) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
 // Control characters and bytes that are no UTF-8 cannot travel through JSON and text lists; they become '_'.
 std::string printable(const std::string& s) {
   std::string out;
   for (size_t i = 0; i < s.size();) {
-    const size_t length = utf8_length(s, i);
+    const size_t length = utf8_length(std::string_view(s).substr(i));
     if (length == 0 || (length == 1 && static_cast<unsigned char>(s[i]) < 0x20) || s[i] == 0x7f) {
       out += '_';
       ++i;
