@@ -8,6 +8,7 @@
 
 #include "core/image/resample.h"
 #include "core/math/color.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -66,11 +67,6 @@ Slope slope_at(const Plane& p, int x, int y) {
   return {0.5f * (p.at(x + 1, y) - p.at(x - 1, y)), 0.5f * (p.at(x, y + 1) - p.at(x, y - 1))};
 }
 
-double median_of(std::vector<float> v) {
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
-
 void measure_blur(const Plane& grey, PhotoMeasures& out) {
   constexpr double kFirst = 1, kSecond = 2;      // smoothings: the first tames noise, the second shows what an edge had
   constexpr double kSlope = 1.0 / 3 + 1.0 / 12;  // variance of a central difference, two pixels wide, and of a pixel itself
@@ -103,7 +99,7 @@ void measure_blur(const Plane& grey, PhotoMeasures& out) {
                      [](const Edge& a, const Edge& b) { return a.slope2 > b.slope2; });
     std::vector<float> ratios;
     for (size_t i = 0; i < strongest; ++i) ratios.push_back(of_direction[i].ratio2);
-    const double r2 = std::max(median_of(std::move(ratios)), 1.0001);
+    const double r2 = std::max(double(upper_median(std::move(ratios))), 1.0001);
     const double s2 = (kSecond * kSecond - r2 * kFirst * kFirst) / (r2 - 1) - kSlope;
     const double s = std::sqrt(std::max(s2, 0.0));
     worst = std::max(worst.value_or(s), s);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/camera/viewing_axes.h"
 #include "core/math/color.h"
 #include "pipeline/report_page/html.h"
 
@@ -17,10 +18,7 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kWidth = 520, kMargin = 14, kFrustum = 9;  // of a drawing, in its own units
 constexpr size_t kMostPoints = 3000;
-constexpr double kMinSpread = 0.02;  // determinant against that of axes in all directions: below, they are parallel
-constexpr double kGapDrawn = 40;     // degrees: narrower ones are usual
-
-Vec3d axis_of(const View& v) { return transposed(v.cam_from_world.rotation) * Vec3d{0, 0, 1}; }
+constexpr double kMinSpread = 0.006;  // below, cameras look along the scene
 
 // A drawing plane: world -> (right, up).
 struct Plane {
@@ -134,26 +132,18 @@ class Drawing {
 
 }  // namespace
 
-std::optional<Vec3d> looked_at(const ViewSet& views) {
-  if (views.views.size() < 3) return std::nullopt;
-  Mat3d sum{};
-  Vec3d right{};
-  for (const View& v : views.views) {
-    const Vec3d d = axis_of(v), c = v.centre_in_world();
-    for (size_t k = 0; k < 3; ++k) {
-      Vec3d column{};
-      column[k] = 1;
-      sum.column(k) += column - d[k] * d;
-    }
-    right += c - dot(d, c) * d;
-  }
-  const double n = double(views.views.size()), det = determinant(sum);
-  if (!(det > kMinSpread * 8.0 / 27.0 * n * n * n)) return std::nullopt;
-  return Vec3d{dot(right, cross(sum.c1, sum.c2)), dot(sum.c0, cross(right, sum.c2)), dot(sum.c0, cross(sum.c1, right))} / det;
+namespace {
+
+std::optional<Vec3d> centre_of(const ViewSet& set) {
+  if (set.views.size() < 3) return std::nullopt;
+  const LookedAt found = looked_at(set.views);
+  return found.spread < kMinSpread ? std::nullopt : std::optional(found.point);
 }
 
+}  // namespace
+
 std::optional<RingCoverage> ring_coverage(const ViewSet& views) {
-  const auto centre = looked_at(views);
+  const auto centre = centre_of(views);
   if (!centre) return std::nullopt;
   std::vector<double> azimuths;
   RingCoverage r{.lowest_deg = 90, .highest_deg = -90};
@@ -178,8 +168,8 @@ std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout)
   const Drawing drawing(views, {.right = {1, 0, 0}, .up = {0, 1, 0}});
   std::string gap;
   const auto ring = ring_coverage(views);
-  const auto centre = looked_at(views);
-  if (ring && ring->gap_deg >= kGapDrawn) {
+  const auto centre = centre_of(views);
+  if (ring && ring->gap_deg >= kGapDrawnDeg) {
     double radius = 0;
     for (const View& v : views.views) {
       const Vec3d d = v.centre_in_world() - *centre;

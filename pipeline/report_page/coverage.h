@@ -9,14 +9,13 @@
 
 namespace vitrine {
 
-// The point that the cameras look at: nearest to all optical axes. Nothing when they look (almost) in parallel.
-std::optional<Vec3d> looked_at(const ViewSet& views);
-
 struct RingCoverage {
   double gap_deg = 0, gap_from_deg = 0;    // widest gap in azimuth around what is looked at, counter-clockwise from +x
   double lowest_deg = 0, highest_deg = 0;  // elevation of the cameras above it
 };
+// Nothing when the cameras look (almost) in parallel.
 std::optional<RingCoverage> ring_coverage(const ViewSet& views);
+inline constexpr double kGapDrawnDeg = 40;  // narrower gaps are usual
 
 // Drawings: cameras as small frusta (those in `heldout` of another kind), sparse points in their colours.
 std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout);       // from above: x right, y up

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/math/median.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {
@@ -27,12 +28,6 @@ class Group {
  private:
   FigureGroup group_;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Why a photo has no pose; sfm's word for the likely cause (stages/sfm/README.md) in words.
 std::string reason_of(const Facts& photo) {
@@ -92,7 +87,7 @@ void add_poses(const Facts& sfm, Figures& f) {
   std::vector<double> observations;
   for (const PhotoPose& p : f.photos)
     if (p.registered) observations.push_back(p.observations);
-  if (!observations.empty()) group.add("observations", median(observations));
+  if (!observations.empty()) group.add("observations", upper_median(observations));
   std::move(group).into(f.groups);
 }
 

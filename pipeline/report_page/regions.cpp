@@ -5,7 +5,10 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/camera/image_point.h"
+#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
+#include "core/math/median.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {
@@ -34,7 +37,7 @@ uint8_t look_up(const Image8& image, double u, double v) {
   return image.at(std::min(int(u * image.width()), image.width() - 1), std::min(int(v * image.height()), image.height() - 1));
 }
 
-struct PhotoMasks {
+struct SampledMasks {
   std::optional<Image8> transparent, specular, confidence;
   Region at(double u, double v) const {
     if (transparent && look_up(*transparent, u, v) >= 128) return kTransparent;
@@ -48,7 +51,7 @@ struct Tally {
   std::vector<double> views_per_point;
 };
 
-void tally_photo(const ViewSet& set, size_t index, const PhotoMasks& masks, std::array<Tally, kRegions>& tallies) {
+void tally_photo(const ViewSet& set, size_t index, const SampledMasks& masks, std::array<Tally, kRegions>& tallies) {
   const View& view = set.views[index];
   const int rows = std::max(1, kSamplesAcross * view.intrinsics.height / std::max(1, view.intrinsics.width));
   for (int y = 0; y < rows; ++y)
@@ -62,12 +65,9 @@ void tally_photo(const ViewSet& set, size_t index, const PhotoMasks& masks, std:
     }
   for (const ScenePoint& p : set.points) {
     if (std::find(p.views.begin(), p.views.end(), uint32_t(index)) == p.views.end()) continue;
-    const Vec3d q = view.cam_from_world * p.position;
-    if (!(q.z > 0)) continue;
-    const Intrinsics& k = view.intrinsics;
-    const double u = (k.fx * q.x / q.z + k.cx) / k.width, v = (k.fy * q.y / q.z + k.cy) / k.height;
-    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) continue;
-    Tally& t = tallies[masks.at(u, v)];
+    const auto q = image_point(p.position, view);
+    if (!q) continue;
+    Tally& t = tallies[masks.at(q->x / view.intrinsics.width, q->y / view.intrinsics.height)];
     t.points += 1;
     t.views_per_point.push_back(double(p.views.size()));
   }
@@ -78,11 +78,6 @@ std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char
   for (const PhotoScore& v : views)
     if (const auto found = v.regions.find(region); v.heldout == heldout && found != v.regions.end()) sum += found->second, n += 1;
   return n > 0 ? std::optional(sum / n) : std::nullopt;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 // As good as it is drawn from new places; at most medium when the training views are far better, or when few photos hold it.
@@ -114,9 +109,9 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
     const size_t index = i * n / count;
     const std::string stem = views.views[index].stem();
     if (!stays_inside(stem)) continue;
-    const PhotoMasks masks{.transparent = grey(project / "masks/transparent" / (stem + ".png")),
-                           .specular = grey(project / "masks/specular" / (stem + ".png")),
-                           .confidence = grey(project / "normals" / (stem + "_confidence.png"))};
+    const SampledMasks masks{.transparent = grey(view_mask_path(project, MaskClass::Transparent, views.views[index])),
+                             .specular = grey(view_mask_path(project, MaskClass::Specular, views.views[index])),
+                             .confidence = grey(project / "normals" / (stem + "_confidence.png"))};
     masked |= masks.transparent.has_value() || masks.specular.has_value();
     tally_photo(views, index, masks, tallies);
   }
@@ -132,7 +127,7 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
     out.title = masked ? std::string(by_psnr.label) : "The whole picture";
     out.share = t.samples / all;
     out.points = t.points / double(count) / (10 * out.share);
-    if (!t.views_per_point.empty()) out.views_per_point = median(std::move(t.views_per_point));
+    if (!t.views_per_point.empty()) out.views_per_point = upper_median(std::move(t.views_per_point));
     if (t.confidence_samples > 0) out.normals_confidence = t.confidence / t.confidence_samples;
     out.psnr = mean_psnr(figures.views, kIds[r], true);
     out.train_psnr = mean_psnr(figures.views, kIds[r], false);

@@ -85,7 +85,7 @@ std::string cameras_section(const Material& m) {
         plan_svg(*m.views, m.heldout), elevation_svg(*m.views, m.heldout));
     body += "<p class=\"legend\"><span class=\"key camera\"></span> training photo <span class=\"key heldout\"></span> held out";
     const auto ring = ring_coverage(*m.views);
-    body += fmt::format("{}</p>", ring && ring->gap_deg >= 40 ? " <span class=\"key gap\"></span> widest gap" : "");
+    body += fmt::format("{}</p>", ring && ring->gap_deg >= kGapDrawnDeg ? " <span class=\"key gap\"></span> widest gap" : "");
   }
   body += left_out(m) + photo_table(m);
   return section(

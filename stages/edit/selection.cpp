@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/image_point.h"
 #include "core/camera/view_masks.h"
 #include "core/image/resample.h"
 #include "core/render/renderer.h"
@@ -24,15 +25,6 @@ constexpr float kReachEdges = 3;        // mean edges of the mesh: surfels farth
 constexpr float kOffSurface = 0.5f;     // mean edges: rays to the cameras start this far from the mesh
 constexpr size_t kNamedComponents = 5;  // in the error that another does not exist
 constexpr size_t kGrain = 256;
-
-std::optional<Vec2d> pixel_of(const View& view, const Vec3d& p) {
-  const Vec3d c = view.cam_from_world * p;
-  if (!(c.z > 1e-6)) return std::nullopt;
-  const Intrinsics& k = view.intrinsics;
-  const Vec2d px{k.fx * c.x / c.z + k.cx, k.fy * c.y / c.z + k.cy};
-  if (!(px.x >= 0 && px.y >= 0 && px.x < k.width && px.y < k.height)) return std::nullopt;
-  return px;
-}
 
 // Even-odd rule.
 bool inside_outline(const std::vector<Vec2d>& outline, const Vec2d& p) {
@@ -88,7 +80,7 @@ template <class Views>
 bool in_hull(const Views& views, const Vec3d& p) {
   size_t seen = 0, inside = 0;
   for (const auto& v : views)
-    if (const auto px = pixel_of(v.view, p)) ++seen, inside += v.mask.at(int(px->x), int(px->y)) > kInside;
+    if (const auto px = image_point(p, v.view)) ++seen, inside += v.mask.at(int(px->x), int(px->y)) > kInside;
   return seen >= kHullViews && double(inside) >= kHullShare * double(seen);
 }
 
@@ -117,8 +109,8 @@ Parts SceneSelector::select(const Selector& selector, const std::string& where) 
       for (size_t c = 0; c < 3; ++c)
         if (!(p[c] >= selector.box->low[c] && p[c] <= selector.box->high[c])) return false;
     return std::ranges::all_of(selector.marks, [&](const EditMark& mark) {
-      const auto px = pixel_of(views_[mark.view], p);
-      return px && inside_outline(mark.outline, *px);
+      const auto px = image_point(p, views_[mark.view]);
+      return px && inside_outline(mark.outline, {px->x, px->y});
     });
   });
   const auto both = [](uint8_t a, uint8_t b) { return uint8_t(a && b); };
@@ -246,7 +238,7 @@ std::vector<uint8_t> SceneSelector::surfels_seen_in(std::span<const MaskedView> 
     SurfelStatistics statistics;
     renderer->backward({.gradients = &gradients}, unused, &statistics);
     parallel_for(layer.size(), kGrain, [&](size_t i) {
-      const auto px = statistics.weight[i] > 0 ? pixel_of(v.view, mean_of(layer, i)) : std::nullopt;
+      const auto px = statistics.weight[i] > 0 ? image_point(mean_of(layer, i), v.view) : std::nullopt;
       if (!px) return;
       inside[i] += double(statistics.weight[i]) * double(v.mask.at(int(px->x), int(px->y)));
       all[i] += double(statistics.weight[i]);
@@ -268,7 +260,7 @@ std::vector<uint8_t> SceneSelector::vertices_seen_in(std::span<const MaskedView>
     size_t seen = 0;
     float inside = 0;
     for (const MaskedView& view : views) {
-      const auto px = pixel_of(view.view, cast<double>(p));
+      const auto px = image_point(cast<double>(p), view.view);
       if (!px) continue;
       const Vec3f to_camera = cast<float>(view.view.centre_in_world()) - p;
       const float distance = length(to_camera);

@@ -66,14 +66,6 @@ ImageF mesh_zdepth(const TriMesh& mesh, const Intrinsics& k, const Rigid& cam_fr
   return zdepth;
 }
 
-std::optional<ImagePoint> project(const Vec3d& in_world, const Intrinsics& k, const Rigid& cam_from_world) {
-  const Vec3d p = cam_from_world * in_world;
-  if (!(p.z > 0)) return std::nullopt;
-  const ImagePoint r{k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z};
-  if (!(r.x >= 0 && r.y >= 0 && r.x < k.width && r.y < k.height)) return std::nullopt;
-  return r;
-}
-
 bool agrees_with(const ImageF& zdepth, const ImagePoint& p, double tolerance_rel) {
   const int x0 = int(std::floor(p.x - 0.5)), y0 = int(std::floor(p.y - 0.5));
   for (int y = std::max(y0, 0); y <= std::min(y0 + 1, zdepth.height() - 1); ++y)

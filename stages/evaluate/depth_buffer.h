@@ -2,9 +2,7 @@
 // One sample per pixel centre; 1/z is linear on the screen; triangles are clipped at the near plane.
 #pragma once
 
-#include <optional>
-
-#include "core/camera/view.h"
+#include "core/camera/image_point.h"
 #include "core/image/image.h"
 #include "core/mesh/tri_mesh.h"
 
@@ -12,12 +10,6 @@ namespace vitrine {
 
 // One channel, camera z; 0 where no triangle is.
 ImageF mesh_zdepth(const TriMesh& mesh, const Intrinsics& intrinsics, const Rigid& cam_from_world);
-
-struct ImagePoint {
-  double x = 0, y = 0, z = 0;  // pixels, camera z
-};
-// nullopt behind the camera or outside the picture.
-std::optional<ImagePoint> project(const Vec3d& in_world, const Intrinsics& intrinsics, const Rigid& cam_from_world);
 
 // Whether a surface at camera depth p.z can be the one that `zdepth` shows around p: one of the four nearest samples agrees
 // to `tolerance_rel` of its depth.

@@ -4,36 +4,20 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/camera/viewing_axes.h"
+
 namespace vitrine {
 
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kInwardShare = 0.7, kInwardDeg = 30;  // so many cameras look so close to the centre
+constexpr double kParallel = 1e-6;                     // spread of axes that meet nowhere
 constexpr double kOverheadDeg = 70;                    // photos from above stand in no ring
 
 double around(double degrees) {
   degrees = std::fmod(degrees, 360.0);
   return degrees < 0 ? degrees + 360 : degrees;
-}
-
-// argmin_p sum |(I - d d^T) (p - c)|^2. When all axes are parallel there is none: the mean camera centre.
-Vec3d nearest_to_axes(const std::vector<View>& views) {
-  Mat3d m{};
-  Vec3d right{}, mean{};
-  for (const View& v : views) {
-    const Vec3d d = transposed(v.cam_from_world.rotation).c2, c = v.centre_in_world();
-    m.c0 += Vec3d{1, 0, 0} - d.x * d;
-    m.c1 += Vec3d{0, 1, 0} - d.y * d;
-    m.c2 += Vec3d{0, 0, 1} - d.z * d;
-    right += c - dot(d, c) * d;
-    mean += c / double(views.size());
-  }
-  const double n = double(views.size()), det = determinant(m);
-  constexpr double kParallel = 1e-6;
-  if (det < kParallel * n * n * n) return mean;
-  return {determinant(Mat3d{right, m.c1, m.c2}) / det, determinant(Mat3d{m.c0, right, m.c2}) / det,
-          determinant(Mat3d{m.c0, m.c1, right}) / det};
 }
 
 }  // namespace
@@ -47,7 +31,8 @@ Coverage coverage(const ViewSet& set) {
   Coverage out;
   out.cameras = set.views.size();
   if (set.views.empty()) return out;
-  out.centre = nearest_to_axes(set.views);
+  const LookedAt meeting = looked_at(set.views);
+  out.centre = meeting.point;
   struct Standing {
     double azimuth;
     const View* view;
@@ -65,7 +50,7 @@ Coverage coverage(const ViewSet& set) {
     out.highest_deg = std::max(out.highest_deg, elevation);
     if (std::abs(elevation) < kOverheadDeg) ring.push_back({around(std::atan2(from_centre.y, from_centre.x) / kDegree), &v});
   }
-  out.inward = double(inward) >= kInwardShare * double(set.views.size());
+  out.inward = meeting.spread > kParallel && double(inward) >= kInwardShare * double(set.views.size());
   size_t thin = 0;
   for (const ScenePoint& p : set.points) thin += p.views.size() <= 2;
   if (!set.points.empty()) out.thin_points = double(thin) / double(set.points.size());

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -26,12 +27,6 @@ struct Bounds {
 };
 constexpr Bounds kBrightnessJump{1.0, 2.0}, kWhiteBalanceJump{0.5, 1.2};
 constexpr double kFocalStep = 1.03;  // a lens breathes by less
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0;
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 // "1 photo is", "3 photos are".
 std::string photos(size_t n, const char* one, const char* several) {
@@ -109,7 +104,7 @@ class Judge {
   }
 
   void size() {
-    const double side = median(all([](const PhotoFacts& p) { return p.longest(); }));
+    const double side = upper_median(all([](const PhotoFacts& p) { return p.longest(); }));
     if (side >= kSmallSide) return;
     say({"small_photos",
          side < kTinySide ? Severity::Problem : Severity::Warning,
@@ -177,7 +172,7 @@ class Judge {
     for (size_t i : usable_)
       if (const auto b = photos_[i].blur()) blurs.push_back(*b);
     if (blurs.empty()) return;
-    const double typical = median(blurs);
+    const double typical = upper_median(blurs);
     out_.figures.blur = typical;
     if (typical > kSoftSet) {
       say({"soft_set",
@@ -199,7 +194,7 @@ class Judge {
       std::vector<double> near;
       for (size_t n = k > kNeighbours ? k - kNeighbours : 0; n < std::min(usable_.size(), k + kNeighbours + 1); ++n)
         if (const auto b = photos_[usable_[n]].blur(); b && n != k) near.push_back(*b);
-      const double expected = near.empty() ? typical : std::min(median(near), typical);
+      const double expected = near.empty() ? typical : std::min(upper_median(near), typical);
       if (*blur < std::max(kSoftPhoto, soft_ratio_ * std::max(expected, 0.5))) continue;
       soft.push_back(usable_[k]);
       moved += p.measures.blur_ratio > kMotionRatio;
@@ -213,7 +208,7 @@ class Judge {
   }
 
   void texture() {
-    out_.figures.texture = median(all([](const PhotoFacts& p) { return p.measures.texture; }));
+    out_.figures.texture = upper_median(all([](const PhotoFacts& p) { return p.measures.texture; }));
     const double t = out_.figures.texture;
     if (t < kFewCorners) {
       say({"low_texture",
@@ -240,9 +235,9 @@ class Judge {
         const long n = long(k) + d;
         if (n >= 0 && n < long(usable_.size())) near.push_back(figure(photos_[usable_[size_t(n)]]));
       }
-      off.push_back(near.size() >= 2 ? std::abs(figure(photos_[usable_[k]]) - median(near)) : 0);
+      off.push_back(near.size() >= 2 ? std::abs(figure(photos_[usable_[k]]) - upper_median(near)) : 0);
     }
-    const double step = std::clamp(kJump * median(off), bounds.low, bounds.high);
+    const double step = std::clamp(kJump * upper_median(off), bounds.low, bounds.high);
     std::vector<size_t> out;
     for (size_t k = 0; k < usable_.size(); ++k)
       if (off[k] > step) out.push_back(usable_[k]);
@@ -285,8 +280,8 @@ class Judge {
   }
 
   void clipping() {
-    out_.figures.clipped_high = median(all([](const PhotoFacts& p) { return p.measures.clipped_high; }));
-    out_.figures.clipped_low = median(all([](const PhotoFacts& p) { return p.measures.clipped_low; }));
+    out_.figures.clipped_high = upper_median(all([](const PhotoFacts& p) { return p.measures.clipped_high; }));
+    out_.figures.clipped_low = upper_median(all([](const PhotoFacts& p) { return p.measures.clipped_low; }));
     const std::vector<size_t> high = those([](const PhotoFacts& p) { return p.measures.clipped_high > kClippedHigh; });
     const std::vector<size_t> low = those([](const PhotoFacts& p) { return p.measures.clipped_low > kClippedLow; });
     if (!high.empty())

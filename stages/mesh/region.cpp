@@ -4,64 +4,30 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/camera/viewing_axes.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kMaxAimAngleDeg = 25;  // median angle between optical axis and the direction to the focus
-constexpr double kMinSpread = 0.02;     // least eigenvalue of mean(I - d d^T): 0 for parallel axes, 2/3 all around
+constexpr double kMinSpread = 0.02;
 constexpr size_t kMinPoints = 20;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Smallest eigenvalue of a symmetric 3x3 matrix (trigonometric solution of the characteristic cubic).
-double least_eigenvalue(const Mat3d& a) {
-  const double mean = (a(0, 0) + a(1, 1) + a(2, 2)) / 3;
-  Mat3d b = a;
-  double squares = 0;
-  for (size_t i = 0; i < 3; ++i) b(i, i) -= mean;
-  for (size_t i = 0; i < 3; ++i)
-    for (size_t j = 0; j < 3; ++j) squares += b(i, j) * b(i, j);
-  const double p = std::sqrt(squares / 6);
-  if (!(p > 0)) return mean;
-  const double r = std::clamp(determinant(b) / (2 * p * p * p), -1.0, 1.0);
-  return mean + 2 * p * std::cos(std::acos(r) / 3 + 2 * M_PI / 3);
-}
-
-// Solves sum (I - d d^T) (x - c) = 0 over the cameras; false when the axes are (nearly) parallel.
+// false when the axes are (nearly) parallel.
 bool find_focus(const ViewSet& set, Region& region) {
-  Mat3d a{};
-  Vec3d b{};
-  const double share = 1.0 / static_cast<double>(set.views.size());
-  for (const View& v : set.views) {
-    const Vec3d d = transposed_times(v.cam_from_world.rotation, Vec3d{0, 0, 1}), c = v.centre_in_world();
-    for (size_t i = 0; i < 3; ++i)
-      for (size_t j = 0; j < 3; ++j) {
-        const double m = share * ((i == j ? 1.0 : 0.0) - d[i] * d[j]);
-        a(i, j) += m;
-        b[i] += m * c[j];
-      }
-  }
-  if (least_eigenvalue(a) < kMinSpread) return false;
-  const double det = determinant(a);  // Cramer's rule
-  for (size_t i = 0; i < 3; ++i) {
-    Mat3d replaced = a;
-    replaced.column(i) = b;
-    region.focus[i] = determinant(replaced) / det;
-  }
+  const LookedAt found = looked_at(set.views);
+  if (found.spread < kMinSpread) return false;
+  region.focus = found.point;
   std::vector<double> angles, distances;
   for (const View& v : set.views) {
     const Vec3d p = v.cam_from_world * region.focus;
     angles.push_back(std::atan2(std::hypot(p.x, p.y), p.z) * 180 / M_PI);
     distances.push_back(length(p));
   }
-  region.camera_distance = median(distances);
-  return median(angles) < kMaxAimAngleDeg;
+  region.camera_distance = upper_median(distances);
+  return upper_median(angles) < kMaxAimAngleDeg;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/camera/image_point.h"
 #include "core/mesh/mesh_distance.h"
 
 namespace vitrine {
@@ -15,13 +16,10 @@ constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger one count
 constexpr float kReach = 2;                              // a surfel reaches so many of its scales from its centre
 
 void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, SurfelVotes& votes) {
-  const Vec3d p = v.view->cam_from_world * point;
-  const Intrinsics& k = v.view->intrinsics;
-  if (!(p.z > 0)) return;
-  const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
-  if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) return;
-  const size_t i = static_cast<size_t>(y) * static_cast<size_t>(k.width) + static_cast<size_t>(x);
-  const float surface = v.zdepth[i], z = float(p.z), margin = reach + std::max(kMarginVoxels * voxel, kMargin_rel * surface);
+  const auto p = image_point(point, *v.view);
+  if (!p) return;
+  const size_t i = static_cast<size_t>(p->y) * static_cast<size_t>(v.view->intrinsics.width) + static_cast<size_t>(p->x);
+  const float surface = v.zdepth[i], z = float(p->z), margin = reach + std::max(kMarginVoxels * voxel, kMargin_rel * surface);
   if (!(surface > 0)) return;
   if (v.opaque[i]) {
     if (z < surface - margin)
@@ -31,7 +29,7 @@ void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, Surf
     return;
   }
   if (!(v.glass[i] > 0.5f)) return;  // a rim: half glass
-  const float t = float(length(p));
+  const float t = float(length(v.view->cam_from_world * point));
   const bool split = v.split(i);
   // Without a mesh to agree with, the G-buffer alone does not clear the space before glass.
   if (split && t < v.segments.front[i] - margin) {

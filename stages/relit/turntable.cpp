@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/camera/viewing_axes.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -14,12 +16,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kWidestGap = kPi / 3;  // of a ring that counts as closed
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Camera at `centre` that looks at `target`, upright.
 Rigid looking_at(const Vec3d& centre, const Vec3d& target) {
@@ -46,29 +42,12 @@ Arc covered(std::vector<double> azimuths) {
 }  // namespace
 
 Vec3d point_looked_at(std::span<const View> views) {
-  // Sum over views of (I - d d^T)(p - c) = 0.
-  Mat3d a{};
-  Vec3d b{};
-  for (const View& v : views) {
-    const Vec3d c = v.centre_in_world(), d = transposed_times(v.cam_from_world.rotation, Vec3d{0, 0, 1});
-    for (size_t col = 0; col < 3; ++col)
-      for (size_t row = 0; row < 3; ++row) {
-        const double m = (row == col ? 1.0 : 0.0) - d[row] * d[col];
-        a(row, col) += m;
-        b[row] += m * c[col];
-      }
-  }
-  const double det = determinant(a);
+  constexpr double kParallel = 1e-9;
+  const LookedAt found = looked_at(views);
   // Parallel axes meet nowhere: one unit in front of the first camera.
-  if (std::abs(det) < 1e-9 * double(views.size()))
+  if (found.spread < kParallel)
     return views[0].centre_in_world() + transposed_times(views[0].cam_from_world.rotation, Vec3d{0, 0, 1});
-  Vec3d p;
-  for (size_t i = 0; i < 3; ++i) {
-    Mat3d m = a;
-    m.column(i) = b;
-    p[i] = determinant(m) / det;
-  }
-  return p;
+  return found.point;
 }
 
 std::vector<View> turntable_views(std::span<const View> photos, int frames) {
@@ -81,7 +60,7 @@ std::vector<View> turntable_views(std::span<const View> photos, int frames) {
     heights.push_back(offset.z);
     azimuths.push_back(std::atan2(offset.y, offset.x));
   }
-  const double radius = median(radii), height = median(heights);
+  const double radius = upper_median(radii), height = upper_median(heights);
   const Arc arc = covered(azimuths);
   std::vector<View> views;
   for (int i = 0; i < frames; ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/math/median.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -16,16 +17,6 @@ constexpr size_t kSmallestModel = 3;   // two views are a guess, not a model
 // Of pairs with enough raw matches: when fewer survive the geometric check than this, the matches lie on things that move with
 // the camera (reflections) or look alike (repetition).
 constexpr double kFewSurvive = 0.3;
-
-// Of the features that the masks leave, or of all.
-size_t median_features(const Reconstruction& r, bool masked_too) {
-  std::vector<size_t> f;
-  for (const PhotoReport& p : r.photos) f.push_back(masked_too ? p.features : p.features - p.masked);
-  if (f.empty()) return 0;
-  std::nth_element(f.begin(), f.begin() + long(f.size() / 2), f.end());
-  return f[f.size() / 2];
-}
-
 constexpr double kBlurred = 0.8;        // px: where features are few, they were smeared away
 constexpr double kOtherExposure = 1.5;  // EV from the median: SIFT forgives less than that
 constexpr double kManyPhotos = 0.25, kMostPhotos = 0.5;
@@ -40,8 +31,15 @@ std::optional<double> median_of(const Reconstruction& r, F&& figure) {
   for (const PhotoReport& p : r.photos)
     if (const std::optional<double> x = figure(p)) v.push_back(*x);
   if (v.empty()) return std::nullopt;
-  std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-  return v[v.size() / 2];
+  return upper_median(std::move(v));
+}
+
+// Of the features that the masks leave, or of all.
+size_t median_features(const Reconstruction& r, bool masked_too) {
+  const auto features = [&](const PhotoReport& p) {
+    return std::optional(double(masked_too ? p.features : p.features - p.masked));
+  };
+  return size_t(median_of(r, features).value_or(0));
 }
 
 template <class F>
@@ -190,17 +188,11 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
         "1. take a few photos that show both parts, or run each part by itself\n"
         "2. take the largest group as it is: --set sfm.min_registered=0.3\n" +
         poses_hint;
-  } else if (!connected && survive >= kFewSurvive) {
+  } else if (!connected && (survive >= kFewSurvive || r.pairs_matched == 0)) {
     d.code = "SFM_NO_OVERLAP";
-    d.why = fmt::format("the photos fall into {} groups that share nothing (sizes {}): {}", r.groups.size(), sizes_text(r.groups),
-                        figures);
-    d.hint =
-        "1. take more photos in between: two thirds of a picture should be seen in the next one, steps of 10-15 degrees\n"
-        "2. shiny object or plain table: put a printed pattern under it, and keep the surroundings in the picture\n" +
-        poses_hint;
-  } else if (!connected && r.pairs_matched == 0) {
-    d.code = "SFM_NO_OVERLAP";
-    d.why = "no photo shows what another shows: " + figures;
+    d.why = r.pairs_matched == 0 ? "no photo shows what another shows: " + figures
+                                 : fmt::format("the photos fall into {} groups that share nothing (sizes {}): {}",
+                                               r.groups.size(), sizes_text(r.groups), figures);
     d.hint =
         "1. take more photos in between: two thirds of a picture should be seen in the next one, steps of 10-15 degrees\n"
         "2. shiny object or plain table: put a printed pattern under it, and keep the surroundings in the picture\n" +
