@@ -67,6 +67,12 @@ std::optional<double> Facts::number(std::string_view path) const {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
+std::optional<double> Facts::amount(std::string_view path) const {
+  constexpr double kMost = 1e15;
+  const auto value = number(path);
+  return value && *value >= 0 && *value <= kMost ? value : std::nullopt;
+}
+
 std::optional<bool> Facts::boolean(std::string_view path) const {
   const Json* j = json_of(at(path).node_);
   return j != nullptr && j->is_boolean() ? std::optional(j->get<bool>()) : std::nullopt;

@@ -26,6 +26,7 @@ class Facts {
   std::vector<std::string> keys() const;      // of an object, in the file's order
 
   std::optional<double> number(std::string_view path = {}) const;  // finite
+  std::optional<double> amount(std::string_view path = {}) const;  // a number from 0 to 10^15: bytes, seconds, counts
   std::optional<bool> boolean(std::string_view path = {}) const;
   std::string text(std::string_view path = {}) const;  // "" when it is no string
 

@@ -31,12 +31,15 @@ std::vector<Facts> last_events(const fs::path& project) {
   return events;
 }
 
+// 0 to 255, as programs end.
+int exit_of(const Facts& end) { return int(std::min(end.amount("exit").value_or(0), 255.0)); }
+
 StageOutcome cost_of(const Facts& stage) {
   StageOutcome cost{.name = stage.text("name"), .state = stage.text("state"), .summary = stage.text("summary")};
   if (cost.name.empty()) cost.name = stage.text("stage");  // of an event
-  cost.seconds = stage.number("seconds");
-  cost.cpu_seconds = stage.number("cpu_seconds");
-  cost.peak_bytes = stage.number("peak_rss_bytes");
+  cost.seconds = stage.amount("seconds");
+  cost.cpu_seconds = stage.amount("cpu_seconds");
+  cost.peak_bytes = stage.amount("peak_rss_bytes");
   for (const Facts& warning : stage.at("warnings").items()) cost.warnings.push_back(warning.text());
   return cost;
 }
@@ -45,7 +48,7 @@ void read_events(const std::vector<Facts>& events, RunOutcome& o, std::map<std::
   for (const Facts& e : events) {
     const std::string type = e.text("type"), stage = e.text("stage");
     if (type == "run_start") o.version = e.text("version");
-    if (type == "run_end") o.exit = int(e.number("exit").value_or(0)), o.finished = e.text("time");
+    if (type == "run_end") o.exit = exit_of(e), o.finished = e.text("time");
     if (type == "error") o.failure = StageFailure{stage, e.text("code"), e.text("message"), e.text("why"), e.text("hint")};
     if (type == "stage_start") keys[stage] = e.text("key");
     if (!with_stages) continue;
@@ -63,9 +66,9 @@ void add_stored_costs(const fs::path& project, const std::map<std::string, std::
     if (s.state == "ran" || s.state == "failed" || s.state == "running" || key == current.end() || !stays_inside(key->second))
       continue;
     const Facts timing = Facts::of_file(store_of(project) / s.name / key->second / "timing.json");
-    s.seconds = timing.number("seconds");
-    s.cpu_seconds = timing.number("cpu_seconds");
-    s.peak_bytes = timing.number("peak_rss_bytes");
+    s.seconds = timing.amount("seconds");
+    s.cpu_seconds = timing.amount("cpu_seconds");
+    s.peak_bytes = timing.amount("peak_rss_bytes");
   }
 }
 
@@ -102,11 +105,11 @@ RunOutcome read_outcome(const fs::path& project) {
   o.masks = option("input.masks");
   if (run.known() && ended) {
     for (const Facts& s : run.at("stages").items()) o.stages.push_back(cost_of(s));
-    o.exit = int(run.number("exit").value_or(0));
+    o.exit = exit_of(run);
     o.version = run.text("vitrine");
     o.finished = run.text("finished");
-    if (const auto threads = run.number("machine.threads"))
-      o.machine = fmt::format("{} thread{}", int(*threads), *threads == 1 ? "" : "s");
+    if (const auto threads = run.amount("machine.threads"))
+      o.machine = fmt::format("{:.0f} thread{}", *threads, *threads == 1 ? "" : "s");
   }
   const auto current = current_keys(project);
   add_stored_costs(project, current, o);

@@ -50,6 +50,31 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+// "accept fewer: --set sfm.min_registered=0.3" is a command without its beginning: the first options of `vitrine run` that a line
+// of advice names, with their values, as " --set sfm.min_registered=0.3".
+std::string options_in(const std::string& line) {
+  constexpr std::string_view kOptions[] = {"--set", "--masks", "--poses"};
+  std::istringstream in(line);
+  std::string found, option;
+  for (std::string word; in >> word;) {
+    if (option.empty()) {
+      const std::string name = word.substr(std::min(word.find_first_not_of("(`\"'"), word.size()));
+      if (std::ranges::find(kOptions, name) != std::end(kOptions))
+        option = name;
+      else if (!found.empty())
+        break;
+      continue;
+    }
+    const std::string value = word.substr(0, word.find_last_not_of(",;.:)`\"'") + 1);
+    const size_t equals = value.find('=');
+    if (!value.empty() && (option != "--set" || (equals != std::string::npos && equals + 1 < value.size())))
+      found += fmt::format(" {} {}", option, value);
+    if (!found.empty() && value.size() < word.size()) break;
+    option.clear();
+  }
+  return found;
+}
+
 Rating worst_deciding(const Figures& figures) {
   Rating worst = Rating::Good;
   for (std::string_view id : kDeciding)
@@ -164,11 +189,7 @@ void tell_failure(const RunOutcome& outcome, const Commands& commands, Verdict& 
     const size_t number = line.find_first_not_of("0123456789");  // "2. put a pattern ...": the page numbers them itself
     if (number != std::string::npos && number > 0 && line.substr(number).starts_with(". ")) line.erase(0, number + 2);
     Advice& a = v.next.emplace_back();
-    if (const size_t flag = line.find("--"); flag != std::string::npos && line.find(' ', flag) != std::string::npos) {
-      // "accept fewer: --set sfm.min_registered=0.3" is a command without its beginning.
-      const std::string option = line.substr(flag, line.find_first_of(",;", flag) - flag);
-      a.command = commands.again() + " " + option;
-    }
+    if (const std::string options = options_in(line); !options.empty()) a.command = commands.again() + options;
     a.text = capital(std::move(line));
   }
   if (v.next.empty()) v.next.push_back({"Run it again once the cause is gone; what was finished is kept.", commands.again()});

@@ -105,6 +105,31 @@ TEST(Verdict, OfAFailureNamesTheStageTheCauseAndWhatToTry) {
   EXPECT_EQ(v.next[1].command, "vitrine run out --set sfm.min_registered=0.3");
 }
 
+TEST(Verdict, AdviceBecomesACommandThatAShellTakes) {
+  const std::pair<const char*, const char*> lines[] = {
+      {"accept fewer: --set sfm.min_registered=0.3", " --set sfm.min_registered=0.3"},
+      {"find the cameras without masks of a class: --set sfm.masks.specular=off (object, transparent, ignore)",
+       " --set sfm.masks.specular=off"},
+      {"mark the shiny parts: --masks marks.yaml (stages/masks/README.md), or a folder of masks", " --masks marks.yaml"},
+      {"a turntable? give masks of the object: --masks DIR --set sfm.turntable=yes", " --masks DIR --set sfm.turntable=yes"},
+      {"white means 'object' (--set masks.object.polarity=black turns it round); without such pixels: --set "
+       "masks.object.source=none",
+       " --set masks.object.polarity=black"},
+      {"raise --max-memory or --set optimize.resolution.max_side=640", " --set optimize.resolution.max_side=640"},
+      {"supply poses: --poses transforms.json, or a COLMAP model", " --poses transforms.json"},
+      {"say it: --set normals.files.space= (or normals.onnx.space=) one of camera-opencv", ""},
+      {"leave out --from and --only: what is missing is computed first", ""},
+      {"manual exposure; `vitrine inspect PHOTOS --json` lists them", ""}};
+  for (const auto& [line, options] : lines) {
+    const Verdict v = verdict({.exit = 4,
+                               .events = fmt::format("{{\"type\":\"run_start\"}}\n{{\"type\":\"error\",\"message\":\"x\","
+                                                     "\"hint\":\"1. {}\"}}\n{{\"type\":\"run_end\",\"exit\":4}}\n",
+                                                     line)});
+    ASSERT_EQ(v.next.size(), 1u) << line;
+    EXPECT_EQ(v.next[0].command, *options == 0 ? "" : std::string("vitrine run out") + options) << line;
+  }
+}
+
 TEST(Verdict, OfARunThatWasStoppedOrKilledIsToGoOn) {
   const std::string start = "{\"type\":\"run_start\"}\n{\"type\":\"stage_start\",\"stage\":\"mesh\",\"key\":\"ab\"}\n";
   const Verdict stopped = verdict({.exit = 75, .events = start + "{\"type\":\"run_end\",\"exit\":75}\n"});
