@@ -202,6 +202,18 @@ TEST(Page, IsMadeOfWhateverIsThere) {
   EXPECT_TRUE(has(page(empty.path()), "Nothing has been run here"));
 }
 
+TEST(Outcome, LeavesOutNumbersThatNoRunHas) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "run.json",
+             R"({"exit": 1e300, "machine": {"threads": -1e300}, "stages": [{"name": "mesh", "state": "ran", "seconds": -2,
+                 "cpu_seconds": 1e40, "peak_rss_bytes": 1e300}]})");
+  const RunOutcome o = read_outcome(folder.path());
+  EXPECT_EQ(o.machine, "");
+  ASSERT_EQ(o.stages.size(), 1u);
+  EXPECT_FALSE(o.stages[0].seconds || o.stages[0].cpu_seconds || o.stages[0].peak_bytes);
+  EXPECT_TRUE(has(page(folder.path()), "</html>"));
+}
+
 TEST(Page, ReadsNothingOutsideTheFolder) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
