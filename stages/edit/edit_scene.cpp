@@ -6,20 +6,12 @@
 #include "core/base/file.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
 
 namespace vitrine {
 
 namespace {
-
-SplatLayer remaining(const SplatLayer& layer, const std::vector<uint8_t>& keep) {
-  SplatLayer out = layer;
-  size_t kept = 0;
-  for (size_t i = 0; i < layer.size(); ++i)
-    if (keep[i]) out.copy_surfel(i, kept++);
-  out.resize(kept);
-  return out;
-}
 
 template <class T>
 std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t>& keep) {
@@ -80,9 +72,9 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
   const auto write = [&](const SplatLayer& layer) {
     if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
   };
-  write(remaining(surfels.diffuse, scene.there.diffuse));
+  write(kept_surfels(surfels.diffuse, scene.there.diffuse));
   write(surfels.reflection);
-  write(remaining(surfels.transmittance, scene.there.transmittance));
+  write(kept_surfels(surfels.transmittance, scene.there.transmittance));
   write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
   const auto copy = [&](const fs::path& source, const fs::path& relative) {
     std::error_code ec;

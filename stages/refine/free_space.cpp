@@ -66,13 +66,4 @@ bool stands_beyond(const SurfelVotes& v, const PruneConfig& config) {
   return v.beyond > 0 && double(v.inside) < config.inside_share * double(v.inside + v.beyond);
 }
 
-SplatLayer selected(const SplatLayer& layer, std::span<const uint8_t> keep) {
-  SplatLayer out = layer;
-  size_t n = 0;
-  for (size_t i = 0; i < keep.size(); ++i)
-    if (keep[i]) out.copy_surfel(i, n++);
-  out.resize(n);
-  return out;
-}
-
 }  // namespace vitrine

@@ -22,7 +22,4 @@ bool stands_in_empty_space(const SurfelVotes& v, const PruneConfig& config);
 // Only rays that have left closed glass pass it.
 bool stands_beyond(const SurfelVotes& v, const PruneConfig& config);
 
-// The surfels with keep[i] != 0, in the old order.
-SplatLayer selected(const SplatLayer& layer, std::span<const uint8_t> keep);
-
 }  // namespace vitrine

@@ -10,6 +10,7 @@
 #include "core/base/process.h"
 #include "core/camera/view_split.h"
 #include "core/mesh/mesh_io.h"
+#include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
 #include "core/train/checkpoint.h"
 #include "stages/refine/free_space.h"
@@ -149,7 +150,7 @@ class Refiner {
     const bool traced = scene_.image.transmission.glass == Glass::Traced;
     const auto add = [&](const char* name, const char* what, std::span<const uint8_t> keep, Glass glass) {
       Candidate c{.name = name, .what = what, .scene = scene_};
-      c.scene.surfels.transmittance = selected(layer, keep);
+      c.scene.surfels.transmittance = kept_surfels(layer, keep);
       c.scene.image.transmission.glass = glass;
       // Without a surfel there would be no layer, and glass would show nothing of the room.
       if (c.scene.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
