@@ -1,7 +1,6 @@
 #include "pipeline/report_page/page.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 

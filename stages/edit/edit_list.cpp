@@ -38,7 +38,10 @@ class Reader {
     out.where = fmt::format("{}:{}:{}", in_.name(), node.mark.line, node.mark.column);
     in_.only_keys(node, {"name", "select", "set", "delete"});
     if (node.kind != YamlNode::Kind::Map) return out;
-    if (const YamlNode* name = node.find("name")) out.name = name->text;
+    if (const YamlNode* name = node.find("name")) {
+      if (name->text.empty()) in_.complain(*name, "a name is a word or a sentence");
+      out.name = name->text;
+    }
     const YamlNode *select = node.find("select"), *set = node.find("set"), *remove = node.find("delete");
     if (select == nullptr) {
       in_.complain(node, "an edit says what it selects: a class, a box, marks, a component, or 'all'");
