@@ -32,6 +32,27 @@ TEST_F(TinyRoom, DamagedPhotosAreLeftOutByName) {
   EXPECT_TRUE(o.has("registered 9/9"));
 }
 
+TEST_F(TinyRoom, InspectTakesTheMasksOfARunOrThoseThatAreGiven) {
+  // The output of a call that must end well, without its line breaks.
+  const auto inspected = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "inspect");
+    const Outcome o = call(words);
+    EXPECT_EQ(o.exit, 0) << o.text;
+    std::istringstream in(o.text);
+    std::string text;
+    for (std::string word; in >> word;) text += word + " ";
+    return text;
+  };
+  const std::string masks = photos().string();
+  EXPECT_NE(inspected({photos().string()}).find("without masks of yours"), std::string::npos);
+  EXPECT_NE(inspected({photos().string(), "--masks", masks}).find("with layers"), std::string::npos);
+  const Outcome nowhere = call({"inspect", photos().string(), "--masks", "nowhere"});
+  EXPECT_EQ(nowhere.exit, 3);
+  EXPECT_TRUE(nowhere.has("there are no such masks")) << nowhere.text;
+  write_file(out() / "vitrine.yaml", fmt::format("input:\n  photos: \"{}\"\n  masks: \"{}\"\n", photos().string(), masks));
+  EXPECT_NE(inspected({out().string()}).find("with layers"), std::string::npos);
+}
+
 TEST_F(TinyRoom, PosesThatDoNotFitAreRefused) {
   const ImageF photo = read_srgb(photos() / "img_0003.png");
   write_ldr(photos() / "img_0003.png", Image8(photo.width() / 2, photo.height(), 3));
