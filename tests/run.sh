@@ -2,23 +2,35 @@
 # Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
 # and UndefinedBehaviorSanitizer.
 #
-#   tests/run.sh [--fast] [--no-sanitizers]
+#   tests/run.sh [--fast] [--no-sanitizers] | --races
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
+# --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
-labels=(-LE external) sanitizers=1
+labels=(-LE external) sanitizers=1 races=0
 for argument in "$@"; do
   case "$argument" in
     --fast) labels=(-L fast) ;;
     --no-sanitizers) sanitizers=0 ;;
-    -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --races) races=1 ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "error: unknown option '$argument'" >&2; exit 2 ;;
   esac
 done
 
 install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}"
+if [ "$races" = 1 ]; then
+  suites=(stage optim loss render trace model)
+  cmake -S "$VITRINE_ROOT" -B "$VITRINE_ROOT/build-thread" -G Ninja -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo >/dev/null
+  cmake --build "$VITRINE_ROOT/build-thread" --target "${suites[@]/#/test_}"
+  say "multi-threaded suites under ThreadSanitizer"
+  for suite in "${suites[@]}"; do
+    TSAN_OPTIONS=second_deadlock_stack=1 "$VITRINE_ROOT/build-thread/bin/test_$suite" --gtest_brief=1
+  done
+  exit
+fi
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=ON
 say "tests"
 ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$(nproc)" "${labels[@]}"
