@@ -64,10 +64,12 @@ int config_command(const Words& words) {
     return 0;
   }
   if (rest[0] != "show")
-    throw Error(ErrorKind::Usage, fmt::format("show, schema or reference? got \"{}\"", rest[0]), {.code = "USAGE"});
+    throw Error(ErrorKind::Usage, fmt::format("show, schema or reference? got \"{}\"", rest[0]),
+                {.hint = "vitrine config --help", .code = "USAGE"});
   const fs::path project = fs::absolute(rest.size() == 2 ? rest[1] : ".").lexically_normal();
   if (rest.size() == 2 && !is_project(project))
-    throw Error(ErrorKind::Input, "this is no output folder of vitrine", {.where = project.string(), .code = "NO_PROJECT"});
+    throw Error(ErrorKind::Input, "this is no output folder of vitrine",
+                {.where = project.string(), .hint = "vitrine run PHOTOS -o DIR makes one", .code = "NO_PROJECT"});
   SettingsDesc desc{.project = project, .configs = configs, .sets = sets};
   if (!preset.empty()) desc.flags.push_back({"preset", preset, "--preset"});
   settings.load(desc);

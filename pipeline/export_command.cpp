@@ -52,7 +52,8 @@ double metres(const std::string& text) {
   const std::string unit(parsed.ptr, text.data() + text.size() - parsed.ptr);
   const double factor = unit.empty() || unit == "m" ? 1 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0;
   if (parsed.ec != std::errc() || factor == 0 || !(value > 0))
-    throw Error(ErrorKind::Usage, fmt::format("--scale must look like 0.24m, 24cm or 1.5, got \"{}\"", text), {.code = "USAGE"});
+    throw Error(ErrorKind::Usage, fmt::format("--scale must look like 0.24m, 24cm or 1.5, got \"{}\"", text),
+                {.hint = "a length of the whole scene's unit: 0.24m makes one unit 24 cm", .code = "USAGE"});
   return value * factor;
 }
 

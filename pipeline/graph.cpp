@@ -52,7 +52,7 @@ const StageNode& Graph::at(std::string_view name) const {
   throw Error(
       ErrorKind::Usage,
       fmt::format("there is no stage '{}'{}", name, near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near)),
-      {.why = fmt::format("the stages are: {}", fmt::join(names, " ")), .code = "NO_SUCH_STAGE"});
+      {.why = fmt::format("the stages are: {}", fmt::join(names, " ")), .hint = "vitrine run --help", .code = "NO_SUCH_STAGE"});
 }
 
 std::set<std::string> Graph::ancestors(const StageNode& node) const {
@@ -121,7 +121,7 @@ Graph load_graph(const fs::path& folder) {
     if (ready == waiting.end())
       throw Error(ErrorKind::Dependency,
                   fmt::format("stage '{}' reads from a stage that is not there, or from itself", waiting[0].name),
-                  {.where = list.string(), .code = "STAGE_BROKEN"});
+                  {.where = list.string(), .hint = "build all of vitrine: cmake --build build", .code = "STAGE_BROKEN"});
     graph.nodes.push_back(std::move(*ready));
     waiting.erase(ready);
   }

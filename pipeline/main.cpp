@@ -79,7 +79,9 @@ int main(int argc, char** argv) {
   } catch (const Error& e) {
     return complain(e);
   } catch (const std::bad_alloc&) {
-    return complain(Error(ErrorKind::Resource, "out of memory", {.code = "OUT_OF_MEMORY"}));
+    return complain(
+        Error(ErrorKind::Resource, "out of memory",
+              {.why = "the system gave no more memory", .hint = "end other programs, or fewer photos", .code = "OUT_OF_MEMORY"}));
   } catch (const std::exception& e) {
     return complain(Error(ErrorKind::Internal, fmt::format("internal error: {}", e.what()),
                           {.hint = "this is a bug in vitrine: please report it", .code = "INTERNAL"}));

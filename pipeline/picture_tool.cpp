@@ -21,7 +21,8 @@ void add_size(const std::string& size, Words& words) {
   const auto w = std::from_chars(begin, end, width);
   const auto h = w.ec == std::errc() && w.ptr != end && *w.ptr == 'x' ? std::from_chars(w.ptr + 1, end, height) : w;
   if (h.ec != std::errc() || h.ptr != end || width < 1 || height < 1)
-    throw Error(ErrorKind::Usage, fmt::format("--size must look like 1280x720, got \"{}\"", size), {.code = "USAGE"});
+    throw Error(ErrorKind::Usage, fmt::format("--size must look like 1280x720, got \"{}\"", size),
+                {.hint = "--size 1280x720", .code = "USAGE"});
   words.insert(words.end(), {"--set", fmt::format("width={}", width), "--set", fmt::format("height={}", height)});
 }
 

@@ -75,7 +75,8 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
     : graph_(graph), settings_(settings), project_(std::move(project)), selection_(selection), store_(store_of(project_)) {
   if (!selection_.only.empty()) {
     if (!selection_.from.empty() || !selection_.to.empty())
-      throw Error(ErrorKind::Usage, "--only cannot stand beside --from or --to", {.code = "USAGE"});
+      throw Error(ErrorKind::Usage, "--only cannot stand beside --from or --to",
+                  {.hint = "--only STAGE is --from STAGE --to STAGE", .code = "USAGE"});
     selection_.from = selection_.to = selection_.only;
   }
   for (const StageNode& n : graph_.nodes) chosen_.insert(n.name);
@@ -91,7 +92,7 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
     std::erase_if(chosen_, [&](const std::string& s) { return !after.contains(s); });
     if (chosen_.empty())
       throw Error(ErrorKind::Usage, fmt::format("nothing lies between --from {} and --to {}", selection_.from, selection_.to),
-                  {.code = "USAGE"});
+                  {.hint = "`vitrine status` lists the stages in their order", .code = "USAGE"});
   }
   for (const std::string& s : chosen_) needed_.merge(graph_.ancestors(graph_.at(s)));
 }

@@ -75,7 +75,10 @@ ProjectLock::ProjectLock(const fs::path& project) {
     close(fd_);
     if (saved != EWOULDBLOCK)
       throw Error(ErrorKind::Resource, "cannot lock the output folder",
-                  {.where = file.string(), .why = std::strerror(saved), .code = "NO_LOCKS"});
+                  {.where = file.string(),
+                   .why = std::strerror(saved),
+                   .hint = "choose a folder on a local disk with -o",
+                   .code = "NO_LOCKS"});
     throw Error(ErrorKind::Locked, "another run works in this folder",
                 {.where = project.string(),
                  .why = n > 0 ? std::string("it is ") + owner : std::string("it has just started"),

@@ -55,7 +55,10 @@ int report_command(const Words& words) {
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   if (const auto why = write_html_report(project, false))
     throw Error(ErrorKind::Resource, "the report could not be written",
-                {.where = html_report_path(project).string(), .why = *why});
+                {.where = html_report_path(project).string(),
+                 .why = *why,
+                 .hint = "the run itself is not touched by that",
+                 .code = "REPORT_FAILED"});
   fmt::print("{}\n", html_report_path(project).string());
   return 0;
 }

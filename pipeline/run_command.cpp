@@ -102,7 +102,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
     if (settings.options.table.find(path) == nullptr)
       throw Error(ErrorKind::Usage,
                   fmt::format("{} is of no use here: no stage reads '{}'", origin, path.substr(path.find('.') + 1)),
-                  {.code = "USAGE"});
+                  {.hint = "leave it out", .code = "USAGE"});
     desc.flags.push_back({path, value, origin});
   };
   flag("preset", a.preset, "--preset");
@@ -118,7 +118,8 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
     const auto& all = settings.options.table.options;
     const auto option = std::find_if(all.begin(), all.end(), [](const Option& o) { return o.path.ends_with(".max_gaussians"); });
     if (option == all.end())
-      throw Error(ErrorKind::Usage, "--max-gaussians is of no use here: no stage has the option", {.code = "USAGE"});
+      throw Error(ErrorKind::Usage, "--max-gaussians is of no use here: no stage has the option",
+                  {.hint = "leave it out", .code = "USAGE"});
     flag(option->path, std::to_string(a.max_gaussians), "--max-gaussians");
   }
   return desc;
@@ -169,7 +170,8 @@ int run_command(const Words& words) {
   }
   if (rest.empty()) throw Error(ErrorKind::Usage, "which photos?", {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
   if (a.log_format != "text" && a.log_format != "json")
-    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format), {.code = "USAGE"});
+    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format),
+                {.hint = "--log-format json", .code = "USAGE"});
   a.what = rest[0];
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);

@@ -51,7 +51,8 @@ StageArguments parse_stage_arguments(const StageInfo& info, const std::vector<st
         ErrorKind::Usage, fmt::format("unexpected argument \"{}\"", rest[0]),
         {.hint = fmt::format("inputs are given as --input NAME=PATH; see vitrine-{} --help", info.name), .code = "USAGE"});
   if (a.log_format != "text" && a.log_format != "json")
-    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format), {.code = "USAGE"});
+    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format),
+                {.hint = "--log-format json", .code = "USAGE"});
   return a;
 }
 

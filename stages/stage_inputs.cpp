@@ -51,8 +51,9 @@ std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const
   for (const std::string& word : words) {
     const size_t equals = word.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
-      throw Error(ErrorKind::Usage, fmt::format("expected NAME=PATH, got \"{}\"", word),
-                  {.where = "--input", .code = "BAD_INPUT_NAME"});
+      throw Error(
+          ErrorKind::Usage, fmt::format("expected NAME=PATH, got \"{}\"", word),
+          {.where = "--input", .hint = fmt::format("vitrine-{} --help lists the names", info.name), .code = "BAD_INPUT_NAME"});
     const std::string name = word.substr(0, equals);
     const StageInput& input = declared(info, name);
     const fs::path path = fs::absolute(word.substr(equals + 1)).lexically_normal();
@@ -62,7 +63,7 @@ std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const
                   {.where = path.string(), .why = input.doc, .hint = "check the path", .code = "MISSING_INPUT"});
     if (inputs.contains(name))
       throw Error(ErrorKind::Usage, fmt::format("input '{}' is given twice", name),
-                  {.where = "--input", .code = "BAD_INPUT_NAME"});
+                  {.where = "--input", .hint = "leave one of them out", .code = "BAD_INPUT_NAME"});
     inputs[name] = input.artifact ? resolve_artifact(info, name, path, digests) : ResolvedInput{path, digests.digest_tree(path)};
   }
   for (const StageInput& input : info.inputs)

@@ -48,7 +48,7 @@ Digest digest_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in)
     throw Error(ErrorKind::Input, "cannot read a file",
-                {.where = path.string(), .hint = "check that the file exists and is readable"});
+                {.where = path.string(), .hint = "check that the file exists and is readable", .code = "UNREADABLE"});
   XXH3_state_t* state = XXH3_createState();
   XXH3_128bits_reset(state);
   std::vector<char> buffer(1 << 20);

@@ -159,7 +159,7 @@ size_t parse_bytes(std::string_view text, size_t whole, std::string_view where) 
   const double bytes = number * factor;
   if (error != std::errc() || factor == 0 || !(bytes >= 1) || bytes > 9e18)
     throw Error(ErrorKind::Usage, fmt::format("a size like 4GiB, 512M or 80% is expected, got \"{}\"", text),
-                {.where = std::string(where), .code = "BAD_SIZE"});
+                {.where = std::string(where), .hint = "80% is of this machine's memory", .code = "BAD_SIZE"});
   return static_cast<size_t>(bytes);
 }
 

@@ -136,7 +136,7 @@ void Adam::load(ArchiveReader& in) {
   in.layer(v_);
   in.array(steps_);
   if (m_.size() != v_.size() || steps_.size() != m_.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "moments of different sizes", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "moments of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 void keep_surfels(SplatLayer& layer, std::span<const uint32_t> kept) {

@@ -248,7 +248,7 @@ void SurfelAccumulator::load(ArchiveReader& in) {
   in.array(screen_gradient);
   in.array(seen);
   if (error.size() != weight.size() || screen_gradient.size() != weight.size() || seen.size() != weight.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "statistics of different sizes", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "statistics of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 CopySplit copy_split(double opacity, int copies) {

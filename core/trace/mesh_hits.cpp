@@ -44,7 +44,9 @@ MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {
     for (const uint32_t v : face)
       if (v >= mesh.positions.size())
         throw Error(ErrorKind::Input, "a face of the mesh names a vertex that does not exist",
-                    {.why = fmt::format("vertex {} of {}", v, mesh.positions.size())});
+                    {.why = fmt::format("vertex {} of {}", v, mesh.positions.size()),
+                     .hint = "compute the mesh anew: --only mesh --force",
+                     .code = "BAD_MESH"});
   RTCGeometry geometry = rtcNewGeometry(embree::device(), RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* positions = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));

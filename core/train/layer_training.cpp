@@ -43,7 +43,7 @@ void LayerTraining::load(ArchiveReader& in) {
   adam_.load(in);
   accumulator_.load(in);
   if (accumulator_.seen.size() != adam_.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 }  // namespace vitrine

@@ -336,7 +336,7 @@ class Evaluator {
   static TriMesh checked_truth_mesh(const fs::path& path) {
     TriMesh mesh = read_mesh_ply(path);
     if (mesh.faces.empty())
-      throw Error(ErrorKind::Input, "the truth mesh has no triangles", {.where = path.string(), .code = "TRUTH_BAD_MESH"});
+      throw Error(ErrorKind::Input, "the truth mesh has no triangles", {.where = path.string(), .hint = "mend the file, or --truth none", .code = "TRUTH_BAD_MESH"});
     return mesh;
   }
 

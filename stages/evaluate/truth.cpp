@@ -58,7 +58,7 @@ ImageF channels_of(const ExrImage& exr, std::initializer_list<std::string_view> 
 
 Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::move(folder)) {
   if (!fs::is_directory(folder_))
-    throw Error(ErrorKind::Input, "the truth is not a folder", {.where = folder_.string(), .code = "TRUTH_NOT_A_FOLDER"});
+    throw Error(ErrorKind::Input, "the truth is not a folder", {.where = folder_.string(), .hint = "give a folder, or --truth none", .code = "TRUTH_NOT_A_FOLDER"});
   cameras_.resize(views.size());
   turns_.resize(views.size(), Mat3d::identity());
   for (const View& v : views) stems_.push_back(v.stem());

@@ -39,14 +39,18 @@ double Region::extent() const {
 
 Region scene_region(const ViewSet& set, const RegionDesc& desc) {
   Region region;
-  if (set.views.empty()) throw Error(ErrorKind::Input, "the sfm artifact has no views", {.code = "NO_VIEWS"});
+  if (set.views.empty())
+    throw Error(ErrorKind::Input, "the sfm artifact has no views",
+                {.where = "sparse/0", .hint = "compute poses anew: --from sfm --force", .code = "NO_VIEWS"});
   region.convergent = find_focus(set, region);
   if (!desc.box.empty()) {
     const auto& b = desc.box;
     if (b.size() != 6 || !(b[0] < b[3]) || !(b[1] < b[4]) || !(b[2] < b[5]))
-      throw Error(
-          ErrorKind::Usage, "mesh.region.box is no box",
-          {.where = "mesh.region.box", .why = "it takes x0 y0 z0 x1 y1 z1 with x0 < x1, y0 < y1, z0 < z1", .code = "BAD_BOX"});
+      throw Error(ErrorKind::Usage, "mesh.region.box is no box",
+                  {.where = "mesh.region.box",
+                   .why = "it takes x0 y0 z0 x1 y1 z1 with x0 < x1, y0 < y1, z0 < z1",
+                   .hint = "--set mesh.region.box=[-1,-1,-1,1,1,1]",
+                   .code = "BAD_BOX"});
     region.box.low = {b[0], b[1], b[2]};
     region.box.high = {b[3], b[4], b[5]};
     return region;

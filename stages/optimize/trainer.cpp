@@ -291,7 +291,7 @@ void Trainer::load(ArchiveReader& in) {
     fits &= scene_.layer(kind).kind() == kind && training(kind).size() == scene_.layer(kind).size();
   }
   if (!fits || !in.at_end())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
   grad_ = scene_.zeros_like();
 }
 

@@ -136,7 +136,7 @@ void FineTune::load(ArchiveReader& in) {
     mean_.layer(kind) = std::move(mean);
   }
   if (!fits || !in.at_end())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 }  // namespace vitrine

@@ -36,7 +36,8 @@ Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture) {
       for (size_t c = 0; c < 3; ++c) values[c].push_back(p[c]);
     }
   if (values[0].empty())
-    throw Error(ErrorKind::Input, "the grey card shows no surface", {.where = view.name, .code = "GREY_CARD"});
+    throw Error(ErrorKind::Input, "the grey card shows no surface",
+                {.where = view.name, .hint = "a box inside the card, in a photo that shows it from near", .code = "GREY_CARD"});
   Vec3f out;
   for (size_t c = 0; c < 3; ++c) {
     const auto middle = values[c].begin() + std::ptrdiff_t(values[c].size() / 2);

@@ -14,6 +14,8 @@ namespace vitrine {
 
 namespace {
 
+constexpr const char* kTryAgain = "`vitrine doctor` says which colmap is used; then --from sfm --force";
+
 constexpr uint64_t kPairBase = 2147483647;  // pair_id = kPairBase * smaller id + larger id
 
 // VLFeat (the SIFT inside COLMAP) refuses to describe a keypoint in the last row of its octave and says so to nobody: the
@@ -67,18 +69,20 @@ class Statement {
 
 ColmapDatabase::ColmapDatabase(const fs::path& path) : path_(path) {
   if (!fs::is_regular_file(path))
-    throw Error(ErrorKind::Dependency, "COLMAP left no database", {.where = path.string(), .code = "SFM_DATABASE"});
+    throw Error(ErrorKind::Dependency, "COLMAP left no database",
+                {.where = path.string(), .hint = kTryAgain, .code = "SFM_DATABASE"});
   if (sqlite3_open_v2(path.c_str(), &handle_, SQLITE_OPEN_READWRITE, nullptr) != SQLITE_OK) {
     const std::string why = handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
     throw Error(ErrorKind::Dependency, "COLMAP's database cannot be opened",
-                {.where = path.string(), .why = why, .code = "SFM_DATABASE"});
+                {.where = path.string(), .why = why, .hint = kTryAgain, .code = "SFM_DATABASE"});
   }
   try {
     for (const char* table : {"cameras", "images", "keypoints", "descriptors", "matches", "two_view_geometries"})
       if (!has_table(table))
-        throw Error(ErrorKind::Dependency, "COLMAP's database is incomplete",
-                    {.where = path.string(), .why = fmt::format("no table '{}'", table), .code = "SFM_DATABASE"});
+        throw Error(
+            ErrorKind::Dependency, "COLMAP's database is incomplete",
+            {.where = path.string(), .why = fmt::format("no table '{}'", table), .hint = kTryAgain, .code = "SFM_DATABASE"});
   } catch (...) {
     sqlite3_close(handle_);
     throw;
@@ -152,6 +156,7 @@ std::vector<PhotoFeatures> ColmapDatabase::features() const {
                   {.where = path_.string(),
                    .why = fmt::format("{}: {} keypoints of {} columns in {} bytes, {} bytes of descriptors", f.name, f.count,
                                       columns, keypoint_bytes, descriptor_bytes),
+                   .hint = kTryAgain,
                    .code = "SFM_DATABASE"});
     if (f.count > 0) {
       std::vector<float> rows(f.count * columns);

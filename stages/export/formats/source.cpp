@@ -143,7 +143,7 @@ const SplatLayer& ExportSource::preview() {
     views.push_back({image.name, pinhole_part(*model.find_camera(image.camera_id)), image.cam_from_world()});
   if (views.empty())
     throw Error(ErrorKind::Input, "there are no cameras to fit a preview to",
-                {.where = inputs_.sfm.string(), .code = "NO_VIEWS"});
+                {.where = inputs_.sfm.string(), .hint = "leave out the previews (`vitrine export --list`)", .code = "NO_VIEWS"});
   PreviewFit fit = fit_preview(scene(), views, {});
   notes_.push_back(
       fmt::format("against the composed pictures: {:.1f} dB, {:.1f} dB before the fit", fit.psnr_after, fit.psnr_before));
