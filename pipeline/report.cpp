@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <ctime>
 
+#include "core/base/events.h"
 #include "core/base/log.h"
+#include "core/base/machine.h"
 #include "core/base/parallel.h"
 #include "core/base/terminal.h"
 #include "core/config/reference.h"
@@ -19,12 +21,18 @@ using json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kEventsVersion = 1, kRunFormat = 1;
+constexpr int kRunFormat = 1;
 constexpr double kLinePeriod = 10;  // seconds between plain progress lines
 constexpr size_t kColumns = 80;
 
 std::string coloured(std::string_view text, const char* code) {
   return colour_wanted(1) ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+}
+
+std::string coloured_head(const std::string& lines, std::string_view head, const char* code) {
+  const size_t at = lines.find(head);
+  if (at == std::string::npos) return lines;
+  return lines.substr(0, at) + coloured(head, code) + lines.substr(at + head.size());
 }
 
 // Padded by columns, not bytes: summaries hold names in any script.
@@ -33,6 +41,15 @@ std::string padded(std::string_view text, size_t width) {
   size_t columns = 0;
   for (char c : cut) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
   return cut + std::string(width - columns, ' ');
+}
+
+// What a running stage says: indented, and broken at words to stay readable in 80 columns.
+std::string stage_note(std::string_view text) {
+  constexpr size_t kIndent = 7, kDeeper = 9;
+  std::string lines;
+  for (const std::string& part : wrapped(text, kColumns - kDeeper))
+    lines += fmt::format("{}{:{}}{}", lines.empty() ? "" : "\n", "", lines.empty() ? kIndent : kDeeper, part);
+  return lines;
 }
 
 }  // namespace
@@ -57,8 +74,16 @@ void Report::open() {
   record("run_start", {{"version", VITRINE_VERSION}, {"command", desc_.command}, {"project", desc_.project.string()}});
 }
 
-void Report::line(std::string_view text) {
+void Report::log(std::string_view text) {
   if (log_.is_open()) log_ << text << '\n' << std::flush;
+}
+
+void Report::line(std::string_view text) {
+  log(text);
+  console(text);
+}
+
+void Report::console(std::string_view text) const {
   if (desc_.json || desc_.quiet) return;
   clear_status_line();
   fmt::print("{}\n", text);
@@ -92,6 +117,7 @@ void Report::stage_begins(size_t number, size_t count, const Step& step) {
   r.why = step.why;
   r.key = step.key;
   stages_.push_back(std::move(r));
+  record("plan", {{"stage", step.node->name}, {"state", name(step.state)}, {"why", step.why}, {"key", step.key}});
   if (!to_be_run(step.state)) return;
   if (!desc_.json && !desc_.quiet && desc_.show_progress) draw_status_line(fmt::format("{} {}", prefix(), step.why));
 }
@@ -99,11 +125,8 @@ void Report::stage_begins(size_t number, size_t count, const Step& step) {
 void Report::stage_line(std::string_view text) {
   const nlohmann::json event = text.starts_with("{\"v\"") ? nlohmann::json::parse(text, nullptr, false) : nlohmann::json();
   if (!event.is_object() || !event.contains("type")) {
-    if (log_.is_open()) log_ << text << '\n' << std::flush;
-    if (desc_.quiet || desc_.json) return;
-    clear_status_line();
-    fmt::print("       {}\n", text);
-    std::fflush(stdout);
+    log(text);
+    console(stage_note(text));
     return;
   }
   if (events_.is_open()) events_ << text << '\n' << std::flush;
@@ -117,7 +140,9 @@ void Report::stage_line(std::string_view text) {
     progress(event);
   } else if (type == "warning") {
     r.warnings.push_back(event.value("text", ""));
-    line(fmt::format("       {} {}", coloured("warning:", "33"), event.value("text", "")));
+    const std::string said = "warning: " + event.value("text", "");
+    log(said);
+    console(coloured_head(stage_note(said), "warning:", "33"));
   } else if (type == "error") {
     error_record_ = std::string(text);
   } else if (type == "stage_end") {
@@ -139,7 +164,7 @@ void Report::progress(const nlohmann::json& event) {
     draw_status_line(fmt::format("{} {} {:3.0f} %{}  {}", prefix(), bar_text(fraction, 12), 100 * fraction, eta, text));
   } else if (clock_.seconds() - last_line_s_ >= kLinePeriod) {
     last_line_s_ = clock_.seconds();
-    fmt::print("{} {:3.0f} %{}  {}\n", prefix(), 100 * fraction, eta, text);
+    fmt::print("{}\n", cut_to_columns(fmt::format("{} {:3.0f} %{}  {}", prefix(), 100 * fraction, eta, text), kColumns));
     std::fflush(stdout);
   }
 }
@@ -154,6 +179,10 @@ void Report::stage_ends(const Manifest& manifest, StepState how) {
   r.metrics = manifest.metrics;
   r.warnings.clear();
   for (const ManifestWarning& w : manifest.warnings) r.warnings.push_back(w.text);
+  for (const auto& [term, value] : manifest.terms) {
+    if (term.starts_with("input.")) r.inputs[term.substr(6)] = value;
+    if (term.starts_with("tool.")) r.tools[term.substr(5)] = value;
+  }
   const std::string time = computed ? duration_text(r.seconds) : "";
   // A summary that is too long for the line goes on below it.
   const size_t width = kColumns - (prefix().size() + 1 + 12 + 8);
@@ -174,10 +203,17 @@ void Report::finish(const Settings& settings, int exit_code) {
   record("run_end", {{"ok", exit_code == 0}, {"exit", exit_code}, {"seconds", clock_.seconds()}});
   char host[128] = "";
   gethostname(host, sizeof host - 1);
-  json run = {{"format", kRunFormat},     {"vitrine", VITRINE_VERSION},
-              {"command", desc_.command}, {"started", started_},
-              {"finished", utc_now()},    {"seconds", clock_.seconds()},
-              {"exit", exit_code},        {"machine", {{"host", host}, {"threads", hardware_threads()}}}};
+  json run = {{"format", kRunFormat},
+              {"vitrine", VITRINE_VERSION},
+              {"command", desc_.command},
+              {"started", started_},
+              {"finished", utc_now()},
+              {"seconds", clock_.seconds()},
+              {"exit", exit_code},
+              {"machine", {{"host", host}, {"threads", hardware_threads()}, {"memory_bytes", machine_memory_bytes()}}}};
+  size_t peak = 0;
+  for (const StageRecord& s : stages_) peak = std::max(peak, s.peak_rss_bytes);
+  run["peak_rss_bytes"] = peak;
   run["stages"] = json::array();
   for (const StageRecord& s : stages_) {
     json one = {{"name", s.name},
@@ -186,6 +222,8 @@ void Report::finish(const Settings& settings, int exit_code) {
                 {"why", s.why},
                 {"key", s.key},
                 {"content_digest", s.content_digest},
+                {"inputs", s.inputs},
+                {"tools", s.tools},
                 {"summary", s.summary},
                 {"seconds", s.seconds},
                 {"cpu_seconds", s.cpu_seconds},

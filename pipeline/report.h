@@ -26,6 +26,7 @@ struct StageRecord {
   double seconds = 0, cpu_seconds = 0;
   size_t peak_rss_bytes = 0;
   std::map<std::string, double> metrics;
+  std::map<std::string, std::string> inputs, tools;  // content digests; versions of external programs
   std::vector<std::string> warnings;
 };
 
@@ -48,6 +49,8 @@ class Report {
   void finish(const Settings& settings, int exit_code);
 
  private:
+  void log(std::string_view text);            // log.txt alone
+  void console(std::string_view text) const;  // people alone
   void progress(const nlohmann::json& event);
   std::string prefix() const;
   ReportDesc desc_;

@@ -38,7 +38,8 @@ void Reporter::write_events_to(const std::filesystem::path& file) {
   make_folders(file.parent_path());
   events_.open(file, std::ios::app);
   if (!events_)
-    throw Error(ErrorKind::Resource, "cannot write the events file", {.where = file.string(), .code = "NOT_WRITABLE"});
+    throw Error(ErrorKind::Resource, "cannot write the events file",
+                {.where = file.string(), .hint = "choose a folder you can write to", .code = "NOT_WRITABLE"});
 }
 
 void Reporter::record(std::string_view type, json fields) {

@@ -1,11 +1,7 @@
 // What a running stage tells the world: lines or a progress bar for people (stderr), and records for programs: one JSON object
 // per line in --events FILE, or on stdout with --log-format json, which is how the pipeline listens.
 //
-// Every record has "v" (version of this list), "type", "time", "stage". Types:
-//   stage_start {key}   progress {fraction, text, eta_s?, values}   warning {code, text}   metric {name, value}
-//   timing {name, seconds}   summary {text}   artifact {path, content_digest}
-//   error {kind, exit, code, message, where, why, hint}
-//   stage_end {ok, cached, key, seconds, cpu_seconds, peak_rss_bytes, summary, metrics}
+// Every record has "v", "type", "time", "stage"; configs/events.schema.json has the types and their fields.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +11,12 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/events.h"
 #include "core/base/json.h"
 #include "core/base/timer.h"
 #include "stages/stage.h"
 
 namespace vitrine {
-
-inline constexpr int kEventsVersion = 1;
 
 class Reporter {
  public:

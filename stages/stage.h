@@ -59,6 +59,8 @@ class StageContext {
   virtual void metric(std::string_view name, double value) = 0;
   virtual void warning(std::string_view code, std::string_view text) = 0;  // shown, logged, kept in the manifest
   virtual void summary(std::string_view text) = 0;                         // what the pipeline prints behind the stage's name
+  // The work up to `fraction` is in scratch() and survives: told in events.jsonl.
+  virtual void checkpoint([[maybe_unused]] double fraction) {}
   // A figure of the machine or the clock: logged and in events.jsonl, never in the artifact (artifacts are reproducible).
   virtual void timing(std::string_view name, double seconds) = 0;
 };

@@ -15,10 +15,12 @@
 #include "core/artifact/store.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/machine.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/text.h"
+#include "stages/memory_watch.h"
 #include "stages/reporter.h"
 #include "stages/stage.h"
 #include "stages/stage_cli.h"
@@ -29,8 +31,6 @@ namespace vitrine {
 using json = nlohmann::ordered_json;
 
 namespace {
-
-size_t machine_memory() { return static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<size_t>(sysconf(_SC_PAGE_SIZE)); }
 
 KeyTerms key_terms(const Stage& stage, const std::map<std::string, ResolvedInput>& inputs) {
   KeyTerms terms = {{"stage", stage.info.name}, {"version", std::to_string(stage.info.version)}};
@@ -84,7 +84,7 @@ class Run : public StageContext {
                   {.where = "options of stage '" + stage_.info.name + "'",
                    .hint = fmt::format("vitrine-{} --help", stage_.info.name),
                    .code = "BAD_CONFIG"});
-    if (!arguments_.max_memory.empty()) max_memory_ = parse_bytes(arguments_.max_memory, machine_memory(), "--max-memory");
+    if (!arguments_.max_memory.empty()) max_memory_ = parse_bytes(arguments_.max_memory, machine_memory_bytes(), "--max-memory");
     set_thread_limit(arguments_.threads);
     if (arguments_.output.empty() && arguments_.store.empty())
       throw Error(ErrorKind::Usage, "no place for the result", {.hint = "--output DIR", .code = "USAGE"});
@@ -111,7 +111,7 @@ class Run : public StageContext {
     const auto found = optional_input(name);
     if (!found)
       throw Error(ErrorKind::Usage, fmt::format("stage '{}' needs the input '{}'", stage_.info.name, name),
-                  {.code = "MISSING_INPUT"});
+                  {.hint = fmt::format("--input {}=PATH", name), .code = "MISSING_INPUT"});
     return *found;
   }
   std::optional<fs::path> optional_input(std::string_view name) const override {
@@ -132,6 +132,7 @@ class Run : public StageContext {
     reporter_.record("warning", {{"code", code}, {"text", text}});
     if (!reporter_.json_console) log_warning("warning: {}", text);
   }
+  void checkpoint(double fraction) override { reporter_.record("checkpoint", {{"fraction", fraction}}); }
   void summary(std::string_view text) override { manifest_.summary = std::string(text); }
   void timing(std::string_view name, double seconds) override {
     timings_[std::string(name)] = seconds;
@@ -161,7 +162,10 @@ class Run : public StageContext {
     output_ = pending.path();
     reporter_.record("stage_start", {{"key", manifest_.key}});
     const std::string started = utc_time_text();
-    stage_.run(*this);
+    {
+      const MemoryWatch watch(max_memory_, stage_.info.name);
+      stage_.run(*this);
+    }
     reporter_.finish_progress();
     const json timing = {{"started", started},       {"seconds", clock_.seconds()}, {"cpu_seconds", cpu()},
                          {"peak_rss_bytes", peak()}, {"threads", thread_limit()},   {"parts", timings_}};
@@ -247,10 +251,10 @@ int stage_main(Stage stage, int argc, char** argv) {
   } catch (const Error& e) {
     return failed(reporter, e);
   } catch (const std::bad_alloc&) {
-    return failed(reporter, Error(ErrorKind::Resource, fmt::format("out of memory in stage '{}'", stage.info.name),
-                                  {.why = "the system gave no more memory",
-                                   .hint = "a smaller preset, or fewer and smaller photos (ingest.max_side)",
-                                   .code = "OUT_OF_MEMORY"}));
+    return failed(
+        reporter,
+        Error(ErrorKind::Resource, fmt::format("out of memory in stage '{}'", stage.info.name),
+              {.why = "the system gave no more memory", .hint = less_memory_hint(stage.info.name), .code = "OUT_OF_MEMORY"}));
   } catch (const std::exception& e) {
     return failed(reporter, Error(ErrorKind::Internal, fmt::format("internal error in stage '{}': {}", stage.info.name, e.what()),
                                   {.hint = "this is a bug in vitrine: please report it with run.json", .code = "INTERNAL"}));

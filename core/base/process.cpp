@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 
 #include "core/base/error.h"
 #include "core/base/timer.h"
@@ -23,6 +24,8 @@ namespace vitrine {
 namespace {
 
 std::atomic<int> pending_signal{0};
+std::mutex stop_mutex;
+std::optional<Error> stop_reason;
 
 void on_signal(int signal) {
   if (signal == SIGINT && pending_signal.load() == SIGINT) _exit(130);
@@ -66,7 +69,8 @@ ProcessResult run_process(const ProcessDesc& desc) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (!desc.inherit_output) {
-    if (pipe2(pipe_fds, O_CLOEXEC) != 0) throw Error(ErrorKind::Resource, "cannot create a pipe", {.why = std::strerror(errno)});
+    if (pipe2(pipe_fds, O_CLOEXEC) != 0) throw Error(ErrorKind::Resource, "cannot create a pipe",
+                                                    {.why = std::strerror(errno), .hint = "raise `ulimit -n`", .code = "NO_PIPE"});
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, pipe_fds[1], 1);
     posix_spawn_file_actions_adddup2(&actions, pipe_fds[1], 2);
@@ -184,11 +188,22 @@ void install_interrupt_handlers() {
 
 int interrupt_signal() { return pending_signal.load(); }
 
+void request_stop(const Error& reason) {
+  std::lock_guard lock(stop_mutex);
+  if (stop_reason || interrupt_signal() != 0) return;
+  stop_reason = reason;
+  pending_signal.store(SIGTERM);  // children are asked to stop with it
+}
+
 void throw_if_interrupted() {
   const int signal = interrupt_signal();
   if (signal == 0) return;
-  if (signal == SIGINT) throw Error(ErrorKind::Interrupted, "interrupted", {.hint = "run the same command again to continue"});
-  throw Error(ErrorKind::Preempted, "asked to stop by a signal", {.hint = "run the same command again to continue"});
+  {
+    std::lock_guard lock(stop_mutex);
+    if (stop_reason) throw *stop_reason;
+  }
+  if (signal == SIGINT) throw Error(ErrorKind::Interrupted, "interrupted", {.hint = "run the same command again to continue", .code = "INTERRUPTED"});
+  throw Error(ErrorKind::Preempted, "asked to stop by a signal", {.hint = "run the same command again to continue", .code = "PREEMPTED"});
 }
 
 }  // namespace vitrine

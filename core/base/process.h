@@ -14,6 +14,8 @@
 
 namespace vitrine {
 
+class Error;
+
 struct ProcessDesc {
   std::vector<std::string> arguments;                     // [0] = program, looked up in PATH
   std::vector<std::pair<std::string, std::string>> environment = {};  // added to ours
@@ -43,7 +45,11 @@ std::string join_command(const std::vector<std::string>& arguments);  // quoted 
 void install_interrupt_handlers();
 // 0, or the signal that asked us to stop.
 int interrupt_signal();
-// Throws Error{Interrupted} (SIGINT), {Preempted} (SIGTERM, SIGUSR1) when asked to stop. Call between steps of long work.
+// Asks this process to stop for a reason of its own, as a signal would: work ends at its next step, with its checkpoint, and
+// throw_if_interrupted() throws `reason`. The first reason counts.
+void request_stop(const Error& reason);
+// Throws Error{Interrupted} (SIGINT), {Preempted} (SIGTERM, SIGUSR1) or the reason of request_stop when asked to stop. Call
+// between steps of long work.
 void throw_if_interrupted();
 
 }  // namespace vitrine

@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/base/log.h"
+#include "core/base/process.h"
 #include "core/base/timer.h"
 #include "core/camera/view_set.h"
 #include "core/mesh/clean_openmesh.h"
@@ -99,6 +100,7 @@ class RenderedDepth {
 TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& context, Json& report) {
   const MeshCleanConfig& clean = config.clean;
   const auto step = [&](double fraction, std::string text) {
+    throw_if_interrupted();
     context.progress({.fraction = fraction, .text = std::move(text), .values = {}});
   };
   step(0.62, "components");
@@ -159,6 +161,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
     const TsdfVolume volume = fuse_views(
         views.size(), [&](size_t i, double voxel) { return rendered(i, voxel); }, fusion_desc,
         [&](double f) {
+          throw_if_interrupted();
           context.progress({.fraction = 0.55 * f, .text = f < 0.5 ? "finding the surface" : "fusing depth", .values = {}});
         },
         fusion);

@@ -88,17 +88,21 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
   const uint32_t shown = capture.heldout.empty() ? capture.train.front() : capture.heldout[capture.heldout.size() / 2];
   const uint64_t first_step = trainer.step_index();
   const Timer timer;
+  const auto keep = [&] {
+    write_checkpoint(checkpoint, trainer);
+    context.checkpoint(double(trainer.step_index()) / config.iterations);
+  };
   const auto due = [&](int period) { return period > 0 && trainer.step_index() % static_cast<uint64_t>(period) == 0; };
   while (!trainer.finished()) {
     if (interrupt_signal() != 0) {
-      write_checkpoint(checkpoint, trainer);
+      keep();
       log_info("checkpoint saved (step {})", trainer.step_index());
       throw_if_interrupted();
     }
     trainer.step();
     if (trainer.finished() || due(config.preview_every))
       write_preview(previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture, shown);
-    if (trainer.finished() || due(config.checkpoint_every)) write_checkpoint(checkpoint, trainer);
+    if (trainer.finished() || due(config.checkpoint_every)) keep();
     report_progress(trainer, config.iterations, context);
   }
   if (trainer.step_index() > first_step)

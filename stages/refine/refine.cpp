@@ -174,16 +174,21 @@ class Refiner {
       context_.warning("CHECKPOINT_IGNORED", error.what());
       run = std::make_unique<FineTune>(config, capture_, targets_, start);
     }
+    const auto fraction = [&] { return 0.1 + 0.85 * double(run->step_index()) / config.iterations; };
+    const auto keep = [&] {
+      write_checkpoint(checkpoint, *run);
+      context_.checkpoint(fraction());
+    };
     while (!run->finished()) {
       if (interrupt_signal() != 0) {
-        write_checkpoint(checkpoint, *run);
+        keep();
         throw_if_interrupted();
       }
       run->step();
-      if (config.checkpoint_every > 0 && run->step_index() % static_cast<uint64_t>(config.checkpoint_every) == 0)
-        write_checkpoint(checkpoint, *run);
-      step(0.1 + 0.85 * double(run->step_index()) / config.iterations,
-           fmt::format("step {}/{}", run->step_index(), config.iterations));
+      if (config.checkpoint_every > 0 && run->step_index() % static_cast<uint64_t>(config.checkpoint_every) == 0) keep();
+      // Not through step(): that would stop here without the checkpoint.
+      context_.progress(
+          {.fraction = fraction(), .text = fmt::format("step {}/{}", run->step_index(), config.iterations), .values = {}});
     }
     return {.name = "fine_tuned",
             .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),

@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/base/log.h"
+#include "core/base/process.h"
 #include "core/base/timer.h"
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
@@ -93,6 +94,7 @@ class Decomposition {
 
  private:
   void step(double fraction, std::string text) {
+    throw_if_interrupted();
     context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
   }
 

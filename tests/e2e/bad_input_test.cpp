@@ -25,10 +25,10 @@ TEST_F(TinyRoom, DamagedPhotosAreLeftOutByName) {
   write_file(photos() / "img_0005.png", std::string(5000, 'x'));
   const Outcome o = room(true_poses(), {"--to", "sfm"});
   EXPECT_EQ(o.exit, 0) << o.text;
-  EXPECT_TRUE(o.has("3 photos are left out")) << o.text;
-  EXPECT_TRUE(o.has("img_0001.png: the file is empty"));
-  EXPECT_TRUE(o.has("img_0003.png: the PNG has no end chunk: the file is truncated"));
-  EXPECT_TRUE(o.has("img_0005.png: its content is neither JPEG, PNG, TIFF nor EXR"));
+  EXPECT_TRUE(o.said("3 photos are left out")) << o.text;
+  EXPECT_TRUE(o.said("img_0001.png: the file is empty"));
+  EXPECT_TRUE(o.said("img_0003.png: the PNG has no end chunk: the file is truncated"));
+  EXPECT_TRUE(o.said("img_0005.png: its content is neither JPEG, PNG, TIFF nor EXR"));
   EXPECT_TRUE(o.has("registered 9/9"));
 }
 
@@ -101,8 +101,8 @@ TEST_F(TinyRoom, FlippedBytesInTheStoreAreFoundAndComputedAgain) {
   damage(out() / "linear/img_0004.exr");
   const Outcome again = room(true_poses(), kShort);
   EXPECT_EQ(again.exit, 0);
-  EXPECT_TRUE(again.has("the stored result of 'sfm' is damaged (linear/img_0004.exr has other contents")) << again.text;
-  EXPECT_TRUE(again.has("the stored result of 'optimize' is damaged (gaussians/diffuse.ply has other contents"));
+  EXPECT_TRUE(again.said("the stored result of 'sfm' is damaged (linear/img_0004.exr has other contents")) << again.text;
+  EXPECT_TRUE(again.said("the stored result of 'optimize' is damaged (gaussians/diffuse.ply has other contents"));
   EXPECT_EQ(states().at("mesh"), "cached");
   EXPECT_EQ(digests(), before);
 }

@@ -108,7 +108,7 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   EXPECT_EQ(wait_for(child), 128 + SIGKILL);
   const Outcome rest = room(poses, {"-j", "2"});
   EXPECT_EQ(rest.exit, 0) << rest.text;
-  EXPECT_TRUE(rest.has("continues at step")) << rest.text;
+  EXPECT_TRUE(rest.said("continues at step")) << rest.text;
   EXPECT_EQ(states().at("sfm"), "cached");
   EXPECT_EQ(digests(), whole);
 }
@@ -116,8 +116,8 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
 TEST_F(TinyRoom, PosesAloneAreEnough) {
   const Outcome o = room(true_poses(), {"--set", "optimize.iterations=60"});
   ASSERT_EQ(o.exit, 0) << o.text;
-  EXPECT_TRUE(o.has("no sparse point tells a depth")) << o.text;
-  EXPECT_TRUE(o.has("the region is the cube between the cameras")) << o.text;
+  EXPECT_TRUE(o.said("no sparse point tells a depth")) << o.text;
+  EXPECT_TRUE(o.said("the region is the cube between the cameras")) << o.text;
   const auto metrics = json("eval/metrics.json");
   EXPECT_GT(metrics.at("train").at("psnr"), 18.0) << metrics;  // measured: 19.5 dB after 60 steps
   EXPECT_LT(metrics.at("truth").at("pose").at("rotation_max_deg"), 1e-6);

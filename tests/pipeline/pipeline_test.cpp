@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "core/base/events.h"
 #include "core/base/timer.h"
 #include "pipeline/grey_card.h"
 #include "pipeline/printed_key.h"
@@ -290,7 +291,7 @@ TEST_F(Sandbox, JsonRecordsTellTheWholeRun) {
   std::map<std::string, int> seen;
   for (std::string line; std::getline(lines, line);) {
     const auto e = nlohmann::json::parse(line);
-    EXPECT_EQ(e.at("v"), 1);
+    EXPECT_EQ(e.at("v"), kEventsVersion);
     ++seen[e.at("type")];
   }
   EXPECT_EQ(seen["run_start"], 1);

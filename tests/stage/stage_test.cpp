@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/artifact/store.h"
+#include "core/base/events.h"
 #include "core/base/json.h"
 #include "core/base/process.h"
 
@@ -142,7 +143,7 @@ TEST_F(StageMain, EventsTellTheWholeRun) {
   std::vector<std::string> types;
   for (std::string line; std::getline(lines, line);) {
     const json e = json::parse(line);
-    EXPECT_EQ(e.at("v"), 1);
+    EXPECT_EQ(e.at("v"), kEventsVersion);
     EXPECT_EQ(e.at("stage"), "collect");
     types.push_back(e.at("type"));
     if (types.back() == "stage_end") {

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ struct Outcome {
   int exit = -1;
   std::string text;  // stdout and stderr, in order of arrival
   bool has(const std::string& part) const { return text.find(part) != std::string::npos; }
+  // The same wherever the console has broken its lines.
+  bool said(const std::string& part) const { return on_one_line(text).find(on_one_line(part)) != std::string::npos; }
+  static std::string on_one_line(const std::string& lines) {
+    std::istringstream in(lines);
+    std::string all;
+    for (std::string word; in >> word;) all += (all.empty() ? "" : " ") + word;
+    return all;
+  }
 };
 
 class VitrineProcess : public testing::Test {

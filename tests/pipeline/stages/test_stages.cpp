@@ -17,6 +17,8 @@ namespace vitrine::test_stages {
 void describe(Describer& d, CollectConfig& c) {
   d.option("repeat", c.repeat, "How often the list is written.").range(1, 100000);
   d.option("step_ms", c.step_ms, "Pause after each repetition.").range(0, 10000).affects_output(false);
+  d.option("memory_mb", c.memory_mb, "Memory held from the middle on.").range(0, 4096).affects_output(false);
+  d.option("warn", c.warn, "Whether it warns, at length.").affects_output(false);
   d.option("fail", c.fail, "How to fail half way.")
       .choices({"no", "input", "memory", "exception", "check", "crash"})
       .affects_output(false);
@@ -62,15 +64,20 @@ void run_collect(const CollectConfig& c, StageContext& context) {
     log_info("continuing at step {}", step);
   }
   if (const auto notes = context.optional_input("notes"); notes && step == 0) text += read_file(*notes);
+  if (c.warn)
+    context.warning("LONG", "what the stage has to say is long enough to need a second line on a console of eighty columns");
+  std::vector<char> held;
   for (; step < c.repeat; ++step) {
     for (const std::string& name : names) text += fmt::format("{} {}\n", name, fs::file_size(photos / name));
     if (step == c.repeat / 2) fail_as_told(c.fail);
+    if (step == c.repeat / 2) held.assign(size_t(c.memory_mb) << 20, 'x');
     context.progress({.fraction = double(step + 1) / c.repeat,
                       .text = fmt::format("step {}/{}", step + 1, c.repeat),
                       .values = {{"step", step}}});
     if (c.step_ms > 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(c.step_ms));
       write_file(checkpoint, fmt::format("{}\n{}", step + 1, text));
+      context.checkpoint(double(step + 1) / c.repeat);
     }
     throw_if_interrupted();
   }
