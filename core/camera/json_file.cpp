@@ -1,18 +1,13 @@
 #include "core/camera/json_file.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/inside.h"
 
 namespace vitrine {
-
-bool stays_below(const fs::path& name) {
-  return !name.empty() && !name.is_absolute() && name.native().find('\0') == std::string::npos &&
-         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-}
 
 fs::path path_inside(const fs::path& folder, const fs::path& name) {
   if (!stays_below(name)) throw std::invalid_argument("'" + name.string() + "' is not a path inside the folder of this file");

@@ -20,7 +20,6 @@ void write_json_file(const std::filesystem::path& path, const nlohmann::json& do
 // `name`, given in a file of `folder`, as a path that stays in that folder: relative, without "..", and not through a link that
 // leads out. Throws std::invalid_argument, for use inside read_json_file.
 std::filesystem::path path_inside(const std::filesystem::path& folder, const std::filesystem::path& name);
-bool stays_below(const std::filesystem::path& name);  // relative and without "..", whatever exists
 [[noreturn]] void throw_bad_json(const std::filesystem::path& path, const char* format, std::string why);
 
 nlohmann::json json_of(const Vec3d& v);

@@ -1,6 +1,7 @@
 #include "core/camera/photo_list.h"
 
 #include "core/base/file.h"
+#include "core/base/inside.h"
 #include "core/camera/json_file.h"
 
 namespace vitrine {

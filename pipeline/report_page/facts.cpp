@@ -131,11 +131,4 @@ std::optional<double> number_of(const std::string& text) {
   return value;
 }
 
-bool stays_inside(const fs::path& name) {
-  if (name.empty() || name.is_absolute()) return false;
-  for (const fs::path& part : name)
-    if (part == "..") return false;
-  return true;
-}
-
 }  // namespace vitrine

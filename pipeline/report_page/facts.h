@@ -41,7 +41,5 @@ std::string text_of_file(const fs::path& path);
 // A comma-separated file with a first line of names, one map per row. Quotes as in RFC 4180.
 std::vector<std::map<std::string, std::string>> rows_of_csv(const std::string& text);
 std::optional<double> number_of(const std::string& text);
-// Whether a name found in the folder stays in the folder: relative and without "..".
-bool stays_inside(const fs::path& name);
 
 }  // namespace vitrine

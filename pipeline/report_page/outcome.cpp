@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/artifact/current.h"
+#include "core/base/inside.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {
@@ -63,7 +64,7 @@ void read_events(const std::vector<Facts>& events, RunOutcome& o, std::map<std::
 void add_stored_costs(const fs::path& project, const std::map<std::string, std::string>& current, RunOutcome& o) {
   for (StageOutcome& s : o.stages) {
     const auto key = current.find(s.name);
-    if (s.state == "ran" || s.state == "failed" || s.state == "running" || key == current.end() || !stays_inside(key->second))
+    if (s.state == "ran" || s.state == "failed" || s.state == "running" || key == current.end() || !stays_below(key->second))
       continue;
     const Facts timing = Facts::of_file(store_of(project) / s.name / key->second / "timing.json");
     s.seconds = timing.amount("seconds");
@@ -124,7 +125,7 @@ RunOutcome read_outcome(const fs::path& project) {
   if (!o.has("sfm")) {
     const auto key = keys.find("sfm");
     const fs::path attempt =
-        key != keys.end() && stays_inside(key->second) ? store_of(project) / "sfm" / (key->second + ".scratch/report.json") : "";
+        key != keys.end() && stays_below(key->second) ? store_of(project) / "sfm" / (key->second + ".scratch/report.json") : "";
     std::error_code ec;
     if (!attempt.empty() && fs::exists(attempt, ec)) o.sfm_report = attempt;
   }

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/inside.h"
 #include "core/camera/image_point.h"
 #include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/math/median.h"
-#include "pipeline/report_page/facts.h"
 
 namespace vitrine {
 
@@ -108,7 +108,7 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
   for (size_t i = 0; i < count; ++i) {
     const size_t index = i * n / count;
     const std::string stem = views.views[index].stem();
-    if (!stays_inside(stem)) continue;
+    if (!stays_below(stem)) continue;
     const SampledMasks masks{.transparent = grey(view_mask_path(project, MaskClass::Transparent, views.views[index])),
                              .specular = grey(view_mask_path(project, MaskClass::Specular, views.views[index])),
                              .confidence = grey(project / "normals" / (stem + "_confidence.png"))};

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/base/inside.h"
 #include "core/mesh/mesh_io.h"
-#include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/pictures.h"
 #include "pipeline/report_page/sections.h"
@@ -46,7 +46,7 @@ std::vector<T> spread(const std::vector<T>& all, size_t most) {
 std::vector<PhotoScore> heldout_by_psnr(const Material& m) {
   std::vector<PhotoScore> views;
   for (const PhotoScore& v : m.figures.views)
-    if (v.heldout && stays_inside(v.name)) views.push_back(v);
+    if (v.heldout && stays_below(v.name)) views.push_back(v);
   std::stable_sort(views.begin(), views.end(), [](const PhotoScore& a, const PhotoScore& b) { return a.psnr < b.psnr; });
   return views;
 }
@@ -165,7 +165,7 @@ std::string surface_section(const Material& m) {
       const SurfaceView seen = surface_view(mesh, *v, kMiddlePicture);
       std::string cells = captioned(picture_of(seen.clay), "The mesh, in clay, from the camera of " + v->name, "mesh") +
                           captioned(picture_of(seen.normals), "Normals of the mesh from the camera of " + v->name, "normals");
-      if (const auto photo = picture_of_file(eval_file(m, v->stem(), "gt"), kMiddlePicture); photo && stays_inside(v->stem()))
+      if (const auto photo = picture_of_file(eval_file(m, v->stem(), "gt"), kMiddlePicture); photo && stays_below(v->stem()))
         cells = captioned(*photo, "Photo " + v->name, v->name) + cells;
       body += fmt::format("<div class=\"grid three\">{}</div>", cells);
     }

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "core/base/inside.h"
 #include "core/base/terminal.h"
 #include "pipeline/report_page/coverage.h"
-#include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/pictures.h"
 #include "pipeline/report_page/sections.h"
@@ -36,7 +36,7 @@ std::string left_out(const Material& m) {
     if (p.registered) continue;
     const std::string reason = p.reason.empty() ? "no reason was written down" : p.reason;
     const fs::path file = m.project / "ingest/ldr" / (fs::path(p.name).replace_extension().generic_string() + ".png");
-    const auto picture = stays_inside(p.name) && n < kMostLeftOutPictures ? picture_of_file(file, kSmallPicture) : std::nullopt;
+    const auto picture = stays_below(p.name) && n < kMostLeftOutPictures ? picture_of_file(file, kSmallPicture) : std::nullopt;
     ++n;
     if (picture)
       cells += fmt::format(

@@ -1,6 +1,7 @@
 // report.html: what it says of good, weak, failed and damaged folders, and that nothing in a folder gets out of its quotes.
 #include <gtest/gtest.h>
 
+#include "core/base/inside.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/thresholds.h"
@@ -59,8 +60,9 @@ TEST(Facts, CsvWithQuotesAndNamesThatLeaveTheFolder) {
   EXPECT_EQ(rows[0].at("name"), "a,\"b\".jpg");
   EXPECT_EQ(number_of(rows[0].at("psnr")), 21.5);
   EXPECT_EQ(number_of(rows[1].at("psnr")), std::nullopt);
-  EXPECT_TRUE(stays_inside("left/a.jpg"));
-  for (const char* name : {"", "/etc/passwd", "../a.jpg", "left/../../a.jpg"}) EXPECT_FALSE(stays_inside(name)) << name;
+  EXPECT_TRUE(stays_below("left/a.jpg"));
+  for (const char* name : {"", "/etc/passwd", "../a.jpg", "left/../../a.jpg"}) EXPECT_FALSE(stays_below(name)) << name;
+  EXPECT_FALSE(stays_below(std::string("a\0.jpg", 6))) << "which the system would open as a";
 }
 
 TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
@@ -126,7 +128,7 @@ TEST(Verdict, AdviceBecomesACommandThatAShellTakes) {
                                                      "\"hint\":\"1. {}\"}}\n{{\"type\":\"run_end\",\"exit\":4}}\n",
                                                      line)});
     ASSERT_EQ(v.next.size(), 1u) << line;
-    EXPECT_EQ(v.next[0].command, *options == 0 ? "" : std::string("vitrine run out") + options) << line;
+    EXPECT_EQ(v.next[0].command, *options == 0 ? std::string() : fmt::format("vitrine run out{}", options)) << line;
   }
 }
 
