@@ -53,6 +53,7 @@ class Planner {
   std::vector<Step> all();
   // `--input NAME=PATH` words; nullopt while an input is not there yet.
   std::optional<std::vector<std::string>> inputs(const StageNode& node, const std::vector<Step>& before) const;
+  bool chosen(const StageNode& node) const { return chosen_.contains(node.name); }
   bool forced(const StageNode& node) const { return selection_.force && chosen_.contains(node.name); }
 
  private:

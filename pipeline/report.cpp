@@ -83,6 +83,11 @@ void Report::line(std::string_view text) {
   console(text);
 }
 
+void Report::note(std::string_view text) {
+  log(text);
+  console(stage_note(text));
+}
+
 void Report::console(std::string_view text) const {
   if (desc_.json || desc_.quiet) return;
   clear_status_line();
@@ -125,8 +130,7 @@ void Report::stage_begins(size_t number, size_t count, const Step& step) {
 void Report::stage_line(std::string_view text) {
   const nlohmann::json event = text.starts_with("{\"v\"") ? nlohmann::json::parse(text, nullptr, false) : nlohmann::json();
   if (!event.is_object() || !event.contains("type")) {
-    log(text);
-    console(stage_note(text));
+    note(text);
     return;
   }
   if (events_.is_open()) events_ << text << '\n' << std::flush;

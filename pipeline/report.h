@@ -37,6 +37,7 @@ class Report {
   void open();
 
   void line(std::string_view text);  // a line for people
+  void note(std::string_view text);  // the same between two stages: indented, broken at words
   void record(std::string_view type, nlohmann::ordered_json fields);
   void stage_begins(size_t number, size_t count, const Step& step);
   // A line that the running stage printed: a record is shown as a bar, a line or a note; everything else goes through as it is.

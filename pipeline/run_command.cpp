@@ -5,12 +5,15 @@
 #include "core/artifact/current.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/machine.h"
+#include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/grey_card.h"
 #include "pipeline/html_report.h"
+#include "pipeline/preflight.h"
 #include "pipeline/project.h"
 #include "pipeline/runner.h"
 
@@ -23,7 +26,7 @@ struct RunArguments {
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0;
-  bool dry_run = false, no_progress = false, quiet = false, verbose = false, help = false;
+  bool dry_run = false, no_preflight = false, no_progress = false, quiet = false, verbose = false, help = false;
 };
 
 CommandLine run_command_line(RunArguments& a) {
@@ -58,6 +61,7 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Results do not depend on it.");
   cli.value("max-memory", 0, "SIZE", a.max_memory, "Memory to stay below: 4GiB, 80%.");
   cli.value("max-gaussians", 0, "N", a.max_gaussians, 1, "Most Gaussians (the option max_gaussians of the stage that has it).");
+  cli.flag("no-preflight", 0, a.no_preflight, "Begin although the disk looks too small.");
   cli.section("reports");
   cli.value("log-format", 0, "text|json", a.log_format, "json: one record per line on stdout.");
   cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
@@ -141,6 +145,38 @@ void write_page(Report& report, const fs::path& project, bool only_if_changed) {
                       : fmt::format("report: {}", html_report_path(project).string()));
 }
 
+// Told once, before the first stage whose cost can be estimated: ingest must have read the photos.
+class PreflightOnce {
+ public:
+  PreflightOnce(const Planner& planner, const Settings& settings, const fs::path& project, Report& report)
+      : planner_(planner), settings_(settings), project_(project), report_(report) {}
+
+  void operator()(size_t next) {
+    const auto capture = told_ || next == 0 ? std::nullopt : ingested_capture(project_, settings_);
+    if (!capture) return;
+    told_ = true;
+    std::vector<std::string> stages;
+    for (size_t i = next; i < planner_.graph().nodes.size(); ++i)
+      if (planner_.chosen(planner_.graph().nodes[i])) stages.push_back(planner_.graph().nodes[i].name);
+    const int threads = std::stoi(settings_.text("limits.threads"));
+    const std::string limit = settings_.text("limits.memory");
+    const Resources there{
+        .memory_bytes = limit.empty() ? available_memory_bytes() : parse_bytes(limit, machine_memory_bytes(), "limits.memory"),
+        .disk_bytes = free_disk_bytes(project_),
+        .memory_is_limit = !limit.empty()};
+    const Preflight p = preflight(stages, settings_, *capture, threads > 0 ? threads : hardware_threads(), there);
+    report_.note(preflight_line(p, there));
+    for (const std::string& note : p.notes) report_.note(note);
+  }
+
+ private:
+  const Planner& planner_;
+  const Settings& settings_;
+  const fs::path& project_;
+  Report& report_;
+  bool told_ = false;
+};
+
 int dry_run(Planner& planner, const fs::path& project) {
   int to_run = 0;
   for (const Step& step : planner.all()) {
@@ -200,12 +236,16 @@ int run_command(const Words& words) {
                        [](const std::string& p) { return p != "input.photos" && !p.starts_with("limits."); }))
     report.line("note: options on the command line hold for this run; to keep them, write them into vitrine.yaml");
   const Timer clock;
+  PreflightOnce preflight_once(planner, settings, target.project, report);
   try {
     const int computed = run_stages(planner, settings, target.project, report,
                                     {.threads = std::stoi(settings.text("limits.threads")),
                                      .memory = settings.text("limits.memory"),
                                      .verbose = a.verbose,
-                                     .quiet = a.quiet});
+                                     .quiet = a.quiet,
+                                     .before_computing = [&](size_t next) {
+                                       if (!a.no_preflight) preflight_once(next);
+                                     }});
     report.line(computed == 0 ? fmt::format("everything up to date in {}", target.project.string())
                               : fmt::format("done in {}: {}", duration_text(clock.seconds()), target.project.string()));
   } catch (const Error& e) {

@@ -52,6 +52,7 @@ int run_stages(Planner& planner, const Settings& settings, const fs::path& proje
     const StepState how = step.state;
     if (to_be_run(how)) {
       try {
+        if (desc.before_computing) desc.before_computing(steps.size());
         run_stage(planner, step, steps, settings, report, project, desc);
       } catch (const Error& e) {
         report.stage_failed(e);

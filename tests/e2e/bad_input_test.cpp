@@ -127,7 +127,13 @@ class SmallDisk : public TinyRoom {
 };
 
 TEST_F(SmallDisk, FullIsToldAndTheNextRunGoesOn) {
-  const Outcome full = room(true_poses(), kShort);
+  const Outcome before = room(true_poses(), kShort);
+  EXPECT_EQ(before.exit, 6) << before.text;
+  EXPECT_TRUE(before.has("error: the disk is too small for the results\n  where  ")) << before.text;
+  EXPECT_EQ(states(), (States{{"ingest", "ran"}, {"sfm", "failed"}}));
+  std::vector<std::string> all_the_same = kShort;
+  all_the_same.push_back("--no-preflight");
+  const Outcome full = room(true_poses(), all_the_same);
   EXPECT_EQ(full.exit, 6) << full.text;
   EXPECT_TRUE(full.has("  FAILED  DISK_FULL")) << full.text;
   EXPECT_TRUE(full.has("  try    free some disk space and run the same command again")) << full.text;

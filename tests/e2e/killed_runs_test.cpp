@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include <chrono>
+#include <set>
 #include <thread>
 
 #include "core/base/rng.h"
@@ -58,6 +59,44 @@ TEST_F(KilledRuns, GoOnToTheSameBytes) {
     if (again.exit == 9) kill(stage, SIGKILL);
   }
   fmt::print("{} of {} kills recovered to equal digests, {} of them met a run that was not yet done\n", recovered, kills, hit);
+}
+
+// One run, killed once in every stage that computes something, and taken up again each time.
+TEST_F(KilledRuns, OnceInEveryStage) {
+  ASSERT_EQ(room(true_poses(), kSmoke).exit, 0);
+  const auto whole = digests();
+  fs::remove_all(out());
+  std::vector<std::string> words = room_words(true_poses(), kSmoke);
+  words.push_back("-q");
+  std::set<std::string> killed;
+  for (const auto& [stage, digest] : whole) {
+    static_cast<void>(digest);
+    const pid_t child = start(words);
+    // Until a stage begins that was not killed yet, or the run is done.
+    const auto new_stage = [&]() -> std::string {
+      std::error_code ec;
+      if (!fs::exists(out() / "events.jsonl", ec)) return {};
+      std::istringstream lines(read_file(out() / "events.jsonl"));
+      for (std::string line; std::getline(lines, line);) {
+        const auto event = nlohmann::json::parse(line, nullptr, false);
+        if (event.is_object() && event.value("type", "") == "stage_start" && !killed.contains(event.value("stage", "")))
+          return event.at("stage");
+      }
+      return {};
+    };
+    int status = 0;
+    std::string begun;
+    while ((begun = new_stage()).empty() && waitpid(child, &status, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (begun.empty()) break;  // done: the stages that are left compute nothing that could be met
+    killed.insert(begun);
+    if (const pid_t worker = stage_of(child); worker > 0) kill(worker, SIGKILL);
+    kill(child, SIGKILL);
+    wait_for(child);
+  }
+  EXPECT_EQ(killed.size(), whole.size());
+  EXPECT_EQ(room(true_poses(), kSmoke).exit, 0);
+  EXPECT_EQ(digests(), whole);
 }
 
 TEST_F(KilledRuns, PhotosThatCannotBeWrittenToAreNotTouched) {

@@ -1,0 +1,89 @@
+#include "pipeline/preflight.h"
+
+#include <algorithm>
+
+#include "core/artifact/current.h"
+#include "core/base/error.h"
+#include "core/base/json.h"
+#include "core/base/terminal.h"
+
+namespace vitrine {
+
+namespace {
+// Estimates may be off by this factor (README.md, "What a run costs").
+constexpr double kUncertain = 1.3;
+// Of texture nothing is known here; inspect finds 0.3 to 0.6 in ordinary photos.
+constexpr double kUsualTexture = 0.4;
+}  // namespace
+
+std::optional<CaptureSize> ingested_capture(const fs::path& project, const Settings& settings) {
+  const auto key = current_key(project, "ingest");
+  if (!key) return std::nullopt;
+  const fs::path file = store_of(project) / "ingest" / *key / "ingest/photos.json";
+  std::error_code ec;
+  if (!fs::exists(file, ec)) return std::nullopt;
+  const auto list = nlohmann::json::parse(read_file(file), nullptr, false);
+  if (!list.is_object() || !list.contains("photos")) return std::nullopt;
+  CaptureSize c{.texture = kUsualTexture};
+  std::vector<std::pair<double, double>> sides;  // shorter, longer
+  for (const auto& photo : list["photos"]) {
+    const double w = photo.value("original_width", 0.0), h = photo.value("original_height", 0.0);
+    if (w < 1 || h < 1) continue;
+    sides.push_back(std::minmax(w, h));
+    c.photographed_mpx += w * h * 1e-6;
+  }
+  if (sides.empty()) return std::nullopt;
+  c.photos = sides.size();
+  std::nth_element(sides.begin(), sides.begin() + long(sides.size() / 2), sides.end());
+  const auto [shorter, longer] = sides[sides.size() / 2];
+  c.longest_px = longer;
+  c.aspect = shorter / longer;
+  const Option* masks = settings.options.table.find("input.masks");
+  c.masks = masks != nullptr && !masks->text().empty() && masks->text() != "none";
+  return c;
+}
+
+Preflight preflight(const std::vector<std::string>& stages, const Settings& settings, const CaptureSize& capture, int threads,
+                    const Resources& there) {
+  Preflight p;
+  for (const std::string& stage : stages) {
+    const auto cost = stage_cost(stage, settings, capture, threads);
+    if (!cost) {
+      p.complete = false;
+      continue;
+    }
+    p.seconds += cost->seconds(threads);
+    p.disk_bytes += cost->disk_bytes;
+    if (cost->memory_bytes > p.memory_bytes) {
+      p.memory_bytes = cost->memory_bytes;
+      p.hungriest = stage;
+    }
+  }
+  if (double(p.disk_bytes) > kUncertain * double(there.disk_bytes))
+    throw Error(ErrorKind::Resource, "the disk is too small for the results",
+                {.where = bytes_text(there.disk_bytes) + " are free",
+                 .why = fmt::format("the stages to come write about {}", bytes_text(p.disk_bytes)),
+                 .hint = "free some space, choose another disk with -o, or --no-preflight to begin all the same",
+                 .code = "DISK_TOO_SMALL"});
+  if (p.disk_bytes > there.disk_bytes)
+    p.notes.push_back(fmt::format("note: the disk may be too small: about {} will be written, {} are free",
+                                  bytes_text(p.disk_bytes), bytes_text(there.disk_bytes)));
+  if (p.memory_bytes > there.memory_bytes)
+    p.notes.push_back(
+        there.memory_is_limit
+            ? fmt::format("note: {} may need about {}, --max-memory allows {}: it takes less where it can, else it "
+                          "stops with exit code 6 and says which option helps",
+                          p.hungriest, bytes_text(p.memory_bytes), bytes_text(there.memory_bytes))
+            : fmt::format("note: {} may need about {} and {} are free: with --max-memory 80% it makes do, or stops in "
+                          "order instead of being killed",
+                          p.hungriest, bytes_text(p.memory_bytes), bytes_text(there.memory_bytes)));
+  return p;
+}
+
+std::string preflight_line(const Preflight& p, const Resources& there) {
+  return fmt::format("to come: about {}, {} of memory ({}), {} of disk ({} free){}", duration_text(p.seconds),
+                     bytes_text(p.memory_bytes), p.hungriest, bytes_text(p.disk_bytes), bytes_text(there.disk_bytes),
+                     p.complete ? "" : "; not every stage has an estimate");
+}
+
+}  // namespace vitrine
