@@ -27,6 +27,7 @@
 #include "stages/relight/pictures.h"
 #include "stages/relight/point_grid.h"
 #include "stages/relight/spread.h"
+#include "stages/relight/wall_tops.h"
 
 namespace vitrine {
 
@@ -39,8 +40,10 @@ constexpr float kMaxAlbedo = 0.98f;
 constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
 constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
 constexpr float kMaxMasked = 0.5f;
-constexpr float kDarkest = 0.004f, kBrightest = 0.95f;  // radiances that a photo of 8 bits can tell
-constexpr double kOuterFactor = 6;
+constexpr float kDarkest = 0.004f, kBrightest = 0.95f;    // radiances that a photo of 8 bits can tell
+constexpr double kOuterFactor = 6, kOuterPoints = 20000;  // walls are as coarse as if there were so many points at most
+constexpr float kTrainedGloss = 0.05f;                    // specular weight from which Fresnel's share is trained in full
+constexpr float kLeastMasked = 0.1f;                      // of a point's pixels
 constexpr size_t kFewestPoints = 64;
 
 double area_of(const TriMesh& mesh) {
@@ -81,6 +84,7 @@ class Decomposition {
     box_.low = box_.low - margin;
     box_.high = box_.high + margin;
     voxel_ = std::sqrt(area / config.points);
+    outer_voxel_ = kOuterFactor * std::sqrt(area / std::min(double(config.points), kOuterPoints));
     edge_ = std::sqrt(2 * area / double(mesh_.faces.size()));
   }
 
@@ -103,7 +107,7 @@ class Decomposition {
     points_ = lit_points(scene_.surfels.diffuse, views_,
                          {.inner = box_,
                           .voxel = voxel_,
-                          .outer_factor = kOuterFactor,
+                          .outer_factor = outer_voxel_ / voxel_,
                           .max_side = config_.max_side,
                           .near_z = scene_.image.diffuse.near_z,
                           .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
@@ -146,7 +150,7 @@ class Decomposition {
                            {.grid = {.bands = size_t(config_.bands)},
                             .reach = float(3 * edge_),
                             .offset = float(0.1 * edge_),
-                            .outer_offset = float(kOuterFactor * voxel_),
+                            .outer_offset = float(outer_voxel_),
                             .seed = uint64_t(config_.seed)},
                            [&](double f) { step(0.2 + 0.4 * f, fmt::format("light that reaches {} points", points_.size())); });
     for (const float share : transport_.inside) usable_.push_back(share < kMaxInside);
@@ -200,6 +204,7 @@ class Decomposition {
                              .smooth = float(config_.solver.smooth),
                              .range_sigma = float(config_.solver.range_sigma),
                              .white = float(config_.white_albedo)});
+    tops_ = continued_walls(around_, transport_.grid, solution_.light, solution_.free);
     context_.timing("light", clock.seconds());
   }
 
@@ -209,7 +214,7 @@ class Decomposition {
     std::vector<Vec3f> irradiance(points_.size());
     for (size_t i = 0; i < points_.size(); ++i) irradiance[i] = transport_.irradiance(i, solution_.light);
     irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_,
-                                    {.inner_radius = float(voxel_), .outer_radius = float(kOuterFactor * voxel_)});
+                                    {.inner_radius = float(voxel_), .outer_radius = float(outer_voxel_)});
     std::vector<Vec3f> eyes;
     for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
     const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
@@ -226,10 +231,30 @@ class Decomposition {
       materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
       if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
-    if (reflects) color_metals();
+    if (reflects) {
+      dull_unmarked();
+      color_metals();
+    }
     if (card_) match_card();
     for (Vec3f& rho : materials_.albedo)
       for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
+  }
+
+  // Where no mask calls for gloss, a small specular weight is what training did not care about, and its f0 was never asked for:
+  // at grazing angles it would be seen under another light.
+  void dull_unmarked() {
+    const bool marked = std::ranges::any_of(points_, [](const LitPoint& p) { return p.masked > kLeastMasked; });
+    if (!marked) return;
+    std::vector<Vec3f> positions;
+    for (const LitPoint& p : points_) positions.push_back(p.position);
+    const PointGrid grid(positions, float(2 * voxel_));
+    std::vector<PointGrid::Near> near;
+    for (size_t i = 0; i < materials_.size(); ++i) {
+      if (materials_.specular_weight[i] >= kTrainedGloss || materials_.transmission[i] > kMaxSpecular) continue;
+      const float* p = layer().at(Attribute::Mean, i);
+      grid.nearest({p[0], p[1], p[2]}, 1, float(2 * outer_voxel_), near);
+      if (near.empty() || points_[near[0].index].masked <= kLeastMasked) materials_.specular_weight[i] = 0;
+    }
   }
 
   void color_metals() {
@@ -287,7 +312,14 @@ class Decomposition {
 
   // The shell with the albedo of the nearest surfels in place of its radiance.
   TriMesh painted_shell() const {
-    TriMesh shell = shell_;
+    TriMesh shell = tops_.around.shell();
+    // Corners of the shell stand in the order of the texels with walls.
+    std::vector<Vec3f> shown;
+    for (size_t t = 0; t < tops_.source.size(); ++t)
+      if (tops_.around.wall[t]) {
+        const size_t from = tops_.source[t];
+        shown.push_back(around_.centre + around_.distance[from] * around_.direction(from));
+      }
     std::vector<Vec3f> positions;
     std::vector<uint32_t> index;
     for (size_t i = 0; i < layer().size(); ++i) {
@@ -296,11 +328,11 @@ class Decomposition {
       positions.push_back({p[0], p[1], p[2]});
       index.push_back(uint32_t(i));
     }
-    const float reach = float(4 * kOuterFactor * voxel_);
+    const float reach = float(4 * outer_voxel_);
     const PointGrid grid(positions, reach / 2);
     std::vector<PointGrid::Near> near;
     for (size_t v = 0; v < shell.positions.size(); ++v) {
-      grid.nearest(shell.positions[v], 6, reach, near);
+      grid.nearest(shown[v], 6, reach, near);
       Vec3f sum{};
       for (const PointGrid::Near& n : near) sum += irradiance_[index[n.index]];
       for (size_t c = 0; c < 3; ++c) {
@@ -336,7 +368,10 @@ class Decomposition {
          {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
         {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
         {"surroundings",
-         {{"share_of_sphere", around_.wall_share()}, {"faces", shell_.faces.size()}, {"sky_distance", sky_distance_}}},
+         {{"share_of_sphere", around_.wall_share()},
+          {"faces", shell_.faces.size()},
+          {"sky_distance", sky_distance_},
+          {"continued_to_sine", tops_.sine}}},
         {"light_known_share", solution_.known_share},
         {"misfit_log_rms", solution_.misfit},
         {"scale",
@@ -374,7 +409,7 @@ class Decomposition {
   TriMesh mesh_;
   Bounds3 box_;
   std::vector<Vec3f> sparse_;
-  double voxel_ = 0, edge_ = 0;
+  double voxel_ = 0, outer_voxel_ = 0, edge_ = 0;
   float sky_distance_ = 0;
   std::vector<LitPoint> points_;
   std::vector<bool> usable_;
@@ -383,6 +418,7 @@ class Decomposition {
   Transport transport_;
   std::vector<uint32_t> chosen_;
   LightSolution solution_;
+  WallTops tops_;
   std::vector<Vec3f> irradiance_;
   RelightMaterials materials_;
   std::vector<Metal> metals_;

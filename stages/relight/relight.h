@@ -24,7 +24,7 @@ struct RelightSolverConfig {
 void describe(Describer& d, RelightSolverConfig& c);
 
 struct RelightConfig {
-  int points = 20000;
+  int points = 60000;
   int bands = 16;
   int max_side = 320;
   int panorama_height = 64;
