@@ -38,6 +38,7 @@ ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "
 if [ "$sanitizers" = 1 ]; then
   build "$VITRINE_ROOT/build-sanitize" -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo
   say "fast tests under AddressSanitizer and UndefinedBehaviorSanitizer"
-  UBSAN_OPTIONS=print_stacktrace=1 \
+  # Eight frames of where memory came from are enough, and cost a tenth less than thirty.
+  ASAN_OPTIONS=malloc_context_size=8 UBSAN_OPTIONS=print_stacktrace=1 \
     ctest --test-dir "$VITRINE_ROOT/build-sanitize" --output-on-failure --no-tests=error -j "$(nproc)" -L fast
 fi

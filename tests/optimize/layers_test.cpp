@@ -79,6 +79,7 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
     if (!report.empty()) write_file(masks / "masks/report.json", report);
     OptimizeConfig config = short_config(8);
     config.layers = layers;
+    config.initial.stereo_side = 24;
     TestContext c = context(name);
     c.masks = masks;
     run_optimize(config, c);
@@ -93,6 +94,7 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
 
 TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
   OptimizeConfig config = short_config(3);
+  config.initial.stereo_side = 24;
   const auto code_of = [&](const fs::path& masks) {
     TestContext c = context("bad");
     c.masks = masks;
