@@ -17,13 +17,13 @@
 
 namespace vitrine {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 namespace {
 
 constexpr int kRunFormat = 1;
 constexpr double kLinePeriod = 10;  // seconds between plain progress lines
-constexpr size_t kColumns = 80;
+constexpr size_t kReportColumns = 80;
 
 std::string coloured(std::string_view text, const char* code) {
   return colour_wanted(1) ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
@@ -47,7 +47,7 @@ std::string padded(std::string_view text, size_t width) {
 std::string stage_note(std::string_view text) {
   constexpr size_t kIndent = 7, kDeeper = 9;
   std::string lines;
-  for (const std::string& part : wrapped(text, kColumns - kDeeper))
+  for (const std::string& part : wrapped(text, kReportColumns - kDeeper))
     lines += fmt::format("{}{:{}}{}", lines.empty() ? "" : "\n", "", lines.empty() ? kIndent : kDeeper, part);
   return lines;
 }
@@ -95,10 +95,10 @@ void Report::console(std::string_view text) const {
   std::fflush(stdout);
 }
 
-void Report::record(std::string_view type, json fields) {
-  json out = {{"v", kEventsVersion}, {"type", type}, {"time", utc_now()}};
+void Report::record(std::string_view type, Json fields) {
+  Json out = {{"v", kEventsVersion}, {"type", type}, {"time", utc_now()}};
   out.update(fields);
-  const std::string text = out.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::string text = out.dump(-1, ' ', false, Json::error_handler_t::replace);
   if (events_.is_open()) events_ << text << '\n' << std::flush;
   if (desc_.json) {
     fmt::print("{}\n", text);
@@ -168,7 +168,7 @@ void Report::progress(const nlohmann::json& event) {
     draw_status_line(fmt::format("{} {} {:3.0f} %{}  {}", prefix(), bar_text(fraction, 12), 100 * fraction, eta, text));
   } else if (clock_.seconds() - last_line_s_ >= kLinePeriod) {
     last_line_s_ = clock_.seconds();
-    fmt::print("{}\n", cut_to_columns(fmt::format("{} {:3.0f} %{}  {}", prefix(), 100 * fraction, eta, text), kColumns));
+    fmt::print("{}\n", cut_to_columns(fmt::format("{} {:3.0f} %{}  {}", prefix(), 100 * fraction, eta, text), kReportColumns));
     std::fflush(stdout);
   }
 }
@@ -189,7 +189,7 @@ void Report::stage_ends(const Manifest& manifest, StepState how) {
   }
   const std::string time = computed ? duration_text(r.seconds) : "";
   // A summary that is too long for the line goes on below it.
-  const size_t width = kColumns - (prefix().size() + 1 + 12 + 8);
+  const size_t width = kReportColumns - (prefix().size() + 1 + 12 + 8);
   const std::vector<std::string> parts = wrapped(manifest.summary, width);
   line(fmt::format("{} {}{:>11}   {}", prefix(), padded(parts.empty() ? "" : parts[0], width), time,
                    computed ? coloured("ok", "32") : std::string(name(how))));
@@ -207,7 +207,7 @@ void Report::finish(const Settings& settings, int exit_code) {
   record("run_end", {{"ok", exit_code == 0}, {"exit", exit_code}, {"seconds", clock_.seconds()}});
   char host[128] = "";
   gethostname(host, sizeof host - 1);
-  json run = {{"format", kRunFormat},
+  Json run = {{"format", kRunFormat},
               {"vitrine", VITRINE_VERSION},
               {"command", desc_.command},
               {"started", started_},
@@ -218,9 +218,9 @@ void Report::finish(const Settings& settings, int exit_code) {
   size_t peak = 0;
   for (const StageRecord& s : stages_) peak = std::max(peak, s.peak_rss_bytes);
   run["peak_rss_bytes"] = peak;
-  run["stages"] = json::array();
+  run["stages"] = Json::array();
   for (const StageRecord& s : stages_) {
-    json one = {{"name", s.name},
+    Json one = {{"name", s.name},
                 {"version", s.version},
                 {"state", s.state},
                 {"why", s.why},
@@ -232,15 +232,15 @@ void Report::finish(const Settings& settings, int exit_code) {
                 {"seconds", s.seconds},
                 {"cpu_seconds", s.cpu_seconds},
                 {"peak_rss_bytes", s.peak_rss_bytes}};
-    one["metrics"] = json::object();
-    for (const auto& [name, value] : s.metrics) one["metrics"][name] = std::isfinite(value) ? json(value) : json(nullptr);
+    one["metrics"] = Json::object();
+    for (const auto& [name, value] : s.metrics) one["metrics"][name] = std::isfinite(value) ? Json(value) : Json(nullptr);
     one["warnings"] = s.warnings;
     run["stages"].push_back(std::move(one));
   }
-  run["options"] = json::object();
+  run["options"] = Json::object();
   for (const Option& o : settings.options.table.options) run["options"][o.path] = {{"value", o.text()}, {"origin", o.origin}};
   run["licence"] = "Apache-2.0; vitrine-mesh (CGAL) and vitrine-sfm (Ceres with SuiteSparse) are GPL-3.0-or-later as a whole";
-  write_file(desc_.project / "run.json", run.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+  write_file(desc_.project / "run.json", run.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   write_file(desc_.project / "config.resolved.yaml",
              "# Every value of the last run and where it came from; can be given back with -c.\n" +
                  yaml_text(settings.options.table, {.origins = true}));

@@ -8,14 +8,14 @@
 
 namespace vitrine {
 
-using json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;
 
 namespace {
 
 constexpr int kManifestFormat = 1;
 
 // JSON has no infinities; a figure that is not finite is kept as null and read back as NaN.
-json number(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 std::string term_in_words(const std::string& name, const std::string* before, const std::string* now) {
   const size_t dot = name.find('.');
@@ -45,29 +45,29 @@ std::string content_digest_of(const std::vector<OutputFile>& outputs) {
 }
 
 std::string to_json(const Manifest& m) {
-  json out = {{"format", kManifestFormat},
+  Json out = {{"format", kManifestFormat},
               {"stage", m.stage},
               {"version", m.version},
               {"tool_version", m.tool_version},
               {"key", m.key},
               {"content_digest", m.content_digest},
               {"summary", m.summary}};
-  out["terms"] = json::object();
+  out["terms"] = Json::object();
   for (const auto& [name, value] : m.terms) out["terms"][name] = value;
-  out["options"] = json::array();
+  out["options"] = Json::array();
   for (const OptionEcho& o : m.options) out["options"].push_back({{"path", o.path}, {"value", o.value}, {"origin", o.origin}});
-  out["metrics"] = json::object();
+  out["metrics"] = Json::object();
   for (const auto& [name, value] : m.metrics) out["metrics"][name] = number(value);
-  out["warnings"] = json::array();
+  out["warnings"] = Json::array();
   for (const ManifestWarning& w : m.warnings) out["warnings"].push_back({{"code", w.code}, {"text", w.text}});
-  out["outputs"] = json::array();
+  out["outputs"] = Json::array();
   for (const OutputFile& f : m.outputs) out["outputs"].push_back({{"path", f.path}, {"bytes", f.bytes}, {"digest", f.digest}});
-  return out.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Manifest manifest_from_json(std::string_view text, const std::string& where) {
   try {
-    const json in = json::parse(text);
+    const Json in = Json::parse(text);
     Manifest m;
     if (const int format = in.at("format"); format != kManifestFormat)
       throw Error(ErrorKind::Input, fmt::format("the manifest has format {}, this program reads {}", format, kManifestFormat),
@@ -81,12 +81,12 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
     m.content_digest = in.at("content_digest");
     m.summary = in.at("summary");
     for (const auto& [name, value] : in.at("terms").items()) m.terms[name] = value;
-    for (const json& o : in.at("options")) m.options.push_back({o.at("path"), o.at("value"), o.at("origin")});
+    for (const Json& o : in.at("options")) m.options.push_back({o.at("path"), o.at("value"), o.at("origin")});
     for (const auto& [name, value] : in.at("metrics").items()) m.metrics[name] = value.is_null() ? NAN : value.get<double>();
-    for (const json& w : in.at("warnings")) m.warnings.push_back({w.at("code"), w.at("text")});
-    for (const json& f : in.at("outputs")) m.outputs.push_back({f.at("path"), f.at("bytes"), f.at("digest")});
+    for (const Json& w : in.at("warnings")) m.warnings.push_back({w.at("code"), w.at("text")});
+    for (const Json& f : in.at("outputs")) m.outputs.push_back({f.at("path"), f.at("bytes"), f.at("digest")});
     return m;
-  } catch (const json::exception& e) {
+  } catch (const Json::exception& e) {
     throw Error(ErrorKind::Input, "a manifest cannot be read",
                 {.where = where,
                  .why = e.what(),

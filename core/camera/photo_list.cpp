@@ -8,7 +8,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr const char* kFormat = "photo list";
+constexpr const char* kPhotoListFormat = "photo list";
 
 template <class T>
 nlohmann::json json_of(const std::optional<T>& v) {
@@ -28,7 +28,7 @@ fs::path with_suffix(const fs::path& folder, const std::string& stem, const char
 std::vector<Photo> read_photo_list(const fs::path& folder) {
   const fs::path path = folder / "ingest" / "photos.json";
   std::vector<Photo> photos;
-  read_json_file(path, kFormat, [&](const nlohmann::json& document) {
+  read_json_file(path, kPhotoListFormat, [&](const nlohmann::json& document) {
     for (const nlohmann::json& j : document.at("photos")) {
       Photo p;
       p.name = j.at("name").get<std::string>();
@@ -45,10 +45,10 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.time = j.at("time").get<std::string>();
       constexpr int kMaxSide = 1 << 20;
       for (int side : {p.width, p.height, p.original_width, p.original_height})
-        if (side <= 0 || side > kMaxSide) throw_bad_json(path, kFormat, "photo '" + p.name + "' has no size");
+        if (side <= 0 || side > kMaxSide) throw_bad_json(path, kPhotoListFormat, "photo '" + p.name + "' has no size");
       // Files of later stages are called so.
       if (!stays_below(p.name) || !stays_below(p.stem))
-        throw_bad_json(path, kFormat, "the name '" + p.name + "' is not a path inside a folder");
+        throw_bad_json(path, kPhotoListFormat, "the name '" + p.name + "' is not a path inside a folder");
       photos.push_back(std::move(p));
     }
   });

@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "transforms.json";
+constexpr const char* kTransformsFormat = "transforms.json";
 const char* const kImageExtensions[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".PNG", ".JPG", ".JPEG"};
 
 // A key of the frame, else of the file.
@@ -209,7 +209,7 @@ json intrinsics_json(const Intrinsics& k) {
 
 ColmapModel read_transforms_model(const fs::path& path) {
   ColmapModel model;
-  read_json_file(path, kFormat, [&](const json& top) { model = model_of(top, path.parent_path()); });
+  read_json_file(path, kTransformsFormat, [&](const json& top) { model = model_of(top, path.parent_path()); });
   check_colmap_model(model, path);
   return model;
 }
@@ -220,7 +220,7 @@ std::vector<View> read_transforms_json(const fs::path& path) {
   for (const ColmapImage& image : model.images) {
     const ColmapCamera& camera = *model.find_camera(image.camera_id);
     if (is_distorted(camera))
-      throw_bad_json(path, kFormat, "'" + image.name + "' has lens distortion, where undistorted views are needed");
+      throw_bad_json(path, kTransformsFormat, "'" + image.name + "' has lens distortion, where undistorted views are needed");
     views.push_back({image.name, pinhole_part(camera), image.cam_from_world(), {1, 1, 1}});
   }
   std::sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.name < b.name; });

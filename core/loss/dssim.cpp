@@ -6,13 +6,6 @@ namespace vitrine {
 
 namespace {
 
-struct StructuralSimilarity {
-  template <class V>
-  static SsimPoint<V> at(const SsimMoments<V>& m) {
-    return ssim_point<V>(m);
-  }
-};
-
 class DssimLoss final : public Loss {
  public:
   std::string_view name() const override { return "dssim"; }

@@ -22,12 +22,6 @@ struct ContrastStructure {
     return contrast_structure_point<V>(m);
   }
 };
-struct StructuralSimilarity {
-  template <class V>
-  static SsimPoint<V> at(const SsimMoments<V>& m) {
-    return ssim_point<V>(m);
-  }
-};
 
 struct Level {
   int width = 0, height = 0;

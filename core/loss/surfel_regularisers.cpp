@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kChunk = 4096;
+constexpr size_t kSurfelChunk = 4096;
 
 // Mean of activation(raw) over an attribute; derivative from the activated value.
 template <class Derivative>
@@ -21,8 +21,8 @@ double mean_of_attribute(const LossInput& input, double scale, LossGradient& gra
   if (raw.empty()) return 0;
   const auto grad = gradient.diffuse->values(attribute);
   const float step = static_cast<float>(scale / double(raw.size()));
-  sums.assign(chunk_count(raw.size(), kChunk), 0.0);
-  parallel_chunks(raw.size(), kChunk, [&](size_t chunk, size_t begin, size_t end) {
+  sums.assign(chunk_count(raw.size(), kSurfelChunk), 0.0);
+  parallel_chunks(raw.size(), kSurfelChunk, [&](size_t chunk, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const float value = activated_value(row(attribute).activation, raw[i]);
       sums[chunk] += value;

@@ -84,6 +84,13 @@ V blurred(const float* row, int x) {
 
 }  // namespace windowed
 
+struct StructuralSimilarity {
+  template <class V>
+  static SsimPoint<V> at(const SsimMoments<V>& m) {
+    return ssim_point<V>(m);
+  }
+};
+
 // `Point` names the similarity: static SsimPoint<V> at<V>(const SsimMoments<V>&).
 template <class Point>
 class WindowedSimilarity {

@@ -6,21 +6,24 @@
 
 namespace vitrine {
 
-template <class T> struct Quat {
+template <class T>
+struct Quat {
   T w{1}, x{}, y{}, z{};
   bool operator==(const Quat&) const = default;
 };
 using Quatf = Quat<float>;
 using Quatd = Quat<double>;
 
-template <class T> Quat<T> normalized(const Quat<T>& q) {
+template <class T>
+Quat<T> normalized(const Quat<T>& q) {
   using std::sqrt;
   const T n = sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return {q.w / n, q.x / n, q.y / n, q.z / n};
 }
 
 // Rotation matrix of a unit quaternion (algorithms: R = [r0 r1 n] of a surfel).
-template <class T> Mat3<T> rotation_matrix(const Quat<T>& q) {
+template <class T>
+Mat3<T> rotation_matrix(const Quat<T>& q) {
   const T w = q.w, x = q.x, y = q.y, z = q.z, one(1), two(2);
   return {{one - two * (y * y + z * z), two * (x * y + w * z), two * (x * z - w * y)},
           {two * (x * y - w * z), one - two * (x * x + z * z), two * (y * z + w * x)},
@@ -28,7 +31,8 @@ template <class T> Mat3<T> rotation_matrix(const Quat<T>& q) {
 }
 
 // Reverse of rotation_matrix(normalized(raw)): gradient of the raw, not necessarily unit, quaternion. G = dL/dR.
-template <class T> Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
+template <class T>
+Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   using std::sqrt;
   const T norm = sqrt(raw.w * raw.w + raw.x * raw.x + raw.y * raw.y + raw.z * raw.z);
   const T w = raw.w / norm, x = raw.x / norm, y = raw.y / norm, z = raw.z / norm, two(2);
@@ -42,7 +46,8 @@ template <class T> Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>
 }
 
 // Unit quaternion of a rotation matrix (Shepperd's method: the largest of the four is computed first).
-template <class T> Quat<T> quaternion(const Mat3<T>& R) {
+template <class T>
+Quat<T> quaternion(const Mat3<T>& R) {
   using std::sqrt;
   const T trace = R(0, 0) + R(1, 1) + R(2, 2);
   Quat<T> q;
@@ -102,6 +107,12 @@ struct Bounds3 {
     }
   }
   bool empty() const { return low.x > high.x; }
+  template <class V>
+  bool contains(const V& p) const {
+    for (size_t i = 0; i < 3; ++i)
+      if (!(p[i] >= low[i] && p[i] <= high[i])) return false;
+    return true;
+  }
   Vec3d centre() const { return 0.5 * (low + high); }
   double diagonal() const { return empty() ? 0 : length(high - low); }
 };

@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSide = TsdfBlock::kSide;
+constexpr int kBlockSide = TsdfBlock::kSide;
 constexpr double kMaxTableSlots = 1 << 27;  // 512 MiB of block numbers
 constexpr int kTile = 16;                   // pixels per side of a depth-range tile
 
@@ -64,11 +64,11 @@ size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants
   const float fx = float(view.intrinsics.fx), fy = float(view.intrinsics.fy);
   const float cx = float(view.intrinsics.cx), cy = float(view.intrinsics.cy);
   size_t updates = 0;
-  for (int vz = 0; vz < kSide; ++vz)
-    for (int vy = 0; vy < kSide; ++vy) {
+  for (int vz = 0; vz < kBlockSide; ++vz)
+    for (int vy = 0; vy < kBlockSide; ++vy) {
       const Vec3f row = corner_in_cam + float(vy) * step.c1 + float(vz) * step.c2;
-      float px[kSide], py[kSide], z[kSide], raylen[kSide];
-      for (int i = 0; i < kSide; ++i) {  // one AVX register wide
+      float px[kBlockSide], py[kBlockSide], z[kBlockSide], raylen[kBlockSide];
+      for (int i = 0; i < kBlockSide; ++i) {  // one AVX register wide
         const float x = row.x + float(i) * step.c0.x, y = row.y + float(i) * step.c0.y;
         z[i] = row.z + float(i) * step.c0.z;
         const float inverse_z = 1.f / z[i];
@@ -78,7 +78,7 @@ size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants
         raylen[i] = std::sqrt(rx * rx + ry * ry + 1.f);
       }
       const int base = TsdfBlock::index(0, vy, vz);
-      for (int i = 0; i < kSide; ++i) {
+      for (int i = 0; i < kBlockSide; ++i) {
         if (!(z[i] > 0.f) || !(px[i] >= 0.f) || !(py[i] >= 0.f) || !(px[i] < float(w - 1)) || !(py[i] < float(h - 1))) continue;
         const int x0 = int(px[i]), y0 = int(py[i]);
         const float ax = px[i] - float(x0), ay = py[i] - float(y0);
@@ -126,13 +126,13 @@ TsdfVolume::TsdfVolume(const TsdfDesc& desc) : desc_(desc) {
   VITRINE_CHECK(desc.voxel > 0 && desc.truncation_voxels >= 1 && !desc.bounds.empty(), "a volume needs bounds and a voxel size");
   double slots = 1;
   const Vec3d side = desc.bounds.high - desc.bounds.low;
-  for (size_t i = 0; i < 3; ++i) slots *= std::floor(side[i] / (desc.voxel * kSide)) + 1;
+  for (size_t i = 0; i < 3; ++i) slots *= std::floor(side[i] / (desc.voxel * kBlockSide)) + 1;
   if (!(slots <= kMaxTableSlots))
     throw Error(ErrorKind::Resource, "the volume is too large for its voxels",
                 {.why = fmt::format("{:.3g} blocks of 8x8x8 voxels would be needed", slots),
                  .hint = "use a larger voxel (lower mesh.resolution) or smaller bounds",
                  .code = "VOLUME_TOO_LARGE"});
-  const auto blocks_along = [&](double length) { return static_cast<int>(std::floor(length / (desc.voxel * kSide))) + 1; };
+  const auto blocks_along = [&](double length) { return static_cast<int>(std::floor(length / (desc.voxel * kBlockSide))) + 1; };
   dims_ = {blocks_along(side.x), blocks_along(side.y), blocks_along(side.z)};
   touched_.assign(size_t(slots), 0);
 }
@@ -148,7 +148,7 @@ void TsdfVolume::touch(const DepthView& view) {
   VITRINE_CHECK(index_.empty(), "touch() comes before allocate()");
   const int w = view.intrinsics.width;
   const Rigid world_from_cam = inverse(view.cam_from_world);
-  const double margin = truncation(), inverse_block = 1.0 / (desc_.voxel * kSide);
+  const double margin = truncation(), inverse_block = 1.0 / (desc_.voxel * kBlockSide);
   parallel_for(size_t(view.intrinsics.height), 8, [&](size_t y) {
     BlockCoord last_low{-9, -9, -9}, last_high = last_low;
     for (int x = 0; x < w; ++x) {
@@ -205,13 +205,13 @@ size_t TsdfVolume::integrate(const DepthView& view) {
                                   .discontinuity = float(desc_.discontinuity_truncations * t)};
   const Mat3d step{voxel * view.cam_from_world.rotation.c0, voxel * view.cam_from_world.rotation.c1,
                    voxel * view.cam_from_world.rotation.c2};
-  const double radius = 0.5 * (kSide - 1) * voxel * std::sqrt(3.0);
+  const double radius = 0.5 * (kBlockSide - 1) * voxel * std::sqrt(3.0);
   constexpr size_t kChunk = 64;
   std::vector<size_t> updates(chunk_count(blocks_.size(), kChunk), 0);
   parallel_chunks(blocks_.size(), kChunk, [&](size_t chunk, size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
       const Vec3d corner = view.cam_from_world * voxel_position(coords_[b], 0, 0, 0);
-      const Vec3d centre = corner + 0.5 * (kSide - 1) * (step.c0 + step.c1 + step.c2);
+      const Vec3d centre = corner + 0.5 * (kBlockSide - 1) * (step.c0 + step.c1 + step.c2);
       const double near_z = centre.z - radius;
       if (centre.z + radius <= 0) continue;
       if (near_z > 0.1 * radius) {  // far enough for a pixel rectangle that bounds the sphere

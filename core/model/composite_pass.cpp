@@ -10,7 +10,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kGrain = 512;  // groups
+constexpr size_t kCompositeGrain = 512;  // groups
 constexpr size_t kPixels = 1 << 14;
 
 float mean(const Vec3f& v) { return (v.x + v.y + v.z) / 3.f; }
@@ -57,7 +57,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
   parallel_chunks(reflected_.size(), kPixels,
                   [&](size_t, size_t begin, size_t end) { std::fill(reflected_.data() + begin, reflected_.data() + end, 0.f); });
   const GBuffer buffer(frame);
-  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(s.groups(), kCompositeGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g) {
       const Vec3f c_r = radiance(frame.reflection, g);
       for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) {
@@ -128,7 +128,7 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   if (s.groups() == 0) return;
   const GBuffer buffer(frame);
   const size_t pixels = frame.pixel_count();
-  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(s.groups(), kCompositeGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g) {
       const uint32_t pixel = s.chosen_pixel(g);
       const Vec3f grad = s.weight(g) * buffer.rgb(frame.grad_linear, pixel);

@@ -7,7 +7,7 @@
 namespace vitrine {
 
 namespace {
-constexpr size_t kGrain = 1 << 15;  // floats
+constexpr size_t kDiffuseGrain = 1 << 15;  // floats
 }
 
 void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
@@ -22,7 +22,7 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   renderer_->forward(scene.diffuse, desc, frame.diffuse);
   const auto color = frame.diffuse.plane(Aov::Color);
   frame.linear.resize(color.size());
-  parallel_chunks(color.size(), kGrain, [&](size_t, size_t begin, size_t end) {
+  parallel_chunks(color.size(), kDiffuseGrain, [&](size_t, size_t begin, size_t end) {
     std::copy(color.data() + begin, color.data() + end, frame.linear.data() + begin);
   });
   frame.grad_diffuse.reset(desc);
@@ -30,7 +30,7 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
 
 void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   const auto grad_color = frame.grad_diffuse.plane(Aov::Color);
-  parallel_chunks(grad_color.size(), kGrain, [&](size_t, size_t begin, size_t end) {
+  parallel_chunks(grad_color.size(), kDiffuseGrain, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) grad_color[i] += frame.grad_linear[i];
   });
   // The renderer adds to what it finds: the last picture, or what was seen through glass in this one.

@@ -10,7 +10,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kGrain = 8192;
+constexpr size_t kDisplayGrain = 8192;
 
 // The transfer above its knee is 1.055 l^(1/2.4) - 0.055, and l^(1/2.4) = t^(5/3) with t = l^(1/4): two square roots and a
 // polynomial in t, scaled to [-1, 1] over [knee^(1/4), 1] (Chebyshev nodes, |error| < 6e-7 in float). Loops of it become vectors.
@@ -37,7 +37,8 @@ void for_pieces(const Frame& frame, const Body& body) {
   const size_t pixels = frame.pixel_count();
   for (size_t c = 0; c < 3; ++c) {
     const float gain = static_cast<float>(frame.view->gain[c]);
-    parallel_chunks(pixels, kGrain, [&](size_t, size_t begin, size_t end) { body(c * pixels + begin, c * pixels + end, gain); });
+    parallel_chunks(pixels, kDisplayGrain,
+                    [&](size_t, size_t begin, size_t end) { body(c * pixels + begin, c * pixels + end, gain); });
   }
 }
 

@@ -14,8 +14,8 @@ namespace vitrine {
 namespace {
 
 constexpr float kCellVoxels = 4, kSigmaVoxels = 2;
-constexpr float kMostlyClear = 0.5f;
-constexpr size_t kGrain = 1024;
+constexpr float kClearTriangle = 0.5f;
+constexpr size_t kGlassGrain = 1024;
 
 // Surfels by the cell of a grid that they lie in: sorted keys, neighbours by binary search.
 class SurfelGrid {
@@ -61,7 +61,7 @@ class SurfelGrid {
 std::vector<uint8_t> glass_faces(const TriMesh& mesh, const SplatLayer& diffuse, float voxel) {
   const SurfelGrid grid(diffuse, kCellVoxels * voxel);
   std::vector<uint8_t> glass(mesh.faces.size(), 0);
-  parallel_chunks(glass.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(glass.size(), kGlassGrain, [&](size_t, size_t first, size_t last) {
     for (size_t f = first; f < last; ++f) {
       const auto& v = mesh.faces[f];
       const Vec3f centre = (1.f / 3.f) * (mesh.positions[v[0]] + mesh.positions[v[1]] + mesh.positions[v[2]]);
@@ -72,7 +72,7 @@ std::vector<uint8_t> glass_faces(const TriMesh& mesh, const SplatLayer& diffuse,
         sum += w;
         clear += w * sigmoid(*diffuse.at(Attribute::Transmission, i));
       });
-      glass[f] = clear > kMostlyClear * sum;
+      glass[f] = clear > kClearTriangle * sum;
     }
   });
   return glass;

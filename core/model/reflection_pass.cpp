@@ -11,7 +11,7 @@ namespace vitrine {
 namespace {
 
 constexpr uint64_t kLobeStream = 0x5f02;
-constexpr size_t kGrain = 512;
+constexpr size_t kReflectionGrain = 512;
 // Steps of the R2 sequence: inverse powers of the root of x^3 = x + 1. Consecutive points fill the square evenly, so that few
 // rays of a pixel, over samples and over steps, cover its lobe.
 constexpr double kR2[] = {0.7548776662466927, 0.5698402909980532};
@@ -38,8 +38,8 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
   SecondaryRays& r = frame.reflection;
   const uint64_t draw = mix64(frame.seed, kLobeStream);
   const int samples = std::max(options_.samples, 1);
-  chunks_.resize(chunk_count(s.groups(), kGrain));
-  parallel_chunks(s.groups(), kGrain, [&](size_t chunk, size_t first, size_t last) {
+  chunks_.resize(chunk_count(s.groups(), kReflectionGrain));
+  parallel_chunks(s.groups(), kReflectionGrain, [&](size_t chunk, size_t first, size_t last) {
     auto& out = chunks_[chunk];
     out.clear();
     for (size_t g = first; g < last; ++g) {
@@ -65,7 +65,7 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
   r.gather(s.groups(), chunks_);
   const bool cone = options_.lobe == Lobe::Cone;
   if (cone) r.spread.resize(r.rays.size());
-  parallel_chunks(r.rays.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(r.rays.size(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const SurfacePoint<float>& p = s.points[r.rays[i].group];
       r.origins[i] = p.position;
@@ -102,7 +102,7 @@ void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene&
   if (r.rays.empty()) return;
   r.trace_back(*tracer_, trace_desc(options_, scene.reflection), s, frame.error_image, grad.reflection, &ray_gradients_);
   // Rays of a group are neighbours, and a group's point belongs to it alone.
-  parallel_chunks(s.groups(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(s.groups(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g)
       for (uint32_t i = r.begin[g]; i < r.begin[g + 1]; ++i) {
         const SurfacePoint<float>& p = s.points[g];

@@ -5,7 +5,7 @@
 namespace vitrine {
 
 namespace {
-constexpr size_t kGrain = 512;  // groups
+constexpr size_t kRayGrain = 512;  // groups
 }
 
 void ShadedPixels::clear() {
@@ -47,7 +47,7 @@ void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const Sha
   picture_weight.assign(groups, 0.f);
   for (auto* per_ray : {&mean_distance, &alpha, &weight}) per_ray->resize(rays.size());
   for (auto* per_ray : {&gradients.transmittance, &gradients.first_hit}) per_ray->assign(rays.size(), 0.f);
-  parallel_chunks(groups, kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(groups, kRayGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g) {
       float through = 0;
       for (uint32_t i = begin[g]; i < begin[g + 1]; ++i) {
@@ -66,7 +66,7 @@ void SecondaryRays::trace_back(const Tracer& tracer, const TraceDesc& desc, cons
                                std::span<const float> error_image, SplatLayer& grad, RayGradients* ray_gradients) {
   gradients.color.resize(rays.size());
   blame_.resize(error_image.empty() ? 0 : rays.size());
-  parallel_chunks(rays.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(rays.size(), kRayGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const SecondaryRay& ray = rays[i];
       gradients.color[i] = (ray.share * ray.lobe.weight) * grad_radiance[ray.group];

@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint64_t kChoiceStream = 0x5f01;
 constexpr uint32_t kTile = 8;  // pixels; inside a tile the order is Morton's
-constexpr size_t kGrain = 512;
+constexpr size_t kSurfaceGrain = 512;
 
 // Bits 0, 2, 4 and 1, 3, 5 of a tile's counter.
 constexpr uint32_t tile_x(uint32_t i) { return (i & 1) | (i >> 1 & 2) | (i >> 2 & 4); }
@@ -70,7 +70,7 @@ void SurfacePass::forward(const SplatScene& scene, Frame& frame) {
   s.grad_points.assign(groups, {});
   const GBuffer g(frame);
   const uint64_t draw = mix64(mix64(frame.seed, kChoiceStream), frame.step);
-  parallel_chunks(groups, kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(groups, kSurfaceGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const uint32_t size = s.begin[i + 1] - s.begin[i];
       s.chosen[i] = s.begin[i] + (size > 1 ? Rng(draw, i).below(size) : 0);
@@ -99,7 +99,7 @@ void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   const GBuffer g(frame);
   RasterImages& out = frame.grad_diffuse;
   const size_t pixels = frame.pixel_count();
-  parallel_chunks(groups, kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(groups, kSurfaceGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       SurfacePoint<float> grad = s.grad_points[i];
       if (!options_.normal_gradient) {

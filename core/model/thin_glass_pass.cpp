@@ -9,7 +9,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kGrain = 512;        // surfels, groups
+constexpr size_t kThinGrain = 512;    // surfels, groups
 constexpr float kMostlyClear = 0.5f;  // a surfel is glass above
 constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
                                         Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
@@ -42,7 +42,7 @@ void ThinGlassPass::merge(const SplatScene& scene) {
   if (merged_.kind() != LayerKind::Transmittance || merged_.sh_degree() != degree)
     merged_ = SplatLayer(LayerKind::Transmittance, degree, count);
   merged_.resize(count);
-  parallel_chunks(count, kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(count, kThinGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const bool own = k >= opaque_.size();
       const SplatLayer& from = own ? scene.transmittance : diffuse;
@@ -98,7 +98,7 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
   SurfelStatistics& of_layer = frame.transmission.statistics;
   reset(behind.statistics, scene.diffuse.size());
   reset(of_layer, scene.transmittance.size());
-  parallel_chunks(merged_.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(merged_.size(), kThinGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const bool own = k >= opaque_.size();
       SplatLayer& to = own ? grad.transmittance : grad.diffuse;

@@ -8,7 +8,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kGrain = 512;
+constexpr size_t kTransmissionGrain = 512;
 
 TraceDesc trace_desc(const TransmissionOptions& o, const SplatLayer& layer) {
   return {.sh_degree = std::min(o.sh_degree, layer.sh_degree()), .min_transmittance = o.min_transmittance};
@@ -32,7 +32,7 @@ void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
     rays_.push_back(ray);
   }
   r.gather(s.groups(), std::span(&rays_, 1));
-  parallel_chunks(r.rays.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(r.rays.size(), kTransmissionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       r.origins[i] = s.points[r.rays[i].group].position;
       r.directions[i] = r.rays[i].lobe.direction;

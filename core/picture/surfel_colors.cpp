@@ -5,7 +5,7 @@
 namespace vitrine {
 
 namespace {
-constexpr float kOpaqueAlpha = 0.5f;
+constexpr float kTrustedAlpha = 0.5f;
 }
 
 SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors) {
@@ -33,7 +33,7 @@ ImageF SurfelColors::picture(const View& view) {
   ImageF out(view.intrinsics.width, view.intrinsics.height, 3);
   const size_t n = out.pixel_count();
   for (size_t i = 0; i < n; ++i)
-    if (alpha[i] >= kOpaqueAlpha)
+    if (alpha[i] >= kTrustedAlpha)
       for (size_t c = 0; c < 3; ++c) out.data()[3 * i + c] = std::max(0.f, color[c * n + i]) / alpha[i];
   return out;
 }

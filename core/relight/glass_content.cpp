@@ -13,8 +13,8 @@ namespace {
 constexpr int kFluenceSamples = 48;
 constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
 constexpr float kLeastFluence_rel = 1e-3f;
-constexpr float kReach = 3;   // in grains: how far off the mesh a surfel still belongs to it
-constexpr size_t kTask = 64;  // surfels
+constexpr float kGlassReach = 3;  // in grains: how far off the mesh a surfel still belongs to it
+constexpr size_t kTask = 64;      // surfels
 constexpr uint64_t kDiffuseStream = uint64_t(1) << 40;
 
 void set_color(SplatLayer& layer, size_t i, const Vec3f& color) {
@@ -54,7 +54,7 @@ Vec3f GlassContent::matt_radiance(const LitScene& lit, size_t surfel) const {
   const float *m = layer.at(Attribute::Mean, surfel), *q = layer.at(Attribute::Rotation, surfel);
   const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
   const Vec3f reflectance = bounce_reflectance(scene_->blend(), scene_->material(surfel));
-  const float reach = kReach * surface_->grain();
+  const float reach = kGlassReach * surface_->grain();
   for (const Vec3f& n : {normal, -normal})
     if (const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach))
       return hadamard(reflectance, surface_->at(lit.irradiance(), *place)) / std::numbers::pi_v<float>;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kLeastCoverage = 1 / 255.f;
 constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
-constexpr float kLift = 1;              // in grains: where rays start above it
+constexpr float kPaintLift = 1;         // in grains: where rays start above it
 constexpr float kNearWall_rel = 0.75f;  // walls are coarse: one that hides its surfels by less is where they are
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 constexpr int kBandRows = 8;
@@ -131,7 +131,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const auto median_z = frame_.diffuse.plane(Aov::MedianZ);
   const int width = g.width, height = g.height;
   const GlassContent::Picture* behind_glass = glass_.empty() ? nullptr : &glass_.picture(view);
-  const float snap = kSnap * surface_.grain(), lift = kLift * surface_.grain();
+  const float snap = kSnap * surface_.grain(), lift = kPaintLift * surface_.grain();
   const Environment& sky = lighting_.environment;
   RelitPicture out{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1)};
 

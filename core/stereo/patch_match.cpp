@@ -14,9 +14,9 @@ namespace {
 
 enum : uint64_t { kPlaneStream = 0x5701 };
 
-constexpr double kMostSlanted = 0.15;      // cosine between the normal and the ray below which a plane is not tried
-constexpr double kSurelyRotated = 0.9998;  // of two normals: the same plane is not scored twice
-constexpr float kLonelyPenalty = 0.1f;     // a plane that one neighbour alone sees is believed less
+constexpr double kMostSlantedMatch = 0.15;  // cosine between the normal and the ray below which a plane is not tried
+constexpr double kSurelyRotated = 0.9998;   // of two normals: the same plane is not scored twice
+constexpr float kLonelyPenalty = 0.1f;      // a plane that one neighbour alone sees is believed less
 constexpr float kGoodScore = 0.75f;
 constexpr double kAgreeDepth = 0.02, kAgreePixels = 1.5;
 
@@ -60,7 +60,7 @@ class Scan {
     const Vec3d r = ray(x, y);
     const double offset = plane.z * dot(plane.normal, r);  // negative: the normal looks at the camera
     if (!(plane.z >= photo_.near_z && plane.z <= photo_.far_z) || !(offset < 0)) return -1;
-    if (-dot(plane.normal, r) < kMostSlanted * length(r)) return -1;
+    if (-dot(plane.normal, r) < kMostSlantedMatch * length(r)) return -1;
     const Intrinsics& k = photo_.view.intrinsics;
     const Vec3d n = plane.normal / offset;
     const Vec3d by_pixel{n.x / k.fx, n.y / k.fy, n.z - n.x * k.cx / k.fx - n.y * k.cy / k.fy};

@@ -8,7 +8,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kBrightnessReach = 0.15f;
-constexpr float kUnseen = -2;
+constexpr float kUnseenScore = -2;
 
 struct Offsets {
   alignas(32) std::array<float, kPatchLanes> x{}, y{};
@@ -102,10 +102,10 @@ Transfer transfer_between(const View& reference, const View& other) {
   return t;
 }
 
-float patch_score(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel, double x,
-                  double y) {
+float patch_score(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel,
+                  double x, double y) {
   alignas(32) std::array<float, kPatchLanes> value;
-  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseen;
+  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseenScore;
   const float* w = patch.weight.data();
   const float mean = lane_sum([&](size_t i) { return w[i] * value[i]; });
   const float squares = lane_sum([&](size_t i) { return w[i] * (value[i] - mean) * (value[i] - mean); });
@@ -118,7 +118,7 @@ float patch_score(const ReferencePatch& patch, const ImageF& other, const Transf
 float patch_difference(const ReferencePatch& patch, const ImageF& other, const Transfer& transfer, const Vec3d& plane_by_pixel,
                        double x, double y) {
   alignas(32) std::array<float, kPatchLanes> value;
-  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseen;
+  if (!carried(other, transfer, plane_by_pixel, x, y, value)) return kUnseenScore;
   return lane_sum([&](size_t i) { return patch.weight[i] * std::abs(value[i] - patch.value[i]); });
 }
 

@@ -9,11 +9,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kCoarse = 48;       // first look at the whole cube
-constexpr int kBlurPasses = 3;    // of a 3-voxel box: a bell of about 1.4 voxels
-constexpr int kPadding = 4;       // voxels around what is left, so that the blurred surface closes
-constexpr float kLevel = 0.5f;    // of occupancy: the surface
-constexpr double kSeenBy = 0.35;  // share of the photos that must see a voxel: a hull of few photos is no hull
+constexpr int kCoarse = 48;            // first look at the whole cube
+constexpr int kBlurPasses = 3;         // of a 3-voxel box: a bell of about 1.4 voxels
+constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
+constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
+constexpr double kSeenBy = 0.35;       // share of the photos that must see a voxel: a hull of few photos is no hull
 
 struct Grid {
   Vec3d origin;  // corner of voxel (0, 0, 0)
@@ -175,11 +175,11 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
     far = std::min(far, std::max(a, b));
   }
   for (double t = near; t < far; t += 0.5 * voxel_) {
-    if (occupancy(origin + t * d) < kLevel) continue;
+    if (occupancy(origin + t * d) < kSurfaceLevel) continue;
     double low = std::max(0.0, t - 0.5 * voxel_), high = t;
     for (int step = 0; step < 10; ++step) {
       const double middle = 0.5 * (low + high);
-      (occupancy(origin + middle * d) < kLevel ? low : high) = middle;
+      (occupancy(origin + middle * d) < kSurfaceLevel ? low : high) = middle;
     }
     const Vec3d hit = origin + high * d;
     Vec3d gradient{};

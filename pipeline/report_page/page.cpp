@@ -31,7 +31,7 @@ constexpr Chapter kChapters[] = {
     {"cameras", "Cameras", cameras_section}, {"cost", "Time and memory", cost_section},
 };
 
-std::optional<ViewSet> read_views(const fs::path& project) {
+std::optional<ViewSet> read_view_set(const fs::path& project) {
   try {
     return load_view_set(project);
   } catch (const Error&) {
@@ -45,7 +45,7 @@ Material read_material(const PageDesc& desc) {
   m.outcome = read_outcome(desc.project);
   m.figures = gather_figures(desc.project, m.outcome);
   m.verdict = verdict_of(m.outcome, m.figures, desc.typed.empty() ? desc.project.string() : desc.typed);
-  m.views = read_views(desc.project);
+  m.views = read_view_set(desc.project);
   for (const Facts& name : Facts::of_file(desc.project / "optimize/views.json").at("heldout").items())
     m.heldout.insert(name.text());
   return m;

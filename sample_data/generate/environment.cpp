@@ -12,7 +12,6 @@
 namespace vitrine::generate {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 // Keeps every texel reachable, so that the estimate stays unbiased when the weights are only a guess.
 constexpr float kLeastShare = 0.1f;
 

@@ -2,14 +2,12 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/parallel.h"
 
 namespace vitrine::generate {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kFar = 1e5f;
 constexpr int kMostEvents = 10;  // mirrors, metal and glass on one path
 constexpr int kSplitPanes = 2;   // panes whose two branches are both followed

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace vitrine::generate {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 float alpha_of(const Material& metal) { return std::max(metal.roughness * metal.roughness, 1e-3f); }
 

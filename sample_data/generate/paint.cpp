@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "core/base/rng.h"
 
 namespace vitrine::generate {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 Vec2f turned(const Vec2f& p, float angle) {
   const float c = std::cos(angle), s = std::sin(angle);

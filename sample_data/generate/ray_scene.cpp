@@ -9,7 +9,7 @@
 namespace vitrine::generate {
 namespace {
 
-constexpr float kFar = 1e6f;
+constexpr float kFarthest = 1e6f;
 constexpr float kOffset = 2e-5f;  // metres; the scenes are a few metres wide, floats resolve 5e-7 there
 constexpr int kMostPanes = 16;    // on one shadow ray; the fattest case has two
 
@@ -81,7 +81,7 @@ RayScene::RayScene(const Scene& scene) : scene_(scene), trees_(std::make_unique<
 RayScene::~RayScene() = default;
 
 std::optional<Hit> RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass) const {
-  RTCRayHit r = ray_hit(origin, direction, 0, kFar);
+  RTCRayHit r = ray_hit(origin, direction, 0, kFarthest);
   bool found = intersect(trees_->opaque, r);
   if (with_glass && trees_->has_glass) {
     RTCRayHit pane = ray_hit(origin, direction, 0, r.ray.tfar);

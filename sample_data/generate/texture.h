@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <numbers>
 
 #include "core/image/image.h"
 #include "core/math/vec.h"
 
 namespace vitrine::generate {
+
+inline constexpr float kPi = std::numbers::pi_v<float>;
 
 struct SurfacePoint {
   Vec3f position;  // world, metres

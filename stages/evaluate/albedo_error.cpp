@@ -14,10 +14,6 @@ constexpr double kGamma = 2.2;  // of the published protocol, not sRGB's curve
 constexpr size_t kFewest = 64;  // pixels of a view that count as a picture
 constexpr float kAllPainted = 0.999f;
 
-ImageF at_size(const ImageF& image, const Intrinsics& k) {
-  return image.width() == k.width && image.height() == k.height ? image : resized(image, k.width, k.height);
-}
-
 }  // namespace
 
 void AlbedoError::add(const AlbedoPicture& ours, const TruthPicture& truth) {

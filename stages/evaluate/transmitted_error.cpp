@@ -17,10 +17,6 @@ Intrinsics no_finer(const Intrinsics& k, int width) {
   return k.scaled_to(width, std::max(1, int(std::lround(double(k.height) * width / k.width))));
 }
 
-ImageF at_size(const ImageF& image, const Intrinsics& k) {
-  return image.width() == k.width && image.height() == k.height ? image : resized(image, k.width, k.height);
-}
-
 float encoded(double linear) { return srgb_from_linear(float(std::clamp(linear, 0.0, 1.0))); }
 
 }  // namespace

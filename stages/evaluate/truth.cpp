@@ -7,6 +7,7 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/image/resample.h"
 #include "stages/evaluate/alignment.h"
 
 namespace vitrine {
@@ -55,6 +56,10 @@ ImageF channels_of(const ExrImage& exr, std::initializer_list<std::string_view> 
 }
 
 }  // namespace
+
+ImageF at_size(const ImageF& image, const Intrinsics& k) {
+  return image.width() == k.width && image.height() == k.height ? image : resized(image, k.width, k.height);
+}
 
 Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::move(folder)) {
   if (!fs::is_directory(folder_))

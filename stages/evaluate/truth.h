@@ -26,6 +26,9 @@ struct TruthPicture {
   Mat3d truth_from_ours = Mat3d::identity();  // camera frames
 };
 
+// The map as a picture of that size: an area average or bilinear.
+ImageF at_size(const ImageF& image, const Intrinsics& k);
+
 enum class LookupFrame : unsigned char { Ours, Truths };  // whose camera the given intrinsics belong to
 
 class Truth {

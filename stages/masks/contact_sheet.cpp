@@ -15,7 +15,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kGap = 4, kMargin = 6, kTextScale = 2, kCellWidth = 400;
+constexpr int kGap = 4, kTextMargin = 6, kTextScale = 2, kCellWidth = 400;
 constexpr size_t kRows = 8;
 constexpr float kTint = 0.5f;
 
@@ -49,11 +49,11 @@ void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results)
   const size_t rows = std::min(kRows, views.size());
   const int width = std::min(kCellWidth, views[0].intrinsics.width);
   const int height = std::max(1, int(std::lround(double(views[0].intrinsics.height) * width / views[0].intrinsics.width)));
-  const int bar = kGlyphHeight * kTextScale + 2 * kMargin;
+  const int bar = kGlyphHeight * kTextScale + 2 * kTextMargin;
   Image8 sheet(3 * (width + kGap) + kGap, bar + int(rows) * (height + bar), 3, uint8_t(24));
-  draw_text(sheet, kGap, kMargin, "PHOTO", kTextScale, 200);
-  draw_text(sheet, kGap + width + kGap, kMargin, "BLUE GLASS, ORANGE MIRROR", kTextScale, 200);
-  draw_text(sheet, kGap + 2 * (width + kGap), kMargin, "CONFIDENCE", kTextScale, 200);
+  draw_text(sheet, kGap, kTextMargin, "PHOTO", kTextScale, 200);
+  draw_text(sheet, kGap + width + kGap, kTextMargin, "BLUE GLASS, ORANGE MIRROR", kTextScale, 200);
+  draw_text(sheet, kGap + 2 * (width + kGap), kTextMargin, "CONFIDENCE", kTextScale, 200);
   for (size_t r = 0; r < rows; ++r) {
     const size_t v = r * views.size() / rows;
     const View& view = views[v];
@@ -82,7 +82,7 @@ void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results)
     paste(photo, kGap, y, sheet);
     paste(painted, kGap + width + kGap, y, sheet);
     paste(grey_at(masks / "confidence" / (view.stem() + ".png"), width, height), kGap + 2 * (width + kGap), y, sheet);
-    draw_text(sheet, kGap, y + height + kMargin, label, kTextScale, 255);
+    draw_text(sheet, kGap, y + height + kTextMargin, label, kTextScale, 255);
   }
   write_ldr(masks / "contact_sheet.png", sheet);
 }

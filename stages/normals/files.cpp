@@ -13,8 +13,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kShortest = 0.7f, kLongest = 1.3f;  // of a normal as stored: blending and rounding change its length
-constexpr double kMostNormals = 0.8;                // share of the pixels with such a length that makes a normal map
+constexpr float kShortestStored = 0.7f, kLongestStored = 1.3f;  // of a normal as stored: blending and rounding change its length
+constexpr double kMostNormals = 0.8;                            // share of the pixels with such a length that makes a normal map
 
 struct Decoded {
   ImageF normal;  // as stored, not yet of unit length; 0 0 0 = unknown
@@ -33,7 +33,7 @@ Decoded decoded(const ImageF& file, bool encoded) {
     if (encoded) n = 2.f * n - Vec3f{1, 1, 1};
     ++known;
     const float size = length(n);
-    if (!(size >= kShortest && size <= kLongest)) continue;
+    if (!(size >= kShortestStored && size <= kLongestStored)) continue;
     ++normal;
     for (size_t c = 0; c < 3; ++c) d.normal.data()[3 * i + c] = n[c] / size;
   }

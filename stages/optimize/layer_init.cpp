@@ -22,7 +22,7 @@ namespace {
 enum : uint64_t { kCopyStream = 0x1a01, kShellStream = 0x1a02, kHullStream = 0x1a03 };
 
 constexpr size_t kEvidenceLevel = 0;
-constexpr double kInitialShare = 0.7;              // of a layer's cap, so that it can grow where pictures are wrong
+constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that it can grow where pictures are wrong
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
@@ -243,7 +243,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     if (!masked || share < kMostlyInside) dull.push_back(index);
     (hull.points.empty() || gloss < kBehindGlass ? stay : gone).push_back(index);
   }
-  const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialShare * double(cap)));
+  const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialLayerShare * double(cap)));
   const auto far = static_cast<size_t>(kShellShare * double(count));
   append_copies(desc.capture, diffuse, dull, count - far, seed, scene.reflection);
   append_shell(far, mean_color(diffuse, dull), seed, scene.reflection);

@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kGrain = 256;
+constexpr size_t kVoteGrain = 256;
 constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger one counts
 constexpr float kReach = 2;                              // a surfel reaches so many of its scales from its centre
 
@@ -45,7 +45,7 @@ void vote(const Vec3d& point, float reach, const GlassView& v, float voxel, Surf
 std::vector<SurfelVotes> surfel_votes(const SplatLayer& layer, std::span<const GlassView> views, const GlassMesh& mesh) {
   std::vector<SurfelVotes> votes(layer.size());
   const MeshDistance panes(mesh.glass);
-  parallel_chunks(votes.size(), kGrain, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(votes.size(), kVoteGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const float *p = layer.at(Attribute::Mean, i), *scale = layer.at(Attribute::LogScale, i);
       const float reach = kReach * std::exp(std::max(scale[0], scale[1]));

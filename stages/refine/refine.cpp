@@ -26,8 +26,6 @@ using Json = nlohmann::ordered_json;
 constexpr size_t kMapLevel = 1;      // of the pyramid: segments at half size
 constexpr double kMostLoss = 0.005;  // dB of whole photos that noise may cost
 
-double rounded(double value) { return std::round(value * 1e4) / 1e4; }
-
 Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
 
 float voxel_of(const fs::path& report) {

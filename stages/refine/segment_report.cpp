@@ -19,8 +19,6 @@ constexpr size_t kPictures = 12, kColumns = 4;
 constexpr float kTint = 0.55f;
 constexpr int kFrame = 3;
 
-double rounded(double value) { return std::round(value * 1e4) / 1e4; }
-
 }  // namespace
 
 double SegmentTotals::share(SegmentKind kind) const {

@@ -1,6 +1,7 @@
 // What the segments of all photos say, as JSON for the report and as a picture for people.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 
 #include "core/base/json.h"
@@ -15,6 +16,8 @@ struct SegmentTotals {
   double fallback_share() const;         // of the glass pixels that keep the single segment
   size_t glass = 0, fallback = 0;
 };
+inline double rounded(double value) { return std::round(value * 1e4) / 1e4; }  // as the report writes figures
+
 SegmentTotals segment_totals(std::span<const GlassView> views);
 nlohmann::ordered_json segments_json(std::span<const GlassView> views, const Capture& capture);
 

@@ -29,12 +29,6 @@ struct Sum {
   bool inner = false;
 };
 
-bool contains(const Bounds3& box, const Vec3f& p) {
-  for (size_t c = 0; c < 3; ++c)
-    if (!(p[c] >= box.low[c] && p[c] <= box.high[c])) return false;
-  return true;
-}
-
 }  // namespace
 
 std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View>& views, const LitPointsDesc& desc,
@@ -72,7 +66,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
       const Vec3f position = cast<float>(world_from_cam * (double(z) * ray)), n = blended / size;
       const float cosine = dot(n, normalized(eye - position));
       if (!(cosine > desc.min_cosine)) continue;
-      const bool inner = contains(desc.inner, position);
+      const bool inner = desc.inner.contains(position);
       const auto [it, is_new] =
           place.try_emplace(key_of(position, n, desc.voxel * (inner ? 1 : desc.outer_factor), inner), sums.size());
       if (is_new) sums.emplace_back();

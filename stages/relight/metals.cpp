@@ -18,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kMinAlpha = 0.5f, kMinCosine = 0.3f, kShortestNormal = 0.05f;
+constexpr float kMinAlpha = 0.5f, kMinCosine = 0.3f, kShortestMetalNormal = 0.05f;
 constexpr float kBrightest = 0.95f;      // of a photo; more is clipped, and white whatever the metal
 constexpr size_t kFewestPixels = 300;    // of a metal, over all views
 constexpr double kLeastReflects = 0.2;   // less is paint with gloss
@@ -90,7 +90,7 @@ class Finder {
       const float a = alpha[p], z = a >= kMinAlpha ? surface_depth(zsum[p], a, median[p]) : 0;
       const Vec3f blended{normals[p], normals[pixels + p], normals[2 * pixels + p]};
       const float size = length(blended);
-      if (!(z > 0) || !std::isfinite(z) || !(size > kShortestNormal)) continue;
+      if (!(z > 0) || !std::isfinite(z) || !(size > kShortestMetalNormal)) continue;
       const Vec3d ray = k.ray(double(p % size_t(k.width)) + 0.5, double(p / size_t(k.width)) + 0.5);
       const Vec3f position = cast<float>(world_from_cam * (double(z) * ray)), n = blended / size;
       CellCount& cell = cells_[cell_of(position)];

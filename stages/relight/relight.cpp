@@ -40,10 +40,10 @@ constexpr float kMaxAlbedo = 0.98f;
 constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
 constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
 constexpr float kMaxMasked = 0.5f;
-constexpr float kDarkest = 0.004f, kBrightest = 0.95f;    // radiances that a photo of 8 bits can tell
-constexpr double kOuterFactor = 6, kOuterPoints = 20000;  // walls are as coarse as if there were so many points at most
-constexpr float kTrainedGloss = 0.05f;                    // specular weight from which Fresnel's share is trained in full
-constexpr float kLeastMasked = 0.1f;                      // of a point's pixels
+constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // radiances that a photo of 8 bits can tell
+constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as coarse as if there were so many points at most
+constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
+constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
 
 double area_of(const TriMesh& mesh) {
@@ -179,7 +179,7 @@ class Decomposition {
       const LitPoint& p = points_[i];
       const float brightest = std::max({p.radiance.x, p.radiance.y, p.radiance.z});
       if (p.inner && usable_[i] && p.specular_weight < kMaxSpecular && p.transmission < kMaxSpecular && p.masked < kMaxMasked &&
-          brightest < kBrightest && luminance(p.radiance) > kDarkest)
+          brightest < kBrightestTold && luminance(p.radiance) > kDarkestTold)
         speaking.push_back(uint32_t(i));
     }
     if (speaking.size() < kFewestPoints) {

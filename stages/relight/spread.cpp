@@ -31,12 +31,6 @@ Vec3f normal_of(const SplatLayer& layer, size_t i) {
   return rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
 }
 
-bool contains(const Bounds3& box, const Vec3f& p) {
-  for (size_t c = 0; c < 3; ++c)
-    if (!(p[c] >= box.low[c] && p[c] <= box.high[c])) return false;
-  return true;
-}
-
 }  // namespace
 
 std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inner, std::span<const LitPoint> points,
@@ -58,7 +52,7 @@ std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inn
   std::vector<Vec3f> out(layer.size());
   parallel_for(layer.size(), 256, [&](size_t i) {
     const Vec3f p = at3(layer, Attribute::Mean, i), n = normal_of(layer, i);
-    const size_t which = contains(inner, p);
+    const size_t which = inner.contains(p);
     std::vector<PointGrid::Near> near;
     grids[which].nearest(p, desc.neighbours, kReach * radius[which], near);
     const float inverse = 1 / (2 * radius[which] * radius[which]);

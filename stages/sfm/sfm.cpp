@@ -23,7 +23,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kReconstructShare = 0.85;  // of the progress bar; the rest is undistortion
-constexpr size_t kSmallestModel = 3;        // given poses; two views are a guess, not a model
+constexpr size_t kSmallestGiven = 3;        // given poses; two views are a guess, not a model
 constexpr size_t kFewPoints = 100;          // below this there is hardly anything to start a scene from
 constexpr size_t kPointsWorthKeeping = 50;  // given models with fewer points get them triangulated anew
 
@@ -80,11 +80,11 @@ std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext&
 ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos) {
   ColmapModel given = read_given_poses(poses, photos, config.pose_scale);
   log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
-  if (given.images.size() < kSmallestModel || double(given.images.size()) < config.min_registered * double(photos.size()))
+  if (given.images.size() < kSmallestGiven || double(given.images.size()) < config.min_registered * double(photos.size()))
     throw Error(ErrorKind::Input, "too few photos have a given pose",
                 {.where = poses.string(),
                  .why = fmt::format("{} of {} photos, need {:.0f} % and at least {}", given.images.size(), photos.size(),
-                                    100 * config.min_registered, kSmallestModel),
+                                    100 * config.min_registered, kSmallestGiven),
                  .hint = "give only the photos that have poses, or --set sfm.min_registered=0.3",
                  .code = "POSES_TOO_FEW"});
   return given;

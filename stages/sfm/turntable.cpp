@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kEnough = 8;     // matches of a pair, inside or outside, below which they say nothing
 constexpr double kStill = 0.003;  // of the longest side: localisation of a feature, a shaken tripod
 constexpr double kMoves = 2 * kStill;
-constexpr double kMostMatches = 0.5, kMostPairs = 0.6;
+constexpr double kMostMatches = 0.5, kMostTurned = 0.6;
 constexpr double kPairsThatTell = 1.0 / 3;
 constexpr size_t kFewestPairs = 3;
 
@@ -69,7 +69,7 @@ TurntableEvidence turntable_evidence(const TurntableDesc& desc) {
       e.inside_moves += double(c.moved) >= kMostMatches * double(c.inside);
     }
   }
-  const auto most = [](size_t part, size_t of) { return of > 0 && double(part) >= kMostPairs * double(of); };
+  const auto most = [](size_t part, size_t of) { return of > 0 && double(part) >= kMostTurned * double(of); };
   const auto tell = [&](size_t pairs_told) {
     return pairs_told >= kFewestPairs && double(pairs_told) >= kPairsThatTell * double(e.pairs);
   };

@@ -209,7 +209,7 @@ void bare_embree(benchmark::State& state, size_t count, bool coherent) {
   state.counters["rays/s/core"] = benchmark::Counter(double(kRays) * double(state.iterations()), benchmark::Counter::kIsRate);
 }
 
-const bool registered = [] {
+const bool trace_registered = [] {
   const auto row = [](const std::string& name, auto... arguments) {
     benchmark::RegisterBenchmark(name.c_str(), arguments...)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
   };

@@ -9,7 +9,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kWidth = 64, kHeight = 48;
+constexpr int kPhotoWidth = 64, kPhotoHeight = 48;
 
 // Cameras around a floor at z = -0.3, seen exactly by a fit; nothing else.
 struct FloorCapture {
@@ -18,21 +18,21 @@ struct FloorCapture {
   QuickFit fit;
 
   explicit FloorCapture(int views = 16) {
-    capture.set.views = testing::ring_of_views(views, kWidth, kHeight);
+    capture.set.views = testing::ring_of_views(views, kPhotoWidth, kPhotoHeight);
     for (int x = -8; x <= 8; ++x)
       for (int y = -8; y <= 8; ++y)
         for (double z : {-0.3, 0.3})
           capture.set.points.push_back({.position = {0.08 * x, 0.08 * y, z}, .linear_rgb = {}, .views = {0}});
     for (View& view : capture.set.views) {
       view.gain = {1, 1, 1};
-      photos.push_back({view, std::vector<float>(3 * kWidth * kHeight, 0.4f)});
-      FittedView seen{.srgb = photos.back().srgb, .zdepth = std::vector<float>(kWidth * kHeight, 0.f)};
+      photos.push_back({view, std::vector<float>(3 * kPhotoWidth * kPhotoHeight, 0.4f)});
+      FittedView seen{.srgb = photos.back().srgb, .zdepth = std::vector<float>(kPhotoWidth * kPhotoHeight, 0.f)};
       const Rigid world_from_cam = inverse(view.cam_from_world);
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+      for (int y = 0; y < kPhotoHeight; ++y)
+        for (int x = 0; x < kPhotoWidth; ++x) {
           const Vec3d d = world_from_cam.rotation * view.intrinsics.ray(x + 0.5, y + 0.5);
           const double z = (-0.3 - world_from_cam.translation.z) / d.z;
-          if (z > 0 && z < 4) seen.zdepth[size_t(y * kWidth + x)] = float(z);
+          if (z > 0 && z < 4) seen.zdepth[size_t(y * kPhotoWidth + x)] = float(z);
         }
       fit.views.push_back(std::move(seen));
     }
@@ -55,23 +55,22 @@ TEST(ViewDependence, IsZeroWhereAllViewsAgreeAndThereWhereOneDiffers) {
   const int gx = int(k.fx * at.x / at.z + k.cx), gy = int(k.fy * at.y / at.z + k.cy);
   for (int y = gy - 6; y <= gy + 6; ++y)
     for (int x = gx - 6; x <= gx + 6; ++x)
-      for (size_t ch = 0; ch < 3; ++ch) c.photos[3].srgb[ch * kWidth * kHeight + size_t(y * kWidth + x)] += 0.3f;
+      for (size_t ch = 0; ch < 3; ++ch) c.photos[3].srgb[ch * kPhotoWidth * kPhotoHeight + size_t(y * kPhotoWidth + x)] += 0.3f;
   const auto maps = view_dependence(c.photos, c.fit);
-  const size_t glint = size_t(gy * kWidth + gx);
+  const size_t glint = size_t(gy * kPhotoWidth + gx);
   EXPECT_GT(maps[3].value[glint], 0.05f);
   for (size_t v : {0u, 7u})
-    for (float d : maps[v].value)
-      EXPECT_FALSE(d >= 0.01f) << d;  // NaN: nobody can say
+    for (float d : maps[v].value) EXPECT_FALSE(d >= 0.01f) << d;  // NaN: nobody can say
 }
 
 TEST(HullVote, FindsTheBallThatEveryViewDisagreesAboutAndSeesThroughIt) {
   FloorCapture c;
   std::vector<DeviationMap> maps;
   for (const SmallPhoto& p : c.photos) {
-    DeviationMap map{kWidth, kHeight, std::vector<float>(kWidth * kHeight, 0.004f)};
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
-        if (FloorCapture::ball_at(p.view, x, y)) map.value[size_t(y * kWidth + x)] = 0.05f;
+    DeviationMap map{kPhotoWidth, kPhotoHeight, std::vector<float>(kPhotoWidth * kPhotoHeight, 0.004f)};
+    for (int y = 0; y < kPhotoHeight; ++y)
+      for (int x = 0; x < kPhotoWidth; ++x)
+        if (FloorCapture::ball_at(p.view, x, y)) map.value[size_t(y * kPhotoWidth + x)] = 0.05f;
     maps.push_back(std::move(map));
   }
   HullVoteConfig config;
@@ -84,9 +83,9 @@ TEST(HullVote, FindsTheBallThatEveryViewDisagreesAboutAndSeesThroughIt) {
   size_t both = 0, any = 0;
   for (size_t v = 0; v < c.photos.size(); ++v) {
     const std::vector<int> things = projected_things(vote, c.photos[v], c.fit.views[v]);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
-        const bool truth = FloorCapture::ball_at(c.photos[v].view, x, y), found = things[size_t(y * kWidth + x)] >= 0;
+    for (int y = 0; y < kPhotoHeight; ++y)
+      for (int x = 0; x < kPhotoWidth; ++x) {
+        const bool truth = FloorCapture::ball_at(c.photos[v].view, x, y), found = things[size_t(y * kPhotoWidth + x)] >= 0;
         both += truth && found;
         any += truth || found;
       }
@@ -95,10 +94,10 @@ TEST(HullVote, FindsTheBallThatEveryViewDisagreesAboutAndSeesThroughIt) {
 
   // The same ball where the fit has a surface in its middle is not seen through.
   for (size_t v = 0; v < c.photos.size(); ++v)
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < kPhotoHeight; ++y)
+      for (int x = 0; x < kPhotoWidth; ++x)
         if (FloorCapture::ball_at(c.photos[v].view, x, y))
-          c.fit.views[v].zdepth[size_t(y * kWidth + x)] = float((c.photos[v].view.cam_from_world * Vec3d{0.1, 0, 0}).z);
+          c.fit.views[v].zdepth[size_t(y * kPhotoWidth + x)] = float((c.photos[v].view.cam_from_world * Vec3d{0.1, 0, 0}).z);
   const HullVote metal = hull_vote(config, c.capture, c.photos, c.fit, maps);
   ASSERT_EQ(metal.things.size(), 1u);
   EXPECT_FALSE(metal.things[0].transparent) << metal.things[0].see_through;
@@ -106,7 +105,8 @@ TEST(HullVote, FindsTheBallThatEveryViewDisagreesAboutAndSeesThroughIt) {
 
 TEST(HullVote, AProposalNeedsManyViewsAndAGoodFit) {
   FloorCapture c;
-  std::vector<DeviationMap> maps(c.photos.size(), {kWidth, kHeight, std::vector<float>(kWidth * kHeight, 0.03f)});
+  std::vector<DeviationMap> maps(c.photos.size(),
+                                 {kPhotoWidth, kPhotoHeight, std::vector<float>(kPhotoWidth * kPhotoHeight, 0.03f)});
   const HullVote everywhere = hull_vote({}, c.capture, c.photos, c.fit, maps);
   EXPECT_TRUE(everywhere.unsure) << "views that disagree about everything come from a bad fit";
   EXPECT_TRUE(everywhere.things.empty());

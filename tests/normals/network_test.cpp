@@ -19,15 +19,12 @@
 namespace vitrine {
 namespace {
 
+using test::degrees;
 using test::one_operator_network;
 using test::RecordingContext;
 using test::StillLife;
 
 const fs::path kRooms = fs::path(VITRINE_SOURCE_DIR) / "stages/normals/network/rooms.onnx";
-
-double degrees(const Vec3f& a, const Vec3f& b) {
-  return std::acos(std::clamp(double(dot(normalized(a), normalized(b))), -1.0, 1.0)) * 180 / std::numbers::pi;
-}
 
 TEST(Sha256, IsThatOfTheStandard) {
   EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");

@@ -15,16 +15,13 @@
 namespace vitrine {
 namespace {
 
+using test::degrees;
 using test::RecordingContext;
 using test::StillLife;
 
 const StillLife& scene() {
   static const StillLife life;
   return life;
-}
-
-double degrees(const Vec3f& a, const Vec3f& b) {
-  return std::acos(std::clamp(double(dot(normalized(a), normalized(b))), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 struct Result {

@@ -2,6 +2,7 @@
 // mirror ball shows a colour that changes with the direction of view, as no stereo can match.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -17,6 +18,10 @@
 #include "core/image/ldr.h"
 
 namespace vitrine::test {
+
+inline double degrees(const Vec3f& a, const Vec3f& b) {
+  return std::acos(std::clamp(double(dot(normalized(a), normalized(b))), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
 
 inline double noise(const Vec3d& p, double frequency, uint64_t seed) {
   const Vec3d q = frequency * p + Vec3d{500, 500, 500};

@@ -45,8 +45,9 @@ TEST_F(Interruption, EverySignalLeavesACheckpointAndARerunGivesTheSameBytes) {
     EXPECT_EQ(wait_for(child), code);
     expect_nothing_finished();
     EXPECT_EQ(fs::exists(out() / "report.html"), signal != SIGKILL);
-    if (signal != SIGKILL)
+    if (signal != SIGKILL) {
       EXPECT_NE(read_file(out() / "report.html").find("<h1>It was stopped during collect.</h1>"), std::string::npos);
+    }
     const Outcome rest = call({"run", out().string()});
     EXPECT_EQ(rest.exit, 0) << rest.text;
     EXPECT_NE(read_file(out() / "report.html").find("<h1>So far so good.</h1>"), std::string::npos);

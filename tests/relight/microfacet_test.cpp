@@ -7,7 +7,7 @@
 namespace vitrine {
 namespace {
 
-constexpr float kPi = Microfacet::kPi;
+constexpr float kTurn = 2 * Microfacet::kPi;
 
 Vec3f view_at(float cosine) { return {std::sqrt(1 - cosine * cosine), 0, cosine}; }
 
@@ -26,8 +26,8 @@ double over_hemisphere(const F& f, int n = 200) {
   double sum = 0;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      const double z = (i + 0.5) / n, phi = 2 * kPi * (j + 0.5) / n, r = std::sqrt(1 - z * z);
-      sum += f(Vec3f{float(r * std::cos(phi)), float(r * std::sin(phi)), float(z)}) * 2 * kPi / (double(n) * n);
+      const double z = (i + 0.5) / n, phi = kTurn * (j + 0.5) / n, r = std::sqrt(1 - z * z);
+      sum += f(Vec3f{float(r * std::cos(phi)), float(r * std::sin(phi)), float(z)}) * kTurn / (double(n) * n);
     }
   return sum;
 }
@@ -45,7 +45,7 @@ TEST(Microfacet, NeverSendsMoreLightThanItGets) {
 
 TEST(Microfacet, WhiteMattIsLambert) {
   const Microfacet f(LayerBlend::Layered, {.albedo = {1, 1, 1}, .f0 = {}, .roughness = 1}, view_at(0.6f));
-  EXPECT_NEAR(f.value({0, 0, 1}).x, 1 / kPi, 1e-6);
+  EXPECT_NEAR(f.value({0, 0, 1}).x, 2 / kTurn, 1e-6);
   EXPECT_EQ(f.value({0, 0.1f, -0.99f}).x, 0);
   EXPECT_EQ(f.pdf({0, 0.1f, -0.99f}), 0);
 }

@@ -10,7 +10,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;
+constexpr int kPanWidth = 640, kPanHeight = 480;
 constexpr double kFocal = 600;
 
 VerifiedPair pair_of(const Mat3d& euclidean) {
@@ -38,11 +38,12 @@ TEST(RotationPairs, KnowATurnFromAPlane) {
     plane.c2 += Vec3d{0.12 * i, 0.02, 0.05 * i};
     planes.push_back(pair_of(plane));
   }
-  EXPECT_EQ(rotation_share(turns, kWidth, kHeight), 1);
-  EXPECT_LE(rotation_share(planes, kWidth, kHeight), 0.34) << "one focal length can make one plane look like a turn, not all";
-  EXPECT_EQ(rotation_share(still, kWidth, kHeight), 0);
+  EXPECT_EQ(rotation_share(turns, kPanWidth, kPanHeight), 1);
+  EXPECT_LE(rotation_share(planes, kPanWidth, kPanHeight), 0.34)
+      << "one focal length can make one plane look like a turn, not all";
+  EXPECT_EQ(rotation_share(still, kPanWidth, kPanHeight), 0);
   for (VerifiedPair& p : turns) p.config = kCalibratedPair;
-  EXPECT_EQ(rotation_share(turns, kWidth, kHeight), 0) << "they have depth";
+  EXPECT_EQ(rotation_share(turns, kPanWidth, kPanHeight), 0) << "they have depth";
 }
 
 }  // namespace

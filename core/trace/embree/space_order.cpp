@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kChunk = 8192;  // items
 constexpr int kSurfelBits = 10;  // cells per axis: 1024
-constexpr int kRayBits = 5;      // 32: rays of a cell share most of what they meet
+constexpr int kOriginBits = 5;   // 32: rays of a cell share most of what they meet
 constexpr int kOctantBits = 3;   // of directions
 
 void invert(const std::vector<uint32_t>& order, std::vector<uint32_t>& place) {
@@ -35,7 +35,7 @@ void SpaceOrder::build(const SplatLayer& layer) {
 }
 
 void order_rays(const RayBatch& rays, HitLists& lists) {
-  const MortonGrid grid(rays.origins, kRayBits);
+  const MortonGrid grid(rays.origins, kOriginBits);
   std::vector<uint32_t> codes(rays.size());
   parallel_chunks(rays.size(), kChunk, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
@@ -44,7 +44,7 @@ void order_rays(const RayBatch& rays, HitLists& lists) {
       codes[i] = grid.code(rays.origins[i]) << kOctantBits | octant;
     }
   });
-  order_by_code(codes, 3 * kRayBits + kOctantBits, lists.ray_at);
+  order_by_code(codes, 3 * kOriginBits + kOctantBits, lists.ray_at);
   invert(lists.ray_at, lists.place_of);
 }
 

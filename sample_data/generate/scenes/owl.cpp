@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sample_data/generate/paint.h"
 
 namespace vitrine::generate {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kEyeX = 0.043f, kEyeY = -0.090f, kEyeZ = 0.352f;
 
 // Rows of rounded feathers around the body, every second row shifted by half a feather, one colour each.

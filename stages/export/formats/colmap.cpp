@@ -8,7 +8,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const fs::path& folder) {
+std::vector<std::string> write_colmap(ExportSource& source, const fs::path& folder) {
   const fs::path sparse = source.sfm() / "sparse" / "0";
   std::vector<std::string> files;
   const auto copy = [&](const fs::path& from, const std::string& name) {
@@ -37,7 +37,7 @@ ExportFormat colmap_format() {
           "8-bit undistorted photos, pinhole cameras, poses, sparse points with tracks, binary and text; scene.json leads back "
           "to COLMAP's own frame",
       .loses = "linear photos, gains per view, everything that was trained",
-      .write = write};
+      .write = write_colmap};
 }
 
 }  // namespace vitrine

@@ -8,7 +8,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_environment(ExportSource& source, const std::filesystem::path& folder) {
   if (!source.relight()) return {};
   const std::string file = "environment.exr";
   link_or_copy(relight_environment_path(*source.relight()), folder / file);
@@ -22,7 +22,7 @@ ExportFormat environment_format() {
           .summary = "the light of the photos as lat-long EXR (when the relight stage ran)",
           .holds = "linear radiance in the units of the albedo, up = first row, +x of the scene in the centre",
           .loses = "light that is near: everything is infinitely far away; the axes option does not turn it",
-          .write = write};
+          .write = write_environment};
 }
 
 }  // namespace vitrine

@@ -15,7 +15,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_gaussians_glb(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "gaussians.glb";
   const ExportFrame frame = source.frame("rhyu");
   const SplatLayer layer = in_frame(source.preview(), frame);
@@ -75,7 +75,7 @@ ExportFormat gaussians_glb_format() {
       .holds = "what preview-3dgs holds; points with colours for viewers without the extension",
       .loses =
           "what preview-3dgs loses; the extension has no flat kernel (the third scale is 1e-6 scene units) and is not final yet",
-      .write = write};
+      .write = write_gaussians_glb};
 }
 
 }  // namespace vitrine

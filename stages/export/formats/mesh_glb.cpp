@@ -38,7 +38,7 @@ Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, 
   return m;
 }
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "mesh.glb";
   const PbrMesh& mesh = source.pbr_mesh();
   const ExportFrame frame = source.frame("rhyu");
@@ -91,7 +91,7 @@ ExportFormat mesh_glb_format() {
           .loses =
               "view dependence; what stands behind glass and was seen only through it (the mesh ends at the glass); refraction "
               "by thick glass; base colours above 1; without the relight stage the photos' light is part of the base colour",
-          .write = write};
+          .write = write_mesh_glb};
 }
 
 }  // namespace vitrine

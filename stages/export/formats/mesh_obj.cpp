@@ -14,7 +14,7 @@ Image8 channel(const Image8& image, int c) {
 }
 
 // The extensions Pr, Pm and norm for physically based materials are those that Blender and assimp write and read.
-std::string material(const std::string& name, bool glass) {
+std::string mtl_of(const std::string& name, bool glass) {
   std::string out = fmt::format("newmtl {}", name) + "\nKd 1 1 1\nKs 0.04 0.04 0.04\nNi 1.5\n";
   out += "map_Kd textures/obj/base_color.png\nPr 1\nmap_Pr textures/obj/roughness.png\nPm 1\nmap_Pm textures/obj/metallic.png\n";
   out += "norm textures/obj/normal.png\n";
@@ -23,7 +23,7 @@ std::string material(const std::string& name, bool glass) {
   return out;
 }
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_mesh_obj(ExportSource& source, const std::filesystem::path& folder) {
   const PbrMesh& pbr = source.pbr_mesh();
   const TriMesh mesh = in_frame(source.mesh(), source.frame());
   const bool mirrored = source.frame().mirrored();
@@ -45,7 +45,7 @@ std::vector<std::string> write(ExportSource& source, const std::filesystem::path
     }
   }
   write_file(folder / "mesh.obj", out);
-  write_file(folder / "mesh.mtl", material("opaque", false) + (pbr.glass.empty() ? std::string() : material("glass", true)));
+  write_file(folder / "mesh.mtl", mtl_of("opaque", false) + (pbr.glass.empty() ? std::string() : mtl_of("glass", true)));
 
   std::vector<std::string> files{"mesh.obj", "mesh.mtl"};
   const auto texture = [&](const char* name, const Image8& image) {
@@ -73,7 +73,7 @@ ExportFormat mesh_obj_format() {
           .loses =
               "view dependence, colours above 1; MTL has no texture for transmission (the picture lies beside it, the material "
               "is one for all glass) nor for the colour of reflections; large and slow to read",
-          .write = write};
+          .write = write_mesh_obj};
 }
 
 }  // namespace vitrine

@@ -26,7 +26,7 @@ void put(std::string& out, const Vec3f& v) {
   for (size_t c = 0; c < 3; ++c) put(out, v[c]);
 }
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_mesh_ply(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "mesh.ply";
   const TriMesh mesh = in_frame(source.mesh(), source.frame());
   const std::vector<SurfaceSample>& samples = source.vertex_samples();
@@ -69,7 +69,7 @@ ExportFormat mesh_ply_format() {
               "triangles, vertex normals, vertex colours (8-bit sRGB); reflectance f0, roughness, transmission per vertex, and "
               "the linear albedo when there is one",
           .loses = "view dependence, 8-bit colours above 1, detail between vertices",
-          .write = write};
+          .write = write_mesh_ply};
 }
 
 }  // namespace vitrine

@@ -33,7 +33,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
   return text;
 }
 
-std::string material(const std::string& name, bool glass) {
+std::string usd_material(const std::string& name, bool glass) {
   std::string out = R"(    def Material "{0}"
     {
       token outputs:surface.connect = </scene/materials/{0}/surface.outputs:surface>
@@ -80,7 +80,7 @@ std::string list(const Values& values, Format&& format) {
   return out + "]";
 }
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesystem::path& folder) {
   const PbrMesh& mesh = source.pbr_mesh();
   // A stage has an up axis and is right-handed: a left-handed frame would show a mirror image.
   ExportFrame frame = source.frame();
@@ -136,8 +136,8 @@ def Xform "scene"
     out += "      int[] indices = " + list(indices, [](uint32_t i) { return std::to_string(i); }) + "\n";
     out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name);
   }
-  out += "  }\n  def Scope \"materials\"\n  {\n" + material("opaque", false);
-  if (!mesh.glass.empty()) out += material("glass", true);
+  out += "  }\n  def Scope \"materials\"\n  {\n" + usd_material("opaque", false);
+  if (!mesh.glass.empty()) out += usd_material("glass", true);
   out += "  }\n}\n";
   write_file(folder / "mesh.usda", out);
 
@@ -164,7 +164,7 @@ ExportFormat mesh_usd_format() {
           "triangles, normals, texture coordinates; textures of base colour, metalness and roughness, normals; glass as "
           "opacity",
       .loses = "transmission as such and the colour of reflections (UsdPreviewSurface has neither), view dependence, Gaussians",
-      .write = write};
+      .write = write_mesh_usd};
 }
 
 }  // namespace vitrine

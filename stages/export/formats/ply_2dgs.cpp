@@ -6,7 +6,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_ply_2dgs(ExportSource& source, const std::filesystem::path& folder) {
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_2dgs.ply";
   write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
@@ -26,7 +26,7 @@ ExportFormat ply_2dgs_format() {
       .loses =
           "materials (f0, roughness, specular weight, transmission); programs that take colours as sRGB show the linear ones "
           "too dark: use ply-3dgs to look at the scene",
-      .write = write};
+      .write = write_ply_2dgs};
 }
 
 }  // namespace vitrine

@@ -7,7 +7,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesystem::path& folder) {
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_3dgs.ply";
   write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
@@ -29,7 +29,7 @@ ExportFormat ply_3dgs_format() {
           "linear radiance: the mean colour of a surfel is encoded exactly, its view dependence to first order, values above 1 "
           "are kept but clipped on display; viewers blend in sRGB and project ellipsoids approximately, so edges and half "
           "transparent parts differ slightly; materials",
-      .write = write};
+      .write = write_ply_3dgs};
 }
 
 }  // namespace vitrine

@@ -7,7 +7,7 @@
 namespace vitrine {
 namespace {
 
-std::vector<std::string> write(ExportSource& source, const std::filesystem::path& folder) {
+std::vector<std::string> write_preview_3dgs(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "preview_3dgs.ply";
   const ExportFrame frame = source.frame();
   write_gaussian_ply(
@@ -27,7 +27,7 @@ ExportFormat preview_3dgs_format() {
           .loses =
               "the layers; depth behind glass and mirrors, whose pictures stick to the surface and follow the eye only as far "
               "as the spherical harmonics can; linear radiance; materials",
-          .write = write};
+          .write = write_preview_3dgs};
 }
 
 }  // namespace vitrine

@@ -10,10 +10,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLowShare = 0.02, kHighShare = 0.98, kMargin = 0.1;  // the box: of the sparse points
-constexpr double kReach = 1.2;    // of the cameras' radius, which is 1: farther out nobody walked around it
-constexpr double kHidden = 0.93;  // a voxel farther than the fit's surface by more than this is not seen
-constexpr double kVotes = 0.3;    // of the views that see a voxel: so many must have an opinion
+constexpr double kLowShare = 0.02, kHighShare = 0.98, kBoxMargin = 0.1;  // the box: of the sparse points
+constexpr double kFarthest = 1.2;  // of the cameras' radius, which is 1: farther out nobody walked around it
+constexpr double kHidden = 0.93;   // a voxel farther than the fit's surface by more than this is not seen
+constexpr double kVotes = 0.3;     // of the views that see a voxel: so many must have an opinion
 constexpr size_t kFewestVotes = 5;
 constexpr double kQuantile = 0.4;      // three views in five agree that something deviates there
 constexpr size_t kSmallestThing = 30;  // voxels
@@ -34,15 +34,15 @@ std::optional<size_t> pixel_of(const View& view, const Vec3d& in_cam) {
 }
 
 VoxelGrid grid_of(const ViewSet& set, int cells) {
-  Vec3d low{-kReach, -kReach, -kReach}, high{kReach, kReach, kReach};
+  Vec3d low{-kFarthest, -kFarthest, -kFarthest}, high{kFarthest, kFarthest, kFarthest};
   for (size_t axis = 0; axis < 3 && !set.points.empty(); ++axis) {
     std::vector<double> along;
     for (const ScenePoint& p : set.points) along.push_back(p.position[axis]);
     std::sort(along.begin(), along.end());
     const double a = along[size_t(kLowShare * double(along.size() - 1))],
                  b = along[size_t(kHighShare * double(along.size() - 1))];
-    low[axis] = std::clamp(a - kMargin * (b - a), -kReach, kReach);
-    high[axis] = std::clamp(b + kMargin * (b - a), low[axis], kReach);
+    low[axis] = std::clamp(a - kBoxMargin * (b - a), -kFarthest, kFarthest);
+    high[axis] = std::clamp(b + kBoxMargin * (b - a), low[axis], kFarthest);
   }
   VoxelGrid grid{.low = low, .step = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-3}) / cells};
   grid.nx = int((high.x - low.x) / grid.step) + 1;

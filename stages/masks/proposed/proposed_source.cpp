@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kSoftEdge = 1.5f;    // pixels of the small photo: the voxels are no finer
+constexpr float kHullEdge = 1.5f;    // pixels of the small photo: the voxels are no finer
 constexpr double kFitShare = 0.8;    // of the work
 constexpr float kUnjudged = 0.3f;    // confidence where too few views see the point
 constexpr float kBackground = 0.8f;  // of "no": the thresholds let weak reflections go
@@ -71,7 +71,7 @@ std::optional<SoftMask> ProposedSource::at(size_t view) const {
       sure[i] = proposal_->told[view][i] ? kBackground : kUnjudged;
     }
   }
-  blur_planes(mask, k.width, k.height, kSoftEdge);
+  blur_planes(mask, k.width, k.height, kHullEdge);
   SoftMask soft{.value = ImageF(k.width, k.height, 1), .confidence = ImageF(k.width, k.height, 1)};
   std::copy(mask.begin(), mask.end(), soft.value.data().begin());
   std::copy(sure.begin(), sure.end(), soft.confidence.data().begin());
