@@ -52,9 +52,10 @@ Adam::Adam(const SplatLayer& shape, const AdamDesc& desc)
 }
 
 size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
-                  std::span<const float> damping) {
+                  const StepFactors& factors) {
   const size_t n = layer.size();
-  VITRINE_CHECK(damping.empty() || damping.size() == n, "{} surfels, {} dampings", n, damping.size());
+  for (std::span<const float> f : {factors.all, factors.shape})
+    VITRINE_CHECK(f.empty() || f.size() == n, "{} surfels, {} factors", n, f.size());
   VITRINE_CHECK(grad.size() == n && steps_.size() == n && active.size() == n,
                 "shapes differ: {} surfels, {} gradients, {} moments, {} flags", n, grad.size(), steps_.size(), active.size());
   const float b1 = static_cast<float>(desc_.beta1), b2 = static_cast<float>(desc_.beta2), epsilon = desc_.epsilon;
@@ -84,7 +85,9 @@ size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span
       const float rate = rates[static_cast<size_t>(r.id)];
       if (width == 0 || rate == 0) continue;
       for (size_t k = 0; k < count; ++k) {
-        const float own_rate = damping.empty() || !is_shape(r.id) ? rate : rate * damping[begin + k];
+        float own_rate = rate;
+        if (!factors.all.empty()) own_rate *= factors.all[begin + k];
+        if (!factors.shape.empty() && is_shape(r.id)) own_rate *= factors.shape[begin + k];
         std::fill_n(spread.step + k * width, width, own_rate * c1[k]);
         std::fill_n(spread.root + k * width, width, c2[k]);
         std::fill_n(spread.moves + k * width, width, moves[k]);
@@ -136,7 +139,8 @@ void Adam::load(ArchiveReader& in) {
   in.layer(v_);
   in.array(steps_);
   if (m_.size() != v_.size() || steps_.size() != m_.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "moments of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "moments of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 void keep_surfels(SplatLayer& layer, std::span<const uint32_t> kept) {

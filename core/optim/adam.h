@@ -19,6 +19,12 @@ struct AdamDesc {
   float epsilon = 1e-15f;  // tiny: gradients of means over an image are tiny themselves
 };
 
+// Factors on a surfel's step sizes, [n] or empty. (On the step and not on the gradient, whose scale Adam takes out again.)
+struct StepFactors {
+  std::span<const float> all = {};    // of every attribute
+  std::span<const float> shape = {};  // of geometry and opacity, on top
+};
+
 using AttributeRates = std::array<float, kAttributeCount>;  // 0 = the attribute is not trained
 
 class Adam {
@@ -26,10 +32,8 @@ class Adam {
   explicit Adam(const SplatLayer& shape, const AdamDesc& desc = {});
 
   // Moves the surfels with active[i] != 0. Returns how many were left alone because of a gradient that is not finite.
-  // `damping` [n] or empty: factor on a surfel's step sizes of geometry and opacity. (On the step and not on the gradient, whose
-  // scale Adam takes out again.)
   size_t step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
-              std::span<const float> damping = {});
+              const StepFactors& factors = {});
 
   size_t size() const { return steps_.size(); }
   void resize(size_t size);                        // new surfels start without history

@@ -25,6 +25,8 @@ enum : uint64_t {
 constexpr int kMaxCopies = 50;  // the binomial sums lose their digits beyond
 constexpr float kOpacityCeiling = 1 - 1e-6f, kOpacityFloor = 0.005f;
 constexpr double kErrorFloor = 0.1;   // of the mean error: surfels without error still attract a few copies
+constexpr float kShareDecay = 0.01f;  // a picture's part of SurfelAccumulator::share
+constexpr float kRarestShare = 1e-3f;
 constexpr double kSplitShrink = 1.6;  // 3DGS: children of a split are smaller by this
 // Halves of a divided surfel: their centres, in standard deviations of the parent's longer axis, and their scales. Two such
 // halves add up to the parent's profile along that axis within a quarter out to one and a half deviations.
@@ -97,6 +99,7 @@ void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, Densify
   if (config.strategy == "divide") {
     for (size_t k = 0; k < slots.size(); ++k) {
       divide(layer, parents[k], slots[k]);
+      target.accumulator.share[slots[k]] = target.accumulator.share[parents[k]];
       target.adam.forget(parents[k]);
       target.adam.forget(slots[k]);
     }
@@ -112,6 +115,7 @@ void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, Densify
   }
   for (size_t k = 0; k < slots.size(); ++k) {
     layer.copy_surfel(parents[k], slots[k]);
+    target.accumulator.share[slots[k]] = target.accumulator.share[parents[k]];
     target.adam.forget(slots[k]);
     Rng jitter(moment.seed, mix64(kJitterStream, mix64(moment.step, slots[k])));
     jitter_in_plane(layer, slots[k], static_cast<float>(config.jitter), jitter);
@@ -140,6 +144,7 @@ DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment
   if (grown > n) {
     layer.resize(grown);
     target.adam.resize(grown);
+    target.accumulator.share.resize(grown);
     slots.resize(grown - n);
     std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(n));
     copy_onto(config, moment, target, slots, cumulative, kGrowStream);
@@ -169,9 +174,11 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
   counts.added = wanted.size();
   layer.resize(n + wanted.size());
   target.adam.resize(layer.size());
+  target.accumulator.share.resize(layer.size());
   for (size_t k = 0; k < wanted.size(); ++k) {
     const size_t parent = wanted[k], child = n + k;
     layer.copy_surfel(parent, child);
+    target.accumulator.share[child] = target.accumulator.share[parent];
     float* log_scale = layer.at(Attribute::LogScale, parent);
     if (std::exp(std::max(log_scale[0], log_scale[1])) <= largest_clone) continue;  // a clone starts as the same surfel
     for (size_t half : {parent, child}) {
@@ -187,6 +194,7 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
   counts.removed = layer.size() - kept.size();
   keep_surfels(layer, kept);
   target.adam.keep_only(kept);
+  for (size_t to = 0; to < kept.size(); ++to) target.accumulator.share[to] = target.accumulator.share[kept[to]];
   return counts;
 }
 
@@ -218,16 +226,35 @@ void describe(Describer& d, DensifyConfig& c) {
   d.option("prune_opacity", c.prune_opacity, "Fainter surfels are dropped (classic).").range(0, 0.5);
 }
 
+namespace {
+
+float mean_share(const std::vector<float>& share) {
+  double sum = 0;
+  for (float s : share) sum += double(s);
+  return share.empty() ? 1.f : float(sum / double(share.size()));
+}
+
+}  // namespace
+
 void SurfelAccumulator::reset(size_t size) {
   weight.assign(size, 0.f);
   error.assign(size, 0.f);
   screen_gradient.assign(size, 0.f);
   seen.assign(size, 0);
+  share.resize(size, mean_share(share));
+}
+
+void SurfelAccumulator::rarity(float most, std::vector<float>& factor) const {
+  const float mean = mean_share(share);
+  factor.resize(share.size());
+  for (size_t i = 0; i < share.size(); ++i) factor[i] = std::clamp(mean / std::max(share[i], kRarestShare), 1.f, most);
 }
 
 void SurfelAccumulator::add(const SurfelStatistics& statistics) {
   for (size_t i = 0; i < seen.size(); ++i) {
-    if (!(statistics.weight[i] > 0)) continue;
+    const bool takes_part = statistics.weight[i] > 0;
+    share[i] += kShareDecay * (float(takes_part) - share[i]);
+    if (!takes_part) continue;
     weight[i] += statistics.weight[i];
     if (!statistics.error.empty()) error[i] += statistics.error[i];
     screen_gradient[i] += statistics.screen_gradient[i];
@@ -240,6 +267,7 @@ void SurfelAccumulator::save(ArchiveWriter& out) const {
   out.array(std::span<const float>(error));
   out.array(std::span<const float>(screen_gradient));
   out.array(std::span<const uint32_t>(seen));
+  out.array(std::span<const float>(share));
 }
 
 void SurfelAccumulator::load(ArchiveReader& in) {
@@ -247,8 +275,11 @@ void SurfelAccumulator::load(ArchiveReader& in) {
   in.array(error);
   in.array(screen_gradient);
   in.array(seen);
-  if (error.size() != weight.size() || screen_gradient.size() != weight.size() || seen.size() != weight.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "statistics of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+  in.array(share);
+  if (share.size() != weight.size() || error.size() != weight.size() || screen_gradient.size() != weight.size() ||
+      seen.size() != weight.size())
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "statistics of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 CopySplit copy_split(double opacity, int copies) {

@@ -34,12 +34,16 @@ struct DensifyConfig {
 };
 void describe(Describer& d, DensifyConfig& c);
 
-// Sums of the surfel statistics since the last densification.
+// Sums of the surfel statistics since the last densification, and what outlives it.
 struct SurfelAccumulator {
   std::vector<float> weight, error, screen_gradient;
   std::vector<uint32_t> seen;  // pictures in which the surfel had weight
+  std::vector<float> share;    // of the last pictures, about a hundred: those in which it had weight; copies inherit it
 
-  void reset(size_t size);
+  void reset(size_t size);  // the sums; new surfels share as many pictures as the mean of all
+  // How much longer than the others' the steps of a surfel are to be, so that what few photos show is learnt in as many steps
+  // as the rest: mean share / own share, in [1, most].
+  void rarity(float most, std::vector<float>& factor) const;
   void add(const SurfelStatistics& statistics);
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);

@@ -13,6 +13,9 @@ void describe(Describer& d, RatesConfig& c) {
       .range(1e-6, 1);
   d.option("end_factor", c.end_factor, "The other rates at the end of the run, relative to their start (exponential decay).")
       .range(1e-6, 1);
+  d.option("rarest", c.rarest,
+           "What fewer photos than the mean show is learnt in fewer steps; these are longer in that proportion, at most by this.")
+      .range(1, 100);
 }
 
 AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius) {

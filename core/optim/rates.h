@@ -17,6 +17,7 @@ struct RatesConfig {
     return r;
   }();
   double mean_end_factor = 0.02, end_factor = 1;
+  double rarest = 2;
 };
 
 void describe(Describer& d, RatesConfig& c);

@@ -9,6 +9,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/math/color.h"
 
 namespace vitrine {
 
@@ -45,6 +46,14 @@ PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side) {
     l.srgb = encoded(image);
   }
   return photo;
+}
+
+Vec3f linear_at(const PhotoLevel& photo, size_t pixel) {
+  const size_t pixels = photo.srgb.size() / 3;
+  Vec3f linear;
+  for (size_t c = 0; c < 3; ++c)
+    linear[c] = linear_from_srgb(float(photo.srgb[c * pixels + pixel]) / 65535.f) / float(photo.view.gain[c]);
+  return linear;
 }
 
 void decode(const PhotoLevel& level, std::vector<float>& srgb) {

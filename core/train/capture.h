@@ -36,6 +36,8 @@ struct Capture {
 
 // Pyramid of one photo. `linear` has the size of the view's intrinsics.
 PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side);
+// Scene-linear colour of a pixel, its photo's gain taken out.
+Vec3f linear_at(const PhotoLevel& photo, size_t pixel);
 // Planar [3,h,w] floats of a level.
 void decode(const PhotoLevel& level, std::vector<float>& srgb);
 

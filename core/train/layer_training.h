@@ -24,9 +24,10 @@ class LayerTraining {
  public:
   explicit LayerTraining(const SplatLayer& layer);
 
-  // One step of Adam on the surfels with weight in the picture. `damping` as in Adam::step.
+  // One step of Adam on the surfels with weight in the picture. `damping`: StepFactors::shape; `rarest`: most that the steps of
+  // what few pictures show grow by (SurfelAccumulator::rarity), 1 = all alike.
   DescentCounts descend(const SplatLayer& grad, const AttributeRates& rates, const SurfelStatistics& statistics,
-                        std::span<const float> damping, SplatLayer& layer);
+                        std::span<const float> damping, float rarest, SplatLayer& layer);
   // Relocation and growth when `now`, and the random walk of faint surfels (strength 0: none).
   struct Move {
     DensifyMoment moment;
@@ -34,6 +35,8 @@ class LayerTraining {
     float noise = 0;
   };
   void move(const DensifyConfig& config, const Move& move, SplatLayer& layer);
+  // Surfels were added behind the others: they start without history.
+  void grow(size_t size);
   // The layer was changed from outside: statistics and moments start over.
   void restart(const SplatLayer& layer);
 
@@ -47,6 +50,7 @@ class LayerTraining {
   SurfelAccumulator accumulator_;
   TrainCounts counts_;
   std::vector<uint8_t> active_;
+  std::vector<float> rarity_;
 };
 
 }  // namespace vitrine

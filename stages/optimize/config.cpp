@@ -37,6 +37,8 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.option("holdout_every", c.holdout_every, "Every how many photos one is kept from training for the evaluation; 0 = none.")
       .range(0, 100000);
+  d.option("fill_unseen", c.fill_unseen,
+           "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation.");
   d.option("preview_every", c.preview_every, "Steps between two preview pictures; 0 = only the last.").range(0, 10000000);
   d.option("checkpoint_every", c.checkpoint_every, "Steps between two checkpoints; 0 = only on interruption.")
       .range(0, 10000000)
@@ -66,7 +68,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 4,
+                 .version = 5,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},

@@ -81,12 +81,13 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   }
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
-  const std::vector<ScenePlane> planes = scene_planes(dense.photos, dense.maps);
+  dense.planes = scene_planes(dense.photos, dense.maps);
   std::vector<DepthMap> whole(dense.maps.size());
   parallel_for(dense.maps.size(), 1, [&](size_t v) {
     // What nobody confirms is chance, and there is no plane to continue.
     const std::vector<uint8_t>& trusted = dense.maps[v].trusted;
-    if (std::find(trusted.begin(), trusted.end(), 1) != trusted.end()) whole[v] = extended(dense.photos, dense.maps, planes, v);
+    if (std::find(trusted.begin(), trusted.end(), 1) != trusted.end())
+      whole[v] = extended(dense.photos, dense.maps, dense.planes, v);
   });
   dense.maps = std::move(whole);
   return dense;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/stereo/patch_match.h"
+#include "core/stereo/scene_planes.h"
 #include "core/train/capture.h"
 
 namespace vitrine {
@@ -12,6 +12,7 @@ namespace vitrine {
 struct DenseDepth {
   std::vector<StereoPhoto> photos;  // [capture.photos]; without a picture for held-out photos
   std::vector<DepthMap> maps;       // same order; empty where no other photo confirms a pixel
+  std::vector<ScenePlane> planes;   // the large ones
   double reliable_share() const;    // of all pixels
 };
 

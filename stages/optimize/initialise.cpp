@@ -7,7 +7,6 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
-#include "core/math/color.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/neighbours.h"
@@ -91,14 +90,12 @@ Seed pixel_seed(const PhotoLevel& photo, double x, double y, double z) {
   const Intrinsics& k = photo.view.intrinsics;
   const Rigid world_from_cam = inverse(photo.view.cam_from_world);
   const Vec3d position = world_from_cam * (z * k.ray(x, y));
-  const size_t pixels = photo.srgb.size() / 3;
   const size_t pixel = std::min<size_t>(static_cast<size_t>(y), size_t(k.height) - 1) * size_t(k.width) +
                        std::min<size_t>(static_cast<size_t>(x), size_t(k.width) - 1);
   Seed seed;
   seed.position = cast<float>(position);
   seed.normal = cast<float>(normalized(world_from_cam.translation - position));
-  for (size_t c = 0; c < 3; ++c)
-    seed.linear[c] = linear_from_srgb(float(photo.srgb[c * pixels + pixel]) / 65535.f) / float(photo.view.gain[c]);
+  seed.linear = linear_at(photo, pixel);
   return seed;
 }
 

@@ -47,7 +47,8 @@ size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, 
 
 // The trainer of the newest checkpoint; null when there is none that can be used.
 std::unique_ptr<Trainer> trainer_from(const fs::path& checkpoint, const TrainerSetup& setup, StageContext& context) {
-  auto trainer = std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0));
+  auto trainer =
+      std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0), std::vector<ScenePlane>{});
   try {
     if (!load_checkpoint(checkpoint, *trainer)) return nullptr;
   } catch (const Error& error) {
@@ -68,7 +69,7 @@ std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, StageCont
   SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse));
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);
-  return std::make_unique<Trainer>(setup, std::move(initial));
+  return std::make_unique<Trainer>(setup, std::move(initial), dense.planes);
 }
 
 size_t surfel_count(const SplatScene& scene) {

@@ -9,13 +9,15 @@
 #include "core/train/photo_order.h"
 #include "core/train/picture_step.h"
 #include "stages/optimize/layer_init.h"
+#include "stages/optimize/unseen.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr double kSceneRadius = 1;   // the sfm stage scales the ring of cameras to it
-constexpr double kNoiseScale = 5e5;  // MCMC: noise per unit of the position's rate
+constexpr double kSceneRadius = 1;    // the sfm stage scales the ring of cameras to it
+constexpr double kNoiseScale = 5e5;   // MCMC: noise per unit of the position's rate
+constexpr double kUnseenShare = 0.2;  // of all surfels: most that what no photo shows may take
 constexpr double kRecentLossDecay = 0.02;
 // Broken gradients: single ones happen at grazing surfels. A hundredth of all, or pictures without any surfel, ten steps in
 // a row, is a failing run.
@@ -26,11 +28,12 @@ Backend backend_of(const OptimizeConfig& config) { return config.backend == "ref
 
 }  // namespace
 
-Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial)
+Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes)
     : setup_(setup),
       densify_behind_glass_(setup.config.densify),
       model_(clock().image_options(setup.config.shading, backend_of(setup.config), setup.config.sh_degree)),
       scene_{.diffuse = std::move(initial)},
+      planes_(std::move(planes)),
       initial_surfels_(scene_.diffuse.size()) {
   // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
   densify_behind_glass_.idle_weight = 0;
@@ -73,6 +76,7 @@ uint32_t Trainer::photo_of_step() {
 
 void Trainer::step() {
   begin_phases();
+  fill_unseen();
   const uint32_t photo = photo_of_step();
   const double loss = descend(photo);
   if (!std::isfinite(loss))
@@ -151,7 +155,7 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     if (!diffuse && statistics.weight.empty()) continue;  // the pass had nothing to do
     const std::span<const float> damping = diffuse ? std::span<const float>(damping_) : std::span<const float>();
     const DescentCounts done = training(kind).descend(grad_.layer(kind), clock.rates(kind, config().rates, kSceneRadius),
-                                                      statistics, damping, scene_.layer(kind));
+                                                      statistics, damping, float(config().rates.rarest), scene_.layer(kind));
     const bool bad = (diffuse && done.active == 0) || double(done.skipped) > kBadShare * double(done.active);
     if (bad && !broken) worst = done;
     broken |= bad;
@@ -209,6 +213,25 @@ void Trainer::begin_phases() {
   if (!changed) return;
   training(LayerKind::Diffuse).restart(scene_.diffuse);  // other surfels, other attributes
   grad_ = scene_.zeros_like();
+}
+
+// When surfels are no longer moved, which would take away those that no photo needs. What a photo does see is trained on.
+void Trainer::fill_unseen() {
+  if (!config().fill_unseen || filled_ || fraction() < config().densify.until) return;
+  filled_ = 1;
+  const SplatLayer unseen =
+      unseen_surroundings(scene_.diffuse, setup_.capture, planes_, size_t(kUnseenShare * double(setup_.max_surfels)));
+  const size_t before = scene_.diffuse.size();
+  scene_.diffuse.resize(before + unseen.size());
+  for (size_t i = 0; i < unseen.size(); ++i)
+    for (const AttributeRow& r : kAttributes)
+      std::copy_n(unseen.at(r.id, i), std::min(unseen.width(r.id), scene_.diffuse.width(r.id)),
+                  scene_.diffuse.at(r.id, before + i));
+  unseen_surfels_ = unseen.size();
+  training(LayerKind::Diffuse).grow(scene_.diffuse.size());
+  grad_.diffuse.resize(scene_.diffuse.size());
+  log_info("step {}: {} surfels close gaps of the surroundings that no photo shows; their colours are guessed", step_,
+           unseen_surfels_);
 }
 
 void Trainer::record(double loss, double l1) {
@@ -270,6 +293,9 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(epoch_);
   out.array(std::span<const EpochRecord>(epochs_));
   out.value(begun_);
+  out.array(std::span<const ScenePlane>(planes_));
+  out.value(filled_);
+  out.value(unseen_surfels_);
   for (LayerKind kind : kAllLayers) {
     out.layer(scene_.layer(kind));
     training(kind).save(out);
@@ -284,6 +310,9 @@ void Trainer::load(ArchiveReader& in) {
   in.value(epoch_);
   in.array(epochs_);
   in.value(begun_);
+  in.array(planes_);
+  in.value(filled_);
+  in.value(unseen_surfels_);
   bool fits = true;
   for (LayerKind kind : kAllLayers) {
     in.layer(scene_.layer(kind));
@@ -291,7 +320,8 @@ void Trainer::load(ArchiveReader& in) {
     fits &= scene_.layer(kind).kind() == kind && training(kind).size() == scene_.layer(kind).size();
   }
   if (!fits || !in.at_end())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
   grad_ = scene_.zeros_like();
 }
 

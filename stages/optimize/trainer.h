@@ -8,6 +8,7 @@
 
 #include "core/model/layered_model.h"
 #include "core/optim/archive.h"
+#include "core/stereo/scene_planes.h"
 #include "core/train/capture.h"
 #include "core/train/layer_training.h"
 #include "core/train/targets.h"
@@ -33,7 +34,8 @@ struct TrainerSetup {
 
 class Trainer {
  public:
-  Trainer(const TrainerSetup& setup, SplatLayer initial);
+  // `planes`: the large ones of the scene, where what no photo shows is guessed (unseen.h).
+  Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes);
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
   void step();
@@ -44,6 +46,7 @@ class Trainer {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return training(kind).counts(); }
   const LayerChoice& layers() const { return setup_.layers; }
+  size_t unseen_surfels() const { return unseen_surfels_; }      // for what no photo shows (unseen.h), beyond the cap
   size_t initial_surfels() const { return initial_surfels_; }    // that training started from
   static size_t cap(const TrainerSetup& setup, LayerKind kind);  // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
@@ -70,6 +73,7 @@ class Trainer {
   void set_up_passes() const;
   void point_at_masks();
   void begin_phases();
+  void fill_unseen();
   double descend(uint32_t photo);
   double blame(const PhotoLevel& photo);
   void weigh_pixels(const PhaseClock& clock);
@@ -84,7 +88,9 @@ class Trainer {
   SplatScene scene_, grad_;
   std::vector<LayerTraining> training_;    // [layer kind]
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
-  uint64_t initial_surfels_ = 0;
+  std::vector<ScenePlane> planes_;
+  uint8_t filled_ = 0;
+  uint64_t initial_surfels_ = 0, unseen_surfels_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients
   double recent_loss_ = 0;

@@ -93,7 +93,7 @@ void FineTune::update() {
     if (statistics.weight.empty()) continue;  // the pass had nothing to do
     training_[static_cast<size_t>(kind)].descend(grad_.layer(kind), rates, statistics,
                                                  diffuse ? std::span<const float>(damping_) : std::span<const float>(),
-                                                 scene_.layer(kind));
+                                                 float(config_.rates.rarest), scene_.layer(kind));
   }
 }
 
@@ -136,7 +136,8 @@ void FineTune::load(ArchiveReader& in) {
     mean_.layer(kind) = std::move(mean);
   }
   if (!fits || !in.at_end())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 }  // namespace vitrine

@@ -110,7 +110,7 @@ void layered_training_step(benchmark::State& state) {
                    .targets = targets,
                    .layers = {.reflection = true, .transmittance = true},
                    .max_surfels = kAll},
-                  box_with_ball(kDiffuse));
+                  box_with_ball(kDiffuse), {});
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 2))
     return state.SkipWithError("the first step gave an impossible loss");
@@ -141,7 +141,7 @@ void whole_training_step(benchmark::State& state) {
   Targets targets;  // nobody says anything about any photo
   targets.photos.resize(capture.photos.size());
   Trainer trainer({.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = surfels},
-                  box_with_ball(surfels));
+                  box_with_ball(surfels), {});
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 1)) {
     state.SkipWithError("the first step gave an impossible loss");

@@ -156,5 +156,24 @@ TEST(Rates, MeanDecaysInUnitsOfTheRadius) {
   EXPECT_FLOAT_EQ(rates_at(config, 1, 7)[opacity], config.rate[opacity]);
 }
 
+TEST(Adam, FactorsScaleStepsAndThoseOfShapeLeaveAppearanceAlone) {
+  const SplatLayer start = random_layer(3, 1), grad = random_layer(3, 2);
+  const std::vector<uint8_t> active(3, 1);
+  SplatLayer plain = start, scaled = start;
+  Adam(start).step(grad, some_rates(), active, plain);
+  const std::vector<float> all{1, 2, 3}, shape{1, 0.5f, 0};
+  Adam(start).step(grad, some_rates(), active, scaled, {.all = all, .shape = shape});
+  for (const AttributeRow& r : kAttributes) {
+    const bool is_shape =
+        r.id == Attribute::Mean || r.id == Attribute::Rotation || r.id == Attribute::LogScale || r.id == Attribute::Opacity;
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t c = 0; c < start.width(r.id); ++c) {
+        const float factor = all[i] * (is_shape ? shape[i] : 1), step = plain.at(r.id, i)[c] - start.at(r.id, i)[c];
+        EXPECT_NEAR(scaled.at(r.id, i)[c] - start.at(r.id, i)[c], factor * step, 1e-6) << r.name;
+        EXPECT_NE(step, 0);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace vitrine

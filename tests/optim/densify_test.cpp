@@ -53,6 +53,39 @@ TEST(CopySplit, OneCopyIsTheSurfelItself) {
   EXPECT_NEAR(copy_split(0.4, 1).scale_factor, 1, 1e-12);
 }
 
+TEST(SurfelAccumulator, WhatFewPicturesShowIsRareAndSoAreItsCopies) {
+  constexpr size_t kSurfels = 40, kRare = 4;
+  SurfelAccumulator accumulator;
+  accumulator.reset(kSurfels);
+  SurfelStatistics statistics;
+  statistics.weight.resize(kSurfels);
+  statistics.screen_gradient.resize(kSurfels);
+  std::vector<float> factor;
+  accumulator.rarity(4, factor);
+  for (float f : factor) EXPECT_EQ(f, 1) << "nothing is known yet";
+  for (int picture = 0; picture < 600; ++picture) {
+    std::fill(statistics.weight.begin(), statistics.weight.end(), 1.f);
+    for (size_t i = 0; i < kRare; ++i) statistics.weight[i] = picture % 2 == 0 ? 1.f : 0.f;  // every other picture
+    statistics.weight[kRare] = picture % 50 == 0 ? 1.f : 0.f;                                // hardly any
+    accumulator.add(statistics);
+  }
+  accumulator.rarity(4, factor);
+  for (size_t i = 0; i < kRare; ++i) EXPECT_NEAR(factor[i], 1.86, 0.1);  // mean share (4/2 + 1/50 + 35) / 40 over a half
+  EXPECT_EQ(factor[kRare], 4);
+  for (size_t i = kRare + 1; i < kSurfels; ++i) EXPECT_EQ(factor[i], 1);
+
+  SplatLayer layer = random_layer(kSurfels);
+  Adam adam(layer);
+  for (size_t i = 0; i < kSurfels; ++i) accumulator.error[i] = i < kRare ? 1.f : 0.f;
+  for (size_t i = kRare; i < kSurfels; ++i) *layer.at(Attribute::Opacity, i) = logit(0.02f);
+  densify({.growth = 1.5}, {.cap = 60}, {layer, adam, accumulator});
+  ASSERT_EQ(layer.size(), 60u);
+  accumulator.rarity(4, factor);
+  size_t rare = 0;
+  for (size_t i = kSurfels; i < 60; ++i) rare += factor[i] > 1.3f;
+  EXPECT_GT(rare, 15u) << "nearly all copies have rare parents";
+}
+
 TEST(Mcmc, MovesTheDeadAndGrowsToTheCapOnly) {
   SplatLayer layer = random_layer(100);
   for (size_t i = 0; i < 10; ++i) *layer.at(Attribute::Opacity, i) = logit(0.004f);
@@ -119,7 +152,7 @@ TEST(Divide, HalvesLieAlongTheLongerAxisAndAddUpToTheParent) {
   EXPECT_NEAR(at[0] + at[1], 0, 1e-5);
   for (double x = -1.5 * sigma; x <= 1.5 * sigma; x += 0.1 * sigma) {
     const auto profile = [&](double centre, double s) { return std::exp(-0.5 * (x - centre) * (x - centre) / (s * s)); };
-    EXPECT_NEAR(profile(at[0], half) + profile(at[1], half), profile(0, sigma), 0.25) << x / sigma;   // worst seen 0.21
+    EXPECT_NEAR(profile(at[0], half) + profile(at[1], half), profile(0, sigma), 0.25) << x / sigma;  // worst seen 0.21
   }
 }
 

@@ -277,7 +277,7 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
   ASSERT_EQ(capture.train.size(), 1u);
   const Targets targets = load_targets(capture, std::nullopt, std::nullopt);
   const TrainerSetup setup{.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = 700};
-  Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600));
+  Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600), {});
   std::vector<double> losses;
   for (int step = 0; step < 10; ++step) {
     trainer.step();

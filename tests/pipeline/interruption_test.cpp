@@ -37,7 +37,8 @@ class Interruption : public Sandbox {
 TEST_F(Interruption, EverySignalLeavesACheckpointAndARerunGivesTheSameBytes) {
   ASSERT_EQ(call(slow_run()).exit, 0);
   const auto whole = digests();
-  for (const auto& [signal, code] : std::vector<std::pair<int, int>>{{SIGINT, 130}, {SIGTERM, 75}, {SIGUSR1, 75}, {SIGKILL, 128 + SIGKILL}}) {
+  for (const auto& [signal, code] :
+       std::vector<std::pair<int, int>>{{SIGINT, 130}, {SIGTERM, 75}, {SIGUSR1, 75}, {SIGKILL, 128 + SIGKILL}}) {
     fs::remove_all(out());
     const pid_t child = start(slow_run());
     wait_for_checkpoint();
@@ -61,7 +62,8 @@ TEST_F(Interruption, AStageThatTakesTooMuchMemoryKeepsItsCheckpointAndSaysWhatTo
   words.insert(words.end(), {"--set", "collect.memory_mb=300", "--max-memory", "150MiB"});
   const Outcome o = call(words);
   EXPECT_EQ(o.exit, 6) << o.text;
-  EXPECT_TRUE(o.has("error: stage 'collect' needs more memory than it may take\n  where  --max-memory 150 MiB\n  why    it holds "))
+  EXPECT_TRUE(
+      o.has("error: stage 'collect' needs more memory than it may take\n  where  --max-memory 150 MiB\n  why    it holds "))
       << o.text;
   EXPECT_TRUE(o.has("\n  try    a larger ")) << o.text;
   expect_nothing_finished();

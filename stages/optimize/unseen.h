@@ -1,0 +1,20 @@
+// What no photo shows, because it lies beyond the edges of all of them or something hides it: a view from a new place would
+// look there into nothing. The large planes of the scene (walls, floor, table) go on there: their cells that no photo sees, and
+// through which no photo looks, take the smoothest continuation of the colours around (Laplace's equation), up to a short way
+// from the last cell that is seen. A guess, and of colours alone: what stands there nobody knows.
+#pragma once
+
+#include <span>
+
+#include "core/scene/splat_scene.h"
+#include "core/stereo/scene_planes.h"
+#include "core/train/capture.h"
+
+namespace vitrine {
+
+// Surfels for the diffuse layer as it has been trained, of one colour from all sides, materials as at the start of training; at
+// most `most`, coarser where that is needed.
+SplatLayer unseen_surroundings(const SplatLayer& diffuse, const Capture& capture, std::span<const ScenePlane> planes,
+                               size_t most);
+
+}  // namespace vitrine

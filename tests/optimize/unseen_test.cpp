@@ -1,0 +1,113 @@
+// Two photos look straight down at a floor, a red part and a blue one; between and around them nobody looks.
+#include "stages/optimize/unseen.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/optimize/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using testing::add_surfel;
+
+constexpr Vec3f kRed{0.8f, 0.1f, 0.1f}, kBlue{0.1f, 0.1f, 0.8f};
+constexpr double kHalfWidth = 0.4, kHalfHeight = 0.3, kAside = 0.8;  // what a photo sees of the floor, a unit below
+
+struct TwoPhotos {
+  Capture capture;
+  SplatLayer trained{LayerKind::Diffuse, 0, 0};
+  std::vector<ScenePlane> planes{{.normal = {0, 0, 1}, .offset = -1}};
+
+  // `right_depth`: how far below the right camera the surface is that it sees.
+  explicit TwoPhotos(double right_depth = 1) {
+    for (int side : {-1, 1}) {
+      View view;
+      view.name = side < 0 ? "left.png" : "right.png";
+      view.intrinsics = {128, 96, 160, 160, 64, 48};
+      const Vec3d eye{kAside * side, 0, 0};
+      view.cam_from_world = inverse(Rigid{Mat3d{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, eye});
+      view.gain = {1, 1, 1};
+      ImageF photo(128, 96, 3);
+      const Vec3f color = side < 0 ? kRed : kBlue;
+      for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] = color[i % 3];
+      capture.view_set.views.push_back(view);
+      capture.photos.push_back(make_photo(view, photo, 0));
+      capture.train.push_back(uint32_t(capture.train.size()));
+      const double depth = side < 0 ? 1 : right_depth;
+      for (double y = -0.5 * depth; y <= 0.5 * depth; y += 0.03)
+        for (double x = -0.5 * depth; x <= 0.5 * depth; x += 0.03)
+          add_surfel(trained, {kAside * side + x, y, -depth}, {0, 0, 1}, 0.03, color);
+    }
+  }
+
+  SplatLayer fill(size_t most = 100000) const { return unseen_surroundings(trained, capture, planes, most); }
+};
+
+Vec3f position(const SplatLayer& layer, size_t i) {
+  const float* p = layer.at(Attribute::Mean, i);
+  return {p[0], p[1], p[2]};
+}
+// Of the surfels that cover a place, the one in its middle.
+Vec3f color_at(const SplatLayer& layer, double x, double y) {
+  Vec3f color{-1, -1, -1};
+  double nearest = 1e30;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const Vec3f p = position(layer, i);
+    const double scale = std::exp(double(layer.at(Attribute::LogScale, i)[0])), distance = std::hypot(p.x - x, p.y - y);
+    if (distance > 2 * scale || distance / scale > nearest) continue;
+    nearest = distance / scale;
+    for (size_t c = 0; c < 3; ++c) color[c] = 0.5f + kShDc * layer.at(Attribute::ShDc, i)[c];
+  }
+  return color;
+}
+
+TEST(Unseen, TheFloorGoesOnBetweenThePhotosWithColoursBetweenTheirs) {
+  const TwoPhotos scene;
+  const SplatLayer fill = scene.fill();
+  ASSERT_GT(fill.size(), 50u);
+  for (size_t i = 0; i < fill.size(); ++i) {
+    const Vec3f p = position(fill, i);
+    EXPECT_NEAR(p.z, -1.02, 1e-3) << "a little behind the floor";
+    const bool seen = std::abs(std::abs(p.x) - kAside) < kHalfWidth - 0.03 && std::abs(p.y) < kHalfHeight - 0.03;
+    EXPECT_FALSE(seen) << p.x << ' ' << p.y;
+    EXPECT_LT(std::abs(p.x), kAside + kHalfWidth + 0.55) << "too far from what was seen";
+  }
+  const Vec3f left = color_at(fill, -0.3, 0), middle = color_at(fill, 0, 0), right = color_at(fill, 0.3, 0);
+  for (size_t c : {0, 2}) EXPECT_NEAR(middle[c], 0.45, 0.08);
+  EXPECT_GT(left.x, middle.x + 0.1);
+  EXPECT_LT(left.z, middle.z - 0.1);
+  EXPECT_LT(right.x, middle.x - 0.1);
+  EXPECT_NEAR(color_at(fill, -kAside, 0.45).x, kRed.x, 0.05) << "beside one photo alone";
+}
+
+TEST(Unseen, NothingIsPutWhereAPhotoLooksThrough) {
+  const TwoPhotos scene(2);  // the right photo sees another floor, far below
+  const SplatLayer fill = scene.fill();
+  ASSERT_GT(fill.size(), 50u);
+  for (size_t i = 0; i < fill.size(); ++i) {
+    const Vec3f p = position(fill, i);
+    EXPECT_FALSE(std::abs(p.x - kAside) < kHalfWidth && std::abs(p.y) < kHalfHeight) << p.x << ' ' << p.y;
+  }
+  EXPECT_NEAR(color_at(fill, -0.2, 0).x, kRed.x, 0.05) << "only red is seen of this floor";
+}
+
+TEST(Unseen, IsCoarserWhereFewSurfelsAreAllowed) {
+  const TwoPhotos scene;
+  const size_t fine = scene.fill().size(), few = scene.fill(fine / 3).size();
+  EXPECT_GT(few, 10u);
+  EXPECT_LE(few, fine / 3);
+  EXPECT_EQ(scene.fill(0).size(), 0u);
+}
+
+TEST(Unseen, WithoutAPlaneThereIsNothingToContinue) {
+  TwoPhotos scene;
+  scene.planes = {{.normal = {0, 0, 1}, .offset = -0.5}};  // nobody sees anything there
+  EXPECT_EQ(scene.fill().size(), 0u);
+  scene.planes.clear();
+  EXPECT_EQ(scene.fill().size(), 0u);
+}
+
+}  // namespace
+}  // namespace vitrine
