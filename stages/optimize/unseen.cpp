@@ -28,6 +28,7 @@ constexpr int kLargest = 16;      // cells along the side of a surfel that has n
 constexpr double kBehind = 0.02;  // the plane, so that nothing seen is hidden
 constexpr double kCover = 0.75;   // scale of a surfel, of a cell
 constexpr float kOpacity = 0.95f;
+constexpr float kDull = 0.002f;  // specular weight and transmission: no rays for what is guessed
 
 // A training photo, and the z-depth [h,w] of what was trained, as it sees it; 0 = nothing there.
 struct SeenPhoto {
@@ -212,8 +213,10 @@ SplatLayer guessed_layer(std::span<const ScenePlane> planes, double cell, std::s
         layer.at(Attribute::ShDc, i)[c] = float((std::clamp(linear[c], 0.0, 1e4) - 0.5) / double(kShDc));
       }
       *layer.at(Attribute::Opacity, i) = logit(kOpacity);
-      for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
+      for (Attribute a : {Attribute::F0, Attribute::Roughness})
         std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
+      for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission})
+        *layer.at(a, i) = raw_value(row(a).activation, kDull);
     });
   }
   return layer;

@@ -12,7 +12,7 @@
 namespace vitrine {
 namespace {
 
-const fs::path kRoot = VITRINE_SOURCE_DIR;
+const fs::path kSources = VITRINE_SOURCE_DIR;
 
 struct Thrown {
   std::string place, kind, text;  // text: from the bracket that opens to the one that closes
@@ -42,7 +42,7 @@ size_t closing(const std::string& source, size_t begin) {
 std::vector<Thrown> errors_of_the_sources() {
   std::vector<Thrown> all;
   for (const char* folder : {"core", "stages", "pipeline"})
-    for (const auto& e : fs::recursive_directory_iterator(kRoot / folder)) {
+    for (const auto& e : fs::recursive_directory_iterator(kSources / folder)) {
       const std::string extension = e.path().extension().string();
       if (!e.is_regular_file() || (extension != ".h" && extension != ".cpp")) continue;
       const std::string source = read_file(e.path());
@@ -51,7 +51,7 @@ std::vector<Thrown> errors_of_the_sources() {
         const auto at = size_t(it->position());
         const size_t open = source.find('(', at), close = closing(source, open);
         const auto line = 1 + std::count(source.begin(), source.begin() + long(at), '\n');
-        all.push_back({fmt::format("{}:{}", e.path().lexically_relative(kRoot).string(), line), (*it)[1],
+        all.push_back({fmt::format("{}:{}", e.path().lexically_relative(kSources).string(), line), (*it)[1],
                        source.substr(open, close - open)});
       }
     }

@@ -72,6 +72,8 @@ TEST(Unseen, TheFloorGoesOnBetweenThePhotosWithColoursBetweenTheirs) {
     EXPECT_NEAR(p.z, -1.02, 1e-3) << "a little behind the floor";
     const bool seen = std::abs(std::abs(p.x) - kAside) < kHalfWidth - 0.03 && std::abs(p.y) < kHalfHeight - 0.03;
     EXPECT_FALSE(seen) << p.x << ' ' << p.y;
+    for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission})
+      EXPECT_LT(sigmoid(*fill.at(a, i)), 0.01f) << "what is guessed is neither mirror nor glass";
     EXPECT_LT(std::abs(p.x), kAside + kHalfWidth + 0.55) << "too far from what was seen";
   }
   const Vec3f left = color_at(fill, -0.3, 0), middle = color_at(fill, 0, 0), right = color_at(fill, 0.3, 0);
