@@ -26,7 +26,6 @@ constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that 
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
-constexpr float kDull = 0.002f;                    // specular weight and transmission outside the masks: send no rays
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
 constexpr float kBehindGlass = 0.9f;

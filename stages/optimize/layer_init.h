@@ -13,6 +13,9 @@
 
 namespace vitrine {
 
+// Specular weight and transmission of what is neither mirror nor glass: it sends no rays.
+inline constexpr float kDull = 0.002f;
+
 struct LayerInitDesc {
   const OptimizeConfig& config;
   const Capture& capture;

@@ -9,6 +9,7 @@
 #include "core/model/diffuse_pass.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/initialise.h"
+#include "stages/optimize/layer_init.h"
 
 namespace vitrine {
 
@@ -28,7 +29,6 @@ constexpr int kLargest = 16;      // cells along the side of a surfel that has n
 constexpr double kBehind = 0.02;  // the plane, so that nothing seen is hidden
 constexpr double kCover = 0.75;   // scale of a surfel, of a cell
 constexpr float kOpacity = 0.95f;
-constexpr float kDull = 0.002f;  // specular weight and transmission: no rays for what is guessed
 
 // A training photo, and the z-depth [h,w] of what was trained, as it sees it; 0 = nothing there.
 struct SeenPhoto {
