@@ -24,7 +24,9 @@ void describe(Describer& d, InitialConfig& c) {
 
 void describe(Describer& d, OptimizeConfig& c) {
   d.option("iterations", c.iterations, "Training steps; each looks at one photo.").range(1, 10000000);
-  d.option("max_gaussians", c.max_gaussians, "Most surfels that all layers together may grow to.").range(1, 100000000);
+  d.option("max_gaussians", c.max_gaussians,
+           "Most surfels that all layers together may grow to; what no photo shows may take a fifth more.")
+      .range(1, 100000000);
   d.option(
        "layers", c.layers,
        "diffuse: opaque scenes; reflection: mirrors and gloss too; full: glass too; auto: what masks ask for that are not mere "

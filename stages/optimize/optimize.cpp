@@ -14,6 +14,7 @@
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/outputs.h"
+#include "stages/optimize/unseen.h"
 
 namespace vitrine {
 
@@ -32,7 +33,8 @@ size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, 
   if (limit == 0) return wanted;
   const size_t fixed =
       kBytesOfProgram + capture.memory_bytes + targets.memory_bytes + kBytesPerPixel * capture.largest_pixel_count;
-  const size_t possible = limit > fixed ? (limit - fixed) / kBytesPerSurfel : 0;
+  const size_t bytes_per_surfel = config.fill_unseen ? size_t((1 + kMostUnseen) * kBytesPerSurfel) : kBytesPerSurfel;
+  const size_t possible = limit > fixed ? (limit - fixed) / bytes_per_surfel : 0;
   if (possible >= wanted) return wanted;
   if (possible < std::min(kFewestSurfels, wanted))
     throw Error(ErrorKind::Resource, "the photos do not fit into the memory limit",

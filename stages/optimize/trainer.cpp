@@ -15,9 +15,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kSceneRadius = 1;    // the sfm stage scales the ring of cameras to it
-constexpr double kNoiseScale = 5e5;   // MCMC: noise per unit of the position's rate
-constexpr double kUnseenShare = 0.2;  // of all surfels: most that what no photo shows may take
+constexpr double kSceneRadius = 1;   // the sfm stage scales the ring of cameras to it
+constexpr double kNoiseScale = 5e5;  // MCMC: noise per unit of the position's rate
 constexpr double kRecentLossDecay = 0.02;
 // Broken gradients: single ones happen at grazing surfels. A hundredth of all, or pictures without any surfel, ten steps in
 // a row, is a failing run.
@@ -220,7 +219,7 @@ void Trainer::fill_unseen() {
   if (!config().fill_unseen || filled_ || fraction() < config().densify.until) return;
   filled_ = 1;
   const SplatLayer unseen =
-      unseen_surroundings(scene_.diffuse, setup_.capture, planes_, size_t(kUnseenShare * double(setup_.max_surfels)));
+      unseen_surroundings(scene_.diffuse, setup_.capture, planes_, size_t(kMostUnseen * double(setup_.max_surfels)));
   const size_t before = scene_.diffuse.size();
   scene_.diffuse.resize(before + unseen.size());
   for (size_t i = 0; i < unseen.size(); ++i)

@@ -12,6 +12,9 @@
 
 namespace vitrine {
 
+// Of the surfels that training may have: most that what no photo shows takes beyond them.
+inline constexpr double kMostUnseen = 0.2;
+
 // Surfels for the diffuse layer as it has been trained, of one colour from all sides, materials as at the start of training; at
 // most `most`, coarser where that is needed.
 SplatLayer unseen_surroundings(const SplatLayer& diffuse, const Capture& capture, std::span<const ScenePlane> planes,

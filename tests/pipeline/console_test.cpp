@@ -49,7 +49,7 @@ class Console : public Sandbox {
   }
   Outcome run_on_terminal(const std::vector<std::pair<const char*, const char*>>& more) {
     return on_terminal({"run", photos().string(), "-o", out().string(), "--force", "--set", "collect.repeat=30", "--set",
-                        "collect.step_ms=10", "--set", "collect.warn=true"},
+                        "collect.step_ms=40", "--set", "collect.warn=true"},
                        more);
   }
   // Columns of the widest line; what is redrawn on a line counts from its last return of the carriage.
