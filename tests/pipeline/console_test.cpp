@@ -131,7 +131,8 @@ TEST(EventsSchema, ChangesWithItsVersionOnly) {
   EXPECT_EQ(digests[kEventsVersion], sha256_hex(schema))
       << "the schema changed: raise kEventsVersion (core/base/events.h) and add a line to configs/events.digests";
   EXPECT_EQ(digests.rbegin()->first, kEventsVersion);
-  for (const auto& record : nlohmann::json::parse(schema).at("oneOf"))
+  const auto parsed = nlohmann::json::parse(schema);
+  for (const auto& record : parsed.at("oneOf"))
     EXPECT_EQ(record.at("properties").at("v").at("const"), kEventsVersion);
 }
 
