@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -24,6 +23,7 @@
 #include "stages/relight/light_solver.h"
 #include "stages/relight/marked_pixels.h"
 #include "stages/relight/metals.h"
+#include "stages/relight/painted_shell.h"
 #include "stages/relight/pictures.h"
 #include "stages/relight/point_grid.h"
 #include "stages/relight/spread.h"
@@ -36,7 +36,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kMaxAlbedo = 0.98f;
 constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
 constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
 constexpr float kMaxMasked = 0.5f;
@@ -117,24 +116,11 @@ class Decomposition {
                   {.why = fmt::format("{} points", points_.size()),
                    .hint = "look at optimize/previews; more points: relight.points",
                    .code = "NO_SURFACE"});
-    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : farthest_triangulated();
+    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
     around_ =
         surroundings(scene_.surfels.diffuse, {.inner = box_, .height = config_.panorama_height, .sky_distance = sky_distance_});
     shell_ = around_.shell();
     context_.timing("points", clock.seconds());
-  }
-
-  // What photos could triangulate is a surface; what lies clearly beyond all of it is sky.
-  float farthest_triangulated() const {
-    constexpr double kPercentile = 0.995;
-    constexpr float kBeyond = 1.25f;
-    if (sparse_.empty()) return std::numeric_limits<float>::max();
-    const Vec3f centre = cast<float>(box_.centre());
-    std::vector<float> distance;
-    for (const Vec3f& p : sparse_) distance.push_back(length(p - centre));
-    const auto at = distance.begin() + std::ptrdiff_t(kPercentile * double(distance.size() - 1));
-    std::nth_element(distance.begin(), at, distance.end());
-    return kBeyond * std::max(*at, float(0.5 * box_.diagonal()));
   }
 
   bool shows_sky(size_t surfel) const {
@@ -310,46 +296,14 @@ class Decomposition {
     return out;
   }
 
-  // The shell with the albedo of the nearest surfels in place of its radiance.
-  TriMesh painted_shell() const {
-    TriMesh shell = tops_.around.shell();
-    // Corners of the shell stand in the order of the texels with walls.
-    std::vector<Vec3f> shown;
-    for (size_t t = 0; t < tops_.source.size(); ++t)
-      if (tops_.around.wall[t]) {
-        const size_t from = tops_.source[t];
-        shown.push_back(around_.centre + around_.distance[from] * around_.direction(from));
-      }
-    std::vector<Vec3f> positions;
-    std::vector<uint32_t> index;
-    for (size_t i = 0; i < layer().size(); ++i) {
-      const float* p = layer().at(Attribute::Mean, i);
-      if (sigmoid(*layer().at(Attribute::Opacity, i)) < 0.5f) continue;
-      positions.push_back({p[0], p[1], p[2]});
-      index.push_back(uint32_t(i));
-    }
-    const float reach = float(4 * outer_voxel_);
-    const PointGrid grid(positions, reach / 2);
-    std::vector<PointGrid::Near> near;
-    for (size_t v = 0; v < shell.positions.size(); ++v) {
-      grid.nearest(shown[v], 6, reach, near);
-      Vec3f sum{};
-      for (const PointGrid::Near& n : near) sum += irradiance_[index[n.index]];
-      for (size_t c = 0; c < 3; ++c) {
-        const float e = near.empty() ? kPi : sum[c] / float(near.size());
-        shell.colors[v][c] = std::clamp(kPi * shell.colors[v][c] / std::max(1e-4f, e), 0.f, kMaxAlbedo);
-      }
-    }
-    return shell;
-  }
-
   void write() {
     step(0.9, "pictures and files");
     const fs::path& out = context_.output();
     make_folders(out / "relight");
     write_relight_materials(out, materials_);
     write_environment(relight_environment_path(out), Environment(environment()));
-    if (!shell_.faces.empty()) write_mesh_ply(relight_surroundings_path(out), painted_shell());
+    if (!shell_.faces.empty())
+      write_mesh_ply(relight_surroundings_path(out), painted_shell(tops_, layer(), irradiance_, float(4 * outer_voxel_)));
     const fs::path sfm = context_.input("sfm");
     const std::optional<double> baked = write_relight_pictures({.sfm_folder = sfm,
                                                                 .output = out,

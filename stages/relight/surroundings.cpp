@@ -70,6 +70,18 @@ TriMesh Surroundings::shell() const {
   return mesh;
 }
 
+float distance_to_sky(std::span<const Vec3f> triangulated, const Bounds3& inner) {
+  constexpr double kPercentile = 0.995;
+  constexpr float kBeyond = 1.25f;
+  if (triangulated.empty()) return std::numeric_limits<float>::max();
+  const Vec3f centre = cast<float>(inner.centre());
+  std::vector<float> distance;
+  for (const Vec3f& p : triangulated) distance.push_back(length(p - centre));
+  const auto at = distance.begin() + std::ptrdiff_t(kPercentile * double(distance.size() - 1));
+  std::nth_element(distance.begin(), at, distance.end());
+  return kBeyond * std::max(*at, float(0.5 * inner.diagonal()));
+}
+
 Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& desc) {
   Surroundings out;
   out.centre = cast<float>(desc.inner.centre());

@@ -4,6 +4,8 @@
 // Directions in which nothing stands, or nothing nearer than `sky_distance`, stay open: light comes from there.
 #pragma once
 
+#include <span>
+
 #include "core/math/rigid.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/scene/layers.h"
@@ -32,6 +34,10 @@ struct Surroundings {
   TriMesh shell() const;
   double wall_share() const;  // of the sphere
 };
+
+// What photos could triangulate is a surface; what lies clearly beyond all of it, seen from the middle of the mesh's box, is sky.
+// The largest float without a triangulated point.
+float distance_to_sky(std::span<const Vec3f> triangulated, const Bounds3& inner);
 
 Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& desc);
 

@@ -11,8 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kClosed =
-    0.75;  // share of the azimuths with an upper end of a wall and no sky over it: a room around the cameras
+constexpr double kClosed = 0.75;   // share of the azimuths with an upper end of a wall and no sky over it: a closed room
 constexpr size_t kEdgeTexels = 5;  // at the upper end of a wall, of which the median tells where it stands
 
 // The highest wall texel of a column with nothing but unseen directions above it.
