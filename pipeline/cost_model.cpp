@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/math/median.h"
+
 namespace vitrine {
 
 namespace {
@@ -117,6 +119,17 @@ struct Row {
 };
 
 }  // namespace
+
+void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize& capture) {
+  const auto [shorter, longer] = upper_median(std::move(sides));
+  capture.longest_px = longer;
+  capture.aspect = shorter / longer;
+}
+
+bool gives_masks(const Settings& settings) {
+  const Option* masks = settings.options.table.find("input.masks");
+  return masks != nullptr && !masks->text().empty() && masks->text() != "none";
+}
 
 std::optional<StageCost> stage_cost(const std::string& stage, const Settings& settings, const CaptureSize& capture, int threads) {
   static const Row kRows[] = {

@@ -20,6 +20,11 @@ struct CaptureSize {
   bool masks = false;           // given by the user: layers are trained
 };
 
+// Fills in the size of a typical photo: that of the one in the middle. `sides`: shorter and longer of each photo, not empty.
+void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize& capture);
+// Whether a run with these settings is given masks.
+bool gives_masks(const Settings& settings);
+
 struct StageCost {
   std::string name;
   double cpu_s = 0;

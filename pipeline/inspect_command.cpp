@@ -38,7 +38,7 @@ struct Subject {
 
 Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
-  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty()};
+  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty() && a.masks != "none"};
   std::error_code ec;
   if (s.masks && !fs::exists(a.masks, ec))
     throw Error(
@@ -54,8 +54,7 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   Settings settings(graph);
   settings.load({.project = *s.project});
   if (*s.project == what) s.photos = settings.text("input.photos");
-  if (const Option* masks = settings.options.table.find("input.masks"); masks != nullptr && a.masks.empty())
-    s.masks = !masks->text().empty() && masks->text() != "none";
+  if (a.masks.empty()) s.masks = gives_masks(settings);
   return s;
 }
 
@@ -73,7 +72,6 @@ Json photos_report(const Subject& subject, const InspectArguments& a) {
   return Json::parse(read_file(out / "inspect" / "report.json"));
 }
 
-// Typical size: that of the photo in the middle.
 CaptureSize capture_size(const Json& report, bool masks) {
   CaptureSize c{.photos = report["set"]["usable"],
                 .photographed_mpx = report["set"]["pixels"].get<double>() * 1e-6,
@@ -82,10 +80,7 @@ CaptureSize capture_size(const Json& report, bool masks) {
   std::vector<std::pair<double, double>> sides;
   for (const Json& p : report["photos"])
     if (p.contains("width")) sides.push_back(std::minmax(p["width"].get<double>(), p["height"].get<double>()));
-  std::nth_element(sides.begin(), sides.begin() + long(sides.size() / 2), sides.end());
-  const auto [shorter, longer] = sides[sides.size() / 2];
-  c.longest_px = longer;
-  c.aspect = shorter / longer;
+  take_typical_size(std::move(sides), c);
   return c;
 }
 

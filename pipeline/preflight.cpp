@@ -34,12 +34,8 @@ std::optional<CaptureSize> ingested_capture(const fs::path& project, const Setti
   }
   if (sides.empty()) return std::nullopt;
   c.photos = sides.size();
-  std::nth_element(sides.begin(), sides.begin() + long(sides.size() / 2), sides.end());
-  const auto [shorter, longer] = sides[sides.size() / 2];
-  c.longest_px = longer;
-  c.aspect = shorter / longer;
-  const Option* masks = settings.options.table.find("input.masks");
-  c.masks = masks != nullptr && !masks->text().empty() && masks->text() != "none";
+  take_typical_size(std::move(sides), c);
+  c.masks = gives_masks(settings);
   return c;
 }
 

@@ -131,9 +131,8 @@ void parallel_for(size_t n, size_t grain, const std::function<void(size_t)>& bod
 }
 
 void parallel_chunks(size_t n, size_t chunk_size, const std::function<void(size_t, size_t, size_t)>& body) {
-  parallel_for(chunk_count(n, chunk_size), 1, [&](size_t chunk) {
-    body(chunk, chunk * chunk_size, std::min(n, (chunk + 1) * chunk_size));
-  });
+  parallel_for(chunk_count(n, chunk_size), 1,
+               [&](size_t chunk) { body(chunk, chunk * chunk_size, std::min(n, (chunk + 1) * chunk_size)); });
 }
 
 }  // namespace vitrine

@@ -69,8 +69,9 @@ ProcessResult run_process(const ProcessDesc& desc) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (!desc.inherit_output) {
-    if (pipe2(pipe_fds, O_CLOEXEC) != 0) throw Error(ErrorKind::Resource, "cannot create a pipe",
-                                                    {.why = std::strerror(errno), .hint = "raise `ulimit -n`", .code = "NO_PIPE"});
+    if (pipe2(pipe_fds, O_CLOEXEC) != 0)
+      throw Error(ErrorKind::Resource, "cannot create a pipe",
+                  {.why = std::strerror(errno), .hint = "raise `ulimit -n`", .code = "NO_PIPE"});
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, pipe_fds[1], 1);
     posix_spawn_file_actions_adddup2(&actions, pipe_fds[1], 2);
@@ -166,7 +167,9 @@ std::string join_command(const std::vector<std::string>& arguments) {
   std::string out;
   for (const std::string& a : arguments) {
     if (!out.empty()) out += ' ';
-    const bool plain = !a.empty() && a.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%") == std::string::npos;
+    const bool plain =
+        !a.empty() &&
+        a.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%") == std::string::npos;
     if (plain) {
       out += a;
       continue;
@@ -202,8 +205,10 @@ void throw_if_interrupted() {
     std::lock_guard lock(stop_mutex);
     if (stop_reason) throw *stop_reason;
   }
-  if (signal == SIGINT) throw Error(ErrorKind::Interrupted, "interrupted", {.hint = "run the same command again to continue", .code = "INTERRUPTED"});
-  throw Error(ErrorKind::Preempted, "asked to stop by a signal", {.hint = "run the same command again to continue", .code = "PREEMPTED"});
+  if (signal == SIGINT)
+    throw Error(ErrorKind::Interrupted, "interrupted", {.hint = "run the same command again to continue", .code = "INTERRUPTED"});
+  throw Error(ErrorKind::Preempted, "asked to stop by a signal",
+              {.hint = "run the same command again to continue", .code = "PREEMPTED"});
 }
 
 }  // namespace vitrine

@@ -17,27 +17,27 @@ namespace vitrine {
 class Error;
 
 struct ProcessDesc {
-  std::vector<std::string> arguments;                     // [0] = program, looked up in PATH
+  std::vector<std::string> arguments;                                 // [0] = program, looked up in PATH
   std::vector<std::pair<std::string, std::string>> environment = {};  // added to ours
   fs::path working_folder = {};
-  fs::path log = {};                                      // when set, everything printed is also written here
-  std::function<void(std::string_view line)> on_line = {}; // stdout and stderr, in order of arrival
-  bool inherit_output = false;                            // child writes to our own stdout and stderr
-  bool forward_interrupts = true;                         // false: short work that is to be done although we were asked to stop
+  fs::path log = {};                                        // when set, everything printed is also written here
+  std::function<void(std::string_view line)> on_line = {};  // stdout and stderr, in order of arrival
+  bool inherit_output = false;                              // child writes to our own stdout and stderr
+  bool forward_interrupts = true;                           // false: short work that is to be done although we were asked to stop
 };
 
 struct ProcessResult {
-  int exit_code = 0;          // valid when signal == 0
-  int signal = 0;             // the signal that ended it
+  int exit_code = 0;  // valid when signal == 0
+  int signal = 0;     // the signal that ended it
   double seconds = 0;
   size_t peak_memory_bytes = 0;
-  std::string tail;           // the last lines printed (at most 4 KiB)
+  std::string tail;  // the last lines printed (at most 4 KiB)
   bool ok() const { return signal == 0 && exit_code == 0; }
 };
 
 // Throws Error{Dependency} when the program cannot be started.
 ProcessResult run_process(const ProcessDesc& desc);
-std::optional<fs::path> find_program(std::string_view name);   // through PATH
+std::optional<fs::path> find_program(std::string_view name);          // through PATH
 std::string join_command(const std::vector<std::string>& arguments);  // quoted for a person to paste
 
 // --- interruption ---------------------------------------------------------------------------------------------------

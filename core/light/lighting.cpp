@@ -146,7 +146,8 @@ void parse_lamps(std::string_view text, const std::string& name, Lighting& light
 void read_lamps(const fs::path& path, Lighting& lighting) {
   std::error_code ec;
   if (!fs::is_regular_file(path, ec))
-    throw Error(ErrorKind::Input, "there is no such file of lights", {.where = path.string(), .hint = "configs/lights has samples", .code = "MISSING_INPUT"});
+    throw Error(ErrorKind::Input, "there is no such file of lights",
+                {.where = path.string(), .hint = "configs/lights has samples", .code = "MISSING_INPUT"});
   parse_lamps(read_file(path), path.string(), lighting);
 }
 

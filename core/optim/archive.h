@@ -77,7 +77,8 @@ class ArchiveReader {
 
  private:
   [[noreturn]] static void fail() {
-    throw Error(ErrorKind::Input, "a checkpoint is damaged", {.why = "its sizes do not add up", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "its sizes do not add up", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
   }
   const char* take(size_t size) {
     if (size > bytes_.size() - position_) fail();

@@ -51,7 +51,8 @@ TrainedScene read_trained_scene(const fs::path& optimize, const std::optional<fs
     SplatLayer layer = read_layer(path);
     if (layer.kind() != kind)
       throw Error(ErrorKind::Input, "a scene file holds another layer than its name says",
-                  {.where = path.string(), .why = fmt::format("it holds the layer {}", name(layer.kind())),
+                  {.where = path.string(),
+                   .why = fmt::format("it holds the layer {}", name(layer.kind())),
                    .hint = "give the artifact as `vitrine run` wrote it",
                    .code = "BAD_SCENE"});
     trained.surfels.layer(kind) = std::move(layer);

@@ -306,9 +306,9 @@ class Evaluator {
   }
 
   void score_mesh(const fs::path& truth_mesh_path) {
-    const TriMesh truth = checked_truth_mesh(truth_mesh_path);
+    const TriMesh truth = read_truth_mesh(truth_mesh_path);
     const fs::path with_glass = truth_->folder() / "mesh.ply";
-    const TriMesh first_surface = fs::exists(with_glass) ? checked_truth_mesh(with_glass) : truth;
+    const TriMesh first_surface = fs::exists(with_glass) ? read_truth_mesh(with_glass) : truth;
     const TriMesh ours = transformed(read_mesh_ply(context_.input("mesh") / "mesh" / "mesh.ply"), *truth_from_ours());
     const std::vector<size_t> picked = spread(paired_.size(), size_t(config_.mesh_views));
     const auto view = [&](size_t i) {
@@ -331,13 +331,6 @@ class Evaluator {
       not_measured("truth.mesh.accuracy_rel", "no sample of our mesh lies where two views see the truth mesh");
     if (result_.truth->mesh->truth_samples == 0)
       not_measured("truth.mesh.completeness_rel", "no sample of the truth mesh is the first surface in two views");
-  }
-
-  static TriMesh checked_truth_mesh(const fs::path& path) {
-    TriMesh mesh = read_mesh_ply(path);
-    if (mesh.faces.empty())
-      throw Error(ErrorKind::Input, "the truth mesh has no triangles", {.where = path.string(), .hint = "mend the file, or --truth none", .code = "TRUTH_BAD_MESH"});
-    return mesh;
   }
 
   void not_measured(const std::string& key, const std::string& reason) {

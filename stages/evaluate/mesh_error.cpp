@@ -50,7 +50,8 @@ MeshError mesh_error(const TriMesh& ours, const TriMesh& truth, const TriMesh& f
   const SurfaceSamples our_samples = sample_surface(ours, desc.samples, desc.seed);
   const SurfaceSamples truth_samples = sample_surface(truth, desc.samples, desc.seed);
   if (!(result.diagonal > 0) || truth_samples.positions.empty())
-    throw Error(ErrorKind::Input, "the truth mesh has no surface", {.why = "its triangles have no area", .hint = "mend the file, or --truth none", .code = "TRUTH_BAD_MESH"});
+    throw Error(ErrorKind::Input, "the truth mesh has no surface",
+                {.why = "its triangles have no area", .hint = "mend the file, or --truth none", .code = "TRUTH_BAD_MESH"});
 
   struct Votes {
     uint16_t seen = 0, on_truth = 0;

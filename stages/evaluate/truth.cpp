@@ -8,6 +8,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/mesh/mesh_io.h"
 #include "stages/evaluate/alignment.h"
 
 namespace vitrine {
@@ -63,7 +64,8 @@ ImageF at_size(const ImageF& image, const Intrinsics& k) {
 
 Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::move(folder)) {
   if (!fs::is_directory(folder_))
-    throw Error(ErrorKind::Input, "the truth is not a folder", {.where = folder_.string(), .hint = "give a folder, or --truth none", .code = "TRUTH_NOT_A_FOLDER"});
+    throw Error(ErrorKind::Input, "the truth is not a folder",
+                {.where = folder_.string(), .hint = "give a folder, or --truth none", .code = "TRUTH_NOT_A_FOLDER"});
   cameras_.resize(views.size());
   turns_.resize(views.size(), Mat3d::identity());
   for (const View& v : views) stems_.push_back(v.stem());
@@ -203,6 +205,14 @@ std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& in
       out.at(x, y) = sum > kMaskLevel * kMaskSubsamples * kMaskSubsamples ? 1.f : 0.f;
     }
   return out;
+}
+
+TriMesh read_truth_mesh(const fs::path& path) {
+  TriMesh mesh = read_mesh_ply(path);
+  if (mesh.faces.empty())
+    throw Error(ErrorKind::Input, "the truth mesh has no triangles",
+                {.where = path.string(), .hint = "mend the file, or --truth none", .code = "TRUTH_BAD_MESH"});
+  return mesh;
 }
 
 }  // namespace vitrine

@@ -14,6 +14,7 @@
 #include "core/camera/mask_files.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
+#include "core/mesh/tri_mesh.h"
 
 namespace vitrine {
 
@@ -72,6 +73,9 @@ class Truth {
   std::vector<std::optional<View>> cameras_;
   std::vector<Mat3d> turns_;  // truth's camera frame from ours
 };
+
+// Throws Error{Input} when it has no triangles.
+TriMesh read_truth_mesh(const std::filesystem::path& path);
 
 // Nearest sample of `map` along each pixel's ray; 0 outside the map.
 ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics, const Intrinsics& ours,

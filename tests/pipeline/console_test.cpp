@@ -132,8 +132,7 @@ TEST(EventsSchema, ChangesWithItsVersionOnly) {
       << "the schema changed: raise kEventsVersion (core/base/events.h) and add a line to configs/events.digests";
   EXPECT_EQ(digests.rbegin()->first, kEventsVersion);
   const auto parsed = nlohmann::json::parse(schema);
-  for (const auto& record : parsed.at("oneOf"))
-    EXPECT_EQ(record.at("properties").at("v").at("const"), kEventsVersion);
+  for (const auto& record : parsed.at("oneOf")) EXPECT_EQ(record.at("properties").at("v").at("const"), kEventsVersion);
 }
 
 TEST_F(Console, RunJsonTellsWhatWasRunOnWhatAndHowLong) {

@@ -307,7 +307,8 @@ std::unique_ptr<Renderer> make_cpu_renderer(Simd simd) {
     const char* wish = std::getenv("VITRINE_SIMD");
     const std::string_view word = wish ? wish : "";
     if (!word.empty() && word != "avx2" && word != "avx512")
-      throw Error(ErrorKind::Usage, "VITRINE_SIMD must be avx2 or avx512", {.why = "it is '" + std::string(word) + "'", .hint = "unset VITRINE_SIMD", .code = "BAD_SIMD"});
+      throw Error(ErrorKind::Usage, "VITRINE_SIMD must be avx2 or avx512",
+                  {.why = "it is '" + std::string(word) + "'", .hint = "unset VITRINE_SIMD", .code = "BAD_SIMD"});
     simd = word == "avx2" ? Simd::Avx2 : word == "avx512" || machine_has(Simd::Avx512) ? Simd::Avx512 : Simd::Avx2;
   }
   if (!machine_has(simd))

@@ -94,10 +94,11 @@ void GlbFile::write(const std::filesystem::path& path) {
   pad(text, ' ');
   const size_t total = 12 + 8 + text.size() + 8 + binary_.size();
   if (total > 0xffffffffu)
-    throw Error(
-        ErrorKind::Resource, "the scene is too large for a GLB file",
-        {.where = path.string(), .why = "the format ends at 4 GiB", .hint = "a smaller export.texture_size or mesh.faces",
-         .code = "GLB_TOO_LARGE"});
+    throw Error(ErrorKind::Resource, "the scene is too large for a GLB file",
+                {.where = path.string(),
+                 .why = "the format ends at 4 GiB",
+                 .hint = "a smaller export.texture_size or mesh.faces",
+                 .code = "GLB_TOO_LARGE"});
   std::string bytes = "glTF";
   append_u32(bytes, 2);
   append_u32(bytes, uint32_t(total));

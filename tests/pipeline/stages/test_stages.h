@@ -10,9 +10,9 @@
 namespace vitrine::test_stages {
 
 struct CollectConfig {
-  int repeat = 1;           // steps; each appends the whole list once
-  int step_ms = 0;          // pause per step
-  int memory_mb = 0;        // held from the middle on
+  int repeat = 1;     // steps; each appends the whole list once
+  int step_ms = 0;    // pause per step
+  int memory_mb = 0;  // held from the middle on
   bool warn = false;
   std::string fail = "no";  // how to fail after half of the steps
   std::string label;
