@@ -10,8 +10,8 @@ namespace vitrine {
 namespace {
 
 constexpr int kCoarse = 48;            // first look at the whole cube
-constexpr int kBlurPasses = 3;         // of a 3-voxel box: a bell of about 1.4 voxels
 constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
+constexpr float kInFront = 0.98f;      // a thing nearer than this part of a point's depth hides it
 constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
 constexpr double kSeenBy = 0.35;       // share of the photos that must see a voxel: a hull of few photos is no hull
 
@@ -47,13 +47,19 @@ std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, con
           const Intrinsics& k = m.view.intrinsics;
           const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
           if (!(u >= 0 && v >= 0 && u < m.mask.width() && v < m.mask.height())) continue;
-          ++seen;
-          bool inside = m.mask.at(int(u), int(v)) >= 0.5f;
+          const float value = m.mask.at(int(u), int(v));
+          if (value < 0) continue;
+          bool inside = value >= 0.5f;
           if (const int r = int(std::ceil(slack * grid.voxel * k.fx / p.z)); !inside && slack > 0)
             for (int dy = -r; dy <= r && !inside; ++dy)
               for (int dx = -r; dx <= r && !inside; ++dx)
                 inside = m.mask.at(std::clamp(int(u) + dx, 0, m.mask.width() - 1),
                                    std::clamp(int(v) + dy, 0, m.mask.height() - 1)) >= 0.5f;
+          if (!inside && !m.zdepth.empty()) {
+            const float z = m.zdepth.at(int(u), int(v));
+            if (z > 0 && z < kInFront * float(p.z)) continue;
+          }
+          ++seen;
           outside += !inside;
         }
         if (seen >= needed && double(outside) <= desc.dissent * double(seen)) field[grid.index(x, y, int(z))] = 1;
@@ -105,10 +111,10 @@ Bounds3 occupied(const std::vector<float>& field, const Grid& grid) {
   return bounds;
 }
 
-void blur(std::vector<float>& field, const Grid& grid) {
+void blur(std::vector<float>& field, const Grid& grid, int passes) {
   const size_t stride[3] = {1, size_t(grid.size[0]), size_t(grid.size[0]) * size_t(grid.size[1])};
   std::vector<float> out(field.size());
-  for (int pass = 0; pass < kBlurPasses; ++pass)
+  for (int pass = 0; pass < passes; ++pass)
     for (int axis = 0; axis < 3; ++axis) {
       parallel_for(size_t(grid.size[2]), 4, [&](size_t z) {
         for (int y = 0; y < grid.size[1]; ++y)
@@ -141,7 +147,7 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   for (const HullMask& m : masks) mean += normalized(m.view.centre_in_world() - bounds_.centre()) / double(masks.size());
   one_sidedness_ = length(mean);
   if (one_sidedness_ > desc.most_one_sided) return;
-  blur(field, fine);
+  blur(field, fine, desc.blur_passes);
   grid_ = {fine.origin, fine.origin + fine.voxel * Vec3d{double(fine.size[0]), double(fine.size[1]), double(fine.size[2])}};
   voxel_ = fine.voxel;
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));

@@ -14,13 +14,17 @@ namespace vitrine {
 
 struct HullMask {
   View view;    // intrinsics of the size of `mask`
-  ImageF mask;  // [h,w,1]; at least one half = belongs to the object
+  ImageF mask;  // [h,w,1]; at least one half = belongs to the object, negative = the photo does not say
+  // [h,w,1] z-depth of things that may stand in front, 0 = none; empty: unknown. Outside the mask a photo says nothing about what
+  // lies behind them.
+  ImageF zdepth = {};
 };
 
 struct HullDesc {
   int resolution = 128;         // voxels along the longest side of what is left
   double dissent = 0.1;         // share of the photos that may see a voxel outside their mask: something may stand in front
   size_t fewest_views = 3;      // photos that must see a voxel, at least
+  int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
   bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place

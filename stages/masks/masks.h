@@ -2,7 +2,8 @@
 //   reads   sfm (cameras, undistorted photos); optionally masks of the user's
 //   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
-// version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones.
+// version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones. 3: GrabCut
+// keeps the middle of what polygons mark.
 #pragma once
 
 #include <string>

@@ -20,6 +20,7 @@
 #include "core/render/renderer.h"
 #include "core/scene/scene_io.h"
 #include "stages/mesh/fusion.h"
+#include "stages/mesh/mirror_shape.h"
 #include "stages/mesh/rgbd_frame.h"
 #include "stages/mesh/training_views.h"
 
@@ -28,6 +29,8 @@ namespace vitrine {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr double kMirrorVoxels = 3;  // a surface so far in front of a mirror's outlines' hull is another thing
 
 Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -142,6 +145,14 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
 
   RenderedDepth rendered(config, layer, read_image_options(context.input("optimize") / "optimize/model.json").diffuse.near_z,
                          views);
+  std::optional<MirrorShape> mirrors;
+  if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
+    mirrors.emplace(*masks, set.views, views, [&](size_t i) { return rendered(i, wanted_voxel); });
+  const auto frame_of = [&](size_t i, double voxel) {
+    RgbdFrame frame = rendered(i, voxel);
+    if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);
+    return frame;
+  };
   FusionReport fusion;
   const FusionDesc fusion_desc{.volume = {.bounds = region.box,
                                           .voxel = wanted_voxel,
@@ -159,7 +170,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   TriMesh raw;
   {
     const TsdfVolume volume = fuse_views(
-        views.size(), [&](size_t i, double voxel) { return rendered(i, voxel); }, fusion_desc,
+        views.size(), frame_of, fusion_desc,
         [&](double f) {
           throw_if_interrupted();
           context.progress({.fraction = 0.55 * f, .text = f < 0.5 ? "finding the surface" : "fusing depth", .values = {}});
@@ -192,6 +203,8 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
               {"volume_bytes", fusion.bytes},
               {"voxel_updates", fusion.updates},
               {"raw", json_of(mesh_report(raw))}};
+  if (mirrors && !mirrors->empty())
+    report["mirrors"] = {{"low", json_of(mirrors->bounds().low)}, {"high", json_of(mirrors->bounds().high)}};
   const TriMesh mesh = cleaned(raw, config, context, report);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
@@ -239,6 +252,7 @@ void describe(Describer& d, MeshFusionConfig& c) {
   d.option("mean_median_voxels", c.mean_median_voxels, "Mean depth where it is this close to the median depth, else the median.")
       .range(0, 1e6);
   d.option("min_valid", c.min_valid, "Views with a smaller share of usable pixels are skipped.").range(0, 1);
+  d.option("mirror_hull", c.mirror_hull, "Polished metal, where masks mark it, takes the shape of the hull of its outlines.");
   d.option("memory_mb", c.memory_mb, "Memory of the volume in MiB; the voxel grows when it would not fit.").range(1, 1 << 20);
 }
 
@@ -265,10 +279,11 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 2,
+       .version = 3,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
-                  {.name = "optimize", .doc = "The diffuse layer and its training views."}}},
+                  {.name = "optimize", .doc = "The diffuse layer and its training views."},
+                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their outlines."}}},
       run_mesh, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });

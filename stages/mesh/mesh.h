@@ -2,7 +2,7 @@
 // (mesh/mesh_raw.ply), then components, repair, smoothing, decimation (mesh/mesh.ply) and mesh/report.json. README.md teaches
 // the options.
 //
-// Version history: 1 = first.
+// Version history: 1 = first. 3 = polished metal has the shape of its outlines' hull.
 #pragma once
 
 #include <string>
@@ -21,6 +21,7 @@ struct MeshFusionConfig {
   double weight_alpha = 0.7;
   double mean_median_voxels = 2;
   double min_valid = 0.05;
+  bool mirror_hull = true;
   int memory_mb = 1024;
 };
 void describe(Describer& d, MeshFusionConfig& c);

@@ -112,6 +112,22 @@ TEST_F(Marked, ThingsWithAColourGetTheirOwnOutlineFromLooseBoxes) {
   EXPECT_GT(found, 0.85) << loose;
 }
 
+// Polished metal: below, the ball shows the ground in its colours, above a lamp.
+TEST_F(Marked, TightMarksHoldTheMiddleOfAMirror) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    ImageF photo(kWidth, kHeight, 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c)
+          photo.at(x, y, c) = truth[v].at(x, y) != 0 && y < kHeight / 2 - 6 ? (c == 0 ? 0.6f : 0.05f)
+                              : (x / 4 + y / 4) % 2                         ? 0.2f
+                                                                            : 0.3f;
+    write_exr_rgb(linear_image_path(sfm(), views[v]), photo);
+  }
+  const auto context = run(head() + disk(0, "specular") + disk(3, "specular") + disk(6, "specular") + disk(8, "specular"));
+  EXPECT_GT(worst_overlap(*context, "specular"), 0.8);
+}
+
 TEST_F(Marked, SameMarksSameBytes) {
   const std::string marks = head() + mark(0, "object", 6) + mark(4, "object", 6) + mark(7, "object", 6);
   EXPECT_EQ(digest_folder(run(marks)->output()), digest_folder(run(marks)->output()));

@@ -9,6 +9,7 @@
 #include "core/base/rng.h"
 #include "core/camera/colmap_model.h"
 #include "core/camera/scene_info.h"
+#include "core/image/ldr.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_report.h"
@@ -29,7 +30,10 @@ class FolderContext : public StageContext {
     make_folders(output_);
   }
   fs::path input(std::string_view name) const override { return inputs_.at(std::string(name)); }
-  std::optional<fs::path> optional_input(std::string_view) const override { return std::nullopt; }
+  std::optional<fs::path> optional_input(std::string_view name) const override {
+    const auto it = inputs_.find(std::string(name));
+    return it == inputs_.end() ? std::nullopt : std::optional(it->second);
+  }
   const fs::path& output() const override { return output_; }
   const fs::path& scratch() const override { return output_; }
   int threads() const override { return 0; }
@@ -61,7 +65,7 @@ class BallOnTable : public testing::Test {
     for (int i = 0; i < 2500; ++i) {  // spiral: even over the sphere
       const double z = 1 - (2 * i + 1) / 2500.0, phi = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
       normals.push_back({r * std::cos(phi), r * std::sin(phi), z});
-      points.push_back(0.3 * normals.back());
+      points.push_back(learnt_radius * normals.back());
     }
     for (int y = 0; y < 40; ++y)
       for (int x = 0; x < 40; ++x) {
@@ -120,14 +124,17 @@ class BallOnTable : public testing::Test {
     stage.options.find("resolution")->assign("96", "test");
     for (const auto& [path, text] : options) stage.options.find(path)->assign(text, "test");
     out = folder.path() / name;
-    FolderContext context({{"sfm", sfm}, {"optimize", optimize}}, out);
+    std::map<std::string, fs::path> inputs{{"sfm", sfm}, {"optimize", optimize}};
+    if (!masks.empty()) inputs["masks"] = masks;
+    FolderContext context(inputs, out);
     stage.run(context);
     warnings = context.warnings;
     return nlohmann::json::parse(read_file(out / "mesh" / "report.json"));
   }
 
   TemporaryFolder folder;
-  fs::path sfm, optimize, out;
+  fs::path sfm, optimize, masks, out;
+  double learnt_radius = 0.3;
   std::vector<View> views;
   std::vector<std::string> warnings;
 };
@@ -166,6 +173,56 @@ TEST_F(BallOnTable, BecomesAMeshOfBothWithinTheVoxel) {
   EXPECT_LT(mean, 0.5 * voxel);
   for (const Vec3f& c : mesh.colors) red += (c.x > 2 * c.y) / double(mesh.colors.size());
   EXPECT_GT(red, 0.95);
+}
+
+// Of polished metal: the surfels stand where the mirrored things appear, deep inside; only the outlines show the ball.
+class MirrorOnTable : public BallOnTable {
+ protected:
+  MirrorOnTable() { learnt_radius = 0.2; }
+  void SetUp() override {
+    BallOnTable::SetUp();
+    masks = folder.path() / "masks";
+    make_folders(masks / "masks" / "specular");
+    for (const View& view : views) {
+      const Intrinsics& k = view.intrinsics;
+      const Vec3d eye = view.centre_in_world();
+      Image8 mask(k.width, k.height, 1);
+      for (int y = 0; y < k.height; ++y)
+        for (int x = 0; x < k.width; ++x) {
+          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+          mask.at(x, y) = length(eye - dot(eye, d) * d) < 0.3 ? 255 : 0;
+        }
+      write_ldr(masks / "masks" / "specular" / (view.stem() + ".png"), mask);
+    }
+  }
+  // Worst distance of the ball's upper part from the mesh.
+  double worst() const {
+    const MeshDistance distance(read_mesh_ply(out / "mesh" / "mesh.ply"));
+    double worst = 0;
+    Rng rng(3);
+    for (int i = 0; i < 1000; ++i) {
+      Vec3d n = normalized(Vec3d{rng.normal(), rng.normal(), rng.normal()});
+      n.z = std::abs(n.z);
+      worst = std::max<double>(worst, distance.closest(cast<float>(0.3 * n)).distance);
+    }
+    return worst;
+  }
+};
+
+TEST_F(MirrorOnTable, HasTheShapeOfItsOutlines) {
+  const nlohmann::json report = run("hull");
+  ASSERT_TRUE(report.contains("mirrors"));
+  EXPECT_LT(worst(), 0.04);
+  const TriMesh mesh = read_mesh_ply(out / "mesh" / "mesh.ply");
+  double angle = 0, count = 0;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (mesh.positions[v].z < 0) continue;
+    angle += std::acos(std::clamp(dot(mesh.normals[v], normalized(mesh.positions[v])), -1.f, 1.f)) * 57.29578;
+    count += 1;
+  }
+  EXPECT_LT(angle / count, 10);
+  EXPECT_FALSE(run("off", {{"fusion.mirror_hull", "false"}}).contains("mirrors"));
+  EXPECT_GT(worst(), 0.09);
 }
 
 TEST_F(BallOnTable, GivesTheSameBytesForAnyNumberOfThreads) {

@@ -97,6 +97,24 @@ TEST(VisualHull, AFewPhotosWithSomethingInFrontDoNotCutItAway) {
   EXPECT_LT(VisualHull(masks, {.resolution = 48, .dissent = 0}).bounds().diagonal(), 0.9 * whole);
 }
 
+TEST(VisualHull, PhotosThatDoNotSayCutNothingAway) {
+  const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
+  const HullDesc desc{.resolution = 48, .dissent = 0.1};
+  std::vector<HullMask> glass = ball_masks(24, 2 * std::numbers::pi), hidden = glass, behind = glass;
+  for (size_t m = 0; m < glass.size(); m += 3) {  // half of the ball, in a third of the photos
+    hidden[m].zdepth = behind[m].zdepth = ImageF(96, 80, 1);
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 48; ++x) {
+        glass[m].mask.at(x, y) = -1;
+        hidden[m].mask.at(x, y) = behind[m].mask.at(x, y) = 0;
+        hidden[m].zdepth.at(x, y) = 0.4f, behind[m].zdepth.at(x, y) = 3;
+      }
+  }
+  EXPECT_NEAR(VisualHull(glass, desc).bounds().diagonal(), whole, 0.1 * whole);
+  EXPECT_NEAR(VisualHull(hidden, desc).bounds().diagonal(), whole, 0.1 * whole);
+  EXPECT_LT(VisualHull(behind, desc).bounds().diagonal(), 0.9 * whole);
+}
+
 TEST(VisualHull, OfPhotosFromOneSideIsNone) {
   const VisualHull hull(ball_masks(12, 0.5), {.resolution = 48});
   EXPECT_TRUE(hull.empty());

@@ -17,11 +17,11 @@ constexpr double kLeast = 0.2;    // of the silhouette that must be found
 
 }  // namespace
 
-std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t>& about) {
+std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t>& about, bool tight) {
   const Intrinsics& k = photo.view.intrinsics;
   const size_t pixels = about.size(), inside = size_t(std::count(about.begin(), about.end(), 1));
   if (inside < kFewestPixels) return {};
-  cv::Mat bgr(k.height, k.width, CV_8UC3), hull(k.height, k.width, CV_8UC1), wide;
+  cv::Mat bgr(k.height, k.width, CV_8UC3), hull(k.height, k.width, CV_8UC1), wide, core;
   for (size_t i = 0; i < pixels; ++i) {
     for (size_t c = 0; c < 3; ++c)
       bgr.data[3 * i + c] = uint8_t(std::lround(255 * std::clamp(photo.srgb[(2 - c) * pixels + i], 0.f, 1.f)));
@@ -29,9 +29,13 @@ std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t
   }
   const int reach = std::max(2, int(std::lround(kMargin * std::sqrt(double(inside)))));
   cv::dilate(hull, wide, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
+  if (tight) cv::erode(hull, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
   cv::Mat labels(k.height, k.width, CV_8UC1);
   for (size_t i = 0; i < pixels; ++i)
-    labels.data[i] = uint8_t(about[i] ? cv::GC_PR_FGD : wide.data[i] ? cv::GC_PR_BGD : cv::GC_BGD);
+    labels.data[i] = uint8_t(tight && core.data[i] ? cv::GC_FGD
+                             : about[i]            ? cv::GC_PR_FGD
+                             : wide.data[i]        ? cv::GC_PR_BGD
+                                                   : cv::GC_BGD);
   if (size_t(cv::countNonZero(wide)) + kFewestPixels > pixels) return {};  // nothing is surely background
   cv::setRNGSeed(1);  // its k-means draws; the generator is this thread's own
   cv::Mat background, foreground;

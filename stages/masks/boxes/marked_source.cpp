@@ -17,6 +17,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kOneSided = 0.985;                // two photos 20 degrees apart
+constexpr size_t kFewestTight = 3;                 // polygons whose hull is nearly the thing
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
 
@@ -94,6 +95,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     whole += !touches_border(drawn[mark.view], views[mark.view].intrinsics);
   }
   const auto is_drawn = [&](size_t v) { return mark_of[v] != nullptr && !mark_of[v]->box; };  // a polygon
+  const bool tight = thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
   HullDesc desc{.resolution = config.resolution,
                 .dissent = 0,
                 .fewest_views = std::max<size_t>(whole, 2),
@@ -117,7 +119,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     std::vector<std::vector<uint8_t>> found(views.size());
     parallel_for(views.size(), 1, [&](size_t v) {
       if (interrupt_signal() != 0) return;
-      found[v] = is_drawn(v) ? drawn[v] : grab_cut(photos[v], out.inside[v]);
+      found[v] = is_drawn(v) ? drawn[v] : grab_cut(photos[v], out.inside[v], tight);
     });
     throw_if_interrupted();
     std::vector<HullMask> outlines;
