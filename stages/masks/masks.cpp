@@ -8,6 +8,7 @@
 #include "core/render/renderer.h"
 #include "stages/masks/contact_sheet.h"
 #include "stages/masks/file_source.h"
+#include "stages/masks/onnx/network_source.h"
 #include "stages/masks/outputs.h"
 
 namespace vitrine {
@@ -15,13 +16,13 @@ namespace vitrine {
 namespace {
 
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
-std::string chosen_source(MaskClass kind, const MaskClassConfig& config, const std::optional<MaskFolder>& folder,
-                          const std::vector<MarkedThing>& marked) {
-  if (config.source != "auto") return config.source;
-  if (!marked.empty())
-    return std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); }) ? "boxes"
-                                                                                                                      : "none";
-  if (folder) return folder->file_count(kind) > 0 ? "files" : "none";
+std::string chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
+                          const std::vector<MarkedThing>& marked, bool network) {
+  if (config.of(kind).source != "auto") return config.of(kind).source;
+  if (std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); })) return "boxes";
+  if (folder && folder->file_count(kind) > 0) return "files";
+  if (network && !config.onnx.channels_of(kind).empty()) return "onnx";
+  if (folder || !marked.empty() || network) return "none";
   return kind == MaskClass::Transparent || kind == MaskClass::Specular ? "proposed" : "none";
 }
 
@@ -38,12 +39,37 @@ std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& confi
   return source;
 }
 
+void sources_of_network(const MasksConfig& config, const MaskCapture& capture, const std::optional<fs::path>& file,
+                        std::span<const MaskClass> classes, StageContext& context, MaskSources& sources) {
+  if (!file)
+    throw Error(ErrorKind::Usage, fmt::format("masks.{}.source is 'onnx', and there is no network", name(classes.front())),
+                {.hint = "--set input.mask_network=FILE.onnx (vitrine run), --input mask_network=FILE.onnx (vitrine-masks)",
+                 .code = "MASKS_MISSING"});
+  const auto masks = network_masks(config.onnx, capture, *file, classes, [&](double f) {
+    context.progress({.fraction = 0.8 * f, .text = "a network looks at the photos", .values = {}});
+  });
+  for (MaskClass kind : classes) {
+    const NetworkMasks::Class& c = masks->classes[size_t(kind)];
+    if (!c.found)
+      context.warning("MASKS_EMPTY", fmt::format("the network finds no pixel of the class '{}' in any photo", name(kind)));
+    else if (config.onnx.vote && !c.voted && kind != MaskClass::Ignore)
+      context.warning("MASKS_NOT_VOTED",
+                      fmt::format("what the network finds of the class '{}' does not meet in space: every photo "
+                                  "keeps its own mask",
+                                  name(kind)));
+    sources[size_t(kind)] = std::make_unique<NetworkSource>(masks, kind);
+  }
+}
+
 std::string problem(const MasksConfig& c) {
   if (c.bit_depth != 8 && c.bit_depth != 16) return "masks.bit_depth must be 8 or 16";
   for (MaskClass kind : {MaskClass::Object, MaskClass::Ignore})
     if (c.of(kind).source == "proposed")
       return fmt::format("masks.{}.source cannot be proposed: only glass and mirrors can be", name(kind));
-  return {};
+  for (MaskClass kind : kMaskClasses)
+    if (c.of(kind).source == "onnx" && c.onnx.channels_of(kind).empty())
+      return fmt::format("masks.{0}.source is onnx, and masks.onnx.{0} names none of the network's channels", name(kind));
+  return c.onnx.problem();
 }
 
 }  // namespace
@@ -63,10 +89,11 @@ const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
 }
 
 void describe(Describer& d, MaskClassConfig& c) {
-  d.option(
-       "source", c.source,
-       "Where its masks come from; auto: files or boxes where masks or marks are given, else a proposal for glass and mirrors.")
-      .choices({"auto", "files", "boxes", "proposed", "none"});
+  d.option("source", c.source,
+           "Where its masks come from; auto: files, boxes or onnx where masks, marks or a network of the class are given; "
+           "without any, a "
+           "proposal for glass and mirrors.")
+      .choices({"auto", "files", "boxes", "onnx", "proposed", "none"});
   d.option("polarity", c.polarity,
            "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
       .choices({"auto", "white", "black"});
@@ -85,6 +112,7 @@ void describe(Describer& d, MasksConfig& c) {
       .choices({"auto", "photo", "undistorted"});
   d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
   d.group("boxes", c.boxes, "Masks from a few marks of the user's, carried to all photos.");
+  d.group("onnx", c.onnx, "The segmentation network given as input.mask_network: what goes in, what comes out.");
   d.group("proposed", c.proposed, "Masks that nobody drew: what changes from view to view after a short diffuse fit.");
 }
 
@@ -106,11 +134,19 @@ void run_masks(const MasksConfig& config, StageContext& context) {
                    .hint = "stages/masks/README.md shows how they may be called",
                    .code = "MASKS_MISSING"});
   }
+  const std::optional<fs::path> network = context.optional_input("mask_network");
+  std::array<std::string, kMaskClassCount> chosen;
+  std::vector<MaskClass> from_network;
+  for (MaskClass kind : kMaskClasses) {
+    chosen[size_t(kind)] = chosen_source(kind, config, folder, marked, network.has_value());
+    if (chosen[size_t(kind)] == "onnx") from_network.push_back(kind);
+  }
   MaskSources sources;
+  if (!from_network.empty()) sources_of_network(config, capture, network, from_network, context, sources);
   std::shared_ptr<const Proposal> proposal;
   std::shared_ptr<const MarkedMasks> carried;
   for (MaskClass kind : kMaskClasses) {
-    const std::string source = chosen_source(kind, config.of(kind), folder, marked);
+    const std::string& source = chosen[size_t(kind)];
     if (source == "files") sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
     if (source == "boxes") {
       if (marked.empty())
@@ -164,7 +200,11 @@ Stage masks_stage() {
           {.name = "masks",
            .artifact = false,
            .optional = true,
-           .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"}}};
+           .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"},
+          {.name = "mask_network",
+           .artifact = false,
+           .optional = true,
+           .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}}};
   return make_stage<MasksConfig>(
       std::move(info), run_masks,
       [] {

@@ -1,5 +1,5 @@
 // Stage `masks`: which pixels of the undistorted photos belong to the object, to glass, to mirrors, or to nothing (README.md).
-//   reads   sfm (cameras, undistorted photos); optionally masks of the user's
+//   reads   sfm (cameras, undistorted photos); optionally masks or a segmentation network of the user's
 //   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
 // version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones. 3: GrabCut
@@ -10,6 +10,7 @@
 
 #include "core/camera/mask_files.h"
 #include "stages/masks/boxes/marked_source.h"
+#include "stages/masks/onnx/class_values.h"
 #include "stages/masks/proposed/proposed_source.h"
 #include "stages/stage.h"
 
@@ -27,6 +28,7 @@ struct MasksConfig {
   std::string frame = "auto";
   int bit_depth = 8;
   BoxesConfig boxes;
+  NetworkMasksConfig onnx;
   ProposedConfig proposed;
 
   const MaskClassConfig& of(MaskClass kind) const;

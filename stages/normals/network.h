@@ -1,4 +1,4 @@
-// A network that predicts normals from one photo, run by OpenCV's dnn module; no OpenCV header leaves network.cpp.
+// A network that predicts normals from one photo (core/network), and the one that is built in.
 #pragma once
 
 #include <filesystem>

@@ -246,20 +246,12 @@ void describe(Describer& d, OnnxConfig& c) {
   spaces.insert(spaces.begin(), "auto");
   d.option("space", c.space, "Frame of the network's normals; auto = found by comparing with the photos' geometry.")
       .choices(spaces);
-  d.option("width", c.width, "Width of the network's input; 0 = from max_side.").range(0, 8192);
-  d.option("height", c.height, "Height of the network's input; 0 = from max_side.").range(0, 8192);
-  d.option("max_side", c.max_side, "Longest side of its input, when its size is free.").range(16, 8192);
-  d.option("multiple", c.multiple, "Both sides of its input are a multiple of this, when its size is free.").range(1, 1024);
-  d.option("layout", c.layout, "Order of its input: planes of channels, or channels of pixels.").choices({"nchw", "nhwc"});
-  d.option("channels", c.channels, "Order of the channels.").choices({"rgb", "bgr"});
-  d.option("mean", c.mean, "Subtracted from the photo, sRGB in [0,1], per channel.");
-  d.option("deviation", c.deviation, "What that is divided by, per channel.");
+  describe_input(d, c.input);
   d.option("output", c.output, "vector: the normal itself; rgb: (n + 1) / 2.").choices({"vector", "rgb"});
   d.option("doubt", c.doubt, "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.")
       .choices({"smoothness", "kappa"});
   d.option("confidence", c.confidence, "Factor on the confidence.").range(0, 1);
   d.option("glass_confidence", c.glass_confidence, "Factor on the confidence inside transparent masks.").range(0, 1);
-  d.option("sha256", c.sha256, "SHA-256 that the network's file must have; empty = any.");
 }
 
 void describe(Describer& d, NormalsConfig& c) {
@@ -280,13 +272,7 @@ void run_normals(const NormalsConfig& config, StageContext& context) { NormalsRu
 
 namespace {
 
-std::string config_problem(const NormalsConfig& c) {
-  if (c.onnx.mean.size() != 3 || c.onnx.deviation.size() != 3) return "onnx.mean and onnx.deviation take three numbers each";
-  for (double d : c.onnx.deviation)
-    if (!(d > 0)) return "onnx.deviation must be positive";
-  if ((c.onnx.width == 0) != (c.onnx.height == 0)) return "onnx.width and onnx.height are given together, or neither";
-  return {};
-}
+std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem("onnx."); }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/network/network_input.h"
 #include "stages/stage.h"
 
 namespace vitrine {
@@ -30,18 +31,11 @@ void describe(Describer& d, NormalFilesConfig& c);
 
 struct OnnxConfig {
   std::string space = "auto";
-  int width = 0, height = 0;
-  int max_side = 384;
-  int multiple = 32;
-  std::string layout = "nchw";
-  std::string channels = "rgb";
-  std::vector<double> mean{0, 0, 0};
-  std::vector<double> deviation{1, 1, 1};
+  NetworkInput input{};
   std::string output = "vector";
   std::string doubt = "smoothness";
   double confidence = 0.7;
   double glass_confidence = 0.5;
-  std::string sha256 = "";
 };
 void describe(Describer& d, OnnxConfig& c);
 

@@ -52,7 +52,7 @@ void fuzz_onnx(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("network.onnx", text_of(bytes));
   refuses_or_reads([&] {
     OnnxConfig config;
-    config.width = config.height = 16;
+    config.input.width = config.input.height = 16;
     NormalNetwork network(path, config);
     network.predict(ImageF(16, 16, 3, 0.5f));
   });

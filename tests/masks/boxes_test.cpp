@@ -3,6 +3,7 @@
 
 #include "core/base/hash.h"
 #include "stages/masks/masks.h"
+#include "tests/masks/ball_capture.h"
 #include "tests/masks/tiny_masks.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -12,44 +13,8 @@ namespace {
 
 using namespace test;
 
-constexpr int kViews = 10, kWidth = 96, kHeight = 72;
-constexpr double kBall = 0.3;
-
-// A red ball of radius 0.3 on a grey chequered ground, seen from around.
-class Marked : public testing::Test {
+class Marked : public testing::Test, public BallCapture {
  protected:
-  Marked() {
-    ColmapModel model;
-    model.cameras.push_back(colmap_pinhole(1, {kWidth, kHeight, 90, 90, kWidth / 2.0, kHeight / 2.0}));
-    Gains gains;
-    for (int i = 0; i < kViews; ++i) {
-      View view;
-      view.name = fmt::format("v{}.jpg", i);
-      view.intrinsics = {kWidth, kHeight, 90, 90, kWidth / 2.0, kHeight / 2.0};
-      const double angle = 2 * std::numbers::pi * i / kViews;
-      const Vec3d eye{std::cos(angle), std::sin(angle), 0.4}, forward = normalized(-eye);
-      const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), down = cross(forward, right);
-      view.cam_from_world = inverse(Rigid{Mat3d{right, down, forward}, eye});
-      views.push_back(view);
-      truth.emplace_back(kWidth, kHeight, 1);
-      ImageF photo(kWidth, kHeight, 3);
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
-          const bool ball = length(eye - dot(eye, d) * d) < kBall;
-          truth.back().at(x, y) = ball ? 255 : 0;
-          for (int c = 0; c < 3; ++c) photo.at(x, y, c) = ball ? (c == 0 ? 0.6f : 0.05f) : (x / 4 + y / 4) % 2 ? 0.2f : 0.3f;
-        }
-      write_exr_rgb(linear_image_path(sfm(), view), photo);
-      model.images.push_back(
-          {uint32_t(i + 1), quaternion(view.cam_from_world.rotation), view.cam_from_world.translation, 1, view.name, {}});
-      gains[view.name] = {1, 1, 1};
-    }
-    write_colmap_model(sfm() / "sparse/0", model, ColmapFormat::Binary);
-    write_gains(sfm() / "sfm/gains.json", gains);
-    write_scene_info(sfm() / "scene.json", {});
-  }
-  fs::path sfm() const { return folder.path() / "sfm"; }
   // Marks were drawn on photos twice as large.
   std::string head() const { return fmt::format("size: [{}, {}]\nmarks:\n", 2 * kWidth, 2 * kHeight); }
   std::string mark(int view, const std::string& kind, int margin = 0) const {
@@ -64,7 +29,7 @@ class Marked : public testing::Test {
   }
   std::string disk(int view, const std::string& kind) const {  // a polygon
     const Vec3d centre = views[size_t(view)].cam_from_world * Vec3d{0, 0, 0};
-    const double r = 2 * 90 * kBall / std::sqrt(centre.z * centre.z - kBall * kBall);
+    const double r = 2 * kFocal * kBall / std::sqrt(centre.z * centre.z - kBall * kBall);
     std::string corners;
     for (int i = 0; i < 24; ++i)
       corners += fmt::format("{}[{:.1f}, {:.1f}]", i ? ", " : "", kWidth + r * std::cos(i * std::numbers::pi / 12),
@@ -82,16 +47,6 @@ class Marked : public testing::Test {
     write_file(folder.path() / "marks.yaml", marks);
     return read_marks(folder.path() / "marks.yaml", read_mask_capture(sfm()));
   }
-  double worst_overlap(const RecordingContext& context, const std::string& kind) const {
-    double worst = 1;
-    for (size_t v = 0; v < views.size(); ++v)
-      worst = std::min(worst, overlap(read_grey8(context.output() / "masks" / kind / (views[v].stem() + ".png")), truth[v]));
-    return worst;
-  }
-
-  TemporaryFolder folder;
-  std::vector<View> views;
-  std::vector<Image8> truth;
 };
 
 TEST_F(Marked, GlassIsCarriedByItsHullAndMirrorsToo) {

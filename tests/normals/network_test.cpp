@@ -10,7 +10,7 @@
 #include "core/base/json.h"
 #include "core/base/sha256.h"
 #include "core/config/apply.h"
-#include "stages/normals/onnx_graph.h"
+#include "core/network/onnx_graph.h"
 #include "tests/normals/still_life.h"
 #include "tests/normals/tiny_onnx.h"
 #include "tests/support/error_of.h"
@@ -35,7 +35,7 @@ TEST(Sha256, IsThatOfTheStandard) {
 }
 
 // --- the network that is built in -------------------------------------------------------------------------------------------
-// tests/normals/rooms: pictures of network/scenes.py with seeds that training never drew (README there).
+// tests/normals/rooms: pictures of core/network/rooms with seeds that training never drew (README there).
 TEST(BuiltInNetwork, SeesTheWallsOfRoomsItNeverSaw) {
   NormalNetwork network(std::nullopt, built_in_network_config());
   EXPECT_TRUE(network.built_in());
@@ -106,7 +106,7 @@ TEST(GivenNetwork, IsRefusedWithTheReasonWhenItCannotBeRun) {
   EXPECT_EQ(refusal(one_operator_network("Conv", 64, 48)).detail().code, "UNSUPPORTED_NETWORK");  // without weights
   EXPECT_EQ(refusal(one_operator_network("GlobalAveragePool", 64, 48)).detail().code, "BAD_NETWORK_OUTPUT");
   EXPECT_EQ(refusal(relu, {.doubt = "kappa"}).detail().code, "BAD_NETWORK_OUTPUT");
-  const Error digest = refusal(relu, {.sha256 = std::string(64, '0')});
+  const Error digest = refusal(relu, {.input = {.sha256 = std::string(64, '0')}});
   EXPECT_EQ(digest.detail().code, "WRONG_DIGEST");
   EXPECT_NE(digest.detail().why.find(sha256_hex(relu)), std::string::npos);
   for (const Error& e : {crash, digest}) EXPECT_EQ(e.kind(), ErrorKind::Input);
@@ -122,11 +122,11 @@ TEST(GivenNetwork, TakesChannelsMeanAndEncodingAsDeclared) {
   const auto first = [&](const OnnxConfig& config) { return NormalNetwork(file.file, config).predict(photo).at(5, 7); };
   const auto near = [](const Vec3f& a, const Vec3f& b) { return length(a - normalized(b)) < 1e-5f; };
   EXPECT_TRUE(near(first({}), {0.9f, 0.5f, 0.4f}));
-  EXPECT_TRUE(near(first({.channels = "bgr"}), {0.4f, 0.5f, 0.9f}));
+  EXPECT_TRUE(near(first({.input = {.channels = "bgr"}}), {0.4f, 0.5f, 0.9f}));
   EXPECT_TRUE(near(first({.output = "rgb"}), {0.8f, 0.f, -0.2f}));
-  EXPECT_TRUE(near(first({.mean = {0.1, 0.1, 0.1}, .deviation = {1, 2, 0.5}}), {0.8f, 0.2f, 0.6f}));
-  EXPECT_EQ(NormalNetwork(file.file, {.max_side = 64, .multiple = 16}).input_size(4000, 3000), std::make_pair(64, 48));
-  EXPECT_EQ(NormalNetwork(file.file, {.width = 32, .height = 40}).input_size(4000, 3000), std::make_pair(32, 40));
+  EXPECT_TRUE(near(first({.input = {.mean = {0.1, 0.1, 0.1}, .deviation = {1, 2, 0.5}}}), {0.8f, 0.2f, 0.6f}));
+  EXPECT_EQ(NormalNetwork(file.file, {.input = {.max_side = 64, .multiple = 16}}).input_size(4000, 3000), std::make_pair(64, 48));
+  EXPECT_EQ(NormalNetwork(file.file, {.input = {.width = 32, .height = 40}}).input_size(4000, 3000), std::make_pair(32, 40));
 }
 
 // Photos that are pictures of their own normals, and a network that hands them through: the whole stage with a known answer.

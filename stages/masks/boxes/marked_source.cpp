@@ -8,8 +8,8 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/grab_cut.h"
+#include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {
@@ -42,13 +42,6 @@ std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& fu
   return inside;
 }
 
-HullMask hull_mask(const View& view, const std::vector<uint8_t>& inside) {
-  const Intrinsics& k = view.intrinsics;
-  HullMask mask{view, ImageF(k.width, k.height, 1)};
-  std::copy(inside.begin(), inside.end(), mask.mask.data().begin());
-  return mask;
-}
-
 bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   const auto at = [&](int x, int y) { return inside[size_t(y) * size_t(k.width) + size_t(x)] != 0; };
   for (int x = 0; x < k.width; ++x)
@@ -56,24 +49,6 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   for (int y = 0; y < k.height; ++y)
     if (at(0, y) || at(k.width - 1, y)) return true;
   return false;
-}
-
-std::vector<std::vector<uint8_t>> silhouettes(const VisualHull& hull, const std::vector<View>& views) {
-  std::vector<std::vector<uint8_t>> out(views.size());
-  parallel_for(views.size(), 1, [&](size_t v) {
-    if (interrupt_signal() != 0) return;
-    const View& view = views[v];
-    const Intrinsics& k = view.intrinsics;
-    out[v].assign(size_t(k.width) * size_t(k.height), 0);
-    const Vec3d eye = view.centre_in_world();
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-        out[v][size_t(y) * size_t(k.width) + size_t(x)] = hull.first_hit(eye, direction).has_value();
-      }
-  });
-  throw_if_interrupted();
-  return out;
 }
 
 struct Carried {

@@ -1,4 +1,4 @@
-"""Trains the small normal network of this folder on scenes.py and writes it as ONNX. Needs numpy, python3-torch, python3-onnx.
+"""Trains the small normal network of this folder on the rooms of core/network/rooms and writes it as ONNX. Needs numpy, python3-torch, python3-onnx.
 
     python3 train.py --out rooms.onnx [--scenes 1000] [--minutes 4] [--cache DIR]
 
@@ -9,6 +9,7 @@ Surface Normal Estimation", 2021: -log(kappa^2 + 1) + kappa angle + log(1 + exp(
 """
 import argparse
 import os
+import sys
 import time
 
 import numpy as np
@@ -16,7 +17,8 @@ import torch
 import torch.nn as nn
 import torch.nn.functional as F
 
-import scenes
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../core/network/rooms"))
+import rooms
 
 WIDTH, HEIGHT = 128, 96
 VALIDATION = 96  # scenes; their seeds lie far from those of training
@@ -74,7 +76,7 @@ def data(first_seed, count, cache):
     rgb = np.empty((count, 3, HEIGHT, WIDTH), np.uint8)
     normal = np.empty((count, 3, HEIGHT // 2, WIDTH // 2), np.int8)
     for i in range(count):
-        picture, n = scenes.render(first_seed + i, WIDTH, HEIGHT)
+        picture, n = rooms.render(first_seed + i, WIDTH, HEIGHT)
         n = n.reshape(HEIGHT // 2, 2, WIDTH // 2, 2, 3).mean((1, 3))
         n /= np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-6)
         rgb[i] = np.round(picture.transpose(2, 0, 1) * 255)

@@ -165,13 +165,13 @@ def random_solids(rng):
     return solids, half
 
 
-def render(seed, width, height):
-    """-> rgb [h,w,3] in [0,1] (sRGB), normal [h,w,3]."""
-    rng = np.random.default_rng(seed)
-    solids, half = random_solids(rng)
-    walls = [Paint(rng) for _ in range(3)]  # floor, walls, ceiling
+def camera_rays(rng, half, width, height, about=None, span=0):
+    """A camera that looks at the middle of the room, or at `about` from where `span` to each side is in the picture. -> eye [3], directions [h*w,3] with z = 1 in the camera, camera-from-world axes."""
     target = np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(0.2, 0.9)])
+    if about is not None:
+        target = about + 0.3 * (target - [0, 0, 0.55])
     azimuth, elevation, distance = rng.uniform(0, 6.3), rng.uniform(-0.05, 0.9), rng.uniform(0.9, 2.2)
+    distance = max(distance, 3.5 * span)
     eye = target + distance * np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
     eye = np.clip(eye, [-half[0] + 0.1, -half[1] + 0.1, 0.1], [half[0] - 0.1, half[1] - 0.1, 2 * half[2] - 0.1])
     forward = target - eye
@@ -180,15 +180,17 @@ def render(seed, width, height):
     right /= np.linalg.norm(right)
     roll = rotation(forward, rng.normal() * 0.06)
     right = roll @ right
-    axes = np.stack([right, np.cross(forward, right), forward])  # camera from world
+    axes = np.stack([right, np.cross(forward, right), forward])
     focal = rng.uniform(0.75, 1.3) * width
     x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
-    d = np.stack([x.ravel() / focal, y.ravel() / focal, np.ones(width * height)], 1) @ axes
-    o = np.broadcast_to(eye, d.shape)
+    return eye, np.stack([x.ravel() / focal, y.ravel() / focal, np.ones(width * height)], 1) @ axes, axes
+
+
+def surface(solids, walls, o, d):
+    """First hits of rays: t, point, normal against the ray, which solid, (albedo, gloss, power). `walls`: paints of floor, walls, ceiling."""
     t, normal, which = first_hit(solids, o, d)
     p = o + np.minimum(t, 1e3)[:, None] * d
     normal = np.where((normal * d).sum(1, keepdims=True) > 0, -normal, normal)
-
     albedo, gloss, power = np.zeros_like(d), np.zeros(len(d)), np.ones(len(d))
     for i, s in enumerate(solids):
         for part, paint in enumerate(walls if i == 0 else [s.paint]):
@@ -198,28 +200,56 @@ def render(seed, width, height):
             if mine.any():
                 albedo[mine] = paint(p[mine] - s.centre)
                 gloss[mine], power[mine] = paint.gloss, paint.power
-    view = -d / np.linalg.norm(d, axis=1, keepdims=True)
-    sky = rng.normal(size=3)
-    light = (rng.uniform(0.15, 0.6) * (1 + 0.4 * (normal @ (sky / np.linalg.norm(sky)))))[:, None] * np.ones(3)
-    shine = np.zeros_like(d)
-    for k in range(rng.integers(1, 4)):
-        lamp = np.array([rng.uniform(-0.9, 0.9) * half[0], rng.uniform(-0.9, 0.9) * half[1], rng.uniform(0.9, 1.95) * half[2]])
-        to = lamp - p
-        far = np.linalg.norm(to, axis=1, keepdims=True)
-        to = to / far
-        power_here = rng.uniform(0.4, 2.0) * (1 + rng.normal(size=3) * 0.08) * 3 / (1 + far**2)
-        facing = np.maximum((normal * to).sum(1), 0)
-        if k < 2:
-            start = p + 1e-3 * normal
-            s, _, _ = first_hit(solids[1:], start, lamp - start)
-            facing = np.where(s < 0.999, 0.0, facing)
-        light = light + facing[:, None] * power_here
-        between = to + view
-        between /= np.linalg.norm(between, axis=1, keepdims=True)
-        shine += (np.maximum((normal * between).sum(1), 0) ** power * gloss * (facing > 0))[:, None] * power_here
-    radiance = albedo * light + shine
-    radiance *= rng.uniform(0.35, 0.75) / max(np.percentile(radiance, 90), 1e-3)
+    return t, p, normal, which, (albedo, gloss, power)
+
+
+class Light:
+    """Light from all around, a little more from one side, and one to three lamps; the first two cast shadows."""
+
+    def __init__(self, rng, half):
+        sky = rng.normal(size=3)
+        self.sky, self.ambient = sky / np.linalg.norm(sky), rng.uniform(0.15, 0.6)
+        self.lamps = []
+        for _ in range(rng.integers(1, 4)):
+            at = np.array([rng.uniform(-0.9, 0.9) * half[0], rng.uniform(-0.9, 0.9) * half[1], rng.uniform(0.9, 1.95) * half[2]])
+            self.lamps.append((at, rng.uniform(0.4, 2.0) * (1 + rng.normal(size=3) * 0.08) * 3))
+
+    def radiance(self, blockers, p, normal, d, paint):
+        albedo, gloss, power = paint
+        view = -d / np.linalg.norm(d, axis=1, keepdims=True)
+        light = (self.ambient * (1 + 0.4 * (normal @ self.sky)))[:, None] * np.ones(3)
+        shine = np.zeros_like(d)
+        for k, (lamp, strength) in enumerate(self.lamps):
+            to = lamp - p
+            far = np.linalg.norm(to, axis=1, keepdims=True)
+            to = to / far
+            strength = strength / (1 + far**2)
+            facing = np.maximum((normal * to).sum(1), 0)
+            if k < 2 and blockers:
+                start = p + 1e-3 * normal
+                s, _, _ = first_hit(blockers, start, lamp - start)
+                facing = np.where(s < 0.999, 0.0, facing)
+            light = light + facing[:, None] * strength
+            between = to + view
+            between /= np.linalg.norm(between, axis=1, keepdims=True)
+            shine += (np.maximum((normal * between).sum(1), 0) ** power * gloss * (facing > 0))[:, None] * strength
+        return albedo * light + shine
+
+
+def developed(rng, radiance):
+    """Exposure, white balance, sRGB, noise."""
+    radiance = radiance * (rng.uniform(0.35, 0.75) / max(np.percentile(radiance, 90), 1e-3))
     radiance *= 1 + rng.normal(size=3) * 0.05
-    rgb = np.clip(radiance, 0, 1) ** (1 / 2.2) + rng.normal(size=radiance.shape) * rng.uniform(0, 0.015)
+    return np.clip(np.clip(radiance, 0, 1) ** (1 / 2.2) + rng.normal(size=radiance.shape) * rng.uniform(0, 0.015), 0, 1)
+
+
+def render(seed, width, height):
+    """-> rgb [h,w,3] in [0,1] (sRGB), normal [h,w,3]."""
+    rng = np.random.default_rng(seed)
+    solids, half = random_solids(rng)
+    walls = [Paint(rng) for _ in range(3)]
+    eye, d, axes = camera_rays(rng, half, width, height)
+    _, p, normal, _, paint = surface(solids, walls, np.broadcast_to(eye, d.shape), d)
+    radiance = Light(rng, half).radiance(solids[1:], p, normal, d, paint)
     shape = (height, width, 3)
-    return np.clip(rgb, 0, 1).reshape(shape).astype(np.float32), (normal @ axes.T).reshape(shape).astype(np.float32)
+    return developed(rng, radiance).reshape(shape).astype(np.float32), (normal @ axes.T).reshape(shape).astype(np.float32)

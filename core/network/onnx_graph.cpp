@@ -1,4 +1,4 @@
-#include "stages/normals/onnx_graph.h"
+#include "core/network/onnx_graph.h"
 
 #include <algorithm>
 #include <array>
