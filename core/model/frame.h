@@ -8,6 +8,7 @@
 
 #include "core/camera/view.h"
 #include "core/model/secondary_rays.h"
+#include "core/model/thick_glass.h"
 #include "core/render/raster_desc.h"
 #include "core/render/renderer.h"
 
@@ -26,6 +27,7 @@ struct LayerImages {
 struct BehindGlass {
   std::vector<float> radiance, grad_radiance;  // [3,h,w]
   std::vector<float> inner_transmittance;      // [h,w] past the last surfel
+  std::vector<GlassPath> path;                 // [h,w] where some glass is thick; empty without
   std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (composite)
   SurfelStatistics statistics;        // of the diffuse surfels that are seen so; Frame::statistics begins with them
   void clear();

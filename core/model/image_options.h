@@ -2,11 +2,15 @@
 // phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
 #pragma once
 
+#include <memory>
+
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
+
+class ThickGlass;
 
 struct DiffuseOptions {
   Backend backend = Backend::Cpu;
@@ -55,6 +59,8 @@ struct TransmissionOptions {
   int sh_degree = 1;
   float near = 0.01f;  // scene units behind the surface
   float min_transmittance = 1e-3f;
+  // Glass::Thin: shells that are solid all the same; what they show comes along bent rays (bent_rays.h). nullptr: none.
+  std::shared_ptr<const ThickGlass> thick = nullptr;
 };
 
 struct CompositeOptions {

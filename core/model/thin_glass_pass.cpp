@@ -23,6 +23,7 @@ size_t used_width(const SplatLayer& layer, Attribute a, int degree) {
 
 void BehindGlass::clear() {
   for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &picture_weight}) plane->clear();
+  path.clear();
   for (auto* sums : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) sums->clear();
 }
 
@@ -75,14 +76,12 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   behind.inner_transmittance.resize(alpha.size());
   std::transform(alpha.begin(), alpha.end(), behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
   behind.picture_weight.assign(alpha.size(), 0.f);
+  if (options_.thick) bent_.forward(options_, merged_, frame);
 }
 
 void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   BehindGlass& behind = frame.behind;
   if (behind.radiance.empty()) return;
-  gradients_.width = picture_.width;
-  gradients_.height = picture_.height;
-  std::swap(gradients_.planes[static_cast<size_t>(Aov::Color)], behind.grad_radiance);
   blame_.resize(frame.error_image.size());
   for (size_t i = 0; i < blame_.size(); ++i) blame_[i] = behind.picture_weight[i] * frame.error_image[i];
   if (grad_.size() != merged_.size() || grad_.sh_degree() != merged_.sh_degree())
@@ -93,6 +92,10 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
     for (auto* values : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) values->assign(size, 0.f);
   };
   reset(statistics_, merged_.size());
+  if (options_.thick) bent_.backward(frame, blame_, grad_, statistics_);
+  gradients_.width = picture_.width;
+  gradients_.height = picture_.height;
+  std::swap(gradients_.planes[static_cast<size_t>(Aov::Color)], behind.grad_radiance);
   renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_, &statistics_);
 
   SurfelStatistics& of_layer = frame.transmission.statistics;

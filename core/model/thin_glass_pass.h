@@ -8,12 +8,14 @@
 // there (a test of core/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
 // stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
 // through it only. Every pixel has its own C_t, whichever pixels of a group send rays. Does nothing unless
-// TransmissionOptions::glass is Glass::Thin and the layer is there.
+// TransmissionOptions::glass is Glass::Thin and the layer is there. Where glass is thick (TransmissionOptions::thick), rays bent
+// by it take the place of the straight ones (BentRays).
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "core/model/bent_rays.h"
 #include "core/model/image_options.h"
 #include "core/model/pass.h"
 
@@ -45,6 +47,7 @@ class ThinGlassPass final : public Pass {
   RasterImages picture_, gradients_;
   std::vector<float> blame_;
   SurfelStatistics statistics_;
+  BentRays bent_;
 };
 
 }  // namespace vitrine

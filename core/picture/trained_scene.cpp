@@ -9,6 +9,8 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/thick_glass.h"
 #include "core/scene/scene_io.h"
 
 namespace vitrine {
@@ -20,6 +22,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
 constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
+constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
+
+fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
 // Every word and number of the file, in its order: one table for both directions.
 template <class Options, class Word, class Number>
@@ -36,6 +41,9 @@ void visit(Options& o, const Word& word, const Number& number) {
   number("transmission_near", o.transmission.near);
   number("transmission_min_transmittance", o.transmission.min_transmittance);
 }
+
+// The shortest text that gives the same float back, not the double's seventeen digits.
+double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
 }  // namespace
 
@@ -68,8 +76,11 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   Json json;
   visit(
       options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
-      // The shortest text that gives the same float back, not the double's seventeen digits.
-      [&](const char* key, float value) { json[key] = std::stod(fmt::format("{}", value)); });
+      [&](const char* key, float value) { json[key] = shortest(value); });
+  if (const ThickGlass* thick = options.transmission.thick.get()) {
+    json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
+    write_mesh_ply(thick_glass_path(path), thick->mesh());
+  }
   write_file(path, json.dump(2) + "\n");
 }
 
@@ -95,6 +106,12 @@ ImageOptions read_image_options(const fs::path& path) {
           value = json.at(key).get<float>();
           if (!(value >= 0) || !std::isfinite(value)) throw fail(fmt::format("{} is not a positive number", key));
         });
+    if (!json.contains(kThickGlass)) return options;
+    const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
+    if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");
+    TriMesh mesh = read_mesh_ply(thick_glass_path(path));
+    if (mesh.faces.empty()) throw fail("the mesh of the thick glass has no face");
+    options.transmission.thick = std::make_shared<const ThickGlass>(std::move(mesh), ior, tolerance);
   } catch (const nlohmann::json::exception& e) {
     throw fail(e.what());
   }

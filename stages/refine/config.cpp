@@ -20,6 +20,12 @@ void describe(Describer& d, RefineConfig& c) {
            "What rays see that have left closed glass on its far side: transmittance (its layer among the rest of the room), "
            "diffuse (the room alone), auto: whichever the photos prefer.")
       .choices({"auto", "transmittance", "diffuse"});
+  d.option("glass", c.glass,
+           "Closed glass in the mesh: thin (a shell, rays go straight on), thick (solid, rays bend where they enter and leave), "
+           "auto: "
+           "per piece, whichever is nearer to photos that training never saw.")
+      .choices({"auto", "thin", "thick"});
+  d.option("ior", c.ior, "Index of refraction of thick glass.").range(1.01, 4);
   d.option("min_gain", c.min_gain, "The scene stays as it was unless glass gains so many dB in photos that training never saw.")
       .range(0, 10);
   d.option("min_agreement", c.min_agreement,
@@ -32,7 +38,7 @@ void describe(Describer& d, RefineConfig& c) {
 Stage refine_stage() {
   StageInfo info{
       .name = "refine",
-      .version = 2,
+      .version = 3,
       .summary = "puts what stands behind glass in order, with the mesh",
       .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                  {.name = "masks", .optional = true, .doc = "Where glass is; without them, where surfels are transparent."},

@@ -16,6 +16,7 @@
 #include "stages/refine/free_space.h"
 #include "stages/refine/quality.h"
 #include "stages/refine/segment_report.h"
+#include "stages/refine/thickness.h"
 
 namespace vitrine {
 
@@ -85,18 +86,14 @@ class Refiner {
   }
 
   void run() {
-    step(0.05, "segments");
-    views_ = glass_views({.capture = capture_,
-                          .targets = targets_,
-                          .scene = scene_,
-                          .mesh = mesh_,
-                          .segments = {.min_agreement = static_cast<float>(config_.min_agreement)},
-                          .level = kMapLevel},
-                         capture_.train);
+    step(0.01, "segments");
+    views_ = views_of(capture_.train);
     report_["segments"] = segments_json(views_, capture_);
     make_folders(context_.output() / "refine");
     write_segments_picture(context_.output() / "refine/segments.png", views_, capture_, kMapLevel);
     tell_fallback();
+    step(0.03, "thin or thick glass");
+    decide_thickness();
     step(0.05, "free space");
     find_candidates();
     const QualityMeter meter(scene_, capture_, targets_, judges_);
@@ -114,6 +111,16 @@ class Refiner {
   }
 
  private:
+  std::vector<GlassView> views_of(std::span<const uint32_t> photos) const {
+    return glass_views({.capture = capture_,
+                        .targets = targets_,
+                        .scene = scene_,
+                        .mesh = mesh_,
+                        .segments = {.min_agreement = static_cast<float>(config_.min_agreement)},
+                        .level = kMapLevel},
+                       photos);
+  }
+
   void step(double fraction, std::string text) {
     throw_if_interrupted();
     context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
@@ -132,6 +139,38 @@ class Refiner {
                                    t.fallback_views, t.views));
   }
 
+  // Which pieces of glass are solid, and with them the scene that all candidates begin with.
+  void decide_thickness() {
+    Json& report = report_["glass"] = {{"mode", config_.glass}};
+    start_ = scene_;
+    // Rays that leave thick glass see the room, which traced glass with a set of its own outside does not show.
+    const bool room = scene_.image.transmission.glass == Glass::Thin || config_.exterior_set != "transmittance";
+    if (config_.glass == "thin" || !room) return;
+    const float ior = static_cast<float>(config_.ior);
+    std::vector<GlassView> heldout;
+    if (!capture_.heldout.empty()) heldout = views_of(capture_.heldout);
+    const std::vector<RegionThickness> regions = region_thickness({.capture = capture_,
+                                                                   .scene = scene_,
+                                                                   .seen = views_,
+                                                                   .judges = heldout.empty() ? views_ : heldout,
+                                                                   .mesh = mesh_,
+                                                                   .ior = ior,
+                                                                   .level = kMapLevel});
+    log_thickness(regions);
+    thick_.assign(mesh_.regions, 0);
+    for (const RegionThickness& r : regions) thick_[r.region] = config_.glass == "thick" || r.thick();
+    start_ = with_thick_glass(scene_, mesh_, thick_, ior);
+    report["ior"] = rounded(config_.ior);
+    report["regions"] = thickness_json(regions);
+    context_.metric("thick_regions", double(std::ranges::count(thick_, 1)));
+    if (config_.glass == "thick" && !bends(start_))
+      context_.warning("NO_CLOSED_GLASS",
+                       "glass = thick changes nothing: the mesh has no closed glass that the photos agree with");
+  }
+
+  static bool bends(const TrainedScene& scene) { return scene.image.transmission.thick != nullptr; }
+  bool forced() const { return config_.glass == "thick" && bends(start_); }
+
   void find_candidates() {
     const SplatLayer& layer = scene_.surfels.transmittance;
     const std::vector<SurfelVotes> votes = surfel_votes(layer, views_, mesh_);
@@ -147,14 +186,22 @@ class Refiner {
     report_["transmittance"] = {{"surfels", votes.size()}, {"in_empty_space", empty}, {"beyond_closed_glass", beyond}};
     const bool traced = scene_.image.transmission.glass == Glass::Traced;
     const auto add = [&](const char* name, const char* what, std::span<const uint8_t> keep, Glass glass) {
-      Candidate c{.name = name, .what = what, .scene = scene_};
+      Candidate c{.name = name, .what = what, .scene = start_};
       c.scene.surfels.transmittance = kept_surfels(layer, keep);
       c.scene.image.transmission.glass = glass;
       // Without a surfel there would be no layer, and glass would show nothing of the room.
       if (c.scene.surfels.transmittance.size() > 0) candidates_.push_back(std::move(c));
     };
+    if (bends(start_)) {
+      candidates_.push_back({.name = "thick_glass", .what = "rays bend in thick glass", .scene = start_});
+      std::vector<uint8_t> clear = seen_through(layer, views_, thick_);
+      for (size_t i = 0; i < clear.size(); ++i) clear[i] = filled[i] && !clear[i];
+      Candidate c{.name = "thick_glass_clear", .what = "rays bend in thick glass with nothing in it", .scene = start_};
+      c.scene.surfels.transmittance = kept_or_blank(layer, clear);
+      candidates_.push_back(std::move(c));
+    }
     if (empty > 0 && config_.exterior_set != "diffuse")
-      add("free_space", "without surfels in empty space", filled, scene_.image.transmission.glass);
+      add("free_space", "without surfels in empty space", filled, start_.image.transmission.glass);
     // Rays of traced glass see the transmittance layer alone; sorted into sets, the room behind is the diffuse layer's.
     if ((beyond > 0 || traced) && config_.exterior_set != "transmittance")
       add("exterior_diffuse", "the room behind closed glass is the diffuse layer's", within, Glass::Thin);
@@ -194,6 +241,7 @@ class Refiner {
   }
 
   bool is_better(const Candidate& c) const {
+    if (forced()) return bends(c.scene);
     return c.heldout.glass >= before_.glass + config_.min_gain && c.heldout.all >= before_.all - kMostLoss;
   }
   // nullptr: the scene as it was.
@@ -219,6 +267,13 @@ class Refiner {
     report_["state"] = chosen ? "refined" : "kept";
     if (chosen) report_["chosen"] = chosen->name;
     report_["after"] = json_of(after);
+    report_["glass"]["bent"] = chosen && bends(chosen->scene);
+    if (bends(start_) && !(chosen && bends(chosen->scene)))
+      context_.warning(
+          "THICK_GLASS",
+          fmt::format("{} of the pieces of glass look solid, but pictures with bent rays gain nothing: they stay straight "
+                      "(glass.regions in refine/report.json)",
+                      std::ranges::count(thick_, 1)));
     write_file(context_.output() / "refine/report.json", report_.dump(2) + "\n");
     context_.metric("glass_psnr_before", before_.glass);
     context_.metric("glass_psnr", after.glass);
@@ -254,6 +309,8 @@ class Refiner {
   const GlassMesh mesh_;
   const std::vector<uint32_t> judges_;
   std::vector<GlassView> views_;
+  TrainedScene start_;          // with thick glass, if any
+  std::vector<uint8_t> thick_;  // [regions of the mesh]
   std::vector<Candidate> candidates_;
   Quality before_;
   Json report_ = Json::object();

@@ -21,6 +21,8 @@ struct PruneConfig {
 struct RefineConfig {
   int max_side = 0;
   std::string exterior_set = "auto";
+  std::string glass = "auto";
+  double ior = 1.5;
   double min_gain = 0.01;
   double min_agreement = 0.8;
   PruneConfig prune;

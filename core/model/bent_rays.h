@@ -1,0 +1,39 @@
+// What thick glass shows: in its pixels the straight view of ThinGlassPass gives way to rays through the same surfels, leg by leg
+// along the bent path (ThickGlass):
+//   C_t = sum_k P_k C_k    P_k = product of the T_j of the legs j < k
+// Gradients reach the surfels that the legs meet; the path itself counts as fixed, as the ends of straight segments do. Pixels
+// whose path is not bent (total reflection, a hole) keep the straight view.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/model/frame.h"
+#include "core/model/image_options.h"
+#include "core/model/thick_glass.h"
+
+namespace vitrine {
+
+class BentRays {
+ public:
+  // `opened`: the scene without its glass, as frame.behind shows it. Writes radiance and inner_transmittance of bent pixels and
+  // frame.behind.path.
+  void forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame);
+  // Takes the gradients (and the blame, [h,w] or empty) of bent pixels away from the straight view: adds to `grad`, of the shape
+  // of `opened`, and to `statistics`.
+  void backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics);
+
+ private:
+  RayBatch batch() const { return {.origins = origins_, .directions = directions_, .far = far_}; }
+
+  std::unique_ptr<Tracer> tracer_;
+  TraceDesc desc_;
+  std::vector<uint32_t> pixels_, begin_;  // bent ones, and [pixels + 1] their legs
+  std::vector<Vec3f> origins_, directions_;
+  std::vector<float> far_, blame_;
+  RayValues values_, gradients_;
+  HitLists hits_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,93 @@
+#include "core/model/thick_glass.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/clean_openmesh.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/model/kernels/refraction.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kOffSurface = 2e-5f;  // scene units: a leg's own surface is not met again
+constexpr float kTolerance_rel = 0.01f, kToleranceVoxels = 3;
+constexpr int kSmoothing = 10;  // Taubin's passes: the steps of the voxels are in the normals of a mesh
+constexpr int kMostSurfaces = 32;
+
+TriMesh with_normals(TriMesh mesh) {
+  mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+ThickGlass::ThickGlass(TriMesh mesh, float ior, float tolerance)
+    : mesh_(with_normals(std::move(mesh))), ior_(ior), tolerance_(tolerance), hits_(mesh_) {
+  VITRINE_CHECK(ior > 1, "glass is denser than air");
+}
+
+Vec3f ThickGlass::normal_at(uint32_t face, const Vec3f& point) const {
+  const auto& f = mesh_.faces[face];
+  const Vec3f &a = mesh_.positions[f[0]], &b = mesh_.positions[f[1]], &c = mesh_.positions[f[2]];
+  const Vec3f n = cross(b - a, c - a);
+  const float u = dot(n, cross(c - b, point - b)), v = dot(n, cross(a - c, point - c)), w = dot(n, cross(b - a, point - a));
+  return normalized(u * mesh_.normals[f[0]] + v * mesh_.normals[f[1]] + w * mesh_.normals[f[2]]);
+}
+
+BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface) const {
+  BentRay ray;
+  const auto first = hits_.first_hit(eye, direction);
+  if (!first || first->from_inside || std::abs(first->t - surface) > std::max(tolerance_, kTolerance_rel * surface)) return ray;
+
+  const auto ends = [&](GlassPath how) {
+    BentRay straight;
+    straight.path = how;
+    return straight;
+  };
+  Vec3f origin = eye, d = direction;
+  float near = 0;
+  int depth = 0;  // shells that the ray is in
+  for (int surfaces = 0; surfaces < kMostSurfaces; ++surfaces) {
+    const auto hit = hits_.first_hit(origin, d, near);
+    if (!hit) {
+      if (depth > 0) return ends(GlassPath::NoExit);
+      ray.path = GlassPath::Bent;
+      return ray;
+    }
+    near = hit->t + kOffSurface;
+    const bool leaves = hit->from_inside;
+    // A back outside of all glass is rounding at a grazing exit, or the rim of a hole: nothing to bend at.
+    if (leaves && depth == 0) continue;
+    depth += leaves ? -1 : 1;
+    if (depth != (leaves ? 0 : 1)) continue;
+    const Vec3f point = origin + hit->t * d;
+    const float side = leaves ? -1.f : 1.f;
+    Vec3f n = side * normal_at(hit->face, point);
+    if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an outline
+    Vec3f bent;
+    if (!refract(d, n, leaves ? ior_ : 1 / ior_, bent)) return ends(GlassPath::TotalReflection);
+    if (ray.leg_count > 0) ray.legs[ray.leg_count - 1].length = hit->t;
+    if (ray.leg_count == BentRay::kMostLegs) return ends(GlassPath::NoExit);
+    origin = point;
+    d = normalized(bent);
+    near = kOffSurface;
+    ray.legs[ray.leg_count++] = {origin, d, std::numeric_limits<float>::infinity()};
+  }
+  return ends(GlassPath::NoExit);
+}
+
+std::shared_ptr<const ThickGlass> thick_glass(const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior) {
+  std::vector<uint8_t> keep(mesh.glass.faces.size());
+  bool any = false;
+  for (size_t f = 0; f < keep.size(); ++f) any |= (keep[f] = chosen[mesh.region[f]]) != 0;
+  if (!any) return nullptr;
+  TriMesh part = submesh(mesh.glass, keep);
+  taubin_smooth(part, {.iterations = kSmoothing});
+  return std::make_shared<const ThickGlass>(std::move(part), ior, kToleranceVoxels * mesh.voxel);
+}
+
+}  // namespace vitrine
