@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/model/kernels/refraction.h"
 
 namespace vitrine::generate {
 namespace {
@@ -145,11 +146,21 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
         sum += mis * hadamard(path.weight, light_.lamps[lamp].radiance);
         break;
       }
-      if (material.kind == MaterialKind::ThinGlass) {
-        const float r = sheet_reflectance(material.index_of_refraction, dot(hit->geometric, path.direction));
+      if (material.glass()) {
+        const bool thin = material.kind == MaterialKind::ThinGlass;
+        // At an outline the interpolated normal may look to the other side than the face.
+        const bool smooth = !thin && (dot(hit->normal, path.direction) < 0) == outer;
+        const Vec3f normal = smooth ? hit->normal : hit->geometric;
+        const float index = outer || thin ? material.index_of_refraction : 1.0f / material.index_of_refraction;
+        const float cosine = dot(normal, path.direction);
+        const float r = thin ? sheet_reflectance(index, cosine) : interface_reflectance(index, cosine);
         Branch back = path;
-        back.direction = mirrored(path.direction, hit->geometric);
+        back.direction = mirrored(path.direction, normal);
         back.origin = offset_origin(*hit, back.direction);
+        if (!thin && !refract(path.direction, outer ? normal : -normal, 1.0f / index, path.direction)) {
+          path = back;
+          continue;
+        }
         path.origin = offset_origin(*hit, path.direction);
         if (splits < kSplitPanes) {
           ++splits;

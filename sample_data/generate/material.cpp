@@ -32,13 +32,17 @@ Vec3f visible_normal(const Vec3f& wo, float alpha, const Vec2f& u) {
 
 }  // namespace
 
-float sheet_reflectance(float index_of_refraction, float cos_theta) {
+float interface_reflectance(float relative_index, float cos_theta) {
   const float c = std::min(std::abs(cos_theta), 1.0f);
-  const float sin_t = std::sqrt(1.0f - c * c) / index_of_refraction;
+  const float sin_t = std::sqrt(1.0f - c * c) / relative_index;
   const float ct = std::sqrt(std::max(0.0f, 1.0f - sin_t * sin_t));
-  const float s = (c - index_of_refraction * ct) / (c + index_of_refraction * ct);
-  const float p = (index_of_refraction * c - ct) / (index_of_refraction * c + ct);
-  const float R = 0.5f * (s * s + p * p);
+  const float s = (c - relative_index * ct) / (c + relative_index * ct);
+  const float p = (relative_index * c - ct) / (relative_index * c + ct);
+  return 0.5f * (s * s + p * p);
+}
+
+float sheet_reflectance(float index_of_refraction, float cos_theta) {
+  const float R = interface_reflectance(index_of_refraction, cos_theta);
   return 2.0f * R / (1.0f + R);
 }
 

@@ -1,7 +1,8 @@
-// How surfaces answer to light: diffuse (Lambert), metal (GGX microfacets, one Fresnel colour), mirror, thin glass, and
-// emitters. Directions point away from the surface, cosines are against the unit normal n on the side of wo.
+// How surfaces answer to light: diffuse (Lambert), metal (GGX microfacets, one Fresnel colour), mirror, thin and solid glass,
+// and emitters. Directions point away from the surface, cosines are against the unit normal n on the side of wo.
 //   metal: f = F D G2 / (4 cos_i cos_o), Smith heights correlated, alpha = roughness^2 (Heitz 2014, 2018)
-//   glass: a sheet without thickness; r = 2R/(1+R) sums both faces of a real pane, 1 - r goes straight through
+//   thin glass: a sheet without thickness; r = 2R/(1+R) sums both faces of a real pane, 1 - r goes straight through
+//   solid glass: a closed surface; R is mirrored at every interface, 1 - R refracted (Snell)
 #pragma once
 
 #include "core/math/vec.h"
@@ -9,16 +10,19 @@
 
 namespace vitrine::generate {
 
-enum class MaterialKind { Diffuse, Metal, Mirror, ThinGlass, Emitter };
+enum class MaterialKind { Diffuse, Metal, Mirror, ThinGlass, SolidGlass, Emitter };
 
 struct Material {
   MaterialKind kind = MaterialKind::Diffuse;
   Texture albedo = {};               // Diffuse
   Vec3f reflectance{1, 1, 1};        // Metal, Mirror: at normal incidence
   float roughness = 0;               // Metal: perceptual, alpha = roughness^2
-  float index_of_refraction = 1.5f;  // ThinGlass
+  float index_of_refraction = 1.5f;  // ThinGlass, SolidGlass
+  bool glass() const { return kind == MaterialKind::ThinGlass || kind == MaterialKind::SolidGlass; }
 };
 
+// R of one interface, unpolarised; `relative_index`: behind over in front. 1 where all is reflected.
+float interface_reflectance(float relative_index, float cos_theta);
 float sheet_reflectance(float index_of_refraction, float cos_theta);
 Vec3f schlick_fresnel(const Vec3f& reflectance, float cos_theta);
 

@@ -59,7 +59,7 @@ RayScene::RayScene(const Scene& scene) : scene_(scene), trees_(std::make_unique<
   }
   for (size_t i = 0; i < scene.parts.size(); ++i) {
     const TriMesh& mesh = scene.parts[i].shape.mesh;
-    const bool glass = scene.parts[i].material.kind == MaterialKind::ThinGlass;
+    const bool glass = scene.parts[i].material.glass();
     RTCGeometry geometry = rtcNewGeometry(trees_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                   3 * sizeof(float), mesh.positions.size()));
@@ -123,7 +123,11 @@ float RayScene::transmittance(const Vec3f& origin, const Vec3f& direction, float
     RTCRayHit r = ray_hit(origin, direction, from, distance);
     if (!intersect(trees_->glass, r)) break;
     const Vec3f n = normalized(Vec3f{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z});
-    passed *= 1.0f - sheet_reflectance(scene_.parts[r.hit.geomID].material.index_of_refraction, dot(n, direction));
+    const Material& material = scene_.parts[r.hit.geomID].material;
+    const float index = material.index_of_refraction, cosine = dot(n, direction);
+    passed *=
+        1.0f - (material.kind == MaterialKind::ThinGlass ? sheet_reflectance(index, cosine)
+                                                         : interface_reflectance(cosine < 0 ? index : 1.0f / index, cosine));
     from = r.ray.tfar + kOffset;
   }
   return passed;

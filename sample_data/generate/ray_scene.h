@@ -20,7 +20,7 @@ struct Hit {
   Vec3f geometric;  // unit, outwards
   Vec3f normal;     // interpolated, unit, outwards
   Vec2f uv;
-  bool glass() const { return part->material.kind == MaterialKind::ThinGlass; }
+  bool glass() const { return part->material.glass(); }
 };
 
 class RayScene {
@@ -32,7 +32,8 @@ class RayScene {
 
   const Scene& scene() const { return scene_; }
   std::optional<Hit> first_hit(const Vec3f& origin, const Vec3f& direction, bool with_glass = true) const;
-  // 0 when something opaque lies within `distance`, else the product of 1 - r over the panes passed.
+  // 0 when something opaque lies within `distance`, else the product of 1 - r over the panes passed (straight on: light that
+  // solid glass gathers or spreads is left out).
   float transmittance(const Vec3f& origin, const Vec3f& direction, float distance, bool with_glass = true) const;
 
  private:

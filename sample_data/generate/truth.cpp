@@ -90,7 +90,7 @@ void write_meshes(const RayScene& rays, const fs::path& truth, bool full) {
   for (const Part& part : rays.scene().parts) {
     if (!part.measured) continue;
     const TriMesh seen = seen_faces(rays, part.shape.mesh);
-    append(part.material.kind == MaterialKind::ThinGlass ? glass : opaque, seen);
+    append(part.material.glass() ? glass : opaque, seen);
   }
   if (opaque.faces.empty() && glass.faces.empty()) return;
   // Flat parts come in the cells of the irradiance cache: most faces go without any loss.
@@ -121,7 +121,7 @@ void write_surface(const RayScene& rays, const View& view, const fs::path& truth
 
 bool has_glass(const Scene& scene) {
   for (const Part& part : scene.parts)
-    if (part.material.kind == MaterialKind::ThinGlass) return true;
+    if (part.material.glass()) return true;
   return false;
 }
 

@@ -94,6 +94,37 @@ TEST(Generate, GlassPassesWhatItDoesNotReflect) {
   EXPECT_GT(sheet_reflectance(1.5f, 0.3f), sheet_reflectance(1.5f, 0.8f));
 }
 
+TEST(Generate, SolidGlassReflectsAllOfWhatCannotLeave) {
+  EXPECT_NEAR(interface_reflectance(1.5f, 1.0f), 0.04f, 1e-5f);
+  EXPECT_NEAR(interface_reflectance(1 / 1.5f, 1.0f), 0.04f, 1e-5f);
+  const float critical = std::sqrt(1 - 1 / (1.5f * 1.5f));  // its cosine
+  EXPECT_LT(interface_reflectance(1 / 1.5f, critical + 0.05f), 0.5f);
+  EXPECT_FLOAT_EQ(interface_reflectance(1 / 1.5f, critical - 0.01f), 1);
+  // Both ways the same share: sin(out) = 1.5 sin(in).
+  EXPECT_NEAR(interface_reflectance(1.5f, std::cos(0.8f)),
+              interface_reflectance(1 / 1.5f, std::cos(std::asin(std::sin(0.8f) / 1.5f))), 1e-5f);
+}
+
+// Nothing that a ball of glass in an even light does is seen: what it does not reflect it refracts.
+TEST(Generate, SolidGlassInAnEvenLightIsInvisible) {
+  Scene scene;
+  scene.parts.push_back(
+      {.name = "ball",
+       .shape = meshed([](const Vec3f& p) { return length(p) - 0.5f; }, {{-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6}}, 0.05f),
+       .material = {.kind = MaterialKind::SolidGlass}});
+  scene.environment = Environment(ImageF(16, 8, 3, 1.0f));
+  const RayScene rays(scene);
+  const Integrator integrator(rays, {scene.environment, {}});
+  double sum = 0;
+  constexpr int kRays = 2000;
+  for (int i = 0; i < kRays; ++i) {
+    Sampler sampler(7, static_cast<uint32_t>(i));
+    const Vec2f u = sampler.pair();
+    sum += double(integrator.radiance({0.8f * u.x - 0.4f, 0.8f * u.y - 0.4f, -2}, {0, 0, 1}, nullptr, sampler).x);
+  }
+  EXPECT_NEAR(sum / kRays, 1, 0.01);
+}
+
 TEST(Generate, UnknownSceneListsTheKnownOnes) {
   try {
     scene_named("tiny_rom");

@@ -4,7 +4,7 @@
 
 namespace vitrine::generate {
 namespace {
-constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room}, {"cabinet", cabinet}};
+constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room}, {"paperweight", paperweight}, {"cabinet", cabinet}};
 }
 
 std::span<const SceneEntry> scene_list() { return kScenes; }

@@ -10,6 +10,8 @@ namespace vitrine::generate {
 
 Scene tiny_room();  // opaque boxes, a ball and a ring in a painted room; 12 views of 96x64
 
+Scene paperweight();  // a ball of solid glass in the same room; 36 views of 160x120
+
 Scene cabinet();  // a painted owl in a glass case, a copper kettle, books; 36 views of 640x480
 
 struct SceneEntry {
