@@ -103,6 +103,13 @@ class PixelShader {
   Vec3f place_, origin_;  // rays start a little above the place
 };
 
+// More than it scatters or lets through.
+bool mirrors(LayerBlend blend, const RelitMaterial& m) {
+  const LayerWeights<float> w = relit_weights(blend, m, 1);
+  const Vec3f rest = hadamard(w.diffuse, m.albedo) + w.transmission;
+  return w.reflection.x + w.reflection.y + w.reflection.z > rest.x + rest.y + rest.z;
+}
+
 Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
   const float cosine = dot(normal, view);
   return cosine >= kLeastCosine ? normal : normalized(normal + (kLeastCosine - cosine) * view);
@@ -141,7 +148,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const Vec3f behind = alpha < 1 - kLeastCoverage ? (1 - alpha) * sky.radiance(-ray.view) : Vec3f{};
     if (alpha < kLeastCoverage) return sky.radiance(-ray.view);
     const Vec3f blended = g.rgb(g.normal, pixel);
-    const Vec3f normal = turned_to(squared_length(blended) > 0 ? normalized(blended) : ray.view, ray.view);
+    Vec3f normal = turned_to(squared_length(blended) > 0 ? normalized(blended) : ray.view, ray.view);
     const RelitMaterial material{.albedo = g.rgb(g.color, pixel) / alpha,
                                  .f0 = g.rgb(g.f0, pixel) / alpha,
                                  .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
@@ -151,12 +158,15 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     Vec3f place = ray.eye + z * ray.direction_per_z;
     // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
     // (thin coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside.
+    // Mirrors have its normals, too: training leaves theirs as the pictures in them want them.
     Vec3f outwards = ray.view;
     const float t = z * length(ray.direction_per_z);
     if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
         hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || hit->t > kNearWall_rel * t)) {
-      outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
       place = ray.eye - hit->t * ray.view;
+      if (!hit->from_inside && mirrors(scene_.blend(), material))
+        normal = turned_to(surface_.smooth_normal(*hit, place), ray.view);
+      outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
     }
     const Vec3f origin = place + lift * outwards;
     const ShadingFrame frame(normal);

@@ -59,6 +59,11 @@ class SceneSurface {
     }
     return 0;
   }
+  // Of the vertices around, outwards; where they cancel, that of the face.
+  Vec3f smooth_normal(const MeshHit& hit, const Vec3f& position) const {
+    const Vec3f n = at(mesh_.normals, place(hit.face, position));
+    return squared_length(n) > 0 ? normalized(n) : hit.normal;
+  }
   Vec3f at(const std::vector<Vec3f>& per_vertex, const SurfacePlace& place) const {
     const auto& f = mesh_.faces[place.face];
     return place.weights.x * per_vertex[f[0]] + place.weights.y * per_vertex[f[1]] + place.weights.z * per_vertex[f[2]];

@@ -1,217 +1,289 @@
 #include "stages/relight/metals.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <unordered_map>
+#include <numeric>
 
-#include "core/base/rng.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/resample.h"
-#include "core/render/renderer.h"
-#include "core/render/surface_depth.h"
+#include "core/math/median.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
 #include "stages/relight/light_solver.h"
+#include "stages/relight/point_grid.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr float kMinAlpha = 0.5f, kMinCosine = 0.3f, kShortestMetalNormal = 0.05f;
-constexpr float kBrightest = 0.95f;      // of a photo; more is clipped, and white whatever the metal
-constexpr size_t kFewestPixels = 300;    // of a metal, over all views
-constexpr double kLeastReflects = 0.2;   // less is paint with gloss
-constexpr float kLeastCoverage = 0.05f;  // of a ray by surfels: less shows the light beyond
-constexpr float kLeastLight = 1e-3f;     // mean of the mirrored light
-constexpr double kSureness = 4;  // power of a pixel's trained reflection in its weight: margins of the mask reflect little
+constexpr float kMinCosine = 0.3f;
+constexpr float kBrightest = 0.95f;                    // of a photo; more is clipped, and white whatever the metal
+constexpr size_t kFewestPixels = 300;                  // of a thing, over all views
+constexpr size_t kFewestOfFace = 4;                    // views that tell gloss from paint
+constexpr float kLeastCoverage = 0.05f;                // of a ray by surfels: less shows the light beyond
+constexpr float kPaintShows = 0.75f;                   // of the mean over views is left in the dimmer half of them: more is paint
+constexpr float kBrightestMetal = 0.95f;               // silver
+constexpr float kDull = 0.1f;                          // of a face's pixels that may be marked
+constexpr float kGlaze = 0.04f;                        // head on, index 1.5
+constexpr float kLeastPaint = 0.1f, kDarkest = 1e-4f;  // of a glazed surfel's radiance; radiance
+constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
+constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
-using Cell = std::array<int64_t, 3>;
-struct CellHash {
-  size_t operator()(const Cell& c) const {
-    return static_cast<size_t>(mix64(mix64(uint64_t(c[0]), uint64_t(c[1])), uint64_t(c[2])));
-  }
+struct PolishedPixels {
+  std::vector<uint32_t> face;
+  std::vector<Vec3f> origins, directions, photo, light;
+  std::vector<float> cosine;
+  std::vector<bool> well_known;  // the mirrored ray meets what the photos look at, and it is dull
+  size_t size() const { return face.size(); }
 };
 
-struct CellCount {
-  float mirror = 0, all = 0;
-  int metal = -1;
-  bool is_mirror() const { return mirror > 0.5f * all; }
-};
-
-struct Samples {
-  std::vector<Vec3f> origins, directions, photo;
-  std::vector<float> reflects;
-};
-
-class Finder {
+class PolishedFinder {
  public:
-  explicit Finder(const MetalsDesc& desc) : d_(desc), layer_(desc.scene.surfels.diffuse) {}
+  explicit PolishedFinder(const MetalsDesc& desc)
+      : d_(desc),
+        hits_(desc.mesh),
+        normals_(vertex_normals(desc.mesh)),
+        shown_(desc.mesh.faces.size()),
+        marked_(shown_.size()),
+        not_dull_(shown_.size()) {}
 
   Metals run() {
-    const std::unique_ptr<Renderer> renderer = make_renderer(Backend::Cpu);
-    for (const View& v : d_.views) look_at(v, *renderer);
+    const size_t surfels = d_.scene.surfels.diffuse.size();
+    Metals out{{}, std::vector<int>(surfels, -1), std::vector<Vec3f>(surfels)};
+    for (const View& v : d_.views) look_at(v);
+    if (pixels_.size() == 0) return out;
     connect();
-    Metals out{measured(), std::vector<int>(layer_.size(), -1)};
-    for (size_t i = 0; i < layer_.size(); ++i) {
-      const float* p = layer_.at(Attribute::Mean, i);
-      const auto it = cells_.find(cell_of({p[0], p[1], p[2]}));
-      if (it != cells_.end()) out.of_surfel[i] = it->second.metal;
-    }
+    drop_unsure();
+    trace();
+    const std::vector<FaceShows> faces = faces_show();
+    out.things = judged(faces);
+    spread(faces, out);
     return out;
   }
 
  private:
-  Cell cell_of(const Vec3f& p) const {
-    Cell c;
-    for (size_t i = 0; i < 3; ++i) c[i] = static_cast<int64_t>(std::floor(p[i] / d_.cell));
-    return c;
-  }
-
-  void look_at(const View& view, Renderer& renderer) {
-    RasterDesc raster;
-    raster.intrinsics = view.intrinsics.limited_to(d_.max_side);
-    const Intrinsics& k = raster.intrinsics;
+  void look_at(const View& view) {
+    const Intrinsics k = view.intrinsics.limited_to(d_.max_side);
     const ImageF mirrors = d_.mirrors(view, k);
     if (mirrors.empty()) return;
-    raster.cam_from_world = view.cam_from_world;
-    raster.features = FeatureSet::Material;
-    raster.sh_degree = layer_.sh_degree();
-    raster.near_z = d_.scene.image.diffuse.near_z;
-    RasterImages images;
-    renderer.forward(layer_, raster, images);
-    const size_t pixels = size_t(k.width) * size_t(k.height);
-    const auto normals = images.plane(Aov::Normal), zsum = images.plane(Aov::ZDepth), alpha = images.plane(Aov::Alpha);
-    const auto median = images.plane(Aov::MedianZ), specular = images.plane(Aov::SpecularWeight), f0 = images.plane(Aov::F0);
+    const ImageF marked = d_.glass_or_mirrors(view, k);
     const ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
     const Rigid world_from_cam = inverse(view.cam_from_world);
     const Vec3f eye = cast<float>(world_from_cam.translation);
-    for (size_t p = 0; p < pixels; ++p) {
-      const float a = alpha[p], z = a >= kMinAlpha ? surface_depth(zsum[p], a, median[p]) : 0;
-      const Vec3f blended{normals[p], normals[pixels + p], normals[2 * pixels + p]};
-      const float size = length(blended);
-      if (!(z > 0) || !std::isfinite(z) || !(size > kShortestMetalNormal)) continue;
-      const Vec3d ray = k.ray(double(p % size_t(k.width)) + 0.5, double(p / size_t(k.width)) + 0.5);
-      const Vec3f position = cast<float>(world_from_cam * (double(z) * ray)), n = blended / size;
-      CellCount& cell = cells_[cell_of(position)];
-      cell.all += 1;
-      if (!(mirrors.data()[p] > 0.5f)) continue;
-      cell.mirror += 1;
-      const Vec3f towards = normalized(eye - position);
-      const float cosine = dot(n, towards);
-      Vec3f radiance;
-      float brightest = 0;
-      for (size_t c = 0; c < 3; ++c) {
-        brightest = std::max(brightest, photo.data()[3 * p + c]);
-        radiance[c] = photo.data()[3 * p + c] / float(view.gain[c]);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const Vec3f towards = normalized(cast<float>(world_from_cam.rotation * k.ray(x + 0.5, y + 0.5)));
+        const auto hit = hits_.first_hit(eye, towards);
+        if (!hit) continue;
+        ++shown_[hit->face];
+        not_dull_[hit->face] += marked.at(x, y) > 0.5f;
+        if (!(mirrors.at(x, y) > 0.5f)) continue;
+        ++marked_[hit->face];
+        const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
+        const float cosine = -dot(n, towards);
+        const float* c = photo.pixel(x, y);
+        if (!(cosine > kMinCosine) || std::max({c[0], c[1], c[2]}) > kBrightest) continue;
+        pixels_.face.push_back(hit->face);
+        pixels_.origins.push_back(p);
+        pixels_.directions.push_back(towards + 2 * cosine * n);
+        pixels_.photo.push_back({c[0] / float(view.gain.x), c[1] / float(view.gain.y), c[2] / float(view.gain.z)});
+        pixels_.cosine.push_back(cosine);
       }
-      if (!(cosine > kMinCosine) || brightest > kBrightest) continue;
-      const BlendMaterial<float> material{.f0 = {f0[p] / a, f0[pixels + p] / a, f0[2 * pixels + p] / a},
-                                          .specular = specular[p] / a,
-                                          .transmission = 0,
-                                          .cosine = cosine};
-      const Vec3f weight = layer_weights<float>(d_.scene.image.composite.blend, material, {.reflection = true}).reflection;
-      samples_.origins.push_back(position);
-      samples_.directions.push_back(2 * cosine * n - towards);
-      samples_.photo.push_back(radiance);
-      samples_.reflects.push_back((weight.x + weight.y + weight.z) / 3);
-    }
   }
 
-  // Numbers the connected cells, in the order of the samples.
+  Vec3f normal_at(uint32_t face, const Vec3f& p) const {
+    const auto& f = d_.mesh.faces[face];
+    const Vec3f &a = d_.mesh.positions[f[0]], &b = d_.mesh.positions[f[1]], &c = d_.mesh.positions[f[2]], g = cross(b - a, c - a);
+    const float area = squared_length(g);
+    if (!(area > 0)) return normals_[f[0]];
+    const float u = dot(cross(p - a, c - a), g) / area, v = dot(cross(b - a, p - a), g) / area;
+    const Vec3f n = (1 - u - v) * normals_[f[0]] + u * normals_[f[1]] + v * normals_[f[2]];
+    return squared_length(n) > 0 ? normalized(n) : normalized(g);
+  }
+
+  // Polished faces that share a corner, numbered in the order of the faces.
   void connect() {
-    for (const Vec3f& p : samples_.origins) {
-      CellCount& first = cells_.at(cell_of(p));
-      if (!first.is_mirror() || first.metal >= 0) continue;
-      first.metal = count_;
-      std::vector<Cell> open{cell_of(p)};
-      while (!open.empty()) {
-        const Cell c = open.back();
-        open.pop_back();
-        for (int64_t n = 0; n < 27; ++n) {
-          const auto it = cells_.find({c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
-          if (it == cells_.end() || !it->second.is_mirror() || it->second.metal >= 0) continue;
-          it->second.metal = count_;
-          open.push_back(it->first);
-        }
-      }
-      ++count_;
-    }
-  }
-
-  // A ray that meets the metal again, or for the first time where its place was missed, brings back the tint that is looked for.
-  bool shows_metal(size_t ray, const RayValues& seen) const {
-    const float coverage = 1 - seen.transmittance[ray];
-    if (!(coverage > kLeastCoverage)) return false;
-    const auto it = cells_.find(cell_of(samples_.origins[ray] + seen.distance[ray] / coverage * samples_.directions[ray]));
-    return it != cells_.end() && it->second.metal >= 0;
-  }
-
-  std::vector<Metal> measured() {
-    const std::unique_ptr<Tracer> tracer = make_tracer();
-    tracer->build(layer_);
-    RayValues seen;
-    const std::vector<float> near(samples_.origins.size(), d_.reach);
-    tracer->forward({.origins = samples_.origins, .directions = samples_.directions, .near = near},
-                    {.sh_degree = layer_.sh_degree()}, seen, nullptr);
-    struct Sum {
-      Vec3d photo{}, light{};
-      double reflects = 0, pixels = 0, sure = 0;
+    std::vector<uint32_t> root(d_.mesh.positions.size());
+    std::iota(root.begin(), root.end(), 0u);
+    const auto find = [&](uint32_t v) {
+      while (root[v] != v) v = root[v] = root[root[v]];
+      return v;
     };
-    std::vector<Sum> sums(static_cast<size_t>(count_));
-    for (size_t i = 0; i < samples_.origins.size(); ++i) {
-      const int metal = cells_.at(cell_of(samples_.origins[i])).metal;
-      if (metal < 0 || shows_metal(i, seen)) continue;
-      Sum& s = sums[static_cast<size_t>(metal)];
-      const double sure = std::pow(double(samples_.reflects[i]), kSureness);
-      s.photo += sure * cast<double>(samples_.photo[i]);
-      s.light += sure * cast<double>(seen.color[i] + seen.transmittance[i] * d_.environment.radiance(samples_.directions[i]));
-      s.sure += sure;
-      s.reflects += samples_.reflects[i];
-      s.pixels += 1;
+    thing_.assign(d_.mesh.faces.size(), -1);
+    const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
+    for (size_t f = 0; f < thing_.size(); ++f)
+      if (polished(f))
+        for (size_t i = 1; i < 3; ++i) root[find(d_.mesh.faces[f][i])] = find(d_.mesh.faces[f][0]);
+    std::vector<int> number(root.size(), -1);
+    for (size_t f = 0; f < thing_.size(); ++f) {
+      if (!polished(f)) continue;
+      int& n = number[find(d_.mesh.faces[f][0])];
+      if (n < 0) n = count_++;
+      thing_[f] = n;
     }
-    // Those that say enough, numbered anew.
-    std::vector<Metal> metals;
-    std::vector<int> number(sums.size(), -1);
-    for (size_t m = 0; m < sums.size(); ++m) {
-      const Sum& s = sums[m];
-      if (s.pixels < double(kFewestPixels) || s.reflects < kLeastReflects * s.pixels) continue;
-      if (s.photo.x + s.photo.y + s.photo.z == 0) continue;
-      if (std::min({s.light.x, s.light.y, s.light.z}) < double(kLeastLight) * s.sure) continue;
-      Metal metal{.tint = {}, .pixels = size_t(s.pixels), .reflects = float(s.reflects / s.pixels)};
-      for (size_t c = 0; c < 3; ++c) metal.tint[c] = float(s.photo[c] / s.light[c]);
-      metal.tint = metal.tint / luminance(metal.tint);
-      number[m] = static_cast<int>(metals.size());
-      metals.push_back(metal);
+  }
+
+  // Things that few pixels show, and pixels of no thing, are forgotten.
+  void drop_unsure() {
+    std::vector<size_t> pixels(size_t(count_), 0);
+    for (const uint32_t f : pixels_.face)
+      if (thing_[f] >= 0) ++pixels[size_t(thing_[f])];
+    std::vector<int> number(pixels.size(), -1);
+    count_ = 0;
+    for (size_t t = 0; t < pixels.size(); ++t)
+      if (pixels[t] >= kFewestPixels) number[t] = count_++;
+    for (int& t : thing_)
+      if (t >= 0) t = number[size_t(t)];
+  }
+
+  // What the mirrored rays bring; a pixel whose ray meets something polished again says nothing.
+  void trace() {
+    PolishedPixels kept;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      if (thing_[pixels_.face[i]] < 0) continue;
+      const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
+      if (again && thing_[again->face] >= 0) continue;
+      kept.face.push_back(pixels_.face[i]);
+      kept.origins.push_back(pixels_.origins[i]);
+      kept.directions.push_back(pixels_.directions[i]);
+      kept.photo.push_back(pixels_.photo[i]);
+      kept.cosine.push_back(pixels_.cosine[i]);
+      kept.well_known.push_back(again && float(not_dull_[again->face]) < kDull * float(shown_[again->face]));
     }
-    for (auto& [key, cell] : cells_)
-      if (cell.metal >= 0) cell.metal = number[static_cast<size_t>(cell.metal)];
-    return metals;
+    pixels_ = std::move(kept);
+    const SplatLayer& layer = d_.scene.surfels.diffuse;
+    const std::unique_ptr<Tracer> tracer = make_tracer();
+    tracer->build(layer);
+    RayValues seen;
+    const std::vector<float> near(pixels_.size(), d_.reach);
+    tracer->forward({.origins = pixels_.origins, .directions = pixels_.directions, .near = near},
+                    {.sh_degree = layer.sh_degree()}, seen, nullptr);
+    pixels_.light.resize(pixels_.size());
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      pixels_.light[i] = seen.transmittance[i] * d_.environment.radiance(pixels_.directions[i]);
+      if (1 - seen.transmittance[i] > kLeastCoverage) pixels_.light[i] += seen.color[i];
+    }
+  }
+
+  // Mean of the photos over the views of a face, and of what is left of the dimmer half without the mirrored light of a glaze.
+  struct FaceShows {
+    Vec3f mean{}, paint{};
+    float dimmer = 0;  // luminance: mean of the dimmer half of the photos
+    size_t views = 0;
+  };
+  std::vector<FaceShows> faces_show() const {
+    std::vector<std::vector<uint32_t>> of_face(thing_.size());
+    for (uint32_t i = 0; i < pixels_.size(); ++i) of_face[pixels_.face[i]].push_back(i);
+    std::vector<FaceShows> faces(thing_.size());
+    for (size_t f = 0; f < of_face.size(); ++f) {
+      std::vector<uint32_t>& views = of_face[f];
+      if (views.size() < kFewestOfFace) continue;
+      FaceShows& face = faces[f];
+      face.views = views.size();
+      const auto photo = [&](uint32_t i) { return luminance(pixels_.photo[i]); };
+      std::ranges::stable_sort(views, {}, photo);
+      const size_t half = (views.size() + 1) / 2;
+      for (size_t v = 0; v < views.size(); ++v) {
+        face.mean += pixels_.photo[views[v]] / float(views.size());
+        if (v >= half) continue;
+        face.dimmer += photo(views[v]) / float(half);
+        const Vec3f mirrored = schlick(Vec3f{kGlaze, kGlaze, kGlaze}, pixels_.cosine[views[v]]).value;
+        const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
+        for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
+      }
+    }
+    return faces;
+  }
+
+  std::vector<Polished> judged(const std::vector<FaceShows>& faces) const {
+    std::vector<Polished> things(static_cast<size_t>(count_));
+    for (size_t t = 0; t < things.size(); ++t) {
+      std::vector<double> dimmer;
+      for (size_t f = 0; f < faces.size(); ++f)
+        if (thing_[f] == int(t) && faces[f].views > 0)
+          dimmer.push_back(faces[f].dimmer / std::max(luminance(faces[f].mean), 1e-6f));
+      Polished& thing = things[t];
+      thing.dimmer = dimmer.empty() ? 1.f : float(upper_median(dimmer));
+      thing.metal = thing.dimmer < kPaintShows;
+      thing.reflectance = {kGlaze, kGlaze, kGlaze};
+      Vec3d photo[2]{}, light[2]{};
+      size_t well_known = 0;
+      for (size_t i = 0; i < pixels_.size(); ++i) {
+        if (thing_[pixels_.face[i]] != int(t)) continue;
+        ++thing.pixels;
+        well_known += pixels_.well_known[i];
+        photo[pixels_.well_known[i]] += cast<double>(pixels_.photo[i]);
+        light[pixels_.well_known[i]] += cast<double>(pixels_.light[i]);
+      }
+      if (well_known < kFewestPixels) photo[1] += photo[0], light[1] += light[0];
+      thing.metal = thing.metal && std::min({light[1].x, light[1].y, light[1].z}) > 0;
+      if (!thing.metal) continue;
+      for (size_t c = 0; c < 3; ++c) thing.reflectance[c] = float(photo[1][c] / light[1][c]);
+      const float most = std::max({thing.reflectance.x, thing.reflectance.y, thing.reflectance.z});
+      if (most > kBrightestMetal) thing.reflectance = (kBrightestMetal / most) * thing.reflectance;
+    }
+    return things;
+  }
+
+  void spread(const std::vector<FaceShows>& shown, Metals& out) const {
+    std::vector<Vec3f> centres;
+    for (const auto& f : d_.mesh.faces)
+      centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
+    const PointGrid grid(centres, d_.reach / 4);
+    std::vector<PointGrid::Near> near;
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      const float* p = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
+      grid.nearest({p[0], p[1], p[2]}, kNearFaces, d_.reach, near);
+      if (near.empty() || thing_[near[0].index] < 0) continue;
+      out.of_surfel[i] = thing_[near[0].index];
+      float faces = 0;
+      for (const auto& n : near)
+        if (thing_[n.index] == out.of_surfel[i] && shown[n.index].views > 0) {
+          for (size_t c = 0; c < 3; ++c) out.gloss[i][c] += std::max(shown[n.index].mean[c] - shown[n.index].paint[c], 0.f);
+          faces += 1;
+        }
+      if (faces > 0) out.gloss[i] = out.gloss[i] / faces;
+    }
   }
 
   const MetalsDesc& d_;
-  const SplatLayer& layer_;
-  std::unordered_map<Cell, CellCount, CellHash> cells_;
-  Samples samples_;
+  MeshHits hits_;
+  std::vector<Vec3f> normals_;
+  std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
+  std::vector<int> thing_;                           // [face]
   int count_ = 0;
+  PolishedPixels pixels_;
 };
 
 }  // namespace
 
-Metals find_metals(const MetalsDesc& desc) { return Finder(desc).run(); }
+Metals find_metals(const MetalsDesc& desc) { return PolishedFinder(desc).run(); }
 
-void tint_reflection(LayerBlend blend, const Vec3f& tint, float& specular_weight, Vec3f& f0) {
-  constexpr auto kFull = static_cast<float>(kFullFresnel);
-  if (specular_weight < kFull) return;
-  const float grey = luminance(f0);
-  if (blend == LayerBlend::RtrGs) {  // k F
-    for (size_t c = 0; c < 3; ++c) f0[c] = std::min(1.f, grey * tint[c]);
-    return;
+void polish_materials(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
+                      RelightMaterials& materials) {
+  const LayerBlend blend = scene.image.composite.blend;
+  for (size_t i = 0; i < materials.size(); ++i) {
+    if (found.of_surfel[i] < 0) continue;
+    const Polished& thing = found.things[size_t(found.of_surfel[i])];
+    Vec3f& albedo = materials.albedo[i];
+    for (size_t c = 0; c < 3; ++c)
+      albedo[c] =
+          thing.metal ? 0 : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkest), kLeastPaint, 1.f);
+    if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // in which nothing has both paint and a reflection of its own
+    set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
+    materials.transmission[i] = 0;
+    if (!thing.metal || scene.surfels.reflection.size() == 0)
+      materials.roughness[i] = thing.metal ? kMetalRoughness : kGlazeRoughness;
   }
-  // k + (1 - k) F: what k has goes over to F, which can have a colour.
-  const float reflects = specular_weight + (1 - specular_weight) * grey;
-  specular_weight = kFull;
-  for (size_t c = 0; c < 3; ++c) f0[c] = std::clamp((reflects * tint[c] - kFull) / (1 - kFull), 0.f, 1.f);
+}
+
+void set_reflectance(LayerBlend blend, const Vec3f& reflectance, float& specular_weight, Vec3f& f0) {
+  // k F, or k + (1 - k) F: the least k with which F counts in full, so that F has the colour.
+  const float k = blend == LayerBlend::RtrGs ? 0 : float(kFullFresnel);
+  specular_weight = blend == LayerBlend::RtrGs ? 1 : k;
+  for (size_t c = 0; c < 3; ++c) f0[c] = std::clamp((reflectance[c] - k) / (1 - k), 0.f, 1.f);
 }
 
 }  // namespace vitrine

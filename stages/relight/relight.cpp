@@ -44,6 +44,7 @@ constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as 
 constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
 constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
+constexpr double kPolishReach = 6;  // edges of the mesh, between polished faces and their surfels
 
 double area_of(const TriMesh& mesh) {
   double area = 0;
@@ -217,10 +218,8 @@ class Decomposition {
       materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
       if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
-    if (reflects) {
-      dull_unmarked();
-      color_metals();
-    }
+    if (reflects) dull_unmarked();
+    polish(radiance);
     if (card_) match_card();
     for (Vec3f& rho : materials_.albedo)
       for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
@@ -243,22 +242,22 @@ class Decomposition {
     }
   }
 
-  void color_metals() {
+  // What mirrors is a metal without paint, or paint under a glaze, whose gloss is none of the paint's.
+  void polish(const std::vector<Vec3f>& radiance) {
     const fs::path sfm = context_.input("sfm");
     const Environment light(environment());
-    const Metals found = find_metals({.sfm_folder = sfm,
-                                      .scene = scene_,
-                                      .views = views_,
-                                      .environment = light,
-                                      .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
-                                      .max_side = config_.max_side,
-                                      .cell = float(2 * voxel_),
-                                      .reach = float(3 * edge_)});
-    metals_ = found.metals;
-    for (size_t i = 0; i < materials_.size(); ++i)
-      if (found.of_surfel[i] >= 0)
-        tint_reflection(scene_.image.composite.blend, metals_[size_t(found.of_surfel[i])].tint, materials_.specular_weight[i],
-                        materials_.f0[i]);
+    const Metals found =
+        find_metals({.sfm_folder = sfm,
+                     .scene = scene_,
+                     .mesh = mesh_,
+                     .views = views_,
+                     .environment = light,
+                     .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
+                     .glass_or_mirrors = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); },
+                     .max_side = config_.max_side,
+                     .reach = float(kPolishReach * edge_)});
+    polished_ = found.things;
+    polish_materials(found, scene_, radiance, materials_);
   }
 
   // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
@@ -337,8 +336,11 @@ class Decomposition {
                                         config_.white_albedo)},
           {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
     if (baked) report["baked_log_rms"] = *baked;
-    for (const Metal& m : metals_)
-      report["metals"].push_back({{"tint", {m.tint.x, m.tint.y, m.tint.z}}, {"pixels", m.pixels}, {"reflects", m.reflects}});
+    for (const Polished& p : polished_)
+      report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
+                                    {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
+                                    {"dimmer_half", p.dimmer},
+                                    {"pixels", p.pixels}});
     write_file(out / "relight" / "report.json", report.dump(2) + "\n");
     context_.metric("misfit_log_rms", solution_.misfit.back());
     context_.metric("light_known_share", solution_.known_share);
@@ -375,7 +377,7 @@ class Decomposition {
   WallTops tops_;
   std::vector<Vec3f> irradiance_;
   RelightMaterials materials_;
-  std::vector<Metal> metals_;
+  std::vector<Polished> polished_;
   Vec3f card_gain_{1, 1, 1};
 };
 

@@ -180,5 +180,29 @@ TEST(RelitPainter, TheBytesDoNotDependOnThreads) {
   EXPECT_EQ(pictures[0], pictures[1]);
 }
 
+// Training turns the surfels of a mirror as its pictures want them.
+TEST(RelitPainter, MirrorsHaveTheNormalsOfTheMesh) {
+  ImageF sky(32, 16, 3);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) sky.at(x, y, c) = 1 - float(y) / 16;
+  const auto centre = [&](bool turned, float metal) {
+    RelitScene scene = test::relit_ball(metal > 0 ? Vec3f{} : Vec3f{0.8f, 0.8f, 0.8f});
+    std::ranges::fill(scene.materials.specular_weight, metal);
+    std::ranges::fill(scene.materials.f0, Vec3f{metal, metal, metal});
+    std::ranges::fill(scene.materials.roughness, 0.2f);
+    SplatLayer& surfels = scene.trained.surfels.diffuse;
+    for (size_t i = 0; turned && i < surfels.size(); ++i) {  // all look up
+      const float flat[] = {1, 0, 0, 0};
+      std::copy_n(flat, 4, surfels.at(Attribute::Rotation, i));
+    }
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting({.environment = Environment(sky), .points = {}, .directionals = {}, .areas = {}});
+    return painter.picture(test::view_from({1, 0, 0.5}), {.samples = 64}).radiance.at(24, 18, 0);
+  };
+  EXPECT_NEAR(centre(true, 1), centre(false, 1), 0.05);
+  EXPECT_GT(std::abs(centre(true, 0) - centre(false, 0)), 0.05);
+}
+
 }  // namespace
 }  // namespace vitrine
