@@ -178,6 +178,20 @@ void add_facts(const Facts& sfm, const Facts& training, const Facts& mesh, const
         fmt::format("a mesh of {} in {}", counted(*faces, "triangles"), counted(*pieces, *pieces == 1 ? "piece" : "pieces")));
 }
 
+// What the refine stage found out about the largest piece of closed glass.
+void add_glass(const Facts& refine, Figures& f) {
+  for (const Facts& region : refine.at("glass.regions").items()) {
+    const std::string verdict = region.text("verdict");
+    const auto straight = region.number("psnr.straight"), straight_without = region.number("psnr.straight_without_layer");
+    const auto bent = region.number("psnr.bent"), bent_without = region.number("psnr.bent_without_layer");
+    if ((verdict != "thin" && verdict != "thick") || !straight || !straight_without || !bent || !bent_without) continue;
+    f.facts.push_back(
+        fmt::format("the glass looks {} (straight rays show what is behind it at {:.1f} dB, refracted ones at {:.1f} dB)",
+                    verdict, std::max(*straight, *straight_without), std::max(*bent, *bent_without)));
+    return;
+  }
+}
+
 }  // namespace
 
 const Figure* Figures::find(std::string_view id) const {
@@ -201,6 +215,7 @@ Figures gather_figures(const fs::path& project, const RunOutcome& outcome) {
   add_light(relight, f);
   add_truth(metrics, f);
   add_facts(sfm, training, mesh, metrics, f);
+  add_glass(Facts::of_file(project / "refine/report.json"), f);
   return f;
 }
 

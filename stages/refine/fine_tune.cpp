@@ -1,5 +1,6 @@
 #include "stages/refine/fine_tune.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -39,6 +40,18 @@ void describe(Describer& d, FineTuneConfig& c) {
       .affects_output(false);
   d.group("rates", c.rates, "Step sizes of Adam.");
   d.group("loss", c.loss, "What training makes small; parts of the run are those of the steps here.");
+}
+
+GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after) {
+  std::vector<double> way;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (!(*before.at(Attribute::Transmission, i) > 0)) continue;  // raw: tau > 1/2
+    const float *a = before.at(Attribute::Mean, i), *b = after.at(Attribute::Mean, i);
+    way.push_back(length(Vec3d{double(b[0]) - double(a[0]), double(b[1]) - double(a[1]), double(b[2]) - double(a[2])}));
+  }
+  if (way.empty()) return {};
+  std::ranges::sort(way);
+  return {.median = way[way.size() / 2], .p95 = way[way.size() * 95 / 100]};
 }
 
 FineTune::FineTune(const FineTuneConfig& config, const Capture& capture, const Targets& targets, const TrainedScene& start)

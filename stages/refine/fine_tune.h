@@ -27,6 +27,13 @@ struct FineTuneConfig {
 };
 void describe(Describer& d, FineTuneConfig& c);
 
+// How far the surfels of glass (tau above 1/2) have gone, scene units: half of them no further than the median, and so on. The
+// mesh was made from where they were.
+struct GlassMotion {
+  double median = 0, p95 = 0;
+};
+GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after);
+
 class FineTune {
  public:
   // All must outlive it; the capture's training photos are looked at.

@@ -24,8 +24,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMapLevel = 1;      // of the pyramid: segments at half size
-constexpr double kMostLoss = 0.005;  // dB of whole photos that noise may cost
+constexpr size_t kMapLevel = 1;            // of the pyramid: segments at half size
+constexpr double kMostMotionVoxels = 0.5;  // of glass off its mesh that no picture shows
+constexpr double kMostLoss = 0.005;        // dB of whole photos that noise may cost
 
 Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
 
@@ -104,6 +105,7 @@ class Refiner {
     }
     if (config_.fine_tune.iterations > 0) {
       Candidate tuned = fine_tuned(best());
+      tell_motion(glass_motion(scene_.surfels.diffuse, tuned.scene.surfels.diffuse));
       tuned.heldout = meter.of(tuned.scene);
       candidates_.push_back(std::move(tuned));
     }
@@ -238,6 +240,17 @@ class Refiner {
     return {.name = "fine_tuned",
             .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),
             .scene = {run->mean(), start.image}};
+  }
+
+  // Rays follow the mesh that was made before; it is true as long as glass stays where it was.
+  void tell_motion(const GlassMotion& motion) {
+    const double voxel = double(mesh_.voxel);
+    report_["moved_voxels"] = {{"median", rounded(motion.median / voxel)}, {"p95", rounded(motion.p95 / voxel)}};
+    if (motion.p95 > kMostMotionVoxels * voxel)
+      context_.warning("MESH_OUTDATED",
+                       fmt::format("fine-tuning moved glass by up to {:.1f} voxels away from the mesh: smaller rates "
+                                   "(fine_tune.glass_factor, fine_tune.rate_factor) keep it there",
+                                   motion.p95 / voxel));
   }
 
   bool is_better(const Candidate& c) const {

@@ -170,6 +170,9 @@ TEST_F(GlassBall, FineTuningBringsTheColoursCloserAndContinuesWhereItStopped) {
   const Json report = run(context, kSteps);
   EXPECT_EQ(report.at("chosen"), "fine_tuned") << report.dump(1);
   EXPECT_GT(report.at("after").at("glass").get<double>(), report.at("before").at("glass").get<double>() + 0.3) << report.dump(1);
+  EXPECT_GT(report.at("moved_voxels").at("p95").get<double>(), 0);
+  EXPECT_LT(report.at("moved_voxels").at("p95").get<double>(), 0.1);
+  EXPECT_FALSE(context.warnings.contains("MESH_OUTDATED"));
   const auto bytes = [](const test::RecordingContext& c) {
     return read_file(c.output() / "refine/gaussians/diffuse.ply") + read_file(c.output() / "refine/gaussians/transmittance.ply") +
            read_file(c.output() / "refine/report.json");
@@ -211,6 +214,30 @@ TEST_F(GlassBall, TheRoomBehindTracedGlassIsTheDiffuseLayers) {
   const TrainedScene refined = read_trained_scene(capture.optimize(), context.output());
   EXPECT_EQ(refined.image.transmission.glass, Glass::Thin);
   EXPECT_EQ(refined.surfels.transmittance, scene.surfels.transmittance);
+}
+
+TEST(GlassMotion, LooksAtGlassAlone) {
+  SplatLayer before(LayerKind::Diffuse, 0, 200);
+  for (size_t i = 0; i < 100; ++i) *before.at(Attribute::Transmission, i) = 1;
+  for (size_t i = 100; i < 200; ++i) *before.at(Attribute::Transmission, i) = -1;
+  SplatLayer after = before;
+  for (size_t i = 0; i < 200; ++i) after.at(Attribute::Mean, i)[i % 3] = i < 100 ? 0.01f * float(i) : 50;
+  const GlassMotion motion = glass_motion(before, after);
+  EXPECT_NEAR(motion.median, 0.5, 1e-6);
+  EXPECT_NEAR(motion.p95, 0.95, 1e-6);
+}
+
+// With rates that carry the glass away from its mesh.
+TEST_F(GlassBall, AMeshThatGlassHasLeftIsToldSo) {
+  test::RecordingContext context(inputs());
+  RefineConfig config;
+  config.fine_tune.iterations = 4;
+  config.fine_tune.glass_factor = 1;
+  config.fine_tune.rate_factor = 10;
+  config.fine_tune.rates.rate[static_cast<size_t>(Attribute::Mean)] = 0.1f;
+  config.fine_tune.rates.mean_end_factor = 1;
+  run_refine(config, context);
+  EXPECT_TRUE(context.warnings.contains("MESH_OUTDATED")) << read_file(context.output() / "refine/report.json");
 }
 
 TEST_F(GlassBall, WithoutATransmittanceLayerThereIsNothingToDo) {

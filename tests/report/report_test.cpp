@@ -149,6 +149,7 @@ TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
     EXPECT_TRUE(has(html, fmt::format("<section id=\"{}\"", id))) << id;
   EXPECT_TRUE(has(html, "12 features &amp; too few (likely: blurred)"));
   EXPECT_TRUE(has(html, "few &lt;views&gt;"));
+  EXPECT_TRUE(has(html, "the glass looks thick (straight rays show what is behind it at 13.1 dB, refracted ones at 36.1 dB)"));
   EXPECT_TRUE(has(html, "default-src 'none'"));
   for (const char* outside : {"http://", "https://", "src=\"/", "url(", "@import", "<link"})
     EXPECT_FALSE(has(html, outside)) << outside;
