@@ -206,7 +206,7 @@ void describe(Describer& d, DensifyConfig& c) {
        "divide: move idle surfels, grow to the cap, copies halve their parent; mcmc: copies lie on their parent and share its "
        "opacity; classic: clone, split and prune; none.")
       .choices({"divide", "mcmc", "classic", "none"});
-  d.option("every", c.every, "Steps between two densifications.").range(1, 100000);
+  d.option("every", c.every, "Steps between two densifications, rounded up to whole passes through the photos.").range(1, 100000);
   d.option("from", c.from, "Part of the run after which it starts.").range(0, 1);
   d.option("until", c.until, "Part of the run after which it stops.").range(0, 1);
   d.option("growth", c.growth, "Growth of the number of surfels per densification (divide, mcmc).").range(1, 2);
@@ -296,6 +296,11 @@ CopySplit copy_split(double opacity, int copies) {
     }
   }
   return {shared, opacity / denominator};
+}
+
+uint64_t densify_interval(const DensifyConfig& config, size_t photos) {
+  const uint64_t pass = std::max<size_t>(photos, 1), every = static_cast<uint64_t>(config.every);
+  return (every + pass - 1) / pass * pass;
 }
 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {

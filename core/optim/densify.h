@@ -63,7 +63,11 @@ struct DensifyCounts {
   size_t relocated = 0, added = 0, removed = 0;
 };
 
-// By the strategy of `config`. The caller decides when (every, from, until).
+// Steps between two densifications: `every`, rounded up to whole passes through the photos, so that each has its say about
+// which surfels are idle. One that a single photo shows would else be taken away whenever that photo's turn did not come.
+uint64_t densify_interval(const DensifyConfig& config, size_t photos);
+
+// By the strategy of `config`. The caller decides when (densify_interval, from, until).
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target);
 
 // Opacity of each of `copies` coincident surfels that together replace one, and the factor on its scales

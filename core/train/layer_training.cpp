@@ -1,6 +1,24 @@
 #include "core/train/layer_training.h"
 
+#include <algorithm>
+
+#include "core/math/spherical_harmonics.h"
+
 namespace vitrine {
+
+namespace {
+
+// A channel below zero shows black and has no gradient (shade.h clamps it), so that it would stay black for good: what all
+// directions have in common stays above.
+void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
+  constexpr float kLeast = 1e-3f;  // linear radiance
+  const float least = (kLeast - 0.5f) / kShDc;
+  for (size_t i = 0; i < layer.size(); ++i)
+    for (size_t c = 0; active[i] && c < 3; ++c)
+      layer.at(Attribute::ShDc, i)[c] = std::max(layer.at(Attribute::ShDc, i)[c], least);
+}
+
+}  // namespace
 
 LayerTraining::LayerTraining(const SplatLayer& layer) : adam_(layer) { accumulator_.reset(layer.size()); }
 
@@ -14,16 +32,17 @@ void LayerTraining::restart(const SplatLayer& layer) {
   accumulator_.reset(layer.size());
 }
 
-DescentCounts LayerTraining::descend(const SplatLayer& grad, const AttributeRates& rates, const SurfelStatistics& statistics,
-                                     std::span<const float> damping, float rarest, SplatLayer& layer) {
+DescentCounts LayerTraining::descend(const SplatLayer& grad, const SurfelStatistics& statistics, const Descent& descent,
+                                     SplatLayer& layer) {
   const size_t n = layer.size();
   DescentCounts done;
   active_.resize(n);
-  for (size_t i = 0; i < n; ++i) done.active += active_[i] = statistics.weight[i] > 0;
+  for (size_t i = 0; i < n; ++i) done.active += active_[i] = i < descent.trained && statistics.weight[i] > 0;
   accumulator_.add(statistics);
   rarity_.clear();
-  if (rarest > 1) accumulator_.rarity(rarest, rarity_);
-  done.skipped = adam_.step(grad, rates, active_, layer, {.all = rarity_, .shape = damping});
+  if (descent.rarest > 1) accumulator_.rarity(descent.rarest, rarity_);
+  done.skipped = adam_.step(grad, descent.rates, active_, layer, {.all = rarity_, .shape = descent.damping});
+  keep_above_black(active_, layer);
   counts_.skipped_gradients += done.skipped;
   return done;
 }

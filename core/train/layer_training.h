@@ -24,10 +24,14 @@ class LayerTraining {
  public:
   explicit LayerTraining(const SplatLayer& layer);
 
-  // One step of Adam on the surfels with weight in the picture. `damping`: StepFactors::shape; `rarest`: most that the steps of
-  // what few pictures show grow by (SurfelAccumulator::rarity), 1 = all alike.
-  DescentCounts descend(const SplatLayer& grad, const AttributeRates& rates, const SurfelStatistics& statistics,
-                        std::span<const float> damping, float rarest, SplatLayer& layer);
+  // One step of Adam on the surfels with weight in the picture.
+  struct Descent {
+    const AttributeRates& rates;
+    std::span<const float> damping = {};  // StepFactors::shape
+    float rarest = 1;                     // most that the steps of what few pictures show grow by (SurfelAccumulator::rarity)
+    size_t trained = SIZE_MAX;            // so many surfels; those behind them stay as they are
+  };
+  DescentCounts descend(const SplatLayer& grad, const SurfelStatistics& statistics, const Descent& descent, SplatLayer& layer);
   // Relocation and growth when `now`, and the random walk of faint surfels (strength 0: none).
   struct Move {
     DensifyMoment moment;

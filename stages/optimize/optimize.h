@@ -20,7 +20,7 @@ struct ResolutionConfig {
 };
 
 struct InitialConfig {
-  int frustum_points = 20000;
+  int frustum_points = 80000;
   double far_factor = 5.0;
   int stereo_side = 160;
   double opacity = 0.3;
@@ -28,8 +28,8 @@ struct InitialConfig {
 };
 
 struct OptimizeConfig {
-  int iterations = 6000;
-  int max_gaussians = 100000;
+  int iterations = 4000;
+  int max_gaussians = 240000;
   std::string layers = "auto";
   int sh_degree = 1;
   double sh_from = 0.15;

@@ -153,8 +153,12 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     const bool diffuse = kind == LayerKind::Diffuse;
     if (!diffuse && statistics.weight.empty()) continue;  // the pass had nothing to do
     const std::span<const float> damping = diffuse ? std::span<const float>(damping_) : std::span<const float>();
-    const DescentCounts done = training(kind).descend(grad_.layer(kind), clock.rates(kind, config().rates, kSceneRadius),
-                                                      statistics, damping, float(config().rates.rarest), scene_.layer(kind));
+    const AttributeRates rates = clock.rates(kind, config().rates, kSceneRadius);
+    // What is guessed where no photo looks stays as guessed: its rims, which photos do see, would drift off into the gaps.
+    const size_t trained = scene_.layer(kind).size() - (diffuse ? unseen_surfels_ : 0);
+    const DescentCounts done = training(kind).descend(
+        grad_.layer(kind), statistics,
+        {.rates = rates, .damping = damping, .rarest = float(config().rates.rarest), .trained = trained}, scene_.layer(kind));
     const bool bad = (diffuse && done.active == 0) || double(done.skipped) > kBadShare * double(done.active);
     if (bad && !broken) worst = done;
     broken |= bad;
@@ -186,7 +190,7 @@ void Trainer::move_surfels() {
                                     .step = step_,
                                     .cap = first ? diffuse_cap() : cap(kind),
                                     .scene_radius = kSceneRadius},
-                         .now = step_ % static_cast<uint64_t>(d.every) == 0,
+                         .now = step_ % densify_interval(d, setup_.capture.train.size()) == 0,
                          .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
                         scene_.layer(kind));
     grad_.layer(kind).resize(scene_.layer(kind).size());
@@ -214,18 +218,15 @@ void Trainer::begin_phases() {
   grad_ = scene_.zeros_like();
 }
 
-// When surfels are no longer moved, which would take away those that no photo needs. What a photo does see is trained on.
+// When surfels are no longer moved, which would take away those that no photo needs, nor handed to other layers.
 void Trainer::fill_unseen() {
   if (!config().fill_unseen || filled_ || fraction() < config().densify.until) return;
+  for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
+    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) return;
   filled_ = 1;
   const SplatLayer unseen =
       unseen_surroundings(scene_.diffuse, setup_.capture, planes_, size_t(kMostUnseen * double(setup_.max_surfels)));
-  const size_t before = scene_.diffuse.size();
-  scene_.diffuse.resize(before + unseen.size());
-  for (size_t i = 0; i < unseen.size(); ++i)
-    for (const AttributeRow& r : kAttributes)
-      std::copy_n(unseen.at(r.id, i), std::min(unseen.width(r.id), scene_.diffuse.width(r.id)),
-                  scene_.diffuse.at(r.id, before + i));
+  scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());
   grad_.diffuse.resize(scene_.diffuse.size());

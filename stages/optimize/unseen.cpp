@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/camera/image_point.h"
 #include "core/model/diffuse_pass.h"
+#include "core/optim/adam.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"
@@ -29,6 +30,8 @@ constexpr int kLargest = 16;      // cells along the side of a surfel that has n
 constexpr double kBehind = 0.02;  // the plane, so that nothing seen is hidden
 constexpr double kCover = 0.75;   // scale of a surfel, of a cell
 constexpr float kOpacity = 0.95f;
+constexpr float kShows = 0.25f;    // of a guessed surfel's pixels in a photo: most that may show through what was trained
+constexpr float kFewPixels = 4.f;  // in a photo: its rim
 
 // A training photo, and the z-depth [h,w] of what was trained, as it sees it; 0 = nothing there.
 struct SeenPhoto {
@@ -222,13 +225,60 @@ SplatLayer guessed_layer(std::span<const ScenePlane> planes, double cell, std::s
   return layer;
 }
 
+// Sums of blending weights of the surfels in one photo, pixels.
+class PhotoWeights {
+ public:
+  PhotoWeights(const SplatLayer& layer, const Capture& capture)
+      : scene_{.diffuse = layer}, ignored_{.diffuse = layer.zeros_like()}, pass_({.sh_degree = 0, .near_z = capture.near_z}) {}
+
+  const std::vector<float>& in(const View& view) {
+    frame_.view = &view;
+    pass_.forward(scene_, frame_);
+    frame_.grad_linear.assign(3 * frame_.pixel_count(), 0.f);
+    pass_.backward(scene_, frame_, ignored_);
+    return frame_.statistics.weight;
+  }
+
+ private:
+  SplatScene scene_, ignored_;
+  DiffusePass pass_;
+  Frame frame_;
+};
+
+// A guess that a photo does see is wrong: that photo shows something else there, or nothing.
+std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLayer& guessed, const Capture& capture) {
+  PhotoWeights alone(guessed, capture), together(joined(diffuse, guessed), capture);
+  std::vector<uint8_t> shown(guessed.size());
+  for (uint32_t photo : capture.train) {
+    const View& view = capture.photos[photo].levels[kLevel].view;
+    const std::vector<float>&all = alone.in(view), &left = together.in(view);
+    for (size_t i = 0; i < guessed.size(); ++i) shown[i] |= all[i] > kFewPixels && left[diffuse.size() + i] > kShows * all[i];
+  }
+  std::vector<uint32_t> kept;
+  for (size_t i = 0; i < guessed.size(); ++i)
+    if (!shown[i]) kept.push_back(uint32_t(i));
+  return kept;
+}
+
 }  // namespace
+
+SplatLayer joined(const SplatLayer& first, const SplatLayer& second) {
+  SplatLayer both = first;
+  both.resize(first.size() + second.size());
+  for (size_t i = 0; i < second.size(); ++i)
+    for (const AttributeRow& r : kAttributes)
+      std::copy_n(second.at(r.id, i), std::min(second.width(r.id), both.width(r.id)), both.at(r.id, first.size() + i));
+  return both;
+}
 
 SplatLayer unseen_surroundings(const SplatLayer& diffuse, const Capture& capture, std::span<const ScenePlane> planes,
                                size_t most) {
   const std::vector<SeenPhoto> photos = seen_photos(diffuse, capture);
   for (double cell = kFinestCell; cell < kReach; cell *= kCoarser)
-    if (SplatLayer layer = guessed_layer(planes, cell, photos); layer.size() <= most) return layer;
+    if (SplatLayer layer = guessed_layer(planes, cell, photos); layer.size() <= most) {
+      if (layer.size() > 0) keep_surfels(layer, hidden_from_all(diffuse, layer, capture));
+      return layer;
+    }
   return SplatLayer(LayerKind::Diffuse, 0, 0);
 }
 

@@ -1,7 +1,8 @@
 // What no photo shows, because it lies beyond the edges of all of them or something hides it: a view from a new place would
 // look there into nothing. The large planes of the scene (walls, floor, table) go on there: their cells that no photo sees, and
 // through which no photo looks, take the smoothest continuation of the colours around (Laplace's equation), up to a short way
-// from the last cell that is seen. A guess, and of colours alone: what stands there nobody knows.
+// from the last cell that is seen. What a photo would see of it through what was trained is left out. A guess, and of colours
+// alone: what stands there nobody knows.
 #pragma once
 
 #include <span>
@@ -14,6 +15,9 @@ namespace vitrine {
 
 // Of the surfels that training may have: most that what no photo shows takes beyond them.
 inline constexpr double kMostUnseen = 0.2;
+
+// `second` behind `first`, with the spherical harmonics of `first` as far as both go.
+SplatLayer joined(const SplatLayer& first, const SplatLayer& second);
 
 // Surfels for the diffuse layer as it has been trained, of one colour from all sides, materials as at the start of training; at
 // most `most`, coarser where that is needed.

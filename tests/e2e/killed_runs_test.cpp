@@ -13,8 +13,11 @@
 namespace vitrine {
 namespace {
 
-const std::vector<std::string> kSmoke = {"--set", "optimize.iterations=60", "--set", "optimize.checkpoint_every=10",
-                                         "--set", "mesh.resolution=32",     "--set", "optimize.max_gaussians=3000"};
+// Every stage computes something, none for long.
+const std::vector<std::string> kSmoke = {"--set", "optimize.iterations=60",     "--set", "optimize.checkpoint_every=10",
+                                         "--set", "mesh.resolution=32",         "--set", "optimize.max_gaussians=3000",
+                                         "--set", "relight.points=1000",        "--set", "optimize.initial.stereo_side=48",
+                                         "--set", "masks.proposed.fit.steps=60", "--set", "normals.geometric.max_side=48"};
 
 class KilledRuns : public TinyRoom {
  protected:

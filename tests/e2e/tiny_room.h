@@ -81,7 +81,7 @@ class TinyRoom : public VitrineProcess {
         "run",          photos().string(), "-o", out().string(), "--poses", poses, "--truth", (sample() / "truth").string(),
         "--no-progress"};
     for (const char* set : {"optimize.iterations=600", "optimize.max_gaussians=6000", "optimize.checkpoint_every=100",
-                            "mesh.resolution=96", "mesh.faces=10000"})
+                            "mesh.resolution=96", "mesh.faces=10000", "relight.points=6000", "evaluate.relit_samples=8"})
       words.insert(words.end(), {"--set", set});
     words.insert(words.end(), more.begin(), more.end());
     return words;

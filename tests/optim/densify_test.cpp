@@ -53,6 +53,15 @@ TEST(CopySplit, OneCopyIsTheSurfelItself) {
   EXPECT_NEAR(copy_split(0.4, 1).scale_factor, 1, 1e-12);
 }
 
+TEST(Densify, HappensAfterWholePassesThroughThePhotos) {
+  DensifyConfig config;
+  config.every = 50;
+  EXPECT_EQ(densify_interval(config, 1), 50);
+  EXPECT_EQ(densify_interval(config, 31), 62);
+  EXPECT_EQ(densify_interval(config, 50), 50);
+  EXPECT_EQ(densify_interval(config, 300), 300);
+}
+
 TEST(SurfelAccumulator, WhatFewPicturesShowIsRareAndSoAreItsCopies) {
   constexpr size_t kSurfels = 40, kRare = 4;
   SurfelAccumulator accumulator;

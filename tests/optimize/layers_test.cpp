@@ -20,7 +20,7 @@ OptimizeConfig short_config(int iterations) {
   config.iterations = iterations;
   config.max_gaussians = 1500;
   config.initial.frustum_points = 500;
-  config.initial.stereo_side = 48;
+  config.initial.stereo_side = 24;
   config.densify.every = 10;
   config.preview_every = 0;
   config.checkpoint_every = 7;
@@ -79,7 +79,7 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
     if (!report.empty()) write_file(masks / "masks/report.json", report);
     OptimizeConfig config = short_config(8);
     config.layers = layers;
-    config.initial.stereo_side = 24;
+    config.fill_unseen = false;
     TestContext c = context(name);
     c.masks = masks;
     run_optimize(config, c);
@@ -94,7 +94,6 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
 
 TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
   OptimizeConfig config = short_config(3);
-  config.initial.stereo_side = 24;
   const auto code_of = [&](const fs::path& masks) {
     TestContext c = context("bad");
     c.masks = masks;

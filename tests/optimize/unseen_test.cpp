@@ -20,13 +20,15 @@ struct TwoPhotos {
   SplatLayer trained{LayerKind::Diffuse, 0, 0};
   std::vector<ScenePlane> planes{{.normal = {0, 0, 1}, .offset = -1}};
 
-  // `right_depth`: how far below the right camera the surface is that it sees.
-  explicit TwoPhotos(double right_depth = 1) {
+  // `right_depth`: how far below the right camera the surface is that it sees; `right_opacity`: of its surfels;
+  // `right_aside`: where it is.
+  explicit TwoPhotos(double right_depth = 1, float right_opacity = 0.95f, double right_aside = kAside) {
     for (int side : {-1, 1}) {
       View view;
       view.name = side < 0 ? "left.png" : "right.png";
       view.intrinsics = {128, 96, 160, 160, 64, 48};
-      const Vec3d eye{kAside * side, 0, 0};
+      const double x_eye = side < 0 ? -kAside : right_aside;
+      const Vec3d eye{x_eye, 0, 0};
       view.cam_from_world = inverse(Rigid{Mat3d{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, eye});
       view.gain = {1, 1, 1};
       ImageF photo(128, 96, 3);
@@ -36,9 +38,12 @@ struct TwoPhotos {
       capture.photos.push_back(make_photo(view, photo, 0));
       capture.train.push_back(uint32_t(capture.train.size()));
       const double depth = side < 0 ? 1 : right_depth;
+      const size_t left = trained.size();
       for (double y = -0.5 * depth; y <= 0.5 * depth; y += 0.03)
         for (double x = -0.5 * depth; x <= 0.5 * depth; x += 0.03)
-          add_surfel(trained, {kAside * side + x, y, -depth}, {0, 0, 1}, 0.03, color);
+          add_surfel(trained, {x_eye + x, y, -depth}, {0, 0, 1}, 0.03, color);
+      if (side > 0)
+        for (size_t i = left; i < trained.size(); ++i) *trained.at(Attribute::Opacity, i) = logit(right_opacity);
     }
   }
 
@@ -93,6 +98,23 @@ TEST(Unseen, NothingIsPutWhereAPhotoLooksThrough) {
     EXPECT_FALSE(std::abs(p.x - kAside) < kHalfWidth && std::abs(p.y) < kHalfHeight) << p.x << ' ' << p.y;
   }
   EXPECT_NEAR(color_at(fill, -0.2, 0).x, kRed.x, 0.05) << "only red is seen of this floor";
+}
+
+// The floor goes on behind what the right photo sees in front of it, unless that is a veil.
+TEST(Unseen, NothingIsPutBehindAVeilWhereItWouldShow) {
+  constexpr double kNear = 0.1, kOnly = kNear - kHalfWidth;  // from where on the right photo looks, and the left one does not
+  const auto behind = [](const SplatLayer& fill) {
+    size_t count = 0;
+    for (size_t i = 0; i < fill.size(); ++i) {
+      const Vec3f p = position(fill, i);
+      count += p.x > kOnly + 0.1 && p.x < kNear && std::abs(p.y) < 0.15;
+    }
+    return count;
+  };
+  const SplatLayer solid = TwoPhotos(0.9, 0.95f, kNear).fill(), veiled = TwoPhotos(0.9, 0.2f, kNear).fill();
+  EXPECT_GT(behind(solid), 3u);
+  EXPECT_EQ(behind(veiled), 0u);
+  EXPECT_GT(veiled.size(), 50u) << "beside it the floor goes on";
 }
 
 TEST(Unseen, IsCoarserWhereFewSurfelsAreAllowed) {

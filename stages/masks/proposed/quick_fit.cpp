@@ -213,7 +213,8 @@ QuickFit quick_fit(const QuickFitConfig& config, const MaskCapture& capture, con
     for (size_t i = 0; i < active.size(); ++i) active[i] = frame.statistics.weight[i] > 0;
     adam.step(grad.diffuse, rates_at(rates, fraction, 1.0), active, scene.diffuse);
     accumulator.add(frame.statistics);
-    if ((step + 1) % densification.every == 0 && fraction >= densification.from && fraction <= densification.until) {
+    if (uint64_t(step + 1) % densify_interval(densification, count) == 0 && fraction >= densification.from &&
+        fraction <= densification.until) {
       densify(densification,
               {.seed = static_cast<uint64_t>(config.seed),
                .step = static_cast<uint64_t>(step),

@@ -1,0 +1,40 @@
+#include "core/train/layer_training.h"
+
+#include <gtest/gtest.h>
+
+#include "core/math/spherical_harmonics.h"
+
+namespace vitrine {
+namespace {
+
+// Black for long, because one photo wants it darker than black (it looks at the wall through a bright reflection), then bright.
+TEST(LayerTraining, WhatWasDrivenToBlackComesBack) {
+  constexpr size_t kSurfels = 3, kUntouched = 2;
+  SplatLayer layer(LayerKind::Diffuse, 1, kSurfels);
+  SplatLayer grad = layer;
+  LayerTraining training(layer);
+  SurfelStatistics statistics;
+  statistics.weight = {1, 1, 0};
+  statistics.screen_gradient.resize(kSurfels);
+  AttributeRates rates{};
+  rates[static_cast<size_t>(Attribute::ShDc)] = 0.01f;
+  const auto radiance = [&](size_t i, size_t c) { return 0.5f + kShDc * layer.at(Attribute::ShDc, i)[c]; };
+  *layer.at(Attribute::ShDc, kUntouched) = -100;
+
+  const auto steps = [&](int count, float towards) {
+    for (float& g : grad.values(Attribute::ShDc)) g = towards;
+    for (int i = 0; i < count; ++i) training.descend(grad, statistics, {.rates = rates}, layer);
+  };
+  steps(1000, 1.f);
+  for (size_t i = 0; i < kUntouched; ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_GT(radiance(i, c), 0) << "the clamp of the colour would take its gradient away";
+      EXPECT_LT(radiance(i, c), 0.01);
+    }
+  EXPECT_EQ(*layer.at(Attribute::ShDc, kUntouched), -100) << "did not take part";
+  steps(1000, -1.f);
+  for (size_t i = 0; i < kUntouched; ++i) EXPECT_GT(radiance(i, 0), 0.5);
+}
+
+}  // namespace
+}  // namespace vitrine
