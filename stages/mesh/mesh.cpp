@@ -147,7 +147,10 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                          views);
   std::optional<MirrorShape> mirrors;
   if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
-    mirrors.emplace(*masks, set.views, views, [&](size_t i) { return rendered(i, wanted_voxel); });
+    mirrors.emplace(MirrorShapeDesc{
+        .sfm = context.input("sfm"), .masks = *masks, .photos = set.views, .views = views, .frame_of = [&](size_t i) {
+          return rendered(i, wanted_voxel);
+        }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
     if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);
@@ -203,8 +206,12 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
               {"volume_bytes", fusion.bytes},
               {"voxel_updates", fusion.updates},
               {"raw", json_of(mesh_report(raw))}};
-  if (mirrors && !mirrors->empty())
-    report["mirrors"] = {{"low", json_of(mirrors->bounds().low)}, {"high", json_of(mirrors->bounds().high)}};
+  if (mirrors)
+    for (const MirrorShape::Part& part : mirrors->parts())
+      report["mirrors"].push_back({{"kind", part.metal() ? "metal" : "glaze"},
+                                   {"dimmer_half", part.dimmer},
+                                   {"low", json_of(part.bounds.low)},
+                                   {"high", json_of(part.bounds.high)}});
   const TriMesh mesh = cleaned(raw, config, context, report);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);

@@ -6,7 +6,11 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/camera/view_masks.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
 #include "core/image/resample.h"
+#include "core/math/median.h"
+#include "core/stereo/visible_paint.h"
 
 namespace vitrine {
 
@@ -16,6 +20,12 @@ constexpr int kMaskSide = 640;                       // of the masks that shape 
 constexpr double kDissent = 0.15;                    // share of the photos that may contradict: outlines on mirrors are rough
 constexpr int kHullResolution = 96, kHullBlur = 13;  // outlines of some dozen photos are facets: a bell of three voxels
 constexpr float kHalf = 0.5f;
+constexpr double kCells = 16;         // along the hull: places in neighbouring ones hang together
+constexpr int kStride = 4;            // pixels of the masks between places that are looked at
+constexpr double kLeastCosine = 0.3;  // of views that tell about a place
+constexpr size_t kFewestViews = 4;
+constexpr float kNoPaint = 0.65f;  // of a part's dimmer half: less is metal
+constexpr double kCrumb = 0.05;    // of the places on the largest part: no thing of its own
 
 ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Intrinsics& k) {
   const auto specular = read_view_mask(masks, MaskClass::Specular, photo);
@@ -32,33 +42,114 @@ ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Int
 
 }  // namespace
 
-MirrorShape::MirrorShape(const std::filesystem::path& masks, const std::vector<View>& photos, const std::vector<View>& views,
-                         const std::function<RgbdFrame(size_t)>& frame_of) {
+bool MirrorShape::Part::metal() const { return dimmer < kNoPaint; }
+
+MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
+  std::vector<HullMask> outlines;
   bool any = false;
-  for (const View& view : views) {
-    const auto photo = std::ranges::find(photos, view.name, &View::name);
-    VITRINE_CHECK(photo != photos.end(), "no photo is called {}", view.name);
-    marks_.push_back(marks_of(masks, *photo, view.intrinsics.limited_to(kMaskSide)));
-    any = any || std::ranges::find(marks_.back().data(), 1.f) != marks_.back().data().end();
+  for (size_t i = 0; i < desc.views.size(); ++i) {
+    const auto photo = std::ranges::find(desc.photos, desc.views[i].name, &View::name);
+    VITRINE_CHECK(photo != desc.photos.end(), "no photo is called {}", desc.views[i].name);
+    marks_.push_back(marks_of(desc.masks, *photo, desc.views[i].intrinsics.limited_to(kMaskSide)));
+    any = any || std::ranges::find(marks_[i].data(), 1.f) != marks_[i].data().end();
   }
   if (!any) return;
-  std::vector<HullMask> outlines;
-  for (size_t i = 0; i < views.size(); ++i) {
-    if (marks_[i].empty()) continue;
-    HullMask& outline = outlines.emplace_back(HullMask{views[i], marks_[i], ImageF(marks_[i].width(), marks_[i].height(), 1)});
-    outline.view.intrinsics = views[i].intrinsics.limited_to(kMaskSide);
-    const RgbdFrame frame = frame_of(i);
-    for (int y = 0; y < marks_[i].height(); ++y)
-      for (int x = 0; x < marks_[i].width(); ++x) {
-        const int fx = x * frame.intrinsics.width / marks_[i].width(), fy = y * frame.intrinsics.height / marks_[i].height();
-        outline.zdepth.at(x, y) = frame.zdepth[size_t(fy) * size_t(frame.intrinsics.width) + size_t(fx)];
-      }
+  for (size_t i = 0; i < desc.views.size(); ++i) {
+    const ImageF& marks = marks_[i];
+    if (marks.empty()) continue;
+    HullMask& outline = outlines.emplace_back(HullMask{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
+    outline.view.intrinsics = desc.views[i].intrinsics.limited_to(kMaskSide);
+    const RgbdFrame frame = desc.frame_of(i);
+    const int width = frame.intrinsics.width, height = frame.intrinsics.height;
+    for (int y = 0; y < marks.height(); ++y)
+      for (int x = 0; x < marks.width(); ++x)
+        outline.zdepth.at(x, y) =
+            frame.zdepth[size_t(y * height / marks.height()) * size_t(width) + size_t(x * width / marks.width())];
   }
   hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .dissent = kDissent, .blur_passes = kHullBlur});
+  if (!hull_->empty()) find_parts(desc, outlines);
+}
+
+MirrorShape::Cell MirrorShape::cell_of(const Vec3d& p) const {
+  return {int(std::floor(p.x / cell_)), int(std::floor(p.y / cell_)), int(std::floor(p.z / cell_))};
+}
+
+// What the photos show of places on the hull, and which of these hang together.
+void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
+  const Vec3d extent = hull_->bounds().high - hull_->bounds().low;
+  cell_ = std::max({extent.x, extent.y, extent.z}) / kCells;
+  std::vector<ImageF> shown;  // [outline] luminance
+  for (const HullMask& o : outlines) {
+    const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.mask.width(), o.mask.height());
+    ImageF& grey = shown.emplace_back(photo.width(), photo.height(), 1);
+    for (size_t p = 0; p < grey.data().size(); ++p)
+      for (size_t c = 0; c < 3; ++c) grey.data()[p] += photo.data()[3 * p + c] / float(3 * o.view.gain[c]);
+  }
+  std::map<Cell, std::vector<float>> dimmer;
+  std::vector<float> luminances;
+  for (const HullMask& from : outlines) {
+    const Rigid world_from_cam = inverse(from.view.cam_from_world);
+    for (int y = 0; y < from.mask.height(); y += kStride)
+      for (int x = 0; x < from.mask.width(); x += kStride) {
+        if (!(from.mask.at(x, y) > kHalf)) continue;
+        const Vec3d direction = world_from_cam.rotation * from.view.intrinsics.ray(x + 0.5, y + 0.5);
+        const auto hit = hull_->first_hit(world_from_cam.translation, direction);
+        if (!hit) continue;
+        const Vec3d place = world_from_cam.translation + hit->t * direction;
+        luminances.clear();
+        for (size_t o = 0; o < outlines.size(); ++o) {
+          const View& view = outlines[o].view;
+          const Vec3d q = view.cam_from_world * place;
+          if (!(q.z > 0) || dot(hit->normal, normalized(view.centre_in_world() - place)) < kLeastCosine) continue;
+          const Intrinsics& k = view.intrinsics;
+          const double u = k.fx * q.x / q.z + k.cx, v = k.fy * q.y / q.z + k.cy;
+          if (!(u >= 0 && v >= 0 && u < k.width && v < k.height) || !(outlines[o].mask.at(int(u), int(v)) > kHalf)) continue;
+          luminances.push_back(shown[o].at(int(u), int(v)));
+        }
+        std::vector<float>& of_cell = dimmer[cell_of(place)];
+        if (luminances.size() >= kFewestViews) of_cell.push_back(dimmer_half(luminances));
+        part_of_[cell_of(place)] = -1;
+      }
+  }
+  std::vector<size_t> places;  // [part]
+  for (const auto& [seed, values] : dimmer) {
+    if (part_of_[seed] >= 0) continue;
+    const int part = int(parts_.size());
+    std::vector<float> all;
+    std::vector<Cell> open{seed};
+    parts_.emplace_back();
+    part_of_[seed] = part;
+    while (!open.empty()) {
+      const Cell at = open.back();
+      open.pop_back();
+      all.insert(all.end(), dimmer[at].begin(), dimmer[at].end());
+      for (int d = 0; d < 2; ++d)
+        parts_.back().bounds.extend(cell_ * Vec3d{double(at[0] + d), double(at[1] + d), double(at[2] + d)});
+      for (int n = 0; n < 27; ++n) {
+        const auto it = part_of_.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
+        if (it == part_of_.end() || it->second >= 0) continue;
+        it->second = part;
+        open.push_back(it->first);
+      }
+    }
+    if (!all.empty()) parts_.back().dimmer = upper_median(all);
+    places.push_back(all.size());
+  }
+  // Crumbs where cones happen to meet.
+  std::vector<int> number(parts_.size(), -1);
+  size_t kept = 0;
+  for (size_t p = 0; p < parts_.size(); ++p) {
+    if (double(places[p]) < kCrumb * double(std::ranges::max(places))) continue;
+    number[p] = int(kept);
+    parts_[kept++] = parts_[p];
+  }
+  parts_.resize(kept);
+  for (auto& [cell, part] : part_of_) part = number[size_t(part)];
 }
 
 void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
-  if (empty() || marks_[i].empty()) return;
+  if (std::ranges::none_of(parts_, &Part::metal) || marks_[i].empty()) return;
+  const bool all_metal = std::ranges::all_of(parts_, &Part::metal);
   const ImageF& marks = marks_[i];
   const Intrinsics& k = frame.intrinsics;
   const Rigid world_from_cam = inverse(frame.cam_from_world);
@@ -69,9 +160,11 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       const Vec3d direction = world_from_cam.rotation * k.ray(x + 0.5, double(y) + 0.5);  // z = 1: t is the z-depth
       const auto hit = hull_->first_hit(world_from_cam.translation, direction);
       if (!hit) {
-        frame.weight[p] = 0;
+        if (all_metal) frame.weight[p] = 0;
         continue;
       }
+      const auto part = part_of_.find(cell_of(world_from_cam.translation + hit->t * direction));
+      if (part == part_of_.end() || part->second < 0 || !parts_[size_t(part->second)].metal()) continue;
       if (frame.zdepth[p] > 0 && frame.zdepth[p] < hit->t - tolerance) continue;
       const double cosine = -dot(hit->normal, direction) / length(direction);
       frame.zdepth[p] = float(hit->t);

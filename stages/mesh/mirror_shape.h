@@ -1,11 +1,14 @@
 // The shape of polished metal. What surfels learn there are pictures in the mirror, at their depths and with their normals; what
 // photos tell of the metal itself is its outline. Where the masks stage marks mirrors that are not glass, the fused depth is that
 // of the visual hull of their outlines (core/stereo/visual_hull); photos in which something dull stands in front, or glass, say
-// nothing there.
+// nothing there. Parts of the hull that show paint (core/stereo/visible_paint) keep their depth: a glazed pot is hollow, its hull
+// is not.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -14,22 +17,41 @@
 
 namespace vitrine {
 
+struct MirrorShapeDesc {
+  const std::filesystem::path& sfm;  // artifacts of these stages
+  const std::filesystem::path& masks;
+  const std::vector<View>& photos;            // at full size
+  const std::vector<View>& views;             // those that are fused
+  std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
+};
+
 class MirrorShape {
  public:
-  // `masks`: artifact of the masks stage. `photos`: views at full size; `views`: those that are fused; `frame_of`: their depth.
-  MirrorShape(const std::filesystem::path& masks, const std::vector<View>& photos, const std::vector<View>& views,
-              const std::function<RgbdFrame(size_t)>& frame_of);
+  explicit MirrorShape(const MirrorShapeDesc& desc);
 
-  bool empty() const { return !hull_ || hull_->empty(); }  // nothing is marked, or the outlines do not close
-  const Bounds3& bounds() const { return hull_->bounds(); }
+  struct Part {
+    Bounds3 bounds;
+    float dimmer = 1;  // dimmer half of what photos show of a place, in the median
+    bool metal() const;
+  };
+  const std::vector<Part>& parts() const {
+    return parts_;
+  }  // connected ones; none: nothing is marked, or the outlines do not close
 
-  // Puts the hull's depth where view i marks mirrors, but where the frame knows a surface more than `tolerance` in front of it.
-  // Marked pixels beside the hull are not fused.
+  // Puts the hull's depth where view i marks metal, but where the frame knows a surface more than `tolerance` in front of it.
+  // Marked pixels beside the hull are not fused, where all of it is metal.
   void put(size_t i, RgbdFrame& frame, double tolerance) const;
 
  private:
+  using Cell = std::array<int, 3>;
+  Cell cell_of(const Vec3d& p) const;
+  void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
+
   std::vector<ImageF> marks_;  // [view] at most kMaskSide large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
+  double cell_ = 1;
+  std::map<Cell, int> part_of_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace vitrine

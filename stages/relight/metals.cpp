@@ -9,6 +9,7 @@
 #include "core/image/resample.h"
 #include "core/math/median.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/stereo/visible_paint.h"
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
 #include "stages/relight/light_solver.h"
@@ -19,16 +20,16 @@ namespace vitrine {
 namespace {
 
 constexpr float kMinCosine = 0.3f;
-constexpr float kBrightest = 0.95f;                    // of a photo; more is clipped, and white whatever the metal
-constexpr size_t kFewestPixels = 300;                  // of a thing, over all views
-constexpr size_t kFewestOfFace = 4;                    // views that tell gloss from paint
-constexpr float kLeastCoverage = 0.05f;                // of a ray by surfels: less shows the light beyond
-constexpr float kPaintShows = 0.75f;                   // of the mean over views is left in the dimmer half of them: more is paint
-constexpr float kBrightestMetal = 0.95f;               // silver
-constexpr float kDull = 0.1f;                          // of a face's pixels that may be marked
-constexpr float kGlaze = 0.04f;                        // head on, index 1.5
-constexpr float kLeastPaint = 0.1f, kDarkest = 1e-4f;  // of a glazed surfel's radiance; radiance
+constexpr float kBrightest = 0.95f;                               // of a photo; more is clipped, and white whatever the metal
+constexpr size_t kFewestPixels = 300;                             // of a thing, over all views
+constexpr size_t kFewestOfFace = 4;                               // views that tell gloss from paint
+constexpr float kLeastCoverage = 0.05f;                           // of a ray by surfels: less shows the light beyond
+constexpr float kBrightestMetal = 0.95f;                          // silver
+constexpr float kDull = 0.1f;                                     // of a face's pixels that may be marked
+constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
+constexpr float kLeastPaint = 0.1f, kDarkest = 1e-4f;             // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
+constexpr float kPaintShows = 0.75f;                              // of a thing's dimmer half: less is metal
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
 struct PolishedPixels {
@@ -170,7 +171,7 @@ class PolishedFinder {
   // Mean of the photos over the views of a face, and of what is left of the dimmer half without the mirrored light of a glaze.
   struct FaceShows {
     Vec3f mean{}, paint{};
-    float dimmer = 0;  // luminance: mean of the dimmer half of the photos
+    float dimmer = 1;  // core/stereo/visible_paint
     size_t views = 0;
   };
   std::vector<FaceShows> faces_show() const {
@@ -185,14 +186,16 @@ class PolishedFinder {
       const auto photo = [&](uint32_t i) { return luminance(pixels_.photo[i]); };
       std::ranges::stable_sort(views, {}, photo);
       const size_t half = (views.size() + 1) / 2;
+      std::vector<float> luminances;
       for (size_t v = 0; v < views.size(); ++v) {
         face.mean += pixels_.photo[views[v]] / float(views.size());
+        luminances.push_back(photo(views[v]));
         if (v >= half) continue;
-        face.dimmer += photo(views[v]) / float(half);
         const Vec3f mirrored = schlick(Vec3f{kGlaze, kGlaze, kGlaze}, pixels_.cosine[views[v]]).value;
         const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
         for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
       }
+      face.dimmer = dimmer_half(luminances);
     }
     return faces;
   }
@@ -202,8 +205,7 @@ class PolishedFinder {
     for (size_t t = 0; t < things.size(); ++t) {
       std::vector<double> dimmer;
       for (size_t f = 0; f < faces.size(); ++f)
-        if (thing_[f] == int(t) && faces[f].views > 0)
-          dimmer.push_back(faces[f].dimmer / std::max(luminance(faces[f].mean), 1e-6f));
+        if (thing_[f] == int(t) && faces[f].views > 0) dimmer.push_back(faces[f].dimmer);
       Polished& thing = things[t];
       thing.dimmer = dimmer.empty() ? 1.f : float(upper_median(dimmer));
       thing.metal = thing.dimmer < kPaintShows;

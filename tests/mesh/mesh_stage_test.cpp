@@ -9,6 +9,8 @@
 #include "core/base/rng.h"
 #include "core/camera/colmap_model.h"
 #include "core/camera/scene_info.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_io.h"
@@ -175,7 +177,7 @@ TEST_F(BallOnTable, BecomesAMeshOfBothWithinTheVoxel) {
   EXPECT_GT(red, 0.95);
 }
 
-// Of polished metal: the surfels stand where the mirrored things appear, deep inside; only the outlines show the ball.
+// A polished ball: the surfels stand where the mirrored things appear, deep inside; only the outlines show the ball.
 class MirrorOnTable : public BallOnTable {
  protected:
   MirrorOnTable() { learnt_radius = 0.2; }
@@ -183,16 +185,27 @@ class MirrorOnTable : public BallOnTable {
     BallOnTable::SetUp();
     masks = folder.path() / "masks";
     make_folders(masks / "masks" / "specular");
+    make_folders(sfm / "linear");
+  }
+  // Photos and marks of the ball, which shows `paint` and `mirrors` times a room that is bright in two directions.
+  void take(float paint, float mirrors) const {
     for (const View& view : views) {
       const Intrinsics& k = view.intrinsics;
       const Vec3d eye = view.centre_in_world();
       Image8 mask(k.width, k.height, 1);
+      ImageF photo(k.width, k.height, 3, 0.1f);
       for (int y = 0; y < k.height; ++y)
         for (int x = 0; x < k.width; ++x) {
           const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
-          mask.at(x, y) = length(eye - dot(eye, d) * d) < 0.3 ? 255 : 0;
+          const double along = -dot(eye, d), off = length(eye + along * d);
+          if (off >= 0.3) continue;
+          mask.at(x, y) = 255;
+          const Vec3d n = normalized(eye + (along - std::sqrt(0.09 - off * off)) * d), r = d - 2 * dot(d, n) * n;
+          const double room = 0.5 + 0.45 * std::sin(2 * std::atan2(r.y, r.x));
+          for (int c = 0; c < 3; ++c) photo.at(x, y, c) = paint + mirrors * float(room);
         }
       write_ldr(masks / "masks" / "specular" / (view.stem() + ".png"), mask);
+      write_exr_rgb(linear_image_path(sfm, view), photo);
     }
   }
   // Worst distance of the ball's upper part from the mesh.
@@ -209,9 +222,11 @@ class MirrorOnTable : public BallOnTable {
   }
 };
 
-TEST_F(MirrorOnTable, HasTheShapeOfItsOutlines) {
-  const nlohmann::json report = run("hull");
-  ASSERT_TRUE(report.contains("mirrors"));
+TEST_F(MirrorOnTable, OfMetalHasTheShapeOfItsOutlines) {
+  take(0, 0.8f);
+  const nlohmann::json report = run("hull", {{"resolution", "64"}});
+  ASSERT_EQ(report["mirrors"].size(), 1u);
+  EXPECT_EQ(report["mirrors"][0]["kind"], "metal") << report["mirrors"];
   EXPECT_LT(worst(), 0.04);
   const TriMesh mesh = read_mesh_ply(out / "mesh" / "mesh.ply");
   double angle = 0, count = 0;
@@ -221,7 +236,15 @@ TEST_F(MirrorOnTable, HasTheShapeOfItsOutlines) {
     count += 1;
   }
   EXPECT_LT(angle / count, 10);
-  EXPECT_FALSE(run("off", {{"fusion.mirror_hull", "false"}}).contains("mirrors"));
+  EXPECT_FALSE(run("off", {{"resolution", "64"}, {"fusion.mirror_hull", "false"}}).contains("mirrors"));
+  EXPECT_GT(worst(), 0.09);
+}
+
+TEST_F(MirrorOnTable, OfGlazedPaintKeepsTheDepthThatWasLearnt) {
+  take(0.4f, 0.1f);
+  const nlohmann::json report = run("glaze", {{"resolution", "64"}});
+  ASSERT_EQ(report["mirrors"].size(), 1u);
+  EXPECT_EQ(report["mirrors"][0]["kind"], "glaze") << report["mirrors"];
   EXPECT_GT(worst(), 0.09);
 }
 
