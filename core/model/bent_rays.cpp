@@ -11,39 +11,49 @@ namespace vitrine {
 
 namespace {
 constexpr size_t kBentGrain = 256;  // pixels
-}
+
+struct BentPixels {  // of one chunk
+  std::vector<uint32_t> pixels, leg_counts;
+  std::vector<BentRay::Leg> legs;
+};
+
+}  // namespace
 
 void BentRays::forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame) {
   BehindGlass& behind = frame.behind;
   const ShadedPixels& s = frame.shaded;
   const GBuffer g(frame);
   const auto median = frame.diffuse.plane(Aov::MedianZ);
-  std::vector<BentRay> rays(s.pixels.size());
   behind.path.assign(g.pixels, GlassPath::Straight);
-  parallel_chunks(rays.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
+  std::vector<BentPixels> found(chunk_count(s.pixels.size(), kBentGrain));
+  parallel_chunks(s.pixels.size(), kBentGrain, [&](size_t chunk, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       if (!s.asks[i].transmission) continue;
       const uint32_t pixel = s.pixels[i];
       const PixelRay<float> ray = g.ray(pixel);
       const float z = surface_depth(g.zdepth[pixel], g.alpha[pixel], median[pixel]);
-      rays[i] = options.thick->path(ray.eye, -ray.view, z * length(ray.direction_per_z));
-      behind.path[pixel] = rays[i].path;
+      const BentRay bent = options.thick->path(ray.eye, -ray.view, z * length(ray.direction_per_z));
+      behind.path[pixel] = bent.path;
+      if (bent.path != GlassPath::Bent) continue;
+      found[chunk].pixels.push_back(pixel);
+      found[chunk].leg_counts.push_back(bent.leg_count);
+      found[chunk].legs.insert(found[chunk].legs.end(), bent.legs.begin(), bent.legs.begin() + bent.leg_count);
     }
   });
   for (auto* v : {&pixels_, &begin_}) v->clear();
   for (auto* v : {&origins_, &directions_}) v->clear();
   far_.clear();
-  for (size_t i = 0; i < rays.size(); ++i) {
-    if (rays[i].path != GlassPath::Bent) continue;
-    pixels_.push_back(s.pixels[i]);
-    begin_.push_back(static_cast<uint32_t>(far_.size()));
-    for (size_t k = 0; k < rays[i].leg_count; ++k) {
-      origins_.push_back(rays[i].legs[k].origin);
-      directions_.push_back(rays[i].legs[k].direction);
-      far_.push_back(rays[i].legs[k].length);
+  uint32_t legs = 0;
+  for (const BentPixels& f : found) {
+    pixels_.insert(pixels_.end(), f.pixels.begin(), f.pixels.end());
+    for (const uint32_t count : f.leg_counts) begin_.push_back(std::exchange(legs, legs + count));
+    for (const BentRay::Leg& leg : f.legs) {
+      origins_.push_back(leg.origin);
+      directions_.push_back(leg.direction);
+      far_.push_back(leg.length);
     }
   }
-  begin_.push_back(static_cast<uint32_t>(far_.size()));
+  begin_.push_back(legs);
   if (pixels_.empty()) return;
 
   if (!tracer_) tracer_ = make_tracer(options.backend);
