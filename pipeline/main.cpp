@@ -23,7 +23,7 @@ struct Command {
 constexpr Command kCommands[] = {
     {"inspect", "what a folder of photos promises, and what a run would take", inspect_command},
     {"run", "photos in, scene out; computes what is not up to date", run_command},
-    {"render", "pictures of the trained scene, from its photos' cameras or along a path", render_command},
+    {"render", "pictures of the trained scene, from its cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
     {"edit", "changes to a finished scene: materials, deletion; replayable", edit_command},
     {"export", "the scene in other programs' formats; --list says what each holds", export_command},
@@ -39,7 +39,7 @@ std::string help() {
   std::string text =
       "usage: vitrine COMMAND ...\nRaw photos in, a relightable scene out, glass and mirrors included.\n\ncommands:\n";
   for (const Command& c : kCommands) text += fmt::format("  {:<10}{}\n", c.name, c.doc);
-  return text + "\nvitrine COMMAND --help says more. First run: vitrine run PHOTOS -o DIR --preset preview\n";
+  return text + "\nvitrine COMMAND --help says more.\nFirst run: vitrine run PHOTOS -o DIR --preset preview\n";
 }
 
 int dispatch(const Words& words) {

@@ -199,9 +199,9 @@ int run_command(const Words& words) {
   const Words rest = cli.parse(words, 1);
   if (a.help) {
     std::cout << cli.help(
-        "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses, 5 quality\n"
-        "gate, 6 memory or disk, 7 missing program, 8 device, 9 folder in use, 10 diverged,\n"
-        "75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
+        "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses,\n"
+        "5 quality gate, 6 memory or disk, 7 missing program, 8 device, 9 folder in use,\n"
+        "10 diverged, 75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
     return 0;
   }
   if (rest.empty()) throw Error(ErrorKind::Usage, "which photos?", {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
@@ -215,6 +215,8 @@ int run_command(const Words& words) {
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
   find_truth(settings);
+  if (const std::string limit = settings.text("limits.memory"); !limit.empty())
+    parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
   Planner planner(graph, settings, target.project, a.selection);

@@ -83,7 +83,8 @@ Settings::Settings(const Graph& graph) {
   for (const NodeInput& input : graph.outside_inputs())
     options.add("input." + input.name, "string", "",
                 input.doc + (input.optional ? " \"none\": leave it out even if it is found." : ""));
-  options.table.groups.push_back({"limits", "What the machine may give. Results do not depend on it."});
+  options.table.groups.push_back(
+      {"limits", "What the machine may give. Results do not depend on it, except that little memory can mean fewer surfels."});
   options.add("limits.threads", "int", "0", "Threads; 0 = all.").low = 0;
   options.add("limits.memory", "string", "", "Memory to stay below: 4GiB, 80%; empty = no limit.");
   for (const StageNode& node : graph.nodes) {
@@ -119,14 +120,15 @@ void Settings::apply_file(const fs::path& path, const std::string& shown, const 
   anchor_paths(before, path.parent_path());
 }
 
-void Settings::apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors) {
+bool Settings::apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors) {
   Option& preset = *options.table.find("preset");
   if (const auto broken = preset.try_assign(name, where)) {
     errors.add(where, fmt::format("'preset' {}", *broken));
-    return;
+    return false;
   }
   const fs::path file = config_folder() / "pipelines" / (name + ".yaml");
   apply_file(file, file.string(), {}, "preset " + name, errors);
+  return true;
 }
 
 void Settings::load(const SettingsDesc& desc) {
@@ -169,7 +171,7 @@ void Settings::load(const SettingsDesc& desc) {
   for (const std::string& word : desc.sets) look_for_preset(word, "--set");
 
   ConfigErrors errors;
-  apply_preset(preset, preset_origin, errors);
+  const bool preset_known = apply_preset(preset, preset_origin, errors);
   std::vector<std::string> origins;
   const auto remember = [&] {
     origins.clear();
@@ -188,9 +190,12 @@ void Settings::load(const SettingsDesc& desc) {
   }
   if (files.size() == first_of_command) remember();
   const std::vector<std::string> before = input_texts();
-  for (const std::string& word : environment) apply_set(word, options.table, "VITRINE_SET", errors);
-  for (const FlagValue& flag : desc.flags) apply_set(flag.path + "=" + flag.value, options.table, flag.origin, errors);
-  for (const std::string& word : desc.sets) apply_set(word, options.table, "--set", errors);
+  const auto apply = [&](const std::string& word, const std::string& origin) {
+    if (preset_known || !word.starts_with("preset=")) apply_set(word, options.table, origin, errors);  // complained of once
+  };
+  for (const std::string& word : environment) apply(word, "VITRINE_SET");
+  for (const FlagValue& flag : desc.flags) apply(flag.path + "=" + flag.value, flag.origin);
+  for (const std::string& word : desc.sets) apply(word, "--set");
   anchor_paths(before, fs::current_path());
   errors.throw_if_any("`vitrine config reference` prints all options; `vitrine config show --origin` where each value came from");
   for (size_t i = 0; i < options.table.options.size(); ++i)

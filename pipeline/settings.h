@@ -45,7 +45,8 @@ class Settings {
   std::vector<std::string> input_texts() const;
   void apply_file(const fs::path& path, const std::string& shown, const std::string& prefix, const std::string& origin,
                   ConfigErrors& errors);
-  void apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors);
+  // Whether there is such a preset.
+  bool apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors);
 };
 
 // Folders that may hold pipelines/*.yaml: $VITRINE_CONFIG_DIR, the source tree's configs, the installed share.

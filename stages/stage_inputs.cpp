@@ -20,7 +20,7 @@ const StageInput& declared(const StageInfo& info, const std::string& name) {
   throw Error(ErrorKind::Usage, fmt::format("stage '{}' has no input '{}'", info.name, name),
               {.where = "--input",
                .why = fmt::format("its inputs are: {}", fmt::join(names, ", ")),
-               .hint = near.empty() ? std::string() : fmt::format("--input {}=PATH", near),
+               .hint = near.empty() ? fmt::format("vitrine-{} --help", info.name) : fmt::format("--input {}=PATH", near),
                .code = "BAD_INPUT_NAME"});
 }
 

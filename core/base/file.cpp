@@ -34,7 +34,8 @@ void sync_path(const fs::path& path, int flags) {
 }  // namespace
 
 void throw_write_error(const fs::path& path, int errno_value) {
-  ErrorDetail detail{.where = path.string(), .why = std::strerror(errno_value), .code = "WRITE_FAILED"};
+  ErrorDetail detail{.where = path.string(), .why = std::strerror(errno_value), .hint = "check the path, or choose another folder with -o",
+                     .code = "WRITE_FAILED"};
   if (errno_value == ENOSPC || errno_value == EDQUOT) {
     detail.hint = "free some disk space and run the same command again: finished stages are kept";
     detail.code = "DISK_FULL";

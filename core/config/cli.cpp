@@ -108,7 +108,7 @@ std::vector<std::string> CommandLine::parse(const std::vector<std::string>& argu
 
 std::string CommandLine::help(std::string_view tail) const {
   constexpr size_t kColumn = 28, kWidth = 79;
-  std::string out = fmt::format("usage: {} {}\n", program_, usage_);
+  std::string out = fmt::format("usage: {}{}{}\n", program_, usage_.empty() ? "" : " ", usage_);
   for (const std::string& line : wrapped(summary_, kWidth)) out += line + "\n";
   std::string section = "\n";
   for (const Flag& f : flags_) {

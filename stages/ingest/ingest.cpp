@@ -12,8 +12,8 @@
 #include "core/camera/photo_list.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
-#include "core/photo/photo_files.h"
 #include "core/image/probe.h"
+#include "core/photo/photo_files.h"
 #include "stages/ingest/develop.h"
 
 namespace vitrine {
@@ -163,9 +163,11 @@ void run(const IngestConfig& config, StageContext& context) {
   if (photos.size() < kMinPhotos)
     throw Error(
         ErrorKind::Input,
-        fmt::format("{} usable photos are too few: at least {} are needed, and 20 to 60 are usual", photos.size(), kMinPhotos),
+        fmt::format("{} usable {} too few: at least {} are needed, and 20 to 60 are usual", photos.size(),
+                    photos.size() == 1 ? "photo is" : "photos are", kMinPhotos),
         {.where = input.string(),
-         .why = failures.empty() ? fmt::format("the folder holds {} photos", outcomes.size()) : failures,
+         .why = failures.empty() ? fmt::format("the folder holds {} photo{}", outcomes.size(), outcomes.size() == 1 ? "" : "s")
+                                 : failures,
          .hint = "add photos, or replace those that cannot be read",
          .code = "TOO_FEW_PHOTOS"});
   if (left_out > 0) context.warning("PHOTOS_LEFT_OUT", fmt::format("{} photos are left out:\n         {}", left_out, failures));
