@@ -24,6 +24,7 @@
 #include "stages/reporter.h"
 #include "stages/stage.h"
 #include "stages/stage_cli.h"
+#include "stages/stage_fit.h"
 #include "stages/stage_inputs.h"
 
 namespace vitrine {
@@ -74,8 +75,8 @@ class ScratchLock {
 
 class Run : public StageContext {
  public:
-  Run(Stage& stage, const StageArguments& arguments, Reporter& reporter)
-      : stage_(stage), arguments_(arguments), reporter_(reporter) {}
+  Run(Stage& stage, const StageFit& fit, const StageArguments& arguments, Reporter& reporter)
+      : stage_(stage), fit_(fit), arguments_(arguments), reporter_(reporter) {}
 
   int execute() {
     apply_stage_config(arguments_, stage_.info, stage_.options);
@@ -92,6 +93,7 @@ class Run : public StageContext {
         fs::absolute(arguments_.store.empty() ? fs::path(arguments_.output) / ".cache" : fs::path(arguments_.store));
     ArtifactStore store(root.lexically_normal());
     inputs_ = resolve_inputs(stage_.info, arguments_.inputs, store.digests());
+    fit_into_memory();
     manifest_.stage = stage_.info.name;
     manifest_.version = stage_.info.version;
     manifest_.tool_version = VITRINE_VERSION;
@@ -141,6 +143,18 @@ class Run : public StageContext {
   }
 
  private:
+  void fit_into_memory() {
+    if (max_memory_ == 0 || !fit_) return;
+    InputPaths paths;
+    for (const auto& [name, input] : inputs_) paths[name] = input.path;
+    fitted_ = fit_(stage_, max_memory_, paths);
+    for (const FittedOption& f : fitted_) {
+      Option* option = stage_.options.find(f.path);
+      VITRINE_CHECK(option != nullptr, "stage '{}' fits an option '{}' that it does not have", stage_.info.name, f.path);
+      option->assign(f.value, "--max-memory");
+    }
+  }
+
   // A finished artifact of the same key, with all its bytes: nothing to do.
   bool reuse(ArtifactStore& store) {
     const fs::path entry = store.entry(stage_.info.name, manifest_.key);
@@ -162,6 +176,7 @@ class Run : public StageContext {
     output_ = pending.path();
     reporter_.record("stage_start", {{"key", manifest_.key}});
     const std::string started = utc_time_text();
+    for (const FittedOption& f : fitted_) warning(f.code, f.text);
     {
       const MemoryWatch watch(max_memory_, stage_.info.name);
       stage_.run(*this);
@@ -203,6 +218,7 @@ class Run : public StageContext {
   size_t peak() const { return std::max(peak_memory_bytes(), peak_memory_bytes(RUSAGE_CHILDREN)); }
 
   Stage& stage_;
+  const StageFit& fit_;
   const StageArguments& arguments_;
   Reporter& reporter_;
   Timer clock_;
@@ -211,6 +227,7 @@ class Run : public StageContext {
   std::map<std::string, double> timings_;
   fs::path output_, scratch_;
   size_t max_memory_ = 0;
+  std::vector<FittedOption> fitted_;
 };
 
 int failed(Reporter& reporter, const Error& e) {
@@ -228,7 +245,9 @@ void stop_with_parent() {
 
 }  // namespace
 
-int stage_main(Stage stage, int argc, char** argv) {
+int stage_main(Stage stage, int argc, char** argv) { return stage_main(std::move(stage), argc, argv, StageFit()); }
+
+int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
   Reporter reporter(stage.info.name);
   try {
     install_interrupt_handlers();
@@ -247,7 +266,7 @@ int stage_main(Stage stage, int argc, char** argv) {
       set_log_file(arguments.log_file);
     }
     if (!arguments.events.empty()) reporter.write_events_to(arguments.events);
-    return Run(stage, arguments, reporter).execute();
+    return Run(stage, fit, arguments, reporter).execute();
   } catch (const Error& e) {
     return failed(reporter, e);
   } catch (const std::bad_alloc&) {

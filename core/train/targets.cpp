@@ -143,10 +143,14 @@ void load_normals(const Capture& capture, const fs::path& artifact, Targets& tar
   });
   throw_if_interrupted();
   const auto count = static_cast<size_t>(std::count(found.begin(), found.end(), 1));
-  if (count == 0)
+  if (count == 0) {
+    const auto is_map = [](const fs::directory_entry& file) { return file.path().extension() == ".exr"; };
+    const fs::path folder = artifact / "normals";
+    if (!fs::is_directory(folder) || std::none_of(fs::recursive_directory_iterator(folder), {}, is_map)) return;  // source: none
     throw Error(
         ErrorKind::Input, "no file of normals belongs to a photo",
         {.where = (artifact / "normals").string(), .hint = "run the normals stage again", .code = "NORMALS_MATCH_NO_PHOTO"});
+  }
   if (count < views.size())
     targets.warnings.push_back(
         {"NORMALS_INCOMPLETE", fmt::format("{} of {} photos have no normals", views.size() - count, views.size())});

@@ -13,38 +13,25 @@
 #include "core/train/capture.h"
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
+#include "stages/optimize/memory.h"
 #include "stages/optimize/outputs.h"
-#include "stages/optimize/unseen.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr size_t kFewestSurfels = 2000;  // fewer are no scene
-
-// Measured floats: parameters, gradient and two moments of a surfel (4 x 28 at degree 1), statistics, projected surfel and
-// its tile entries; channels, gradients and loss maps of a pixel.
-constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
-
-// As many surfels as options and memory allow; fewer than asked for is said aloud.
-size_t affordable_surfels(const OptimizeConfig& config, const Capture& capture, const Targets& targets, StageContext& context) {
-  const auto wanted = static_cast<size_t>(config.max_gaussians);
+// stage_main has made max_gaussians small enough for the limit (memory.h), as far as fewer surfels help.
+void check_memory(const OptimizeConfig& config, const Capture& capture, const StageContext& context) {
   const size_t limit = context.max_memory_bytes();
-  if (limit == 0) return wanted;
-  const size_t fixed =
-      kBytesOfProgram + capture.memory_bytes + targets.memory_bytes + kBytesPerPixel * capture.largest_pixel_count;
-  const size_t bytes_per_surfel = config.fill_unseen ? size_t((1 + kMostUnseen) * kBytesPerSurfel) : kBytesPerSurfel;
-  const size_t possible = limit > fixed ? (limit - fixed) / bytes_per_surfel : 0;
-  if (possible >= wanted) return wanted;
-  if (possible < std::min(kFewestSurfels, wanted))
-    throw Error(ErrorKind::Resource, "the photos do not fit into the memory limit",
-                {.where = fmt::format("limit {} MiB", limit >> 20),
-                 .why = fmt::format("photos and pictures need {} MiB before the first surfel", fixed >> 20),
-                 .hint = "raise --max-memory or --set optimize.resolution.max_side=640",
-                 .code = "OUT_OF_MEMORY"});
-  context.warning("FEWER_SURFELS",
-                  fmt::format("the memory limit of {} MiB allows {} surfels instead of {}", limit >> 20, possible, wanted));
-  return possible;
+  if (limit == 0) return;
+  const size_t before = bytes_before_surfels(capture.view_set, config.resolution.max_side, context.optional_input("masks"),
+                                             context.optional_input("normals"));
+  if (affordable_surfels(config, before, limit) >= std::min(kFewestSurfels, static_cast<size_t>(config.max_gaussians))) return;
+  throw Error(ErrorKind::Resource, "the photos do not fit into the memory limit",
+              {.where = fmt::format("limit {} MiB", limit >> 20),
+               .why = fmt::format("photos and pictures need {} MiB before the first surfel", before >> 20),
+               .hint = "raise --max-memory or --set optimize.resolution.max_side=640",
+               .code = "OUT_OF_MEMORY"});
 }
 
 // The trainer of the newest checkpoint; null when there is none that can be used.
@@ -92,14 +79,19 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
   const uint64_t first_step = trainer.step_index();
   const Timer timer;
   const auto keep = [&] {
-    write_checkpoint(checkpoint, trainer);
-    context.checkpoint(double(trainer.step_index()) / config.iterations);
+    const bool sound = trainer.sound();
+    if (sound) {
+      write_checkpoint(checkpoint, trainer);
+      context.checkpoint(double(trainer.step_index()) / config.iterations);
+    } else {
+      log_info("step {}: surfels are gone or no numbers; the checkpoint before it stays", trainer.step_index());
+    }
+    return sound;
   };
   const auto due = [&](int period) { return period > 0 && trainer.step_index() % static_cast<uint64_t>(period) == 0; };
   while (!trainer.finished()) {
     if (interrupt_signal() != 0) {
-      keep();
-      log_info("checkpoint saved (step {})", trainer.step_index());
+      if (keep()) log_info("checkpoint saved (step {})", trainer.step_index());
       throw_if_interrupted();
     }
     trainer.step();
@@ -108,6 +100,11 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
     if (trainer.finished() || due(config.checkpoint_every)) keep();
     report_progress(trainer, config.iterations, context);
   }
+  if (!trainer.sound())
+    throw Error(ErrorKind::Diverged, "training broke down: at its end the surfels are gone or no numbers",
+                {.where = fmt::format("step {}", trainer.step_index()),
+                 .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
+                 .code = "COLLAPSED"});
   if (trainer.step_index() > first_step)
     context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
 }
@@ -129,7 +126,8 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
       chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
   if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
     log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
-  const size_t max_surfels = affordable_surfels(config, capture, targets, context);
+  check_memory(config, capture, context);
+  const auto max_surfels = static_cast<size_t>(config.max_gaussians);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
   const TrainerSetup setup{

@@ -1,5 +1,6 @@
 #include "stages/optimize/trainer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -167,10 +168,26 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   if (bad_streak_ >= kBadStreak)
     throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
                 {.where = fmt::format("step {}, photo {}", step_, photo),
-                 .why = fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row", worst.skipped,
-                                    worst.active, bad_streak_),
+                 .why = worst.active == 0 ? fmt::format("{} pictures in a row show no surfel", bad_streak_)
+                                          : fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row",
+                                                        worst.skipped, worst.active, bad_streak_),
                  .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
                  .code = "GRADIENTS_NOT_FINITE"});
+}
+
+bool Trainer::sound() const {
+  if (bad_streak_ > 0) return false;
+  size_t all = 0, broken = 0;
+  for (LayerKind kind : kAllLayers) {
+    const SplatLayer& layer = scene_.layer(kind);
+    std::vector<float> poison(layer.size(), 0.f);  // x * 0 is 0 for numbers alone
+    for (const AttributeRow& r : kAttributes)
+      for (size_t i = 0, width = layer.width(r.id); width > 0 && i < layer.size(); ++i)
+        for (size_t c = 0; c < width; ++c) poison[i] += layer.at(r.id, i)[c] * 0.f;
+    all += layer.size();
+    broken += layer.size() - static_cast<size_t>(std::count(poison.begin(), poison.end(), 0.f));
+  }
+  return double(broken) <= kBadShare * double(all);
 }
 
 void Trainer::move_surfels() {

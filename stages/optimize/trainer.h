@@ -39,6 +39,8 @@ class Trainer {
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
   void step();
+  // What learnt until now is worth keeping: gradients were numbers in the last step, and so are all but a few surfels.
+  bool sound() const;
   bool finished() const { return step_ >= static_cast<uint64_t>(config().iterations); }
   uint64_t step_index() const { return step_; }
   double recent_loss() const { return recent_loss_; }  // smoothed over about 50 steps

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <functional>
+#include <limits>
 
 #include "core/base/hash.h"
 #include "core/base/json.h"
@@ -11,6 +13,7 @@
 #include "core/scene/scene_io.h"
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
+#include "stages/optimize/memory.h"
 #include "stages/optimize/neighbours.h"
 #include "stages/optimize/trainer.h"
 #include "stages/optimize/unseen.h"
@@ -165,15 +168,25 @@ TEST_F(OptimizeStage, ADamagedCheckpointIsReportedAndTrainingStartsOver) {
   }
 }
 
-TEST_F(OptimizeStage, LittleMemoryMeansFewerSurfelsOrAClearError) {
+TEST_F(OptimizeStage, LittleMemoryMeansFewerSurfelsAndAnotherOptionOrAClearError) {
   OptimizeConfig config;
   shorten(config, 3);
   config.max_gaussians = 50000;
+  const InputPaths inputs{{"sfm", sfm()}};
+  EXPECT_TRUE(fit_into_memory(config, size_t(2) << 30, inputs).empty());
+  const auto fitted = fit_into_memory(config, size_t(160) << 20, inputs);
+  ASSERT_EQ(fitted.size(), 1u);
+  EXPECT_EQ(fitted[0].path, "max_gaussians");
+  EXPECT_EQ(fitted[0].code, "FEWER_SURFELS");
+  config.max_gaussians = std::stoi(fitted[0].value);
+  EXPECT_GT(config.max_gaussians, 2000);
+  EXPECT_LT(config.max_gaussians, 10000);
   TestContext context(sfm(), work("memory"));
   context.memory = size_t(160) << 20;
   run_optimize(config, context);
-  EXPECT_EQ(context.warnings, std::vector<std::string>{"FEWER_SURFELS"});
+  EXPECT_LE(context.metrics.at("surfels"), 1.2 * config.max_gaussians);
   context.memory = size_t(50) << 20;
+  EXPECT_EQ(fit_into_memory(config, context.memory, inputs).at(0).value, "2000");
   try {
     run_optimize(config, context);
     FAIL() << "50 MiB are not enough";
@@ -221,16 +234,49 @@ TEST_F(OptimizeStage, ClassicAndFixedLayersLearnToo) {
   }
 }
 
-TEST_F(OptimizeStage, SurfelsThatVanishEndAsDiverged) {
-  OptimizeConfig config;
-  shorten(config, 30);
-  config.rates.rate[size_t(Attribute::Mean)] = std::numeric_limits<float>::quiet_NaN();
-  TestContext context(sfm(), work("diverged"));
-  try {
-    run_optimize(config, context);
-    FAIL() << "positions that are not numbers must end the run";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::Diverged);
+// What is no number enters in step 12: into a gradient, through a loss of which the run notices at once, or into positions, of
+// which it notices when surfels are gone for ten steps. With checkpoints after every step the last good one is that of step 11.
+TEST_F(OptimizeStage, AfterWhatIsNoNumberTheLastGoodCheckpointIsUsed) {
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  OptimizeConfig sane;
+  shorten(sane, 30);
+  sane.checkpoint_every = 1;
+  TestContext undisturbed(sfm(), work("undisturbed"));
+  run_optimize(sane, undisturbed);
+  const auto whole = digest_folder(undisturbed.output());
+  struct Poison {
+    const char *name, *code;
+    std::function<void(OptimizeConfig&)> put;
+  };
+  const Poison poisons[] = {
+      {"gradient", "LOSS_NOT_FINITE", [](OptimizeConfig& c) { c.loss.term("l1").schedule.weight = kNaN; }},
+      {"positions", "GRADIENTS_NOT_FINITE", [](OptimizeConfig& c) { c.rates.rate[size_t(Attribute::Mean)] = kNaN; }}};
+  for (const Poison& poison : poisons) {
+    OptimizeConfig config;
+    shorten(config, 30);
+    config.checkpoint_every = 1;
+    TestContext context(sfm(), work(poison.name));
+    int last = 0;
+    context.after_step = [&](int step) {
+      last = step;
+      if (step == 11) poison.put(config);
+    };
+    try {
+      run_optimize(config, context);
+      FAIL() << poison.name << " that are not numbers must end the run";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::Diverged);
+      EXPECT_EQ(e.detail().code, poison.code);
+      EXPECT_FALSE(e.detail().hint.empty());
+    }
+    EXPECT_GE(last, 11);
+    EXPECT_TRUE(fs::is_empty(context.output())) << "nothing looks finished";
+    int first = 0;
+    context.after_step = [&](int step) { first = first == 0 ? step : first; };
+    run_optimize(sane, context);
+    EXPECT_EQ(first, 12) << poison.name << ": it continues behind the last good checkpoint";
+    EXPECT_TRUE(context.warnings.empty()) << "the checkpoint is whole";
+    EXPECT_EQ(digest_folder(context.output()), whole) << poison.name;
   }
 }
 

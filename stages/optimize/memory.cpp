@@ -1,0 +1,70 @@
+#include "stages/optimize/memory.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/camera/mask_files.h"
+#include "core/train/capture.h"
+#include "stages/optimize/unseen.h"
+
+namespace vitrine {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Measured floats: parameters, gradient and two moments of a surfel (4 x 28 at degree 1), statistics, projected surfel and
+// its tile entries; channels, gradients and loss maps of a pixel.
+constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
+// Of a pixel of the pyramids: three colours of a photo, a mask, three components of a normal and its confidence.
+constexpr size_t kPhotoBytes = 6, kMaskBytes = 1, kNormalBytes = 7;
+
+}  // namespace
+
+size_t bytes_before_surfels(const ViewSet& views, int max_side, const std::optional<fs::path>& masks,
+                            const std::optional<fs::path>& normals) {
+  size_t largest = 0;
+  for (const View& view : views.views) {
+    const Intrinsics k = view.intrinsics.limited_to(max_side);
+    largest = std::max(largest, static_cast<size_t>(k.width) * static_cast<size_t>(k.height));
+  }
+  const size_t photos = pyramid_bytes(views, max_side), pixels = photos / kPhotoBytes;
+  size_t bytes = kBytesOfProgram + photos + kBytesPerPixel * largest;
+  std::error_code none;
+  for (MaskClass mask : kMaskClasses)
+    if (masks && fs::is_directory(*masks / "masks" / name(mask), none)) bytes += kMaskBytes * pixels;
+  if (normals && fs::is_directory(*normals / "normals", none)) bytes += kNormalBytes * pixels;
+  return bytes;
+}
+
+size_t affordable_surfels(const OptimizeConfig& config, size_t bytes_before, size_t max_memory_bytes) {
+  const auto each = config.fill_unseen ? static_cast<size_t>((1 + kMostUnseen) * double(kBytesPerSurfel)) : kBytesPerSurfel;
+  return max_memory_bytes > bytes_before ? (max_memory_bytes - bytes_before) / each : 0;
+}
+
+std::vector<FittedOption> fit_into_memory(const OptimizeConfig& config, size_t max_memory_bytes, const InputPaths& inputs) {
+  const auto path = [&](const char* input) {
+    const auto found = inputs.find(input);
+    return found == inputs.end() ? std::nullopt : std::optional<fs::path>(found->second);
+  };
+  const auto sfm = path("sfm");
+  if (!sfm) return {};
+  const size_t before = bytes_before_surfels(load_view_set(*sfm), config.resolution.max_side, path("masks"), path("normals"));
+  const auto wanted = static_cast<size_t>(config.max_gaussians);
+  const size_t possible = affordable_surfels(config, before, max_memory_bytes);
+  if (possible >= wanted) return {};
+  const size_t taken = std::max(possible, std::min(kFewestSurfels, wanted));
+  return {
+      {.path = "max_gaussians",
+       .value = std::to_string(taken),
+       .code = "FEWER_SURFELS",
+       .text = fmt::format("the memory limit of {} MiB allows {} surfels instead of {}", max_memory_bytes >> 20, taken, wanted)}};
+}
+
+StageFit optimize_fit() {
+  return [](const Stage& stage, size_t max_memory_bytes, const InputPaths& inputs) {
+    return fit_into_memory(*static_cast<const OptimizeConfig*>(stage.config.get()), max_memory_bytes, inputs);
+  };
+}
+
+}  // namespace vitrine
