@@ -34,23 +34,24 @@ std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse) {
   return out;
 }
 
-void ThinGlassPass::merge(const SplatScene& scene) {
+void without_glass(const SplatScene& scene, int of_diffuse, int of_layer, std::vector<uint32_t>& opaque, SplatLayer& merged) {
   const SplatLayer& diffuse = scene.diffuse;
-  opaque_ = opaque_surfels(diffuse);
-  const int of_diffuse = std::min(diffuse_.sh_degree, diffuse.sh_degree());
-  const int of_layer = std::min(options_.sh_degree, scene.transmittance.sh_degree()), degree = std::max(of_diffuse, of_layer);
-  const size_t count = opaque_.size() + scene.transmittance.size();
-  if (merged_.kind() != LayerKind::Transmittance || merged_.sh_degree() != degree)
-    merged_ = SplatLayer(LayerKind::Transmittance, degree, count);
-  merged_.resize(count);
+  opaque = opaque_surfels(diffuse);
+  of_diffuse = std::min(of_diffuse, diffuse.sh_degree());
+  of_layer = std::min(of_layer, scene.transmittance.sh_degree());
+  const int degree = std::max(of_diffuse, of_layer);
+  const size_t count = opaque.size() + scene.transmittance.size();
+  if (merged.kind() != LayerKind::Transmittance || merged.sh_degree() != degree)
+    merged = SplatLayer(LayerKind::Transmittance, degree, count);
+  merged.resize(count);
   parallel_chunks(count, kThinGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
-      const bool own = k >= opaque_.size();
+      const bool own = k >= opaque.size();
       const SplatLayer& from = own ? scene.transmittance : diffuse;
-      const size_t i = own ? k - opaque_.size() : opaque_[k];
+      const size_t i = own ? k - opaque.size() : opaque[k];
       for (Attribute a : kShapeAndColor) {
         const size_t used = used_width(from, a, own ? of_layer : of_diffuse);
-        std::fill(std::copy_n(from.at(a, i), used, merged_.at(a, k)), merged_.at(a, k) + merged_.width(a), 0.f);
+        std::fill(std::copy_n(from.at(a, i), used, merged.at(a, k)), merged.at(a, k) + merged.width(a), 0.f);
       }
     }
   });
@@ -62,7 +63,7 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   behind.clear();
   if (options_.glass != Glass::Thin || scene.transmittance.size() == 0) return;
   if (std::none_of(s.asks.begin(), s.asks.end(), [](const LayersPresent& asks) { return asks.transmission; })) return;
-  merge(scene);
+  without_glass(scene, diffuse_.sh_degree, options_.sh_degree, opaque_, merged_);
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;

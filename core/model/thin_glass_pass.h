@@ -23,6 +23,10 @@ namespace vitrine {
 
 // Surfels of a diffuse layer that are no glass, ascending.
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
+// Everything but the glass in one layer: `opaque` surfels of the diffuse layer, then the transmittance layer; their spherical
+// harmonics up to the degrees given (beyond: 0). Reuses the memory of `merged`.
+void without_glass(const SplatScene& scene, int diffuse_degree, int layer_degree, std::vector<uint32_t>& opaque,
+                   SplatLayer& merged);
 
 class ThinGlassPass final : public Pass {
  public:
@@ -37,8 +41,6 @@ class ThinGlassPass final : public Pass {
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  void merge(const SplatScene& scene);
-
   TransmissionOptions options_;
   DiffuseOptions diffuse_;
   std::unique_ptr<Renderer> renderer_;

@@ -16,9 +16,10 @@
 #include "core/mesh/mesh_report.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/mesh/repair_cgal.h"
+#include "core/model/thin_glass_pass.h"
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
-#include "core/scene/scene_io.h"
+#include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
 #include "stages/mesh/mirror_shape.h"
 #include "stages/mesh/rgbd_frame.h"
@@ -78,20 +79,33 @@ class RenderedDepth {
 
   RgbdFrame operator()(size_t i, double voxel) {
     const View& v = views_[i];
-    renderer_->forward(layer_,
-                       {.intrinsics = v.intrinsics,
-                        .cam_from_world = v.cam_from_world,
-                        .features = FeatureSet::Surface,
-                        .sh_degree = layer_.sh_degree(),
-                        .near_z = near_z_},
-                       images_);
+    render(i, FeatureSet::Surface);
     return rgbd_frame(images_, v.intrinsics, v.cam_from_world,
                       {.min_alpha = float(config_.fusion.min_alpha),
                        .weight_alpha = float(config_.fusion.weight_alpha),
                        .mean_median_tolerance = float(config_.fusion.mean_median_voxels * voxel)});
   }
 
+  // [h,w] where the layer shows more glass than not.
+  std::vector<uint8_t> glass(size_t i) {
+    render(i, FeatureSet::Material);
+    const std::span<const float> tau = images_.plane(Aov::Transmission), alpha = images_.plane(Aov::Alpha);
+    std::vector<uint8_t> out(alpha.size());
+    for (size_t p = 0; p < out.size(); ++p) out[p] = alpha[p] >= config_.fusion.min_alpha && tau[p] > 0.5f * alpha[p];
+    return out;
+  }
+
  private:
+  void render(size_t i, FeatureSet features) {
+    const View& v = views_[i];
+    renderer_->forward(layer_,
+                       {.intrinsics = v.intrinsics,
+                        .cam_from_world = v.cam_from_world,
+                        .features = features,
+                        .sh_degree = layer_.sh_degree(),
+                        .near_z = near_z_},
+                       images_);
+  }
   const MeshConfig& config_;
   const SplatLayer& layer_;
   float near_z_;
@@ -129,11 +143,40 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
   return mesh;
 }
 
+// mesh/behind_glass.ply, where glass shows something.
+void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views, const TriMesh& mesh,
+                        FusionDesc fusion, RenderedDepth& shell, StageContext& context, Json& report) {
+  std::vector<uint32_t> opaque;
+  SplatLayer content(LayerKind::Transmittance, 0, 0);
+  without_glass(scene.surfels, scene.image.diffuse.sh_degree, scene.image.transmission.sh_degree, opaque, content);
+  RenderedDepth inside(config, content, scene.image.diffuse.near_z, views);
+  const TriMesh behind =
+      behind_glass({.mesh = mesh,
+                    .diffuse = scene.surfels.diffuse,
+                    .views = views.size(),
+                    .glass_of = [&](size_t i) { return shell.glass(i); },
+                    .depth_of = [&](size_t i, double voxel) { return inside(i, voxel); },
+                    .fusion = fusion,
+                    .voxel = report["voxel"].get<double>(),
+                    .min_component = config.clean.min_component,
+                    .smooth_iterations = config.clean.smooth_iterations,
+                    .faces = std::max<size_t>(static_cast<size_t>(config.faces) / 4, 4)},
+                   [&](double f) {
+                     throw_if_interrupted();
+                     context.progress({.fraction = 0.96 + 0.04 * f, .text = "what stands behind glass", .values = {}});
+                   });
+  if (behind.faces.empty()) return;
+  write_mesh_ply(context.output() / "mesh" / "behind_glass.ply", behind);
+  report["behind_glass"] = json_of(mesh_report(behind));
+  context.metric("faces_behind_glass", static_cast<double>(behind.faces.size()));
+}
+
 void run_mesh(const MeshConfig& config, StageContext& context) {
   const Timer clock;
   const ViewSet set = load_view_set(context.input("sfm"));
   const std::vector<View> views = training_views(set, context.input("optimize"), config.max_side);
-  const SplatLayer layer = read_layer(context.input("optimize") / "gaussians" / "diffuse.ply");
+  const TrainedScene scene = read_trained_scene(context.input("optimize"));
+  const SplatLayer& layer = scene.surfels.diffuse;
   const Region region = scene_region(set, config.region);
   if (region.points == 0 && config.region.box.empty())
     context.warning("REGION_FROM_CAMERAS",
@@ -143,8 +186,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
            region.convergent ? "convergent" : "wide", region.box.high.x - region.box.low.x, region.box.high.y - region.box.low.y,
            region.box.high.z - region.box.low.z, wanted_voxel, region.extent() / wanted_voxel);
 
-  RenderedDepth rendered(config, layer, read_image_options(context.input("optimize") / "optimize/model.json").diffuse.near_z,
-                         views);
+  RenderedDepth rendered(config, layer, scene.image.diffuse.near_z, views);
   std::optional<MirrorShape> mirrors;
   if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
     mirrors.emplace(MirrorShapeDesc{
@@ -215,6 +257,8 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   const TriMesh mesh = cleaned(raw, config, context, report);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
+  if (scene.surfels.transmittance.size() > 0)
+    write_behind_glass(config, scene, views, mesh, fusion_desc, rendered, context, report);
   const MeshReport final_report = mesh_report(mesh);
   report["mesh"] = json_of(final_report);
   report["mesh"]["self_intersections"] = self_intersection_count(mesh);
@@ -286,7 +330,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 3,
+       .version = 4,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

@@ -225,6 +225,63 @@ TEST_F(PaneGlb, NormalTextureIsFlatWhereSurfelsLieInTheMesh) {
   });
 }
 
+// A green sheet behind the pane that only the transmittance layer knows.
+class SheetBehindPaneGlb : public PaneGlb {
+ protected:
+  static constexpr float kAway = -0.3f;
+  static void SetUpTestSuite() {
+    const TemporaryFolder root;
+    scene_ = new test::PaneScene;
+    constexpr int kSide = 24;
+    SplatLayer& content = scene_->transmittance;
+    content = SplatLayer(LayerKind::Transmittance, 0, 0);
+    const Quatf turn = quaternion(Mat3f{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}});
+    test::for_grid(kSide, {kAway, 0, 0.5f}, {0, 0.3f, 0}, {0, 0, 0.3f}, [&](const Vec3f& p, float, float) {
+      const size_t i = content.size();
+      content.resize(i + 1);
+      const float raw[4] = {turn.w, turn.x, turn.y, turn.z}, green[3] = {0.1f, 0.6f, 0.1f};
+      std::copy_n(raw, 4, content.at(Attribute::Rotation, i));
+      for (size_t c = 0; c < 3; ++c) {
+        content.at(Attribute::Mean, i)[c] = p[c];
+        content.at(Attribute::ShDc, i)[c] = (green[c] - 0.5f) / kShDc;
+      }
+      for (size_t c = 0; c < 2; ++c) content.at(Attribute::LogScale, i)[c] = std::log(0.3f / kSide);
+      *content.at(Attribute::Opacity, i) = logit(0.95f);
+    });
+    scene_->write(root.path());
+    TriMesh sheet;
+    sheet.positions = {{kAway, -0.3f, 0.2f}, {kAway, 0.3f, 0.2f}, {kAway, 0.3f, 0.8f}, {kAway, -0.3f, 0.8f}};
+    sheet.normals.assign(4, {1, 0, 0});
+    sheet.colors.assign(4, {0.5f, 0.5f, 0.5f});
+    sheet.faces = {{0, 1, 2}, {0, 2, 3}};
+    write_mesh_ply(root.path() / "mesh/mesh/behind_glass.ply", sheet);
+    test::RecordingContext c(
+        {{"sfm", root.path() / "sfm"}, {"optimize", root.path() / "optimize"}, {"mesh", root.path() / "mesh"}});
+    run_export({.formats = {"mesh-glb", "mesh-obj"}, .texture_size = 512}, c);
+    glb_ = new Glb(c.output() / "export/mesh.glb");
+  }
+};
+
+TEST_F(SheetBehindPaneGlb, IsOpaqueAndHasItsOwnColours) {
+  EXPECT_EQ(glb_->indices(primitive("opaque")["indices"]).size(), 3 * (scene_->floor_faces + 2));
+  size_t sheet = 0, pane = 0;
+  for_faces("opaque", glb_->picture(material("opaque")["pbrMetallicRoughness"]["baseColorTexture"]["index"]),
+            [&](const Vec3f& p, const float* v) {
+              if (p.z < 0.1f) return;
+              ++sheet;
+              EXPECT_NEAR(p.x, kAway, 1e-5);
+              for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], srgb_from_linear(c == 1 ? 0.6f : 0.1f), 0.02);
+            });
+  EXPECT_EQ(sheet, 2u);
+  // The pane in front stays as clear as it was.
+  for_faces("glass", glb_->picture(material("glass")["extensions"]["KHR_materials_transmission"]["transmissionTexture"]["index"]),
+            [&](const Vec3f&, const float* v) {
+              ++pane;
+              EXPECT_NEAR(v[0], test::kPaneTransmission, 0.01);
+            });
+  EXPECT_GT(pane, 500u);
+}
+
 TEST(MeshGlb, WithoutATransmittanceLayerNothingIsGlass) {
   const TemporaryFolder root;
   test::PaneScene scene;

@@ -146,6 +146,7 @@ TEST_F(BallOnTable, BecomesAMeshOfBothWithinTheVoxel) {
   EXPECT_EQ(report["region"]["kind"], "convergent");
   EXPECT_LT(report["region"]["high"][0].get<double>(), 0.7);  // the far walls are left out
   EXPECT_TRUE(warnings.empty());
+  EXPECT_FALSE(fs::exists(out / "mesh/behind_glass.ply"));
   const double voxel = report["voxel"];
   EXPECT_NEAR(voxel, 1.1 / 96, 0.002);
   EXPECT_LE(report["mesh"]["faces"].get<size_t>(), 8000u);
@@ -246,6 +247,77 @@ TEST_F(MirrorOnTable, OfGlazedPaintKeepsTheDepthThatWasLearnt) {
   ASSERT_EQ(report["mirrors"].size(), 1u);
   EXPECT_EQ(report["mirrors"][0]["kind"], "glaze") << report["mirrors"];
   EXPECT_GT(worst(), 0.09);
+}
+
+// The ball under five panes: the diffuse layer has panes and table, the ball is in the transmittance layer.
+class BallInACase : public BallOnTable {
+ protected:
+  static constexpr float kHalf = 0.36f, kTop = 0.38f, kFloor = -0.3f;
+  void SetUp() override {
+    BallOnTable::SetUp();
+    const fs::path file = optimize / "gaussians/diffuse.ply";
+    const SplatLayer both = read_layer(file);
+    const size_t ball = 2500, table = both.size() - ball;
+    SplatLayer shell(LayerKind::Diffuse, 0, table), content(LayerKind::Transmittance, 0, ball);
+    for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc}) {
+      std::copy_n(both.at(a, 0), ball * both.width(a), content.at(a, 0));
+      std::copy_n(both.at(a, ball), table * both.width(a), shell.at(a, 0));
+    }
+    for (size_t i = 0; i < table; ++i) *shell.at(Attribute::Transmission, i) = logit(0.01f);
+    const auto pane = [&](const Vec3f& centre, const Vec3f& a, const Vec3f& b) {
+      constexpr int kSide = 30;
+      const Vec3f n = normalized(cross(a, b));
+      const Quatf q = quaternion(Mat3f{normalized(a), cross(n, normalized(a)), n});
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const size_t i = shell.size();
+        shell.resize(i + 1);
+        const Vec3f p =
+            centre + (2 * (float(k % kSide) + 0.5f) / kSide - 1) * a + (2 * (float(k / kSide) + 0.5f) / kSide - 1) * b;
+        for (size_t c = 0; c < 3; ++c) shell.at(Attribute::Mean, i)[c] = p[c], shell.at(Attribute::ShDc, i)[c] = -0.5f / kShDc;
+        const float raw[4] = {q.w, q.x, q.y, q.z};
+        std::copy_n(raw, 4, shell.at(Attribute::Rotation, i));
+        for (size_t c = 0; c < 2; ++c) shell.at(Attribute::LogScale, i)[c] = std::log(0.014f);
+        *shell.at(Attribute::Opacity, i) = logit(0.97f);
+        *shell.at(Attribute::Transmission, i) = logit(0.95f);
+      }
+    };
+    const float middle = (kTop + kFloor) / 2, high = (kTop - kFloor) / 2;
+    for (const float side : {-1.f, 1.f}) {
+      pane({side * kHalf, 0, middle}, {0, side * kHalf, 0}, {0, 0, high});
+      pane({0, side * kHalf, middle}, {-side * kHalf, 0, 0}, {0, 0, high});
+    }
+    pane({0, 0, kTop}, {kHalf, 0, 0}, {0, kHalf, 0});
+    write_layer(file, shell);
+    write_layer(optimize / "gaussians/transmittance.ply", content);
+  }
+};
+
+TEST_F(BallInACase, HasAMeshOfItsOwnBehindTheGlass) {
+  const nlohmann::json report = run("case");
+  const double voxel = report["voxel"];
+  ASSERT_TRUE(report.contains("behind_glass"));
+  const TriMesh mesh = read_mesh_ply(out / "mesh/mesh.ply"), behind = read_mesh_ply(out / "mesh/behind_glass.ply");
+  ASSERT_EQ(behind.normals.size(), behind.positions.size());
+  const MeshDistance to_mesh(mesh), to_behind(behind);
+  Rng rng(4);
+  double worst = 0, nearest = 1;
+  for (int i = 0; i < 1000; ++i) {
+    Vec3d n = normalized(Vec3d{rng.normal(), rng.normal(), rng.normal()});
+    n.z = std::abs(n.z);
+    if (n.z < 0.2) continue;  // the table comes near
+    worst = std::max<double>(worst, to_behind.closest(cast<float>(0.3 * n)).distance);
+    nearest = std::min<double>(nearest, to_mesh.closest(cast<float>(0.3 * n)).distance);
+  }
+  EXPECT_LT(worst, 2 * voxel);
+  EXPECT_GT(nearest, 2 * voxel);  // mesh.ply ends at the panes
+  double off = 0, pane = 0;
+  for (const Vec3f& p : sample_surface(behind, 3000, 1).positions) {
+    off += std::min(std::abs(length(p) - 0.3f), std::abs(p.z + 0.3f)) / 3000;
+    pane += (p.z > 0 && std::max(std::abs(p.x), std::abs(p.y)) > kHalf - float(voxel)) / 3000.0;
+  }
+  EXPECT_LT(off, 0.5 * voxel);
+  EXPECT_EQ(pane, 0);
+  for (const Vec3f& c : behind.colors) ASSERT_GT(c.x, c.y);  // red, not the panes' black
 }
 
 TEST_F(BallOnTable, GivesTheSameBytesForAnyNumberOfThreads) {

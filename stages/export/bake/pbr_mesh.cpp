@@ -79,14 +79,16 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
   t.transmission = Image8(size, size, 1);
   const std::vector<AtlasTexel> texels = covered_texels(atlas, mesh);
   std::vector<Vec3f> points(texels.size()), normals(texels.size());
+  std::vector<uint8_t> behind(texels.size());
   for (size_t i = 0; i < texels.size(); ++i) {
     const auto& v = mesh.faces[texels[i].face];
+    behind[i] = sampler.is_behind(v[0]);
     points[i] = blended(mesh.positions, v, texels[i].barycentric);
     const Vec3f n = blended(mesh.normals, v, texels[i].barycentric);
     const float l = length(n);
     normals[i] = l > 1e-6f ? n / l : mesh.normals[v[0]];
   }
-  const std::vector<SurfaceSample> samples = sampler.samples(points, normals, reach);
+  const std::vector<SurfaceSample> samples = sampler.samples(points, normals, reach, behind);
   std::vector<uint8_t> known(size_t(size) * size_t(size), 0);
   size_t met = 0;
   for (size_t i = 0; i < texels.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "stages/export/bake/surface_material.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/error.h"
@@ -13,7 +14,7 @@ namespace {
 constexpr float kLeastWeight = 0.05f;  // below: the ray only brushed the tail of something
 constexpr size_t kBatch = 1 << 18;     // rays traced at once: bounds the memory of the hit lists
 
-std::vector<Vec3f> disk_normals(const SplatLayer& layer) {
+std::vector<Vec3f> disk_normals_of(const SplatLayer& layer) {
   std::vector<Vec3f> out(layer.size());
   for (size_t i = 0; i < layer.size(); ++i) {
     const float* q = layer.at(Attribute::Rotation, i);
@@ -31,44 +32,59 @@ double mean_edge_length(const TriMesh& mesh) {
   return mesh.faces.empty() ? 0 : sum / double(3 * mesh.faces.size());
 }
 
-SurfaceSampler::SurfaceSampler(const MaterialSource& source)
-    : source_(source), disk_normals_(disk_normals(*source.surfels)), tracer_(make_tracer()) {
-  VITRINE_CHECK(source.materials.size() == source.surfels->size(), "one material per surfel");
-  tracer_->build(*source.surfels);
+SurfaceSampler::Surfels::Surfels(const MaterialSource& from)
+    : source(from), disk_normals(disk_normals_of(*from.surfels)), tracer(make_tracer()) {
+  VITRINE_CHECK(from.materials.size() == from.surfels->size(), "one material per surfel");
+  tracer->build(*from.surfels);
 }
 
-std::vector<SurfaceSample> SurfaceSampler::samples(std::span<const Vec3f> points, std::span<const Vec3f> normals,
-                                                   float reach) const {
-  VITRINE_CHECK(points.size() == normals.size(), "one normal per point");
+SurfaceSampler::SurfaceSampler(const MaterialSource& surface) : surface_(surface) {}
+
+SurfaceSampler::SurfaceSampler(const MaterialSource& surface, const MaterialSource& behind, uint32_t first_behind)
+    : surface_(surface), behind_(std::in_place, behind), first_behind_(first_behind) {}
+
+std::vector<SurfaceSample> SurfaceSampler::samples(std::span<const Vec3f> points, std::span<const Vec3f> normals, float reach,
+                                                   std::span<const uint8_t> behind) const {
+  VITRINE_CHECK(points.size() == normals.size() && (behind.empty() || behind.size() == points.size()), "one normal per point");
   std::vector<SurfaceSample> out(points.size());
-  const TraceDesc desc{.sh_degree = source_.surfels->sh_degree()};
+  std::array<std::vector<uint32_t>, 2> which;
+  for (uint32_t i = 0; i < points.size(); ++i) which[behind_ && !behind.empty() && behind[i] ? 1 : 0].push_back(i);
+  surface_.sample(which[0], points, normals, reach, out);
+  if (behind_) behind_->sample(which[1], points, normals, reach, out);
+  return out;
+}
+
+void SurfaceSampler::Surfels::sample(std::span<const uint32_t> which, std::span<const Vec3f> points,
+                                     std::span<const Vec3f> normals, float reach, std::vector<SurfaceSample>& out) const {
+  const TraceDesc desc{.sh_degree = source.surfels->sh_degree()};
 
   std::vector<Vec3f> origins, directions;
   RayValues values;
   HitLists hits;
-  for (size_t begin = 0; begin < points.size(); begin += kBatch) {
-    const size_t n = std::min(kBatch, points.size() - begin);
+  for (size_t begin = 0; begin < which.size(); begin += kBatch) {
+    const size_t n = std::min(kBatch, which.size() - begin);
     origins.resize(n), directions.resize(n);
     for (size_t i = 0; i < n; ++i) {
-      origins[i] = points[begin + i] + reach * normals[begin + i];
-      directions[i] = -normals[begin + i];
+      const uint32_t at = which[begin + i];
+      origins[i] = points[at] + reach * normals[at];
+      directions[i] = -normals[at];
     }
     const std::vector<float> far(n, 2 * reach);
-    tracer_->forward({.origins = origins, .directions = directions, .far = far}, desc, values, &hits);
+    tracer->forward({.origins = origins, .directions = directions, .far = far}, desc, values, &hits);
     for (size_t i = 0; i < n; ++i) {
-      SurfaceSample& s = out[begin + i];
+      SurfaceSample& s = out[which[begin + i]];
       SurfelMaterial sum{.roughness = 0};
       float through = 1, weight = 0;
       for (const TraceHit& h : hits.of(i)) {
         const float w = h.alpha * through;
         through *= 1 - h.alpha;
         weight += w;
-        const SurfelMaterial& m = source_.materials[h.surfel];
-        sum.color += w * (source_.has_albedo ? m.color : h.color);
+        const SurfelMaterial& m = source.materials[h.surfel];
+        sum.color += w * (h.surfel < source.with_albedo ? m.color : h.color);
         sum.f0 += w * m.f0;
         sum.roughness += w * m.roughness;
         sum.transmission += w * m.transmission;
-        const Vec3f& disk = disk_normals_[h.surfel];
+        const Vec3f& disk = disk_normals[h.surfel];
         s.normal += (dot(disk, directions[i]) > 0 ? -w : w) * disk;
       }
       if (!(weight > kLeastWeight)) {
@@ -81,12 +97,13 @@ std::vector<SurfaceSample> SurfaceSampler::samples(std::span<const Vec3f> points
       s.normal = l > 0.1f * weight ? s.normal / l : Vec3f{};
     }
   }
-  return out;
 }
 
 std::vector<SurfaceSample> sample_vertices(const SurfaceSampler& sampler, const TriMesh& mesh, float reach) {
   VITRINE_CHECK(mesh.normals.size() == mesh.positions.size(), "the mesh needs vertex normals");
-  std::vector<SurfaceSample> samples = sampler.samples(mesh.positions, mesh.normals, reach);
+  std::vector<uint8_t> behind(mesh.positions.size());
+  for (uint32_t v = 0; v < behind.size(); ++v) behind[v] = sampler.is_behind(v);
+  std::vector<SurfaceSample> samples = sampler.samples(mesh.positions, mesh.normals, reach, behind);
   constexpr int kRings = 64;
   for (int ring = 0; ring < kRings; ++ring) {
     std::vector<SurfaceSample> sum(samples.size());

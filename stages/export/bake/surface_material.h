@@ -3,7 +3,9 @@
 // Where no surfel is met, the answer is spread from the neighbours on the mesh.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,21 +32,36 @@ struct SurfaceSample {
 struct MaterialSource {
   const SplatLayer* surfels = nullptr;
   std::span<const SurfelMaterial> materials;  // [surfels]
-  // True: `color` of the materials counts. False: the trained colour, seen along the ray, counts (spherical harmonics).
-  bool has_albedo = false;
+  // Of the first so many surfels `color` of the materials counts. Of others the trained colour, seen along the ray, counts
+  // (spherical harmonics).
+  size_t with_albedo = 0;
 };
 
 class SurfaceSampler {
  public:
-  // Surfels and materials stay the caller's and must outlive it.
-  explicit SurfaceSampler(const MaterialSource& source);
-  // Points on the surface with outward unit normals; rays run from `reach` outside to `reach` inside.
-  std::vector<SurfaceSample> samples(std::span<const Vec3f> points, std::span<const Vec3f> normals, float reach) const;
+  // Surfels and materials stay the caller's and must outlive it. `behind`: of what stands behind glass, the mesh's vertices from
+  // `first_behind` on; they meet none of the panes' surfels.
+  explicit SurfaceSampler(const MaterialSource& surface);
+  SurfaceSampler(const MaterialSource& surface, const MaterialSource& behind, uint32_t first_behind);
+  bool is_behind(uint32_t vertex) const { return vertex >= first_behind_; }
+  // Points on the surface with outward unit normals; rays run from `reach` outside to `reach` inside. `behind`: which points
+  // stand behind glass; empty = none.
+  std::vector<SurfaceSample> samples(std::span<const Vec3f> points, std::span<const Vec3f> normals, float reach,
+                                     std::span<const uint8_t> behind = {}) const;
 
  private:
-  MaterialSource source_;
-  std::vector<Vec3f> disk_normals_;
-  std::unique_ptr<Tracer> tracer_;
+  struct Surfels {
+    MaterialSource source;
+    std::vector<Vec3f> disk_normals;
+    std::unique_ptr<Tracer> tracer;
+
+    explicit Surfels(const MaterialSource& from);
+    void sample(std::span<const uint32_t> which, std::span<const Vec3f> points, std::span<const Vec3f> normals, float reach,
+                std::vector<SurfaceSample>& out) const;
+  };
+  Surfels surface_;
+  std::optional<Surfels> behind_;
+  uint32_t first_behind_ = 0xffffffffu;
 };
 
 // Sampled at the vertices of the mesh; vertices that met nothing take the mean of their neighbours, ring by ring; vertices out

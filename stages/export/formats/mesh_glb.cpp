@@ -89,8 +89,8 @@ ExportFormat mesh_glb_format() {
               "triangles, normals, tangents, texture coordinates; textures for base colour, metalness and roughness, normals, "
               "specular colour and transmission; glass as KHR_materials_transmission, double-sided",
           .loses =
-              "view dependence; what stands behind glass and was seen only through it (the mesh ends at the glass); refraction "
-              "by thick glass; base colours above 1; without the relight stage the photos' light is part of the base colour",
+              "view dependence; gloss of what stands behind glass; refraction by thick glass; base colours above 1; without the "
+              "relight stage, and of what is seen through glass alone, the photos' light is part of the base colour",
           .write = write_mesh_glb};
 }
 

@@ -7,6 +7,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/model/kernels/layer_blend.h"
+#include "core/model/thin_glass_pass.h"
 #include "core/picture/relight_materials.h"
 #include "core/scene/activation.h"
 #include "stages/export/bake/preview_fit.h"
@@ -67,6 +68,31 @@ std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder,
   return out;
 }
 
+TriMesh checked_mesh(const std::filesystem::path& path) {
+  TriMesh mesh = read_mesh_ply(path);
+  const auto refuse = [&](std::string why) {
+    throw Error(ErrorKind::Input, "the mesh cannot be exported",
+                {.where = path.string(), .why = std::move(why), .hint = "run the mesh stage again", .code = "BAD_MESH"});
+  };
+  if (mesh.faces.empty()) refuse("it has no faces");
+  constexpr float kFarthest = 1e6f;
+  for (const Vec3f& p : mesh.positions)
+    for (size_t c = 0; c < 3; ++c)
+      if (!(std::abs(p[c]) < kFarthest)) refuse("a vertex is not finite, or absurdly far away");
+  bool unit = mesh.normals.size() == mesh.positions.size();
+  for (const Vec3f& n : mesh.normals) unit = unit && std::abs(length(n) - 1) < 0.01f;
+  if (!unit) mesh.normals = vertex_normals(mesh);
+  return mesh;
+}
+
+// Of everything but the glass: the opaque diffuse surfels' own; what is known through glass alone is taken for plain matt.
+std::vector<SurfelMaterial> content_materials(std::span<const SurfelMaterial> diffuse, std::span<const uint32_t> opaque,
+                                              size_t count) {
+  std::vector<SurfelMaterial> out(count, {.f0 = {kDielectricF0, kDielectricF0, kDielectricF0}, .roughness = kPlainRoughness});
+  for (size_t i = 0; i < opaque.size(); ++i) out[i] = diffuse[opaque[i]], out[i].transmission = 0;
+  return out;
+}
+
 }  // namespace
 
 const SceneInfo& ExportSource::scene_info() {
@@ -90,20 +116,21 @@ const TrainedScene& ExportSource::scene() {
 
 const TriMesh& ExportSource::mesh() {
   if (mesh_) return *mesh_;
-  const auto path = inputs_.mesh / "mesh" / "mesh.ply";
-  TriMesh mesh = read_mesh_ply(path);
-  const auto refuse = [&](std::string why) {
-    throw Error(ErrorKind::Input, "the mesh cannot be exported",
-                {.where = path.string(), .why = std::move(why), .hint = "run the mesh stage again", .code = "BAD_MESH"});
-  };
-  if (mesh.faces.empty()) refuse("it has no faces");
-  constexpr float kFarthest = 1e6f;
-  for (const Vec3f& p : mesh.positions)
-    for (size_t c = 0; c < 3; ++c)
-      if (!(std::abs(p[c]) < kFarthest)) refuse("a vertex is not finite, or absurdly far away");
-  bool unit = mesh.normals.size() == mesh.positions.size();
-  for (const Vec3f& n : mesh.normals) unit = unit && std::abs(length(n) - 1) < 0.01f;
-  if (!unit) mesh.normals = vertex_normals(mesh);
+  TriMesh mesh = checked_mesh(inputs_.mesh / "mesh" / "mesh.ply");
+  first_behind_glass_ = uint32_t(mesh.positions.size());
+  if (const auto path = inputs_.mesh / "mesh" / "behind_glass.ply"; std::filesystem::exists(path)) {
+    const TriMesh content = checked_mesh(path);
+    if (mesh.colors.empty() != content.colors.empty())
+      mesh.colors.clear();
+    else
+      mesh.colors.insert(mesh.colors.end(), content.colors.begin(), content.colors.end());
+    mesh.positions.insert(mesh.positions.end(), content.positions.begin(), content.positions.end());
+    mesh.normals.insert(mesh.normals.end(), content.normals.begin(), content.normals.end());
+    for (std::array<uint32_t, 3> face : content.faces) {
+      for (uint32_t& v : face) v += first_behind_glass_;
+      mesh.faces.push_back(face);
+    }
+  }
   mesh_ = std::move(mesh);
   return *mesh_;
 }
@@ -114,7 +141,21 @@ const std::vector<SurfelMaterial>& ExportSource::materials() {
 }
 
 const SurfaceSampler& ExportSource::sampler() {
-  if (!sampler_) sampler_.emplace(MaterialSource{.surfels = &diffuse(), .materials = materials(), .has_albedo = has_albedo()});
+  if (sampler_) return *sampler_;
+  const MaterialSource surface{
+      .surfels = &diffuse(), .materials = materials(), .with_albedo = has_albedo() ? diffuse().size() : 0};
+  if (first_behind_glass() == mesh().positions.size()) {
+    sampler_.emplace(surface);
+    return *sampler_;
+  }
+  std::vector<uint32_t> opaque;
+  without_glass(scene().surfels, scene().image.diffuse.sh_degree, scene().image.transmission.sh_degree, opaque, content_);
+  content_materials_ = content_materials(materials(), opaque, content_.size());
+  const MaterialSource content{
+      .surfels = &content_, .materials = content_materials_, .with_albedo = has_albedo() ? opaque.size() : 0};
+  sampler_.emplace(surface, content, first_behind_glass());
+  notes_.push_back("what stands behind glass is there, matt" +
+                   std::string(has_albedo() ? "; what is seen through glass alone has the photos' light in its colours" : ""));
   return *sampler_;
 }
 

@@ -38,8 +38,9 @@ class ExportSource {
   bool metric();  // lengths are metres
   const TrainedScene& scene();
   const SplatLayer& diffuse() { return scene().surfels.diffuse; }
-  // With vertex normals; checked: finite, not empty.
+  // With vertex normals; checked: finite, not empty. What stands behind glass comes last, from vertex first_behind_glass() on.
   const TriMesh& mesh();
+  uint32_t first_behind_glass() { return mesh(), first_behind_glass_; }
   // Of every diffuse surfel, and whether their colour is an albedo (of the relight stage) or has the photos' light in it.
   const std::vector<SurfelMaterial>& materials();
   bool has_albedo() const { return inputs_.relight.has_value(); }
@@ -63,6 +64,9 @@ class ExportSource {
   std::optional<SceneInfo> info_;
   std::optional<TrainedScene> scene_;
   std::optional<TriMesh> mesh_;
+  uint32_t first_behind_glass_ = 0;
+  SplatLayer content_{LayerKind::Transmittance, 0, 0};  // everything but the glass
+  std::vector<SurfelMaterial> content_materials_;
   std::optional<std::vector<SurfelMaterial>> materials_;
   std::optional<SurfaceSampler> sampler_;  // reads scene_ and materials_
   std::optional<std::vector<SurfaceSample>> vertex_samples_;

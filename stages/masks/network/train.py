@@ -1,7 +1,6 @@
 """Trains a small network on cases.py that tells objects, glass and mirrors from one photo. Needs numpy, python3-torch, python3-onnx.
 
     python3 train.py --out cases.onnx [--scenes 900] [--minutes 6] [--cache DIR]
-    python3 train.py --out tiny.onnx --tiny          # no training: a network whose answer is known, for tests
 
 A U-Net of what OpenCV's dnn 4.6 computes rightly: convolutions (batch normalisation is folded into them), ReLU, nearest resizing,
 concatenation. Input: a photo of 192x144. Output: logits of object, transparent, specular at half that size.
@@ -47,19 +46,6 @@ class CaseNet(nn.Module):
         x = self.middle(x)
         for up in self.up:
             x = up(torch.cat([F.interpolate(x, scale_factor=2.0, mode="nearest"), skips.pop()], 1))
-        return self.head(x)
-
-
-class TinyNet(nn.Module):
-    """Logits that are 20 times how much more red, green, blue than grey a pixel is, at the size of the photo."""
-
-    def __init__(self):
-        super().__init__()
-        self.head = nn.Conv2d(3, 3, 1)
-        self.head.weight.data = (20 * (torch.eye(3) - 1 / 3)).view(3, 3, 1, 1)
-        self.head.bias.data.fill_(-2)
-
-    def forward(self, x):
         return self.head(x)
 
 
@@ -118,25 +104,15 @@ def overlaps(net, rgb, masks):
     return (both / either.clamp(min=1)).tolist()
 
 
-def write(net, path, width, height):
-    net.eval()
-    torch.onnx.export(net, torch.zeros(1, 3, height, width), path, opset_version=12, input_names=["photo"],
-                      output_names=["logits"], do_constant_folding=True)
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--out", required=True)
     parser.add_argument("--scenes", type=int, default=900)
     parser.add_argument("--minutes", type=float, default=6, help="processor time of the training itself")
     parser.add_argument("--cache", default="")
-    parser.add_argument("--tiny", action="store_true")
     arguments = parser.parse_args()
     torch.set_num_threads(1)
     torch.manual_seed(1)
-    if arguments.tiny:
-        write(TinyNet(), arguments.out, 64, 48)
-        return
     generator = torch.Generator().manual_seed(2)
     rgb, masks = data(0, arguments.scenes, arguments.cache)
     held = data(FIRST_VALIDATION_SEED, VALIDATION, arguments.cache)
@@ -166,7 +142,9 @@ def main():
             total = 0.0
     for name, overlap in zip(CLASSES, overlaps(net, *held)):
         print(f"unseen scenes: {name} IoU {overlap:.3f}")
-    write(net, arguments.out, WIDTH, HEIGHT)
+    net.eval()
+    torch.onnx.export(net, torch.zeros(1, 3, HEIGHT, WIDTH), arguments.out, opset_version=12, input_names=["photo"],
+                      output_names=["logits"], do_constant_folding=True)
 
 
 if __name__ == "__main__":
