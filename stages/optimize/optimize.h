@@ -28,7 +28,7 @@ struct InitialConfig {
 };
 
 struct OptimizeConfig {
-  int iterations = 4000;
+  int iterations = 3000;
   int max_gaussians = 240000;
   std::string layers = "auto";
   int sh_degree = 1;
