@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0;
 
+bool is_given(const Settings& settings, const char* input) {
+  const Option* option = settings.options.table.find(input);
+  return option != nullptr && !option->text().empty() && option->text() != "none";
+}
+
 // What the formulas are written in.
 struct Terms {
   const Settings& settings;
@@ -104,7 +109,11 @@ StageCost relight(const Terms& t) { return cost(9 + 0.08 * t.photos(), 0.77, 300
 StageCost evaluate(const Terms& t) {
   const double every = t.option("optimize.holdout_every");
   const double held = every > 0 ? std::ceil(t.photos() / every) : 0, mpx = t.mpx(trained_side(t));
-  return cost(2 + 5 * held * mpx + 0.2 * t.photos() * mpx, 0.65, 150 + 12 * t.photos() * mpx, 5 * held * mpx);
+  // A true mesh is sampled and searched; so are depths and normals of all views.
+  const bool truth = is_given(t.settings, "input.truth");
+  constexpr double kTruthCpu = 14, kTruthMiB = 610;
+  return cost(2 + 5 * held * mpx + 0.2 * t.photos() * mpx + (truth ? kTruthCpu : 0), 0.65,
+              150 + 12 * t.photos() * mpx + (truth ? kTruthMiB : 0), 5 * held * mpx);
 }
 
 StageCost exported(const Terms& t) {
@@ -126,10 +135,7 @@ void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize
   capture.aspect = shorter / longer;
 }
 
-bool gives_masks(const Settings& settings) {
-  const Option* masks = settings.options.table.find("input.masks");
-  return masks != nullptr && !masks->text().empty() && masks->text() != "none";
-}
+bool gives_masks(const Settings& settings) { return is_given(settings, "input.masks"); }
 
 std::optional<StageCost> stage_cost(const std::string& stage, const Settings& settings, const CaptureSize& capture, int threads) {
   static const Row kRows[] = {
