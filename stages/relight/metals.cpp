@@ -27,7 +27,7 @@ constexpr float kLeastCoverage = 0.05f;                           // of a ray by
 constexpr float kBrightestMetal = 0.95f;                          // silver
 constexpr float kDull = 0.1f;                                     // of a face's pixels that may be marked
 constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
-constexpr float kLeastPaint = 0.1f, kDarkest = 1e-4f;             // of a glazed surfel's radiance; radiance
+constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
 constexpr float kPaintShows = 0.75f;                              // of a thing's dimmer half: less is metal
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
@@ -271,8 +271,9 @@ void polish_materials(const Metals& found, const TrainedScene& scene, const std:
     const Polished& thing = found.things[size_t(found.of_surfel[i])];
     Vec3f& albedo = materials.albedo[i];
     for (size_t c = 0; c < 3; ++c)
-      albedo[c] =
-          thing.metal ? 0 : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkest), kLeastPaint, 1.f);
+      albedo[c] = thing.metal ? 0
+                              : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkestRadiance),
+                                                       kLeastPaint, 1.f);
     if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // in which nothing has both paint and a reflection of its own
     set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
     materials.transmission[i] = 0;
