@@ -140,7 +140,8 @@ DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment
   copy_onto(config, moment, target, slots, cumulative, kRelocateStream);
   counts.relocated = slots.size();
 
-  const size_t grown = std::min(moment.cap, static_cast<size_t>(std::ceil(double(n) * config.growth)));
+  const double growth = std::pow(config.growth, moment.times);
+  const auto grown = static_cast<size_t>(std::min(double(moment.cap), std::ceil(double(n) * growth)));
   if (grown > n) {
     layer.resize(grown);
     target.adam.resize(grown);
@@ -209,7 +210,7 @@ void describe(Describer& d, DensifyConfig& c) {
   d.option("every", c.every, "Steps between two densifications, rounded up to whole passes through the photos.").range(1, 100000);
   d.option("from", c.from, "Part of the run after which it starts.").range(0, 1);
   d.option("until", c.until, "Part of the run after which it stops.").range(0, 1);
-  d.option("growth", c.growth, "Growth of the number of surfels per densification (divide, mcmc).").range(1, 2);
+  d.option("growth", c.growth, "Growth of the number of surfels in `every` steps (divide, mcmc).").range(1, 2);
   d.option("dead_opacity", c.dead_opacity, "Surfels at or below this opacity are moved (divide, mcmc).").range(0, 0.5);
   d.option("idle_weight", c.idle_weight,
            "Surfels whose sum of blending weights is below this part of the mean are moved (divide, mcmc).")
@@ -298,9 +299,11 @@ CopySplit copy_split(double opacity, int copies) {
   return {shared, opacity / denominator};
 }
 
-uint64_t densify_interval(const DensifyConfig& config, size_t photos) {
+DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double window) {
   const uint64_t pass = std::max<size_t>(photos, 1), every = static_cast<uint64_t>(config.every);
-  return (every + pass - 1) / pass * pass;
+  const uint64_t whole = (every + pass - 1) / pass * pass;
+  if (double(whole) > window) return {.interval = every};
+  return {.interval = whole, .times = static_cast<int>(whole / every)};
 }
 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {

@@ -57,17 +57,24 @@ struct DensifyTarget {
 struct DensifyMoment {
   uint64_t seed = 0, step = 0;
   size_t cap = 0;  // most surfels the layer may have
+  int times = 1;   // densifications that this one stands for: it grows as much as they all
   double scene_radius = 1;
 };
 struct DensifyCounts {
   size_t relocated = 0, added = 0, removed = 0;
 };
 
-// Steps between two densifications: `every`, rounded up to whole passes through the photos, so that each has its say about
-// which surfels are idle. One that a single photo shows would else be taken away whenever that photo's turn did not come.
-uint64_t densify_interval(const DensifyConfig& config, size_t photos);
+// When a layer is densified.
+struct DensifyRhythm {
+  uint64_t interval = 1;  // steps
+  int times = 1;          // densifications that one stands for
+};
+// Every `every` steps, rounded up to whole passes through the photos, so that each has its say about which surfels are idle: one
+// that a single photo shows would else be taken away whenever that photo's turn did not come. Where a pass does not fit into the
+// `window` (steps from `from` until `until`), every `every` steps all the same: fewer surfels than allowed are worse.
+DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double window);
 
-// By the strategy of `config`. The caller decides when (densify_interval, from, until).
+// By the strategy of `config`. The caller decides when (densify_rhythm, from, until).
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target);
 
 // Opacity of each of `copies` coincident surfels that together replace one, and the factor on its scales

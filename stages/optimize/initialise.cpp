@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/math/median.h"
 #include "core/scene/activation.h"
+#include "core/stereo/borrowed_depth.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/neighbours.h"
 
@@ -50,39 +51,6 @@ void add_sparse_points(const ViewSet& set, size_t limit, uint64_t seed, std::vec
     if (!(length(towards) > 0)) towards = {0, 0, 1};
     seeds.push_back({cast<float>(point.position), cast<float>(normalized(towards)), point.linear_rgb, 1e30f});
   }
-}
-
-struct ProjectedPoint {
-  double x, y, z;
-};
-
-// Depth at (x, y) from the three nearest known points: empty where they lie on different surfaces (a surfel at their mean would
-// float between them), `far_z` when none is within `reach`.
-std::optional<double> borrowed_depth(const std::vector<ProjectedPoint>& points, double x, double y, double reach, double far_z) {
-  struct Near {
-    double squared, z;
-  };
-  std::array<Near, 3> best;
-  best.fill({1e300, 0});
-  for (const ProjectedPoint& p : points) {
-    const double squared = (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y);
-    if (squared >= best[2].squared) continue;
-    best[2] = {squared, p.z};
-    if (best[2].squared < best[1].squared) std::swap(best[1], best[2]);
-    if (best[1].squared < best[0].squared) std::swap(best[0], best[1]);
-  }
-  if (best[0].squared > reach * reach) return far_z;
-  double weights = 0, inverse = 0, nearest = 1e300, farthest = 0;
-  for (const Near& n : best) {
-    if (n.z <= 0) continue;
-    const double weight = 1 / (n.squared + 1);
-    weights += weight;
-    inverse += weight / n.z;
-    nearest = std::min(nearest, n.z);
-    farthest = std::max(farthest, n.z);
-  }
-  if (farthest > kOneSurface * nearest) return std::nullopt;
-  return weights / inverse;
 }
 
 // What a ray's surfel starts from: the colour of its pixel, and a depth.
@@ -135,7 +103,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
     const double area = double(k.width) * k.height, reach = kBorrowReach * std::hypot(k.width, k.height);
     const double width_ratio = double(matched.width) / k.width, height_ratio = double(matched.height) / k.height;
     const double mean_demand = (demanded[t + 1] - demanded[t]);
-    std::vector<ProjectedPoint> known;  // for a photo that stereo could not match at all
+    std::vector<KnownDepth> known;  // for a photo that stereo could not match at all
     for (const Vec3d& h : dense.photos[v].hints) known.push_back({h.x / width_ratio, h.y / height_ratio, h.z});
     const auto spacing = [&](double pixel_demand) { return std::sqrt(area * mean_demand / (double(share) * pixel_demand)); };
     Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, v));
@@ -143,10 +111,11 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height, chance = rng.uniform_double();
       if (map.zdepth.empty()) {
         ++s;
-        const auto z = borrowed_depth(known, x, y, reach, dense.photos[v].far_z);
-        if (!z) continue;
-        found[t].push_back(pixel_seed(photo, x, y, *z));
-        found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * *z / k.fx);
+        const auto borrowed = borrowed_depth(known, x, y, reach);
+        if (borrowed && borrowed->spread > kOneSurface) continue;  // a surfel between them would float
+        const double z = borrowed ? borrowed->z : dense.photos[v].far_z;
+        found[t].push_back(pixel_seed(photo, x, y, z));
+        found[t].back().spacing_limit = static_cast<float>(spacing(kUnknownDemand) * z / k.fx);
         continue;
       }
       const int mx = std::min(int(x * width_ratio), map.width - 1), my = std::min(int(y * height_ratio), map.height - 1);
@@ -191,9 +160,8 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
 
   std::vector<Vec3f> positions;
   for (const Seed& seed : seeds) positions.push_back(seed.position);
-  std::vector<float> spacing = neighbour_spacing(positions), sorted = spacing;
-  std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-  const float median = std::max(sorted[sorted.size() / 2], 1e-6f);
+  const std::vector<float> spacing = neighbour_spacing(positions);
+  const float median = std::max(upper_median(spacing), 1e-6f);
 
   SplatLayer layer(LayerKind::Diffuse, config.sh_degree, seeds.size());
   for (size_t i = 0; i < seeds.size(); ++i) {

@@ -23,6 +23,8 @@ constexpr double kRecentLossDecay = 0.02;
 // a row, is a failing run.
 constexpr double kBadShare = 0.01;
 constexpr uint32_t kBadStreak = 10;
+// Fewer pictures in a row that show no surfel say nothing of the scene: a photo of the lens cap.
+constexpr uint32_t kBlankPictures = 3;
 
 Backend backend_of(const OptimizeConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -148,7 +150,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     hold_glass(scene_.diffuse, static_cast<float>(config().phases.transmittance.glass_factor), damping_, frame_.statistics.error,
                grad_.diffuse);
   DescentCounts worst;
-  bool broken = false;
+  bool blank = false;
+  broken_ = false;
   for (LayerKind kind : kAllLayers) {
     const SurfelStatistics& statistics = statistics_of(frame_, kind);
     const bool diffuse = kind == LayerKind::Diffuse;
@@ -160,11 +163,12 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     const DescentCounts done = training(kind).descend(
         grad_.layer(kind), statistics,
         {.rates = rates, .damping = damping, .rarest = float(config().rates.rarest), .trained = trained}, scene_.layer(kind));
-    const bool bad = (diffuse && done.active == 0) || double(done.skipped) > kBadShare * double(done.active);
-    if (bad && !broken) worst = done;
-    broken |= bad;
+    const bool bad = double(done.skipped) > kBadShare * double(done.active);
+    if (bad && !broken_) worst = done;
+    broken_ |= bad;
+    blank |= diffuse && done.active == 0;
   }
-  bad_streak_ = broken ? bad_streak_ + 1 : 0;
+  bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)
     throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
                 {.where = fmt::format("step {}, photo {}", step_, photo),
@@ -176,7 +180,7 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
 }
 
 bool Trainer::sound() const {
-  if (bad_streak_ > 0) return false;
+  if (broken_ || bad_streak_ >= kBlankPictures) return false;
   size_t all = 0, broken = 0;
   for (LayerKind kind : kAllLayers) {
     const SplatLayer& layer = scene_.layer(kind);
@@ -202,12 +206,14 @@ void Trainer::move_surfels() {
     if (!begun_[static_cast<size_t>(kind)] || f < from || f > until) continue;
     const auto seed = static_cast<uint64_t>(config().seed);
     const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
+    const DensifyRhythm rhythm = densify_rhythm(d, setup_.capture.train.size(), (until - from) * config().iterations);
     training(kind).move(kind == LayerKind::Transmittance ? densify_behind_glass_ : d,
                         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
                                     .step = step_,
                                     .cap = first ? diffuse_cap() : cap(kind),
+                                    .times = rhythm.times,
                                     .scene_radius = kSceneRadius},
-                         .now = step_ % densify_interval(d, setup_.capture.train.size()) == 0,
+                         .now = step_ % rhythm.interval == 0,
                          .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
                         scene_.layer(kind));
     grad_.layer(kind).resize(scene_.layer(kind).size());

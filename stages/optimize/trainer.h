@@ -39,7 +39,8 @@ class Trainer {
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
   void step();
-  // What learnt until now is worth keeping: gradients were numbers in the last step, and so are all but a few surfels.
+  // What was learnt until now is worth keeping: the last pictures showed surfels, gradients of the last step were numbers, and so
+  // are all but a few surfels.
   bool sound() const;
   bool finished() const { return step_ >= static_cast<uint64_t>(config().iterations); }
   uint64_t step_index() const { return step_; }
@@ -94,7 +95,8 @@ class Trainer {
   uint8_t filled_ = 0;
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0;
   uint64_t step_ = 0;
-  uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients
+  uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel
+  bool broken_ = false;      // many broken gradients in the last step
   double recent_loss_ = 0;
   EpochRecord epoch_;  // being summed
   std::vector<EpochRecord> epochs_;

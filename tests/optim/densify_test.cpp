@@ -56,10 +56,34 @@ TEST(CopySplit, OneCopyIsTheSurfelItself) {
 TEST(Densify, HappensAfterWholePassesThroughThePhotos) {
   DensifyConfig config;
   config.every = 50;
-  EXPECT_EQ(densify_interval(config, 1), 50);
-  EXPECT_EQ(densify_interval(config, 31), 62);
-  EXPECT_EQ(densify_interval(config, 50), 50);
-  EXPECT_EQ(densify_interval(config, 300), 300);
+  const auto expect = [&](size_t photos, double window, uint64_t interval, int times) {
+    const DensifyRhythm rhythm = densify_rhythm(config, photos, window);
+    EXPECT_EQ(rhythm.interval, interval) << photos;
+    EXPECT_EQ(rhythm.times, times) << photos;
+  };
+  expect(1, 975, 50, 1);
+  expect(31, 975, 62, 1);
+  expect(50, 975, 50, 1);
+  expect(99, 975, 99, 1);
+  expect(300, 975, 300, 6);
+  expect(1000, 975, 50, 1);  // no pass fits into the run: as it was asked for
+  expect(0, 975, 50, 1);
+}
+
+// Many photos make densifications rare, but do not keep a layer from its cap.
+TEST(Densify, OneThatStandsForSeveralGrowsAsMuch) {
+  DensifyConfig config;
+  for (const auto& [times, cap, grown] : {std::tuple{1, size_t(1000), size_t(111)},
+                                          {5, size_t(1000), size_t(162)},
+                                          {5, size_t(130), size_t(130)},
+                                          {100000, size_t(400), size_t(400)}}) {
+    SplatLayer layer = random_layer(100);
+    Adam adam(layer);
+    SurfelAccumulator accumulator = even_statistics(layer.size());
+    densify(config, {.seed = 1, .step = 50, .cap = cap, .times = times}, {layer, adam, accumulator});
+    EXPECT_EQ(layer.size(), grown) << times;
+    EXPECT_EQ(accumulator.weight.size(), grown);
+  }
 }
 
 TEST(SurfelAccumulator, WhatFewPicturesShowIsRareAndSoAreItsCopies) {

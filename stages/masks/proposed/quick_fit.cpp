@@ -1,7 +1,6 @@
 #include "stages/masks/proposed/quick_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -18,6 +17,7 @@
 #include "core/optim/densify.h"
 #include "core/optim/rates.h"
 #include "core/scene/activation.h"
+#include "core/stereo/borrowed_depth.h"
 
 namespace vitrine {
 
@@ -37,31 +37,6 @@ struct Seed {
   Vec3f linear;
   double spacing;
 };
-
-struct KnownDepth {
-  double x, y, z;
-};
-
-// Depth at (x, y) as the mean inverse of the three nearest known ones, or `far_z` when none is near.
-double borrowed_depth(const std::vector<KnownDepth>& known, double x, double y, double reach, double far_z) {
-  std::array<std::pair<double, double>, 3> best;
-  best.fill({1e300, 0.0});
-  for (const KnownDepth& k : known) {
-    const double squared = (k.x - x) * (k.x - x) + (k.y - y) * (k.y - y);
-    if (squared >= best[2].first) continue;
-    best[2] = {squared, k.z};
-    if (best[2] < best[1]) std::swap(best[1], best[2]);
-    if (best[1] < best[0]) std::swap(best[0], best[1]);
-  }
-  if (best[0].first > reach * reach) return far_z;
-  double weights = 0, inverse = 0;
-  for (const auto& [squared, z] : best) {
-    if (!(z > 0)) continue;
-    weights += 1 / (squared + 1);
-    inverse += 1 / ((squared + 1) * z);
-  }
-  return weights / inverse;
-}
 
 std::vector<Seed> first_surfels(const QuickFitConfig& config, const MaskCapture& capture, const std::vector<SmallPhoto>& photos) {
   const ViewSet& set = capture.set;
@@ -102,7 +77,8 @@ std::vector<Seed> first_surfels(const QuickFitConfig& config, const MaskCapture&
     for (size_t s = 0; s < share; ++s) {
       Rng rng(static_cast<uint64_t>(config.seed), mix64(kPixelStream, mix64(v, s)));
       const double x = rng.uniform_double() * k.width, y = rng.uniform_double() * k.height;
-      const double z = borrowed_depth(known[v], x, y, kReach * std::hypot(k.width, k.height), far_everywhere);
+      const auto borrowed = borrowed_depth(known[v], x, y, kReach * std::hypot(k.width, k.height));
+      const double z = borrowed ? borrowed->z : far_everywhere;
       const size_t pixel = std::min(size_t(y), size_t(k.height) - 1) * size_t(k.width) + std::min(size_t(x), size_t(k.width) - 1);
       Seed seed{.position = world_from_cam * (z * k.ray(x, y)), .towards = {}, .linear = {}, .spacing = spacing_at(k, z, share)};
       seed.towards = world_from_cam.translation - seed.position;
@@ -178,6 +154,7 @@ QuickFit quick_fit(const QuickFitConfig& config, const MaskCapture& capture, con
   densification.every = std::max(20, config.steps / 12);
   densification.from = 0.15;
   densification.until = 0.75;
+  const DensifyRhythm rhythm = densify_rhythm(densification, count, (densification.until - densification.from) * config.steps);
 
   Frame frame;
   std::vector<uint8_t> active;
@@ -213,12 +190,12 @@ QuickFit quick_fit(const QuickFitConfig& config, const MaskCapture& capture, con
     for (size_t i = 0; i < active.size(); ++i) active[i] = frame.statistics.weight[i] > 0;
     adam.step(grad.diffuse, rates_at(rates, fraction, 1.0), active, scene.diffuse);
     accumulator.add(frame.statistics);
-    if (uint64_t(step + 1) % densify_interval(densification, count) == 0 && fraction >= densification.from &&
-        fraction <= densification.until) {
+    if (uint64_t(step + 1) % rhythm.interval == 0 && fraction >= densification.from && fraction <= densification.until) {
       densify(densification,
               {.seed = static_cast<uint64_t>(config.seed),
                .step = static_cast<uint64_t>(step),
                .cap = static_cast<size_t>(config.surfels),
+               .times = rhythm.times,
                .scene_radius = 1},
               {scene.diffuse, adam, accumulator});
       grad.diffuse.resize(scene.diffuse.size());

@@ -1,0 +1,21 @@
+// Depth of a pixel that nobody measured, from the nearest known ones in the same photo: for the first surfels of a training,
+// which only have to lie somewhere near.
+#pragma once
+
+#include <optional>
+#include <span>
+
+namespace vitrine {
+
+struct KnownDepth {
+  double x, y, z;  // pixels, z-depth
+};
+
+struct BorrowedDepth {
+  double z = 0;       // mean inverse of the three nearest, weighted by 1 / (squared distance + 1)
+  double spread = 1;  // farthest of them over nearest: much more than 1 = they lie on different surfaces
+};
+// Empty when none of `known` is within `reach` pixels of (x, y).
+std::optional<BorrowedDepth> borrowed_depth(std::span<const KnownDepth> known, double x, double y, double reach);
+
+}  // namespace vitrine
