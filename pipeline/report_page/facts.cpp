@@ -132,9 +132,4 @@ std::optional<double> number_of(const std::string& text) {
   return value;
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 }  // namespace vitrine

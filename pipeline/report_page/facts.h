@@ -41,7 +41,5 @@ std::string text_of_file(const fs::path& path);
 // A comma-separated file with a first line of names, one map per row. Quotes as in RFC 4180.
 std::vector<std::map<std::string, std::string>> rows_of_csv(const std::string& text);
 std::optional<double> number_of(const std::string& text);
-// The upper of the two middle ones of an even count. Not of none.
-double median(std::vector<double> values);
 
 }  // namespace vitrine

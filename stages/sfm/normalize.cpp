@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -63,8 +64,7 @@ double median_zdepth(const ColmapModel& model) {
   for (const ColmapPoint3D& p : model.points)
     for (const ColmapTrackElement& t : p.track) depths.push_back((pose.at(t.image_id) * p.position).z);
   if (depths.empty()) return 0;
-  std::nth_element(depths.begin(), depths.begin() + long(depths.size() / 2), depths.end());
-  return depths[depths.size() / 2];
+  return upper_median(std::move(depths));
 }
 
 // Everyone looks the same way, and either the tops of the pictures point everywhere, or the cameras cover an area (not a line) as

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/math/median.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -169,15 +170,11 @@ ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, Fi
     const std::vector<double> distances = neighbour_distances(positions, kNeighbours);
     std::vector<double> logs(distances.size());
     for (size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(std::max(distances[i], 1e-300));
-    const auto median = [](std::vector<double> v) {
-      std::nth_element(v.begin(), v.begin() + long(v.size() / 2), v.end());
-      return v[v.size() / 2];
-    };
-    const double centre = median(logs);
+    const double centre = upper_median(logs);
     std::vector<double> deviations(logs.size());
     for (size_t i = 0; i < logs.size(); ++i) deviations[i] = std::abs(logs[i] - centre);
     constexpr double kSigmaOfMad = 1.4826;
-    const double limit = centre + config.outlier_sigma * kSigmaOfMad * median(deviations);
+    const double limit = centre + config.outlier_sigma * kSigmaOfMad * upper_median(deviations);
     for (size_t i = 0; i < logs.size(); ++i)
       if (logs[i] > limit) good[ids[i]] = false, ++counts.lonely;
   }

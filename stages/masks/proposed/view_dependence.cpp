@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -36,12 +37,6 @@ bool at_depth_edge(const std::vector<float>& z, int w, int h, int x, int y) {
       high = std::max(high, z[size_t(j) * size_t(w) + size_t(i)]);
     }
   return !(high < kDepthEdge * low);
-}
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -86,7 +81,7 @@ std::vector<DeviationMap> view_dependence(const std::vector<SmallPhoto>& photos,
         if (samples[0].size() < kFewestViews) continue;
         float squared = 0, common_squared = 0;
         for (size_t c = 0; c < 3; ++c) {
-          const float common = median(samples[c]), d = residuals[v][c * pixels + pixel] - common;
+          const float common = upper_median_of(std::span<float>(samples[c])), d = residuals[v][c * pixels + pixel] - common;
           squared += d * d;
           common_squared += common * common;
         }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -68,13 +69,6 @@ std::vector<Observation> observations_of(std::span<const GainSample> samples, si
   return all;
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 class ChannelProblem {
  public:
   ChannelProblem(size_t views, size_t points, std::vector<Observation> observations, const GainSettings& settings)
@@ -108,7 +102,7 @@ class ChannelProblem {
     residuals.reserve(observations_.size());
     for (const Observation& o : observations_)
       residuals.push_back(std::abs(o.log_value - log_gain_[o.view] - log_colour_[o.point]));
-    return 1.4826 * median(residuals);
+    return residuals.empty() ? 0 : 1.4826 * upper_median(std::move(residuals));
   }
 
   bool determined(size_t view) const { return count_[view] >= settings_.min_samples; }
