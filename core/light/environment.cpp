@@ -179,30 +179,40 @@ void check_texels(const ImageF& map, const fs::path& path) {
          .why = fmt::format("it is {} x {}", map.width(), map.height()),
          .hint = "a lat-long (equirectangular) map of the whole sphere is wanted; convert cube maps and light probes first",
          .code = "ENV_SHAPE"});
-  size_t nan = 0, infinite = 0, negative = 0, first = map.pixel_count();
+  size_t nan = 0, infinite = 0, first = map.pixel_count();
   for (size_t i = 0; i < map.pixel_count(); ++i) {
     const float* p = &map.data()[3 * i];
     const bool is_nan = std::isnan(p[0]) || std::isnan(p[1]) || std::isnan(p[2]);
     const bool is_infinite = !is_nan && (std::isinf(p[0]) || std::isinf(p[1]) || std::isinf(p[2]));
-    const bool is_negative = !is_nan && !is_infinite && (p[0] < 0 || p[1] < 0 || p[2] < 0);
-    nan += is_nan, infinite += is_infinite, negative += is_negative;
-    if ((is_nan || is_infinite || is_negative) && first == map.pixel_count()) first = i;
+    nan += is_nan, infinite += is_infinite;
+    if ((is_nan || is_infinite) && first == map.pixel_count()) first = i;
   }
   if (first == map.pixel_count()) return;
   const size_t w = size_t(map.width());
   throw Error(ErrorKind::Input, "an environment map has texels that are no light",
               {.where = path.string(),
-               .why = fmt::format("{} NaN, {} infinite, {} negative; the first in column {}, row {}", nan, infinite, negative,
-                                  first % w, first / w),
+               .why = fmt::format("{} NaN, {} infinite; the first in column {}, row {}", nan, infinite, first % w, first / w),
                .hint = "repair it, for example: oiiotool IN --fixnan box3 --clamp:min=0:max=60000 -o OUT.exr",
                .code = "ENV_BAD_TEXELS"});
 }
 
+size_t clamp_negative(ImageF& map) {
+  size_t texels = 0;
+  for (size_t i = 0; i < map.pixel_count(); ++i) {
+    float* p = &map.data()[3 * i];
+    texels += std::min({p[0], p[1], p[2]}) < 0;
+    for (size_t c = 0; c < 3; ++c) p[c] = std::max(p[c], 0.f);
+  }
+  return texels;
+}
+
 }  // namespace
 
-Environment read_environment(const fs::path& path) {
+Environment read_environment(const fs::path& path, size_t* negative) {
   ImageF map = read_texels(path);
   check_texels(map, path);
+  const size_t texels = clamp_negative(map);
+  if (negative != nullptr) *negative = texels;
   return Environment(std::move(map));
 }
 

@@ -33,13 +33,18 @@ std::string label_of(const std::optional<fs::path>& environment, const std::opti
   return label.find_first_not_of('.') == std::string::npos ? "light" : label;
 }
 
-Lighting chosen_lighting(const RelitConfig& config, const StageContext& context, const RelitScene& scene) {
+Lighting chosen_lighting(const RelitConfig& config, StageContext& context, const RelitScene& scene) {
   Lighting lighting;
   const auto environment = context.optional_input("env"), lights = context.optional_input("lights");
-  if (environment)
-    lighting.environment = read_environment(*environment);
-  else if (!lights)
+  if (environment) {
+    size_t negative = 0;
+    lighting.environment = read_environment(*environment, &negative);
+    if (negative > 0)
+      context.warning("ENV_NEGATIVE", fmt::format("{} of {} texels of {} are darker than black: taken for black there", negative,
+                                                  lighting.environment.map().pixel_count(), environment->filename().string()));
+  } else if (!lights) {
     lighting.environment = scene.captured;
+  }
   lighting.environment = lighting.environment.rotated(config.rotate);
   if (lights) read_lamps(*lights, lighting);
   return lighting;

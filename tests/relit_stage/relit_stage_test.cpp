@@ -144,11 +144,29 @@ TEST_F(RelitStage, LampsAloneLightTheScene) {
   EXPECT_GT(picture.at(32, 24, 0), 0.3);
 }
 
+// As resampling leaves them around lamps, in maps that people share.
+TEST_F(RelitStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
+  ImageF map(16, 8, 3, 2.f);
+  std::vector<ImageF> pictures;
+  for (const float level : {0.f, -3.f}) {
+    map.at(4, 3, 1) = level;
+    write_exr_rgb(folder.path() / "sky.exr", map, ExrPrecision::Float);
+    RecordingContext context(inputs({{"env", folder.path() / "sky.exr"}}));
+    run_relit({.width = 16, .height = 12, .samples = 1}, context);
+    EXPECT_EQ(context.warnings.contains("ENV_NEGATIVE"), level < 0);
+    if (level < 0) {
+      EXPECT_EQ(context.warnings["ENV_NEGATIVE"], "1 of 128 texels of sky.exr are darker than black: taken for black there");
+    }
+    pictures.push_back(read_exr_rgb(context.output() / "relit/sky/view_0.exr"));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
 TEST_F(RelitStage, BadInputIsRefusedBeforeAnythingIsWritten) {
   const fs::path bad = folder.path() / "bad.exr";
   write_exr_rgb(bad, ImageF(8, 8, 3));
   EXPECT_EQ(error_with({{"env", bad}}).detail().code, "ENV_SHAPE");
-  write_exr_rgb(bad, ImageF(8, 4, 3, -1.f));
+  write_exr_rgb(bad, ImageF(8, 4, 3, std::numeric_limits<float>::infinity()), ExrPrecision::Float);
   EXPECT_EQ(error_with({{"env", bad}}).detail().code, "ENV_BAD_TEXELS");
   write_ldr(folder.path() / "sky.png", Image8(8, 4, 3));
   EXPECT_EQ(error_with({{"env", folder.path() / "sky.png"}}).detail().code, "ENV_LDR");
