@@ -1,12 +1,13 @@
 #include "pipeline/graph.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/json.h"
-#include "core/base/process.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -23,6 +24,8 @@ StageNode describe_stage(const fs::path& executable, const std::string& name) {
   StageNode node;
   const ProcessResult r = run_process({.arguments = {executable.string(), "--describe"},
                                        .on_line = [&](std::string_view line) { node.description += std::string(line) + "\n"; }});
+  throw_if_interrupted();
+  if (r.signal != 0) throw_ended_by_signal(name, r);
   const json d = json::parse(node.description, nullptr, false);
   if (!r.ok() || !d.is_object() || d.value("format", 0) != 1)
     throw Error(ErrorKind::Dependency, fmt::format("the program of stage '{}' does not describe itself", name),
@@ -41,6 +44,19 @@ StageNode describe_stage(const fs::path& executable, const std::string& name) {
 }
 
 }  // namespace
+
+void throw_ended_by_signal(std::string_view stage, const ProcessResult& result) {
+  if (result.signal == SIGKILL)
+    throw Error(ErrorKind::Resource, fmt::format("stage '{}' was killed", stage),
+                {.why = "the system ends a process like this when memory runs out",
+                 .hint = "a smaller preset, --max-memory, or fewer photos; then the same command again",
+                 .code = "KILLED"});
+  throw Error(ErrorKind::Internal,
+              fmt::format("stage '{}' ended by signal {} ({})", stage, result.signal, strsignal(result.signal)),
+              {.why = result.tail,
+               .hint = "this is a bug in vitrine: please report it with run.json and log.txt",
+               .code = "STAGE_CRASHED"});
+}
 
 const StageNode& Graph::at(std::string_view name) const {
   std::vector<std::string> names;

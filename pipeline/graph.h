@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/base/process.h"
 
 namespace vitrine {
 
@@ -36,6 +37,9 @@ class Graph {
   // Names of inputs that come from outside (photos, truth), in order of first use.
   std::vector<NodeInput> outside_inputs() const;
 };
+
+// Tells of a stage's program that a signal ended (result.signal != 0).
+[[noreturn]] void throw_ended_by_signal(std::string_view stage, const ProcessResult& result);
 
 // $VITRINE_STAGE_DIR, else the folder of this executable.
 fs::path stage_folder();

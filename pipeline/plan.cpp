@@ -1,8 +1,6 @@
 #include "pipeline/plan.h"
 
 #include <algorithm>
-#include <csignal>
-#include <cstring>
 
 #include "core/artifact/current.h"
 #include "core/base/error.h"
@@ -57,15 +55,9 @@ void throw_stage_failure(const StageNode& node, const std::string& error_record,
                  .hint = record.value("hint", ""),
                  .code = record.value("code", "")});
   }
-  if (result.signal == SIGKILL)
-    throw Error(ErrorKind::Resource, fmt::format("stage '{}' was killed", node.name),
-                {.why = "the system ends a process like this when memory runs out",
-                 .hint = "a smaller preset, --max-memory, or fewer photos; then the same command again",
-                 .code = "KILLED"});
-  const std::string how = result.signal != 0 ? fmt::format("ended by signal {} ({})", result.signal, strsignal(result.signal))
-                                             : fmt::format("ended with code {} and no word", result.exit_code);
-  throw Error(result.signal != 0 ? ErrorKind::Internal : kind_of_exit(result.exit_code).value_or(ErrorKind::Internal),
-              fmt::format("stage '{}' {}", node.name, how),
+  if (result.signal != 0) throw_ended_by_signal(node.name, result);
+  throw Error(kind_of_exit(result.exit_code).value_or(ErrorKind::Internal),
+              fmt::format("stage '{}' ended with code {} and no word", node.name, result.exit_code),
               {.why = result.tail,
                .hint = "this is a bug in vitrine: please report it with run.json and log.txt",
                .code = "STAGE_CRASHED"});

@@ -88,6 +88,26 @@ TEST_F(Interruption, AStageThatIsKilledIsTakenUpAgain) {
   EXPECT_TRUE(rest.has("continuing at step")) << rest.text;
 }
 
+// Before anything runs each stage is asked what it is: one that is killed meanwhile is not broken.
+TEST_F(Interruption, AStageThatIsKilledWhileItDescribesItselfIsToldSo) {
+  const fs::path stages = folder.path() / "stages";
+  write_file(stages / "vitrine.stages", "collect\n");
+  const fs::path program = stages / "vitrine-collect";
+  setenv("VITRINE_STAGE_DIR", stages.c_str(), 1);
+  for (const auto& [script, exit, message] :
+       {std::tuple{"kill -9 $$", 6,
+                   "error: stage 'collect' was killed\n  why    the system ends a process like this when memory"},
+        {"kill -6 $$", 1, "error: stage 'collect' ended by signal 6 "},
+        {"echo nonsense", 7, "error: the program of stage 'collect' does not describe itself"}}) {
+    write_file(program, fmt::format("#!/bin/sh\n{}\n", script));
+    fs::permissions(program, fs::perms::owner_all);
+    const Outcome o = call({"run", photos().string(), "-o", out().string()});
+    EXPECT_EQ(o.exit, exit) << o.text;
+    EXPECT_TRUE(o.has(message)) << o.text;
+    EXPECT_TRUE(o.has("\n  try    ")) << o.text;
+  }
+}
+
 TEST_F(Interruption, ASecondRunInTheSameFolderIsRefused) {
   const pid_t child = start(slow_run());
   wait_for_checkpoint();
