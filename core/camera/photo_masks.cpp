@@ -15,13 +15,16 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
     files_[i] = desc.folder.find(desc.kind, desc.photos[i]);
     matched_ += files_[i].has_value();
   }
+  const size_t files = desc.folder.file_count(desc.kind);
   if (matched_ == 0)
-    throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),
-                {.where = desc.folder.path().string(),
-                 .why = fmt::format("{} files there; none is called like a photo, for example {}",
-                                    desc.folder.file_count(desc.kind), desc.photos.front()),
-                 .hint = fmt::format("call them {}.png, or --set {}", desc.photos.front(), desc.off_setting),
-                 .code = "MASKS_MATCH_NO_PHOTO"});
+    throw Error(
+        ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),
+        {.where = desc.folder.path().string(),
+         .why = fmt::format("{} file{} there; none is called like a photo, for example {}", files, files == 1 ? "" : "s",
+                            desc.photos.front()),
+         .hint = fmt::format("call them {}, or --set {}",
+                             std::filesystem::path(desc.photos.front()).replace_extension(".png").string(), desc.off_setting),
+         .code = "MASKS_MATCH_NO_PHOTO"});
   std::vector<MaskExtent> extents(files_.size());
   std::vector<uint8_t> left_out(files_.size(), 0);
   parallel_for(files_.size(), 1, [&](size_t i) {

@@ -1,5 +1,7 @@
 #include "stages/masks/masks.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
@@ -59,6 +61,18 @@ void sources_of_network(const MasksConfig& config, const MaskCapture& capture, c
                                   name(kind)));
     sources[size_t(kind)] = std::make_unique<NetworkSource>(masks, kind);
   }
+}
+
+// A network that no class takes its masks from: for hours of training nobody would notice.
+void tell_unused_network(const MasksConfig& config, const fs::path& file, StageContext& context) {
+  const bool named = std::ranges::any_of(kMaskClasses, [&](MaskClass kind) { return !config.onnx.channels_of(kind).empty(); });
+  if (!named)
+    throw Error(ErrorKind::Usage, "a network is given, and no class names its channels",
+                {.where = file.string(),
+                 .hint = "--set masks.onnx.transparent=[1] (which of them is glass), or -c configs/masks/NAME.yaml; "
+                         "--set input.mask_network=none leaves it out",
+                 .code = "NETWORK_UNUSED"});
+  context.warning("NETWORK_UNUSED", "no class takes its masks from the network: masks.CLASS.source is something else");
 }
 
 std::string problem(const MasksConfig& c) {
@@ -142,7 +156,10 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     if (chosen[size_t(kind)] == "onnx") from_network.push_back(kind);
   }
   MaskSources sources;
-  if (!from_network.empty()) sources_of_network(config, capture, network, from_network, context, sources);
+  if (!from_network.empty())
+    sources_of_network(config, capture, network, from_network, context, sources);
+  else if (network)
+    tell_unused_network(config, *network, context);
   std::shared_ptr<const Proposal> proposal;
   std::shared_ptr<const MarkedMasks> carried;
   for (MaskClass kind : kMaskClasses) {

@@ -175,6 +175,15 @@ TEST_F(Networked, ContradictionsAreSaid) {
   EXPECT_NE(problem("onnx.width", "64").find("masks.onnx.width"), std::string::npos);
 }
 
+TEST_F(Networked, ANetworkThatNoClassUsesIsSaid) {
+  const Error unnamed = error_of([&] { run({{"onnx.specular", "[]"}}); });
+  EXPECT_EQ(unnamed.kind(), ErrorKind::Usage);
+  EXPECT_EQ(unnamed.detail().code, "NETWORK_UNUSED");
+  EXPECT_NE(unnamed.detail().hint.find("masks.onnx.transparent"), std::string::npos);
+  EXPECT_EQ(run({{"specular.source", "none"}})->warnings.count("NETWORK_UNUSED"), 1u);
+  EXPECT_EQ(run()->warnings.count("NETWORK_UNUSED"), 0u);
+}
+
 TEST_F(Networked, AClassThatItNeverFindsIsSaid) {
   const auto context = run({{"onnx.specular", "[1]"}});  // nothing is that green
   EXPECT_EQ(context->warnings.count("MASKS_EMPTY"), 1u);
