@@ -21,35 +21,17 @@ constexpr double kLeastPiece = 0.02;  // of the faces behind glass: smaller piec
 constexpr float kSameVoxels = 2.5f;   // along the normal: the same surface
 constexpr size_t kFaceGrain = 1024;
 
-Bounds3 joined(const Bounds3& a, const Bounds3& b) {
-  Bounds3 out = a;
-  for (size_t k = 0; k < 3; ++k) out.low[k] = std::min(out.low[k], b.low[k]), out.high[k] = std::max(out.high[k], b.high[k]);
-  return out;
-}
-
 // Boxes around the larger pieces of glass, and `margin` on each side.
 std::vector<Bounds3> cases(const TriMesh& glass, const Vec3d& margin) {
   const FaceComponents pieces = face_components(glass);
   std::vector<Bounds3> boxes(pieces.faces.size());
-  std::vector<uint8_t> begun(boxes.size(), 0);
   for (size_t f = 0; f < glass.faces.size(); ++f)
-    for (uint32_t v : glass.faces[f]) {
-      const Vec3d p = cast<double>(glass.positions[v]);
-      const uint32_t piece = pieces.label[f];
-      boxes[piece] = begun[piece] ? joined(boxes[piece], {p, p}) : Bounds3{p, p};
-      begun[piece] = 1;
-    }
+    for (uint32_t v : glass.faces[f]) boxes[pieces.label[f]].extend(cast<double>(glass.positions[v]));
   std::vector<Bounds3> out;
   for (size_t i = 0; i < boxes.size(); ++i)
     if (double(pieces.faces[i]) >= kLeastCase * double(glass.faces.size()))
       out.push_back({boxes[i].low - margin, boxes[i].high + margin});
   return out;
-}
-
-bool inside(const Bounds3& box, const Vec3f& p) {
-  for (size_t k = 0; k < 3; ++k)
-    if (double(p[k]) < box.low[k] || double(p[k]) > box.high[k]) return false;
-  return true;
 }
 
 // Faces in a case that `known` (what the mesh has of opaque things) does not have.
@@ -61,7 +43,7 @@ TriMesh only_new(const TriMesh& found, const std::vector<Bounds3>& boxes, const 
       const Vec3f a = found.positions[v[0]], b = found.positions[v[1]], c = found.positions[v[2]];
       const Vec3f centre = (1.f / 3.f) * (a + b + c), across = cross(b - a, c - a);
       if (!(squared_length(across) > 0)) continue;
-      if (std::none_of(boxes.begin(), boxes.end(), [&](const Bounds3& box) { return inside(box, centre); })) continue;
+      if (std::ranges::none_of(boxes, [&](const Bounds3& box) { return box.contains(centre); })) continue;
       const Vec3f n = normalized(across);
       keep[f] = !known.occluded(centre + kSameVoxels * voxel * n, -n, 0.f, 2 * kSameVoxels * voxel);
     }
@@ -77,8 +59,8 @@ TriMesh behind_glass(const BehindGlassDesc& desc, const std::function<void(doubl
   const double margin = kMarginVoxels * desc.voxel;
   const std::vector<Bounds3> boxes = cases(submesh(desc.mesh, is_glass), {margin, margin, margin});
   if (boxes.empty()) return {};
-  Bounds3 bounds = boxes.front();
-  for (const Bounds3& box : boxes) bounds = joined(bounds, box);
+  Bounds3 bounds;
+  for (const Bounds3& box : boxes) bounds.extend(box.low), bounds.extend(box.high);
 
   std::vector<std::vector<uint8_t>> shows_glass(desc.views);
   FusionDesc fusion = desc.fusion;

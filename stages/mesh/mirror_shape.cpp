@@ -5,6 +5,8 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/image_point.h"
 #include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
@@ -16,9 +18,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kMaskSide = 640;                       // of the masks that shape the hull, pixels
-constexpr double kDissent = 0.15;                    // share of the photos that may contradict: outlines on mirrors are rough
-constexpr int kHullResolution = 96, kHullBlur = 13;  // outlines of some dozen photos are facets: a bell of three voxels
+constexpr int kMaskSide = 640, kLeastMaskSide = 160;  // of the masks that shape the hull, pixels
+constexpr double kMostMaskPixels = 30e6;              // of all views together: about 16 bytes each
+constexpr double kDissent = 0.15;                     // share of the photos that may contradict: outlines on mirrors are rough
+constexpr int kHullResolution = 96, kHullBlur = 13;   // outlines of some dozen photos are facets: a bell of three voxels
 constexpr float kHalf = 0.5f;
 constexpr double kCells = 16;         // along the hull: places in neighbouring ones hang together
 constexpr int kStride = 4;            // pixels of the masks between places that are looked at
@@ -42,23 +45,32 @@ ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Int
 
 }  // namespace
 
+int mirror_mask_side(size_t views) {
+  constexpr double kUsualShape = 0.75;  // height over width
+  const double side = std::sqrt(kMostMaskPixels / (kUsualShape * double(std::max<size_t>(views, 1))));
+  return int(std::clamp(side, double(kLeastMaskSide), double(kMaskSide)));
+}
+
 bool MirrorShape::Part::metal() const { return dimmer < kNoPaint; }
 
 MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   std::vector<HullMask> outlines;
+  const int side = mirror_mask_side(desc.views.size());
   bool any = false;
   for (size_t i = 0; i < desc.views.size(); ++i) {
+    throw_if_interrupted();
     const auto photo = std::ranges::find(desc.photos, desc.views[i].name, &View::name);
     VITRINE_CHECK(photo != desc.photos.end(), "no photo is called {}", desc.views[i].name);
-    marks_.push_back(marks_of(desc.masks, *photo, desc.views[i].intrinsics.limited_to(kMaskSide)));
+    marks_.push_back(marks_of(desc.masks, *photo, desc.views[i].intrinsics.limited_to(side)));
     any = any || std::ranges::find(marks_[i].data(), 1.f) != marks_[i].data().end();
   }
   if (!any) return;
   for (size_t i = 0; i < desc.views.size(); ++i) {
+    throw_if_interrupted();
     const ImageF& marks = marks_[i];
     if (marks.empty()) continue;
     HullMask& outline = outlines.emplace_back(HullMask{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
-    outline.view.intrinsics = desc.views[i].intrinsics.limited_to(kMaskSide);
+    outline.view.intrinsics = desc.views[i].intrinsics.limited_to(side);
     const RgbdFrame frame = desc.frame_of(i);
     const int width = frame.intrinsics.width, height = frame.intrinsics.height;
     for (int y = 0; y < marks.height(); ++y)
@@ -80,6 +92,7 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
   cell_ = std::max({extent.x, extent.y, extent.z}) / kCells;
   std::vector<ImageF> shown;  // [outline] luminance
   for (const HullMask& o : outlines) {
+    throw_if_interrupted();
     const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.mask.width(), o.mask.height());
     ImageF& grey = shown.emplace_back(photo.width(), photo.height(), 1);
     for (size_t p = 0; p < grey.data().size(); ++p)
@@ -88,6 +101,7 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
   std::map<Cell, std::vector<float>> dimmer;
   std::vector<float> luminances;
   for (const HullMask& from : outlines) {
+    throw_if_interrupted();
     const Rigid world_from_cam = inverse(from.view.cam_from_world);
     for (int y = 0; y < from.mask.height(); y += kStride)
       for (int x = 0; x < from.mask.width(); x += kStride) {
@@ -99,12 +113,10 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
         luminances.clear();
         for (size_t o = 0; o < outlines.size(); ++o) {
           const View& view = outlines[o].view;
-          const Vec3d q = view.cam_from_world * place;
-          if (!(q.z > 0) || dot(hit->normal, normalized(view.centre_in_world() - place)) < kLeastCosine) continue;
-          const Intrinsics& k = view.intrinsics;
-          const double u = k.fx * q.x / q.z + k.cx, v = k.fy * q.y / q.z + k.cy;
-          if (!(u >= 0 && v >= 0 && u < k.width && v < k.height) || !(outlines[o].mask.at(int(u), int(v)) > kHalf)) continue;
-          luminances.push_back(shown[o].at(int(u), int(v)));
+          const auto at = image_point(place, view);
+          if (!at || !(outlines[o].mask.at(int(at->x), int(at->y)) > kHalf)) continue;
+          if (dot(hit->normal, normalized(view.centre_in_world() - place)) < kLeastCosine) continue;
+          luminances.push_back(shown[o].at(int(at->x), int(at->y)));
         }
         std::vector<float>& of_cell = dimmer[cell_of(place)];
         if (luminances.size() >= kFewestViews) of_cell.push_back(dimmer_half(luminances));

@@ -25,6 +25,9 @@ struct MirrorShapeDesc {
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
 
+// Longest side of the masks: smaller where there are many views, so that memory stays within bounds.
+int mirror_mask_side(size_t views);
+
 class MirrorShape {
  public:
   explicit MirrorShape(const MirrorShapeDesc& desc);
@@ -47,7 +50,7 @@ class MirrorShape {
   Cell cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
 
-  std::vector<ImageF> marks_;  // [view] at most kMaskSide large: 1 mirror, 0 not, -1 glass; empty: unmarked
+  std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
   double cell_ = 1;
   std::map<Cell, int> part_of_;

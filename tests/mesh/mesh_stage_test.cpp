@@ -17,6 +17,7 @@
 #include "core/mesh/mesh_report.h"
 #include "core/scene/activation.h"
 #include "core/scene/scene_io.h"
+#include "stages/mesh/mirror_shape.h"
 #include "stages/mesh/training_views.h"
 #include "tests/mesh/orbit.h"
 
@@ -238,6 +239,17 @@ TEST_F(MirrorOnTable, OfMetalHasTheShapeOfItsOutlines) {
   EXPECT_LT(angle / count, 10);
   EXPECT_FALSE(run("off", {{"resolution", "64"}, {"fusion.mirror_hull", "false"}}).contains("mirrors"));
   EXPECT_GT(worst(), 0.09);
+}
+
+TEST(MirrorShape, MasksOfManyViewsAreSmallerSoThatTheyFitIntoMemory) {
+  EXPECT_EQ(mirror_mask_side(0), 640);
+  EXPECT_EQ(mirror_mask_side(90), 640);
+  for (const size_t views : {200, 500, 1500}) {
+    const double side = mirror_mask_side(views);
+    EXPECT_LT(side, 640);
+    EXPECT_LE(0.75 * side * side * double(views), 30e6);
+  }
+  EXPECT_EQ(mirror_mask_side(1000000), 160);
 }
 
 TEST_F(MirrorOnTable, OfGlazedPaintKeepsTheDepthThatWasLearnt) {
