@@ -90,7 +90,10 @@ ImageOptions read_image_options(const fs::path& path) {
   if (!fs::exists(path, ec)) return options;
   const auto fail = [&](const std::string& why) {
     return Error(ErrorKind::Input, "the description of the scene's image formation is unusable",
-                 {.where = path.string(), .why = why, .hint = "run the optimize stage again", .code = "BAD_IMAGE_OPTIONS"});
+                 {.where = path.string(),
+                  .why = why,
+                  .hint = fmt::format("run the {} stage again", path.parent_path().filename().string()),  // optimize or refine
+                  .code = "BAD_IMAGE_OPTIONS"});
   };
   try {
     const auto json = nlohmann::json::parse(read_file(path));
