@@ -208,7 +208,8 @@ class PolishedFinder {
         if (thing_[f] == int(t) && faces[f].views > 0) dimmer.push_back(faces[f].dimmer);
       Polished& thing = things[t];
       thing.dimmer = dimmer.empty() ? 1.f : float(upper_median(dimmer));
-      thing.metal = thing.dimmer < kPaintShows;
+      const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
+      thing.metal = verdict != nullptr ? verdict->metal : thing.dimmer < kPaintShows;
       thing.reflectance = {kGlaze, kGlaze, kGlaze};
       Vec3d photo[2]{}, light[2]{};
       size_t well_known = 0;

@@ -21,6 +21,7 @@
 #include "core/model/kernels/layer_blend.h"
 #include "core/picture/relight_materials.h"
 #include "core/picture/trained_scene.h"
+#include "stages/relight/mesh_verdicts.h"
 
 namespace vitrine {
 
@@ -34,6 +35,7 @@ struct MetalsDesc {
   std::function<ImageF(const View&, const Intrinsics&)> mirrors;
   std::function<ImageF(const View&, const Intrinsics&)> glass_or_mirrors;  // likewise
   int max_side = 320;                                                      // pixels
+  std::vector<MeshVerdict> verdicts = {};                                  // of the mesh stage, which count where there are some
   float reach = 0.05f;  // scene units: surfels this near to a polished face, and nearest to it, belong to it; mirrored rays begin
                         // so far out
 };

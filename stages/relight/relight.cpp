@@ -255,6 +255,7 @@ class Decomposition {
                      .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
                      .glass_or_mirrors = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); },
                      .max_side = config_.max_side,
+                     .verdicts = mesh_verdicts(context_.input("mesh") / "mesh" / "report.json"),
                      .reach = float(kPolishReach * edge_)});
     polished_ = found.things;
     polish_materials(found, scene_, radiance, materials_);

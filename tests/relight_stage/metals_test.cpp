@@ -8,6 +8,7 @@
 #include "core/light/environment.h"
 #include "stages/relight/light_solver.h"
 #include "tests/evaluate/tiny_capture.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -38,7 +39,7 @@ class PolishedBall {
       write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
     }
   }
-  Metals metals(float marked = 1) const {
+  Metals metals(float marked = 1, const std::vector<MeshVerdict>& verdicts = {}) const {
     const auto mask = [&](const View&, const Intrinsics& k) { return ImageF(k.width, k.height, 1, marked); };
     return find_metals({.sfm_folder = capture.sfm(),
                         .scene = scene,
@@ -46,7 +47,8 @@ class PolishedBall {
                         .views = capture.views,
                         .environment = environment,
                         .mirrors = mask,
-                        .glass_or_mirrors = mask});
+                        .glass_or_mirrors = mask,
+                        .verdicts = verdicts});
   }
 
   test::TinyCapture capture;
@@ -72,6 +74,37 @@ TEST(Metals, CopperIsCopper) {
   EXPECT_TRUE(found.things[0].metal) << found.things[0].dimmer;
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.things[0].reflectance[c], PolishedBall::kCopper[c], 0.04);
   EXPECT_GT(std::ranges::count(found.of_surfel, 0), std::ptrdiff_t(found.of_surfel.size() * 2 / 3));
+}
+
+// The mesh has the shape that goes with its own verdict: whatever is measured here, that one counts.
+TEST(Metals, TheMeshStageHasTheFirstWord) {
+  const PolishedBall copper({}, [](float) { return PolishedBall::kCopper; });
+  const Bounds3 around{{-1, -1, -1}, {1, 1, 1}}, beside{{1, 1, 1}, {2, 2, 2}};
+  EXPECT_FALSE(copper.metals(1, {{beside, true}, {around, false}}).things.at(0).metal);
+  EXPECT_TRUE(copper.metals(1, {{around, true}}).things.at(0).metal);
+  EXPECT_TRUE(copper.metals(1, {{beside, false}}).things.at(0).metal) << "of something else";
+}
+
+TEST(MeshVerdicts, AreReadFromTheReportOfTheMesh) {
+  const TemporaryFolder folder;
+  const fs::path report = folder.path() / "report.json";
+  EXPECT_TRUE(mesh_verdicts(report).empty());
+  for (const char* none : {R"({"voxel": 1})", R"({"mirrors": {"low": [0, 0, 0]}})", R"({"mirrors": []})"}) {
+    write_file(report, none);
+    EXPECT_TRUE(mesh_verdicts(report).empty()) << none;
+  }
+  write_file(report, R"({"mirrors": [{"kind": "glaze", "low": [0, 1, 2], "high": [3, 4, 5]},
+                                     {"kind": "metal", "low": [0, 0, 0], "high": [1, 1, 1]}]})");
+  const auto verdicts = mesh_verdicts(report);
+  ASSERT_EQ(verdicts.size(), 2u);
+  EXPECT_FALSE(verdicts[0].metal);
+  EXPECT_EQ(verdicts[0].bounds.high, (Vec3d{3, 4, 5}));
+  EXPECT_TRUE(verdicts[1].metal);
+  for (const char* bad :
+       {"{", R"({"mirrors": [{"kind": "metal"}]})", R"({"mirrors": [{"kind": "metal", "low": [1], "high": []}]})"}) {
+    write_file(report, bad);
+    EXPECT_EQ(error_of([&] { mesh_verdicts(report); }).detail().code, "BAD_MESH_REPORT") << bad;
+  }
 }
 
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
