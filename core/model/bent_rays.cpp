@@ -19,72 +19,83 @@ struct BentPixels {  // of one chunk
 
 }  // namespace
 
-void BentRays::forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame) {
-  BehindGlass& behind = frame.behind;
-  const ShadedPixels& s = frame.shaded;
+void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path) {
   const GBuffer g(frame);
   const auto median = frame.diffuse.plane(Aov::MedianZ);
-  behind.path.assign(g.pixels, GlassPath::Straight);
-  std::vector<BentPixels> found(chunk_count(s.pixels.size(), kBentGrain));
-  parallel_chunks(s.pixels.size(), kBentGrain, [&](size_t chunk, size_t first, size_t last) {
+  std::vector<BentPixels> found(chunk_count(asking.size(), kBentGrain));
+  parallel_chunks(asking.size(), kBentGrain, [&](size_t chunk, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
-      if (!s.asks[i].transmission) continue;
-      const uint32_t pixel = s.pixels[i];
+      const uint32_t pixel = asking[i];
       const PixelRay<float> ray = g.ray(pixel);
       const float z = surface_depth(g.zdepth[pixel], g.alpha[pixel], median[pixel]);
-      const BentRay bent = options.thick->path(ray.eye, -ray.view, z * length(ray.direction_per_z));
-      behind.path[pixel] = bent.path;
+      const BentRay bent = glass.path(ray.eye, -ray.view, z * length(ray.direction_per_z));
+      path[pixel] = bent.path;
       if (bent.path != GlassPath::Bent) continue;
       found[chunk].pixels.push_back(pixel);
       found[chunk].leg_counts.push_back(bent.leg_count);
       found[chunk].legs.insert(found[chunk].legs.end(), bent.legs.begin(), bent.legs.begin() + bent.leg_count);
     }
   });
-  for (auto* v : {&pixels_, &begin_}) v->clear();
-  for (auto* v : {&origins_, &directions_}) v->clear();
-  far_.clear();
+  for (auto* v : {&pixels, &begin}) v->clear();
+  for (auto* v : {&origins, &directions}) v->clear();
+  far.clear();
   uint32_t legs = 0;
   for (const BentPixels& f : found) {
-    pixels_.insert(pixels_.end(), f.pixels.begin(), f.pixels.end());
-    for (const uint32_t count : f.leg_counts) begin_.push_back(std::exchange(legs, legs + count));
+    pixels.insert(pixels.end(), f.pixels.begin(), f.pixels.end());
+    for (const uint32_t count : f.leg_counts) begin.push_back(std::exchange(legs, legs + count));
     for (const BentRay::Leg& leg : f.legs) {
-      origins_.push_back(leg.origin);
-      directions_.push_back(leg.direction);
-      far_.push_back(leg.length);
+      origins.push_back(leg.origin);
+      directions.push_back(leg.direction);
+      far.push_back(leg.length);
     }
   }
-  begin_.push_back(legs);
-  if (pixels_.empty()) return;
+  begin.push_back(legs);
+}
+
+BentLegs::Shown BentLegs::shown(size_t bent_pixel, const RayValues& values) const {
+  Shown out;
+  for (uint32_t k = begin[bent_pixel]; k < begin[bent_pixel + 1]; ++k) {
+    out.color += out.transmittance * values.color[k];
+    out.transmittance *= values.transmittance[k];
+  }
+  return out;
+}
+
+void BentRays::forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame) {
+  BehindGlass& behind = frame.behind;
+  const ShadedPixels& s = frame.shaded;
+  const size_t all = frame.pixel_count();
+  behind.path.assign(all, GlassPath::Straight);
+  asking_.clear();
+  for (size_t i = 0; i < s.pixels.size(); ++i)
+    if (s.asks[i].transmission) asking_.push_back(s.pixels[i]);
+  legs_.find(*options.thick, frame, asking_, behind.path);
+  if (legs_.pixels.empty()) return;
 
   if (!tracer_) tracer_ = make_tracer(options.backend);
   desc_ = {.sh_degree = opened.sh_degree(), .min_transmittance = options.min_transmittance};
   tracer_->build(opened);
   if (!frame.differentiable) hits_ = {};
-  tracer_->forward(batch(), desc_, values_, frame.differentiable ? &hits_ : nullptr);
-  parallel_chunks(pixels_.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
+  tracer_->forward(legs_.batch(), desc_, values_, frame.differentiable ? &hits_ : nullptr);
+  parallel_chunks(legs_.pixels.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
     for (size_t p = first; p < last; ++p) {
-      Vec3f color{};
-      float through = 1;
-      for (uint32_t k = begin_[p]; k < begin_[p + 1]; ++k) {
-        color += through * values_.color[k];
-        through *= values_.transmittance[k];
-      }
-      for (size_t c = 0; c < 3; ++c) behind.radiance[c * g.pixels + pixels_[p]] = color[c];
-      behind.inner_transmittance[pixels_[p]] = through;
+      const BentLegs::Shown shown = legs_.shown(p, values_);
+      for (size_t c = 0; c < 3; ++c) behind.radiance[c * all + legs_.pixels[p]] = shown.color[c];
+      behind.inner_transmittance[legs_.pixels[p]] = shown.transmittance;
     }
   });
 }
 
 void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics) {
-  if (pixels_.empty()) return;
+  if (legs_.pixels.empty()) return;
   std::vector<float>& upstream = frame.behind.grad_radiance;
   const size_t all = frame.pixel_count();
-  gradients_.color.resize(far_.size());
-  gradients_.transmittance.resize(far_.size());
-  blame_.resize(blame.empty() ? 0 : far_.size());
-  parallel_chunks(pixels_.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
+  gradients_.color.resize(legs_.far.size());
+  gradients_.transmittance.resize(legs_.far.size());
+  blame_.resize(blame.empty() ? 0 : legs_.far.size());
+  parallel_chunks(legs_.pixels.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
     for (size_t p = first; p < last; ++p) {
-      const uint32_t pixel = pixels_[p], begin = begin_[p], end = begin_[p + 1];
+      const uint32_t pixel = legs_.pixels[p], begin = legs_.begin[p], end = legs_.begin[p + 1];
       Vec3f g;
       for (size_t c = 0; c < 3; ++c) g[c] = std::exchange(upstream[c * all + pixel], 0.f);
       float through = 1;
@@ -103,7 +114,7 @@ void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, 
       blame[pixel] = 0;
     }
   });
-  tracer_->backward(batch(), desc_, hits_, {.gradients = &gradients_, .error = blame_}, grad, nullptr, &statistics);
+  tracer_->backward(legs_.batch(), desc_, hits_, {.gradients = &gradients_, .error = blame_}, grad, nullptr, &statistics);
 }
 
 }  // namespace vitrine

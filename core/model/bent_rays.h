@@ -15,6 +15,24 @@
 
 namespace vitrine {
 
+// The ways of many rays through thick glass, leg by leg.
+struct BentLegs {
+  std::vector<uint32_t> pixels, begin;  // bent ones, and [pixels + 1] their legs
+  std::vector<Vec3f> origins, directions;
+  std::vector<float> far;
+
+  // Of the pixels `asking` of a frame with its diffuse pass. Writes how their rays go to `path`, [h,w].
+  void find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path);
+  RayBatch batch() const { return {.origins = origins, .directions = directions, .far = far}; }
+
+  struct Shown {
+    Vec3f color{};            // C_t
+    float transmittance = 1;  // left for what stands behind everything that the last leg meets
+  };
+  // `values`: of batch().
+  Shown shown(size_t bent_pixel, const RayValues& values) const;
+};
+
 class BentRays {
  public:
   // `opened`: the scene without its glass, as frame.behind shows it. Writes radiance and inner_transmittance of bent pixels and
@@ -25,13 +43,11 @@ class BentRays {
   void backward(Frame& frame, std::span<float> blame, SplatLayer& grad, SurfelStatistics& statistics);
 
  private:
-  RayBatch batch() const { return {.origins = origins_, .directions = directions_, .far = far_}; }
-
   std::unique_ptr<Tracer> tracer_;
   TraceDesc desc_;
-  std::vector<uint32_t> pixels_, begin_;  // bent ones, and [pixels + 1] their legs
-  std::vector<Vec3f> origins_, directions_;
-  std::vector<float> far_, blame_;
+  BentLegs legs_;
+  std::vector<uint32_t> asking_;
+  std::vector<float> blame_;
   RayValues values_, gradients_;
   HitLists hits_;
 };

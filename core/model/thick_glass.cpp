@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/model/kernels/mirror.h"
 #include "core/model/kernels/refraction.h"
 
 namespace vitrine {
@@ -17,6 +18,11 @@ constexpr float kOffSurface = 2e-5f;  // scene units: a leg's own surface is not
 constexpr float kTolerance_rel = 0.01f, kToleranceVoxels = 3;
 constexpr int kSmoothing = 10;  // Taubin's passes: the steps of the voxels are in the normals of a mesh
 constexpr int kMostSurfaces = 32;
+constexpr Vec3f kProbes[] = {{0.31f, 0.17f, 0.94f},
+                             {-0.88f, 0.38f, 0.29f},
+                             {0.23f, -0.92f, 0.32f},
+                             {0.64f, 0.61f, -0.47f},
+                             {-0.41f, -0.36f, -0.84f}};  // unit to a percent; along no axis, where meshes have their edges
 
 TriMesh with_normals(TriMesh mesh) {
   mesh.normals = vertex_normals(mesh);
@@ -62,22 +68,41 @@ BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface
     const bool leaves = hit->from_inside;
     // A back outside of all glass is rounding at a grazing exit, or the rim of a hole: nothing to bend at.
     if (leaves && depth == 0) continue;
-    depth += leaves ? -1 : 1;
-    if (depth != (leaves ? 0 : 1)) continue;
+    if (depth != (leaves ? 1 : 0)) {  // a shell in the glass
+      depth += leaves ? -1 : 1;
+      continue;
+    }
     const Vec3f point = origin + hit->t * d;
     const float side = leaves ? -1.f : 1.f;
     Vec3f n = side * normal_at(hit->face, point);
     if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an outline
     Vec3f bent;
-    if (!refract(d, n, leaves ? ior_ : 1 / ior_, bent)) return ends(GlassPath::TotalReflection);
+    if (refract(d, n, leaves ? ior_ : 1 / ior_, bent))
+      depth = leaves ? 0 : 1;
+    else
+      bent = reflected(-d, n);
     if (ray.leg_count > 0) ray.legs[ray.leg_count - 1].length = hit->t;
-    if (ray.leg_count == BentRay::kMostLegs) return ends(GlassPath::NoExit);
+    if (ray.leg_count == BentRay::kMostLegs) return ends(depth > 0 ? GlassPath::TotalReflection : GlassPath::NoExit);
     origin = point;
     d = normalized(bent);
     near = kOffSurface;
     ray.legs[ray.leg_count++] = {origin, d, std::numeric_limits<float>::infinity()};
   }
   return ends(GlassPath::NoExit);
+}
+
+std::optional<float> ThickGlass::thickness(const Vec3f& place, const Vec3f& outward_normal) const {
+  const auto back = hits_.back_surface(place, -outward_normal, kOffSurface);
+  return back ? std::optional(back->t) : std::nullopt;
+}
+
+bool ThickGlass::contains(const Vec3f& place) const {
+  size_t inside = 0;
+  for (const Vec3f& d : kProbes) {
+    const auto hit = hits_.first_hit(place, d);
+    inside += hit && hit->from_inside;
+  }
+  return 2 * inside > std::size(kProbes);
 }
 
 std::shared_ptr<const ThickGlass> thick_glass(const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior) {

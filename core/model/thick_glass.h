@@ -1,11 +1,13 @@
 // Closed shells that are solid glass, and the way of a ray through them (algorithms 5.2): bent by Snell's law where it enters and
-// where it leaves, at the smoothed mesh's interpolated normals. A shell in a shell is the same glass. What the interfaces reflect
-// is no part of the path: a ray that finds no way out but total reflection keeps the straight one, and so does one that meets a
-// hole or a surface that is not the one the picture shows.
+// where it leaves, at the smoothed mesh's interpolated normals. Where it cannot leave it is mirrored inside (total reflection)
+// and goes on. A shell in a shell is the same glass. What interfaces reflect of light that can pass is no part of the path. A ray
+// that is still inside after kMostLegs keeps the straight way, and so does one that meets a hole or a surface that is not the one
+// the picture shows.
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "core/mesh/tri_mesh.h"
 #include "core/model/glass_mesh.h"
@@ -16,7 +18,7 @@ namespace vitrine {
 enum class GlassPath : unsigned char {
   Straight,         // no thick glass, or not where the picture shows a surface
   Bent,             // in and out again
-  TotalReflection,  // could not leave
+  TotalReflection,  // mirrored inside again and again
   NoExit,           // met a hole of the shell
 };
 
@@ -25,9 +27,9 @@ struct BentRay {
     Vec3f origin{}, direction{};
     float length = 0;  // the last one's is infinite
   };
-  static constexpr size_t kMostLegs = 8;  // four shells one behind the other; more count as NoExit
+  static constexpr size_t kMostLegs = 8;  // of a way that is longer the path is TotalReflection inside of glass, NoExit outside
   GlassPath path = GlassPath::Straight;
-  uint32_t leg_count = 0;  // from the front surface on: inside, outside, inside the next shell, ...; 0 unless bent
+  uint32_t leg_count = 0;  // from the front surface on: inside (again after each total reflection), outside, ...; 0 unless bent
   std::array<Leg, kMostLegs> legs{};
 };
 
@@ -39,13 +41,17 @@ class ThickGlass {
   // `direction` unit; `surface`: the distance at which the picture shows a surface.
   BentRay path(const Vec3f& eye, const Vec3f& direction, float surface) const;
 
+  Vec3f normal_at(uint32_t face, const Vec3f& point) const;  // interpolated, outwards
+  // How far it is from a place on the shell, or just inside, to the other side; nullopt where the shell has a hole there.
+  std::optional<float> thickness(const Vec3f& place, const Vec3f& outward_normal) const;
+  // Whether a place is in the glass: most of a few rays from it meet the shell from inside.
+  bool contains(const Vec3f& place) const;
+
   const TriMesh& mesh() const { return mesh_; }  // closed, smooth, with normals
   float ior() const { return ior_; }
   float tolerance() const { return tolerance_; }
 
  private:
-  Vec3f normal_at(uint32_t face, const Vec3f& point) const;
-
   TriMesh mesh_;
   float ior_, tolerance_;
   MeshHits hits_;
