@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/model/thin_glass_pass.h"
@@ -14,6 +15,7 @@ constexpr int kFluenceSamples = 48;
 constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
 constexpr float kLeastFluence_rel = 1e-3f;
 constexpr float kGlassReach = 3;  // in grains: how far off the mesh a surfel still belongs to it
+constexpr float kBeyond = 1;      // in grains: where rays go on behind thick glass, free of the mesh that it was smoothed from
 constexpr size_t kTask = 64;      // surfels
 constexpr uint64_t kDiffuseStream = uint64_t(1) << 40;
 
@@ -67,6 +69,7 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
     const Lighting captured{.environment = scene_->captured, .points = {}, .directionals = {}, .areas = {}};
     fluence_before_ = fluence(LitScene(*surface_, captured, desc));
   }
+  tracer_.reset();
   const std::vector<Vec3f> now = fluence(lit);
   parallel_for(opaque_.size(), kTask, [&](size_t k) { set_color(merged_, k, matt_radiance(lit, opaque_[k])); });
   const SplatLayer& inside = scene_->trained.surfels.transmittance;
@@ -82,15 +85,43 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
   }
 }
 
-const GlassContent::Picture& GlassContent::picture(const View& view) {
+void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
+  const TransmissionOptions& options = scene_->trained.image.transmission;
   RasterDesc desc;
-  desc.intrinsics = view.intrinsics;
-  desc.cam_from_world = view.cam_from_world;
+  desc.intrinsics = frame.view->intrinsics;
+  desc.cam_from_world = frame.view->cam_from_world;
   desc.features = FeatureSet::Surface;
   desc.sh_degree = merged_.sh_degree();
   desc.near_z = scene_->trained.image.diffuse.near_z;
-  renderer_->forward(merged_, desc, picture_.images);
-  return picture_;
+  renderer_->forward(merged_, desc, picture_);
+  bent_.clear();
+  if (!options.thick) return;
+  std::vector<GlassPath> path(frame.pixel_count(), GlassPath::Straight);
+  legs_.find(*options.thick, frame, asking, path);
+  bent_.assign(path.size(), 0);
+  if (legs_.pixels.empty()) return;
+  if (!tracer_) {
+    tracer_ = make_tracer();
+    tracer_->build(merged_);
+  }
+  tracer_->forward(legs_.batch(), {.sh_degree = merged_.sh_degree(), .min_transmittance = options.min_transmittance}, leg_values_,
+                   nullptr);
+  for (uint32_t p = 0; p < legs_.pixels.size(); ++p) bent_[legs_.pixels[p]] = p + 1;
+}
+
+GlassContent::Seen GlassContent::seen(uint32_t pixel, const Vec3f& origin, const Vec3f& direction) const {
+  if (!bent_.empty() && bent_[pixel] > 0) {
+    const uint32_t p = bent_[pixel] - 1, last = legs_.begin[p + 1] - 1;
+    const BentLegs::Shown shown = legs_.shown(p, leg_values_);
+    const Vec3f& d = legs_.directions[last];
+    return {shown.color, shown.transmittance, legs_.origins[last] + kBeyond * surface_->grain() * d, d};
+  }
+  const auto color = std::as_const(picture_).plane(Aov::Color);
+  const size_t n = color.size() / 3;
+  return {{color[pixel], color[n + pixel], color[2 * n + pixel]},
+          1 - std::as_const(picture_).plane(Aov::Alpha)[pixel],
+          origin,
+          direction};
 }
 
 }  // namespace vitrine

@@ -1,12 +1,14 @@
 // What is seen through the glass of a scene, under another light (README 5): the opaque surfels of the diffuse layer with the
 // light that their place on the mesh sends on, and the transmittance layer, whose trained colours are scaled by the light there
 // now over the light there then. Rasterised together from the pixel's own camera: a thin pane bends no rays
-// (core/model/thin_glass_pass.h). Scenes that were trained with Glass::Traced show the transmittance layer alone.
+// (core/model/thin_glass_pass.h). Where glass is thick, rays that it bends are sent through the same surfels
+// (core/model/bent_rays.h). Scenes that were trained with Glass::Traced show the transmittance layer alone.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "core/model/bent_rays.h"
 #include "core/relight/lit_scene.h"
 #include "core/render/renderer.h"
 
@@ -19,16 +21,16 @@ class GlassContent {
   bool empty() const { return scene_->trained.surfels.transmittance.size() == 0; }
 
   void relight(const LitScene& lit, const LitSceneDesc& desc);
-  struct Picture {
-    RasterImages images;
-    Vec3f radiance(uint32_t pixel) const {
-      const auto color = images.plane(Aov::Color);
-      const size_t n = color.size() / 3;
-      return {color[pixel], color[n + pixel], color[2 * n + pixel]};
-    }
-    float inner_transmittance(uint32_t pixel) const { return 1 - images.plane(Aov::Alpha)[pixel]; }
+  // `frame`: the diffuse pass of the view to be seen; `asking`: its pixels whose rays thick glass may bend.
+  void look(const Frame& frame, std::span<const uint32_t> asking);
+  // Of a pixel of that view. What is left of the ray, `rest`, goes on from `origin` to what stands behind all surfels.
+  struct Seen {
+    Vec3f radiance{};
+    float rest = 0;
+    Vec3f origin{}, direction{};
   };
-  const Picture& picture(const View& view);
+  // `origin`, `direction`: of the ray that goes straight on behind the glass.
+  Seen seen(uint32_t pixel, const Vec3f& origin, const Vec3f& direction) const;
 
  private:
   std::vector<Vec3f> fluence(const LitScene& lit) const;  // [surfels of the transmittance layer]
@@ -40,7 +42,11 @@ class GlassContent {
   SplatLayer merged_;             // those, then the transmittance layer
   std::vector<Vec3f> fluence_before_;
   std::unique_ptr<Renderer> renderer_;
-  Picture picture_;
+  RasterImages picture_;
+  std::unique_ptr<Tracer> tracer_;  // of merged_, as it is lit; null: not built yet
+  BentLegs legs_;
+  RayValues leg_values_;
+  std::vector<uint32_t> bent_;  // [h,w] 1 + place in legs_.pixels; 0: straight. Empty: no glass is thick
 };
 
 }  // namespace vitrine

@@ -103,6 +103,14 @@ class PixelShader {
   Vec3f place_, origin_;  // rays start a little above the place
 };
 
+// Pixels with something of glass in them.
+std::vector<uint32_t> see_through(const GBuffer& g) {
+  std::vector<uint32_t> out;
+  for (uint32_t pixel = 0; pixel < g.pixels; ++pixel)
+    if (g.alpha[pixel] >= kLeastCoverage && g.transmission[pixel] > kLeastCoverage * g.alpha[pixel]) out.push_back(pixel);
+  return out;
+}
+
 // More than it scatters or lets through.
 bool mirrors(LayerBlend blend, const RelitMaterial& m) {
   const LayerWeights<float> w = relit_weights(blend, m, 1);
@@ -137,7 +145,8 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const GBuffer g(frame_);
   const auto median_z = frame_.diffuse.plane(Aov::MedianZ);
   const int width = g.width, height = g.height;
-  const GlassContent::Picture* behind_glass = glass_.empty() ? nullptr : &glass_.picture(view);
+  const bool glass = !glass_.empty();
+  if (glass) glass_.look(frame_, see_through(g));
   const float snap = kSnap * surface_.grain(), lift = kPaintLift * surface_.grain();
   const Environment& sky = lighting_.environment;
   RelitPicture out{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1)};
@@ -153,7 +162,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
                                  .f0 = g.rgb(g.f0, pixel) / alpha,
                                  .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
                                  .specular = g.specular[pixel] / alpha,
-                                 .transmission = behind_glass != nullptr ? g.transmission[pixel] / alpha : 0.f};
+                                 .transmission = glass ? g.transmission[pixel] / alpha : 0.f};
     const float z = surface_depth(g.zdepth[pixel], alpha, median_z[pixel]);
     Vec3f place = ray.eye + z * ray.direction_per_z;
     // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
@@ -173,10 +182,11 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const Microfacet scatter(scene_.blend(), material, frame.local(ray.view));
     Vec3f radiance = PixelShader(*lit_, scatter, frame, place, origin).shade(SamplePoints(desc.seed, pixel), desc.samples);
     if (material.transmission > kLeastCoverage) {
-      Vec3f through = behind_glass->radiance(pixel);
-      if (const float rest = behind_glass->inner_transmittance(pixel); rest > kLeastCoverage) {
-        const LitScene::Arrival a = lit_->arriving(place - lift * normal, -ray.view);
-        through += rest * (a.from_scene + a.from_outside * sky.radiance(-ray.view));
+      const GlassContent::Seen seen = glass_.seen(pixel, place - lift * normal, -ray.view);
+      Vec3f through = seen.radiance;
+      if (seen.rest > kLeastCoverage) {
+        const LitScene::Arrival a = lit_->arriving(seen.origin, seen.direction);
+        through += seen.rest * (a.from_scene + a.from_outside * sky.radiance(seen.direction));
       }
       radiance += hadamard(scatter.transmission_weight(), through);
     }

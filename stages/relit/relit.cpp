@@ -144,7 +144,7 @@ std::string problem_of(const RelitConfig& c) {
   return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
 }
 
-void write_settings(const fs::path& path, const RelitConfig& c, double exposure, const Lighting& lighting) {
+void write_settings(const fs::path& path, const RelitConfig& c, double exposure, const Lighting& lighting, bool solid_glass) {
   nlohmann::ordered_json json;
   json["rotate_deg"] = c.rotate;
   json["exposure_stops_of_png"] = exposure;
@@ -156,6 +156,9 @@ void write_settings(const fs::path& path, const RelitConfig& c, double exposure,
   json["lamps"] = lighting.lamps();
   json["approximations"] = {"what stands behind glass keeps its trained colours, scaled by the ratio of the light there",
                             "light bounces between matt copies of the surfaces; no caustics"};
+  if (solid_glass)
+    json["approximations"].push_back(
+        "solid glass bends what the camera sees through it; shadows and reflections see it as panes");
   write_file(path, json.dump(2) + "\n");
 }
 
@@ -192,6 +195,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
     context.warning("ENV_LOW_RANGE", fmt::format("no texel of {} is brighter than 1: was it made from a display picture?",
                                                  environment->filename().string()));
   const bool glass = scene.trained.surfels.transmittance.size() > 0;
+  const bool solid_glass = scene.trained.image.transmission.thick != nullptr;
   RelitPainter painter(std::move(scene));
   painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
 
@@ -218,7 +222,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
   }
   sheet.write(out / "contact_sheet.png");
   write_transforms_json(out / "transforms.json", views, ".");
-  write_settings(out / "settings.json", config, exposure, lighting);
+  write_settings(out / "settings.json", config, exposure, lighting, solid_glass);
   std::string film;
   if (config.turntable > 0 || config.views == "path") {
     if (const auto ffmpeg = find_program("ffmpeg")) {
@@ -238,7 +242,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
 Stage relit_stage() {
   StageInfo info{
       .name = "relit",
-      .version = 2,
+      .version = 3,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
