@@ -1,12 +1,9 @@
 // The GLB, read by a parser of its own: container, accessors, materials, and what was baked where.
-#include <cstring>
-
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/image/ldr.h"
 #include "core/math/color.h"
 #include "stages/export/export.h"
+#include "tests/export/glb_reader.h"
 #include "tests/export/pane_scene.h"
 #include "tests/support/recording_context.h"
 
@@ -14,66 +11,7 @@ namespace vitrine {
 namespace {
 
 using nlohmann::json;
-
-uint32_t u32_at(const std::string& bytes, size_t at) {
-  uint32_t v = 0;
-  std::memcpy(&v, bytes.data() + at, 4);
-  return v;
-}
-
-struct Glb {
-  json doc;
-  std::string binary;
-
-  explicit Glb(const fs::path& path) {
-    const std::string bytes = read_file(path);
-    EXPECT_EQ(bytes.substr(0, 4), "glTF");
-    EXPECT_EQ(u32_at(bytes, 4), 2u);
-    EXPECT_EQ(u32_at(bytes, 8), bytes.size());
-    const uint32_t text = u32_at(bytes, 12);
-    EXPECT_EQ(bytes.substr(16, 4), "JSON");
-    EXPECT_EQ(text % 4, 0u);
-    doc = json::parse(bytes.substr(20, text));
-    EXPECT_EQ(u32_at(bytes, 20 + text), bytes.size() - 28 - text);
-    EXPECT_EQ(bytes.substr(24 + text, 3), "BIN");
-    binary = bytes.substr(28 + text);
-    EXPECT_EQ(doc["buffers"][0]["byteLength"], binary.size());
-  }
-
-  std::string view(size_t index) const {
-    const json& v = doc["bufferViews"][index];
-    EXPECT_LE(size_t(v["byteOffset"]) + size_t(v["byteLength"]), binary.size());
-    return binary.substr(v["byteOffset"], v["byteLength"]);
-  }
-  // All components of a float accessor.
-  std::vector<float> floats(size_t accessor, const std::string& type) const {
-    const json& a = doc["accessors"][accessor];
-    EXPECT_EQ(a["type"], type);
-    EXPECT_EQ(a["componentType"], 5126);
-    const std::string bytes = view(a["bufferView"]);
-    std::vector<float> out(bytes.size() / 4);
-    std::memcpy(out.data(), bytes.data(), bytes.size());
-    EXPECT_EQ(out.size(), size_t(a["count"]) * (type == "SCALAR" ? 1 : size_t(type[3] - '0')));
-    return out;
-  }
-  std::vector<uint32_t> indices(size_t accessor) const {
-    const json& a = doc["accessors"][accessor];
-    const std::string bytes = view(a["bufferView"]);
-    const size_t width = a["componentType"] == 5125 ? 4 : 2;
-    EXPECT_TRUE(width == 4 || a["componentType"] == 5123);
-    std::vector<uint32_t> out(a["count"].get<size_t>(), 0);
-    EXPECT_EQ(bytes.size(), width * out.size());
-    for (size_t i = 0; i < out.size(); ++i) std::memcpy(&out[i], bytes.data() + width * i, width);
-    return out;
-  }
-  ImageF picture(size_t texture) const {
-    const json& image = doc["images"][size_t(doc["textures"][texture]["source"])];
-    EXPECT_EQ(image["mimeType"], "image/png");
-    const TemporaryFolder folder;
-    write_file(folder.path() / "p.png", view(image["bufferView"]));
-    return read_unchanged(folder.path() / "p.png");
-  }
-};
+using test::Glb;
 
 class PaneGlb : public testing::Test {
  protected:

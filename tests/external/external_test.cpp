@@ -11,6 +11,7 @@
 #include "stages/export/export.h"
 #include "stages/export/formats/display_color.h"
 #include "tests/export/pane_scene.h"
+#include "tests/export/solid_ball.h"
 #include "tests/external/programs.h"
 #include "tests/support/recording_context.h"
 
@@ -54,6 +55,26 @@ TEST_F(External, ThreeJsShowsTheFloorThroughThePane) {
   EXPECT_GT(r["inside"], 20) << "its pixels change when it stops transmitting";  // 73 on the cabinet
   EXPECT_LT(r["outside"], 0.5) << "and no others do";
   EXPECT_GT(r["spread"][0], 2 * r["spread"][1].get<double>()) << "tiles are seen through it, not a plain sheet";
+}
+
+TEST_F(External, SolidGlassIsValidAndThreeJsBendsWhatIsSeenThroughIt) {
+  const TemporaryFolder root;
+  test::SolidBallScene().write(root.path());
+  test::RecordingContext c(
+      {{"sfm", root.path() / "sfm"}, {"optimize", root.path() / "optimize"}, {"mesh", root.path() / "mesh"}});
+  run_export({.formats = {"mesh-glb"}, .texture_size = 512}, c);
+  const std::string file = (c.output() / "export/mesh.glb").string();
+  const Said valid = run_external({"node", "validate.mjs", file});
+  EXPECT_EQ(valid.code, 0) << valid.out;
+  const json report = json::parse(valid.out.substr(0, valid.out.find('\n')));
+  EXPECT_EQ(report["errors"], 0);
+  EXPECT_EQ(report["warnings"], 0) << valid.out;
+  EXPECT_TRUE(std::ranges::count(report["extensions"], "KHR_materials_volume")) << valid.out;
+  const Said said = run_external({"node", "render.mjs", file, "solid.png", "20", "15"});
+  ASSERT_EQ(said.code, 0) << said.out;
+  const json r = json::parse(said.out.substr(said.out.find('{')));
+  EXPECT_GT(r["bent"], 5) << said.out;
+  EXPECT_LT(r["outside"], 0.5);
 }
 
 TEST_F(External, SplatTransformReadsThe3dgsPly) {

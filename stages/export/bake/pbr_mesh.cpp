@@ -34,7 +34,8 @@ SurfelMaterial blended(std::span<const SurfaceSample> at, const std::array<uint3
 }
 
 // One vertex for each pair of (vertex, chart), in order of first use.
-void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const SurfaceSample> at_vertex, PbrMesh& out) {
+void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const SurfaceSample> at_vertex, const SolidGlass* solid,
+                    PbrMesh& out) {
   // Vertices of one mesh vertex form a chain through `next`.
   std::vector<uint32_t> first(mesh.positions.size(), kNoFace), next, chart_of;
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -64,12 +65,15 @@ void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const Sur
       }
       face[k] = found;
     }
-    (transmission > kGlassTransmission ? out.glass : out.opaque).push_back(face);
+    const FaceClass as = !(transmission > kGlassTransmission)  ? FaceClass::Opaque
+                         : solid != nullptr && solid->faces[f] ? FaceClass::SolidGlass
+                                                               : FaceClass::Pane;
+    out.faces[static_cast<size_t>(as)].push_back(face);
   }
 }
 
 void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,
-          float reach, PbrMesh& out) {
+          const PbrDesc& desc, PbrMesh& out) {
   const int size = atlas.size;
   PbrTextures& t = out.textures;
   t.base_color = Image8(size, size, 3);
@@ -77,6 +81,12 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
   t.normal = Image8(size, size, 3);
   t.specular_color = Image8(size, size, 3);
   t.transmission = Image8(size, size, 1);
+  const bool solid = out.has(FaceClass::SolidGlass);
+  std::vector<uint8_t> thick;  // texels of solid glass
+  if (solid) {
+    t.thickness = Image8(size, size, 1);
+    thick.resize(size_t(size) * size_t(size));
+  }
   const std::vector<AtlasTexel> texels = covered_texels(atlas, mesh);
   std::vector<Vec3f> points(texels.size()), normals(texels.size());
   std::vector<uint8_t> behind(texels.size());
@@ -88,7 +98,7 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
     const float l = length(n);
     normals[i] = l > 1e-6f ? n / l : mesh.normals[v[0]];
   }
-  const std::vector<SurfaceSample> samples = sampler.samples(points, normals, reach, behind);
+  const std::vector<SurfaceSample> samples = sampler.samples(points, normals, desc.reach, behind);
   std::vector<uint8_t> known(size_t(size) * size_t(size), 0);
   size_t met = 0;
   for (size_t i = 0; i < texels.size(); ++i) {
@@ -111,9 +121,18 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
     const Vec3f& n = normals[i];
     Vec3f local{0, 0, 1};
     const Vec3f tangent = chart.u - dot(n, chart.u) * n;
-    if (dot(samples[i].normal, n) > kTrustedNormal && squared_length(tangent) > 1e-4f) {
+    // Solid glass bends light at its smooth shell (find_solid_glass), whatever its surfels say.
+    const bool on_shell = solid && desc.solid->faces[texel.face];
+    if (!on_shell && dot(samples[i].normal, n) > kTrustedNormal && squared_length(tangent) > 1e-4f) {
       const Vec3f unit = normalized(tangent);
       local = {dot(samples[i].normal, unit), dot(samples[i].normal, cross(n, unit)), dot(samples[i].normal, n)};
+    }
+    if (on_shell) {
+      const auto& v = mesh.faces[texel.face];
+      float thickness = 0;
+      for (size_t k = 0; k < 3; ++k) thickness += texel.barycentric[k] * desc.solid->thickness[v[k]];
+      t.thickness.at(x, y) = byte(thickness / out.thickness);
+      thick[size_t(y) * size_t(size) + size_t(x)] = 1;
     }
     for (size_t c = 0; c < 3; ++c) t.normal.at(x, y, int(c)) = byte(0.5f * local[c] + 0.5f);
     for (size_t c = 0; c < 3; ++c) out.any_specular |= std::abs(p.specular_color[c] * kSpecularColorFactor - 1) > 0.02f;
@@ -121,6 +140,7 @@ void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler
   out.covered = texels.empty() ? 0 : double(met) / double(texels.size());
   for (Image8* image : {&t.base_color, &t.metallic_roughness, &t.normal, &t.specular_color, &t.transmission})
     fill_gaps(*image, known);
+  if (solid) fill_gaps(t.thickness, thick);
 }
 
 }  // namespace
@@ -145,9 +165,10 @@ PbrMesh make_pbr_mesh(const TriMesh& mesh, const SurfaceSampler& sampler, std::s
   VITRINE_CHECK(at_vertex.size() == mesh.positions.size(), "one sample per vertex");
   PbrMesh out;
   const Atlas atlas = make_atlas(mesh, desc.texture_size);
-  split_vertices(mesh, atlas, at_vertex, out);
+  split_vertices(mesh, atlas, at_vertex, desc.solid, out);
   out.charts = atlas.charts.size();
-  bake(mesh, atlas, sampler, at_vertex, desc.reach, out);
+  if (out.has(FaceClass::SolidGlass)) out.ior = desc.solid->ior, out.thickness = desc.solid->greatest;
+  bake(mesh, atlas, sampler, at_vertex, desc, out);
   return out;
 }
 

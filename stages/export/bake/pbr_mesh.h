@@ -1,5 +1,5 @@
-// The mesh as other programs want it: vertices split at the borders of charts, texture coordinates, tangents, two classes of
-// faces (opaque, glass), and the textures of glTF's metallic-roughness model, baked from the surfels.
+// The mesh as other programs want it: vertices split at the borders of charts, texture coordinates, tangents, three classes of
+// faces (opaque, panes of glass, solid glass), and the textures of glTF's metallic-roughness model, baked from the surfels.
 //
 // From our layers (core/model/kernels/layer_blend.h) to glTF. At normal incidence a surface of ours reflects
 //   R = k_s + (1 - k_s) g(k_s) f0,
@@ -18,6 +18,7 @@
 
 #include "core/image/image.h"
 #include "stages/export/bake/atlas.h"
+#include "stages/export/bake/solid_glass.h"
 #include "stages/export/bake/surface_material.h"
 
 namespace vitrine {
@@ -32,23 +33,36 @@ struct PbrTextures {
   Image8 normal;              // tangent space, +X right, +Y up in the texture, (n + 1) / 2
   Image8 specular_color;      // sRGB
   Image8 transmission;        // grey
+  Image8 thickness;           // grey, 255 = PbrMesh::thickness; empty where no glass is solid
 };
+
+enum class FaceClass : unsigned char { Opaque, Pane, SolidGlass };
+inline constexpr FaceClass kFaceClasses[] = {FaceClass::Opaque, FaceClass::Pane, FaceClass::SolidGlass};
+constexpr const char* name(FaceClass c) {
+  return c == FaceClass::Opaque ? "opaque" : c == FaceClass::Pane ? "glass" : "solid_glass";
+}
 
 struct PbrMesh {
   std::vector<Vec3f> positions, normals;
   std::vector<Vec3f> tangents;          // along +x of the texture; the bitangent, normal x tangent, points up in the texture
   std::vector<Vec2f> uv;                // [0,1], origin at the upper left of the texture
   std::vector<uint32_t> source_vertex;  // of the mesh that it was made of
-  std::vector<std::array<uint32_t, 3>> opaque, glass;
+  std::array<std::vector<std::array<uint32_t, 3>>, std::size(kFaceClasses)> faces;  // by class
   PbrTextures textures;
   bool any_specular = false;  // some f0 is not that of plain dielectrics
   double covered = 0;         // share of the texels on the surface where surfels were met
   size_t charts = 0;
+  float ior = 1.5f, thickness = 0;  // of solid glass; the greatest thickness, scene units
+
+  const std::vector<std::array<uint32_t, 3>>& of(FaceClass c) const { return faces[static_cast<size_t>(c)]; }
+  bool has(FaceClass c) const { return !of(c).empty(); }
+  bool has_glass() const { return has(FaceClass::Pane) || has(FaceClass::SolidGlass); }
 };
 
 struct PbrDesc {
-  int texture_size = 0;  // 0: by the mesh (make_atlas)
-  float reach = 0;       // how far from the mesh surfels count
+  int texture_size = 0;               // 0: by the mesh (make_atlas)
+  float reach = 0;                    // how far from the mesh surfels count
+  const SolidGlass* solid = nullptr;  // of the same mesh; nullptr: all glass is thin
 };
 
 // `at_vertex`: sample_vertices() of the same mesh, for texels that meet no surfel and for the class of a face.

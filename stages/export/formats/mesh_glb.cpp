@@ -1,23 +1,32 @@
 // mesh-glb: the mesh as binary glTF 2.0 with textures baked from the surfels (bake/pbr_mesh.h says how our materials become
-// glTF's). One primitive per class: "opaque" and "glass". Glass is KHR_materials_transmission, which is the thin-walled case:
-// light goes straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a single sheet. The
-// file is +Y up whatever the axes of the other formats: glTF knows no other.
+// glTF's). One primitive per class: "opaque", "glass" and "solid_glass". Glass is KHR_materials_transmission, which is the
+// thin-walled case: light goes straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a
+// single sheet. Glass that the refine stage found solid has KHR_materials_volume beside it, which bends light by the index of
+// refraction; its thickness is in the mesh's own space, like the positions, and what it absorbs is not said: nothing measured
+// it. The file is +Y up whatever the axes of the other formats: glTF knows no other.
 #include "core/image/png.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/glb_file.h"
+
+#include <cmath>
 
 namespace vitrine {
 namespace {
 
 using Json = GlbFile::Json;
 
+// The shortest text that gives the same float back, not the double's seventeen digits.
+double shortest(float value) { return std::stod(fmt::format("{}", value)); }
+
 struct TextureIndices {
-  int base_color, metallic_roughness, normal, specular_color, transmission;
+  int base_color, metallic_roughness, normal, specular_color, transmission, thickness;
 };
 
-Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, bool glass) {
+Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, FaceClass kind, double scale) {
   const auto use = [](int index) { return Json{{"index", index}}; };
-  Json m = {{"name", glass ? "glass" : "opaque"},
+  const bool solid = kind == FaceClass::SolidGlass;
+  const double ior = solid ? shortest(mesh.ior) : 1.5;
+  Json m = {{"name", name(kind)},
             {"pbrMetallicRoughness",
              {{"baseColorTexture", use(texture.base_color)}, {"metallicRoughnessTexture", use(texture.metallic_roughness)}}},
             {"normalTexture", use(texture.normal)}};
@@ -26,14 +35,22 @@ Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, 
     glb.use_extension("KHR_materials_specular");
     extensions["KHR_materials_specular"] = {{"specularColorFactor", Json::array()},
                                             {"specularColorTexture", use(texture.specular_color)}};
-    for (int c = 0; c < 3; ++c) extensions["KHR_materials_specular"]["specularColorFactor"].push_back(kSpecularColorFactor);
+    // The texture is made for ior 1.5; glTF multiplies it with the f0 of the ior.
+    const double f0 = std::pow((ior - 1) / (ior + 1), 2),
+                 factor = solid ? kSpecularColorFactor * kDielectricF0 / f0 : kSpecularColorFactor;
+    for (int c = 0; c < 3; ++c) extensions["KHR_materials_specular"]["specularColorFactor"].push_back(shortest(float(factor)));
   }
   glb.use_extension("KHR_materials_ior");
-  extensions["KHR_materials_ior"] = {{"ior", 1.5}};
-  if (glass) {
+  extensions["KHR_materials_ior"] = {{"ior", ior}};
+  if (kind != FaceClass::Opaque) {
     glb.use_extension("KHR_materials_transmission");
     extensions["KHR_materials_transmission"] = {{"transmissionFactor", 1.0}, {"transmissionTexture", use(texture.transmission)}};
-    m["doubleSided"] = true;
+    if (!solid) m["doubleSided"] = true;
+  }
+  if (solid) {
+    glb.use_extension("KHR_materials_volume");
+    extensions["KHR_materials_volume"] = {{"thicknessFactor", shortest(float(scale * double(mesh.thickness)))},
+                                          {"thicknessTexture", use(texture.thickness)}};
   }
   return m;
 }
@@ -65,12 +82,13 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   texture.metallic_roughness = glb.add_texture("metallic_roughness", png_bytes(t.metallic_roughness));
   texture.normal = glb.add_texture("normal", png_bytes(t.normal));
   if (mesh.any_specular) texture.specular_color = glb.add_texture("specular_color", png_bytes(t.specular_color));
-  if (!mesh.glass.empty()) texture.transmission = glb.add_texture("transmission", png_bytes(t.transmission));
+  if (mesh.has_glass()) texture.transmission = glb.add_texture("transmission", png_bytes(t.transmission));
+  if (mesh.has(FaceClass::SolidGlass)) texture.thickness = glb.add_texture("thickness", png_bytes(t.thickness));
   Json& primitives = glb.json["meshes"] = {{{"name", "mesh"}, {"primitives", Json::array()}}};
-  for (const bool glass : {false, true}) {
-    const auto& faces = glass ? mesh.glass : mesh.opaque;
-    if (faces.empty()) continue;
-    glb.json["materials"].push_back(material(glb, mesh, texture, glass));
+  for (const FaceClass kind : kFaceClasses) {
+    if (!mesh.has(kind)) continue;
+    const auto& faces = mesh.of(kind);
+    glb.json["materials"].push_back(material(glb, mesh, texture, kind, frame.scale));
     primitives[0]["primitives"].push_back({{"attributes", attributes},
                                            {"indices", glb.add_indices(faces, positions.size())},
                                            {"material", glb.json["materials"].size() - 1},
@@ -83,15 +101,18 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
 }  // namespace
 
 ExportFormat mesh_glb_format() {
-  return {.name = "mesh-glb",
-          .summary = "the mesh with baked materials as binary glTF 2.0, +Y up",
-          .holds =
-              "triangles, normals, tangents, texture coordinates; textures for base colour, metalness and roughness, normals, "
-              "specular colour and transmission; glass as KHR_materials_transmission, double-sided",
-          .loses =
-              "view dependence; gloss of what stands behind glass; refraction by thick glass; base colours above 1; without the "
-              "relight stage, and of what is seen through glass alone, the photos' light is part of the base colour",
-          .write = write_mesh_glb};
+  return {
+      .name = "mesh-glb",
+      .summary = "the mesh with baked materials as binary glTF 2.0, +Y up",
+      .holds =
+          "triangles, normals, tangents, texture coordinates; textures for base colour, metalness and roughness, normals, "
+          "specular colour and transmission; glass as KHR_materials_transmission, double-sided; solid glass with its "
+          "thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior",
+      .loses =
+          "view dependence; gloss of what stands behind glass; what solid glass absorbs (it is clear), and its shell where it "
+          "stands on something; base colours above 1; without the relight stage, and of what is seen through glass alone, the "
+          "photos' light is part of the base colour",
+      .write = write_mesh_glb};
 }
 
 }  // namespace vitrine

@@ -68,7 +68,7 @@ ExportFormat mesh_ply_format() {
           .holds =
               "triangles, vertex normals, vertex colours (8-bit sRGB); reflectance f0, roughness, transmission per vertex, and "
               "the linear albedo when there is one",
-          .loses = "view dependence, 8-bit colours above 1, detail between vertices",
+          .loses = "view dependence, 8-bit colours above 1, detail between vertices, which glass is solid",
           .write = write_mesh_ply};
 }
 

@@ -33,7 +33,8 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
   return text;
 }
 
-std::string usd_material(const std::string& name, bool glass) {
+std::string usd_material(FaceClass kind, float ior) {
+  const bool glass = kind != FaceClass::Opaque;
   std::string out = R"(    def Material "{0}"
     {
       token outputs:surface.connect = </scene/materials/{0}/surface.outputs:surface>
@@ -44,7 +45,7 @@ std::string usd_material(const std::string& name, bool glass) {
         float inputs:roughness.connect = </scene/materials/{0}/metallic_roughness.outputs:g>
         float inputs:metallic.connect = </scene/materials/{0}/metallic_roughness.outputs:b>
         normal3f inputs:normal.connect = </scene/materials/{0}/normal.outputs:rgb>
-        float inputs:ior = 1.5
+        float inputs:ior = {1}
 )";
   if (glass) out += "        float inputs:opacity.connect = </scene/materials/{0}/transmission.outputs:r>\n";
   out += R"(        token outputs:surface
@@ -65,7 +66,7 @@ std::string usd_material(const std::string& name, bool glass) {
   if (glass)
     out += texture_shader({"transmission", "transmission.png", "raw", "float", "r",
                            "        float4 inputs:scale = (-1, -1, -1, 1)\n        float4 inputs:bias = (1, 1, 1, 0)\n"});
-  return replaced(out, "{0}", name) + "    }\n";
+  return replaced(replaced(out, "{0}", name(kind)), "{1}", fmt::format("{}", ior)) + "    }\n";
 }
 
 // "[a, b, c]" with lines of bearable length.
@@ -89,8 +90,8 @@ std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesys
     source.add_note(fmt::format("USD is right-handed: written in {}", axes));
     frame = source.frame(axes);
   }
-  std::vector<std::array<uint32_t, 3>> faces = mesh.opaque;
-  faces.insert(faces.end(), mesh.glass.begin(), mesh.glass.end());
+  std::vector<std::array<uint32_t, 3>> faces;
+  for (const auto& part : mesh.faces) faces.insert(faces.end(), part.begin(), part.end());
   const auto point = [&](const Vec3f& p) {
     const Vec3f q = frame.point(p);
     return fmt::format("({}, {}, {})", q.x, q.y, q.z);
@@ -114,7 +115,7 @@ def Xform "scene"
     uniform token subdivisionScheme = "none"
     uniform bool doubleSided = {}
 )",
-                                color_note(source), frame.y_up() ? "Y" : "Z", mesh.glass.empty() ? "false" : "true");
+                                color_note(source), frame.y_up() ? "Y" : "Z", mesh.has_glass() ? "true" : "false");
   out += "    int[] faceVertexCounts = " + list(faces, [](const auto&) { return "3"; }) + "\n";
   out +=
       "    int[] faceVertexIndices = " + list(faces, [](const auto& f) { return fmt::format("{}, {}, {}", f[0], f[1], f[2]); }) +
@@ -125,20 +126,18 @@ def Xform "scene"
          list(mesh.uv, [](const Vec2f& t) { return fmt::format("({:.6f}, {:.6f})", t.x, 1 - t.y); }) +
          " (interpolation = \"vertex\")\n";
   uint32_t first = 0;
-  for (const bool glass : {false, true}) {
-    const auto& part = glass ? mesh.glass : mesh.opaque;
-    if (part.empty()) continue;
-    std::vector<uint32_t> indices(part.size());
+  std::string materials;
+  for (const FaceClass kind : kFaceClasses) {
+    if (!mesh.has(kind)) continue;
+    materials += usd_material(kind, kind == FaceClass::SolidGlass ? mesh.ior : 1.5f);
+    std::vector<uint32_t> indices(mesh.of(kind).size());
     for (uint32_t& i : indices) i = first++;
-    const char* name = glass ? "glass" : "opaque";
-    out += fmt::format("    def GeomSubset \"{}\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n    {{\n", name);
+    out += fmt::format("    def GeomSubset \"{}\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n    {{\n", name(kind));
     out += "      uniform token elementType = \"face\"\n      uniform token familyName = \"materialBind\"\n";
     out += "      int[] indices = " + list(indices, [](uint32_t i) { return std::to_string(i); }) + "\n";
-    out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name);
+    out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name(kind));
   }
-  out += "  }\n  def Scope \"materials\"\n  {\n" + usd_material("opaque", false);
-  if (!mesh.glass.empty()) out += usd_material("glass", true);
-  out += "  }\n}\n";
+  out += "  }\n  def Scope \"materials\"\n  {\n" + materials + "  }\n}\n";
   write_file(folder / "mesh.usda", out);
 
   std::vector<std::string> files{"mesh.usda"};
@@ -150,21 +149,22 @@ def Xform "scene"
   texture("base_color", mesh.textures.base_color);
   texture("metallic_roughness", mesh.textures.metallic_roughness);
   texture("normal", mesh.textures.normal);
-  if (!mesh.glass.empty()) texture("transmission", mesh.textures.transmission);
+  if (mesh.has_glass()) texture("transmission", mesh.textures.transmission);
   return files;
 }
 
 }  // namespace
 
 ExportFormat mesh_usd_format() {
-  return {
-      .name = "mesh-usd",
-      .summary = "the mesh as USD text with UsdPreviewSurface materials",
-      .holds =
-          "triangles, normals, texture coordinates; textures of base colour, metalness and roughness, normals; glass as "
-          "opacity",
-      .loses = "transmission as such and the colour of reflections (UsdPreviewSurface has neither), view dependence, Gaussians",
-      .write = write_mesh_usd};
+  return {.name = "mesh-usd",
+          .summary = "the mesh as USD text with UsdPreviewSurface materials",
+          .holds =
+              "triangles, normals, texture coordinates; textures of base colour, metalness and roughness, normals; glass as "
+              "opacity; a subset each for opaque faces, panes and solid glass, which has its index of refraction",
+          .loses =
+              "transmission as such, refraction, and the colour of reflections (UsdPreviewSurface has none of them), view "
+              "dependence, Gaussians",
+          .write = write_mesh_usd};
 }
 
 }  // namespace vitrine

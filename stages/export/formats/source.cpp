@@ -16,8 +16,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kReachEdges = 3;      // surfels count up to this many mean edges away from the mesh
-constexpr float kPlainRoughness = 1;  // of surfaces whose reflection nobody measured
+constexpr float kReachEdges = 3;       // surfels count up to this many mean edges away from the mesh
+constexpr float kPlainRoughness = 1;   // of surfaces whose reflection nobody measured
+constexpr float kVisible = 1 / 255.f;  // opacity
 
 // Reflectance at normal incidence.
 Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0) {
@@ -85,6 +86,15 @@ TriMesh checked_mesh(const std::filesystem::path& path) {
   return mesh;
 }
 
+// Whether a surfel that one can see is in the glass itself.
+bool any_inside(const ThickGlass& glass, const SplatLayer& layer) {
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* p = layer.at(Attribute::Mean, i);
+    if (sigmoid(*layer.at(Attribute::Opacity, i)) > kVisible && glass.contains({p[0], p[1], p[2]})) return true;
+  }
+  return false;
+}
+
 // Of everything but the glass: the opaque diffuse surfels' own; what is known through glass alone is taken for plain matt.
 std::vector<SurfelMaterial> content_materials(std::span<const SurfelMaterial> diffuse, std::span<const uint32_t> opaque,
                                               size_t count) {
@@ -118,8 +128,10 @@ const TriMesh& ExportSource::mesh() {
   if (mesh_) return *mesh_;
   TriMesh mesh = checked_mesh(inputs_.mesh / "mesh" / "mesh.ply");
   first_behind_glass_ = uint32_t(mesh.positions.size());
+  const ThickGlass* solid = scene().image.transmission.thick.get();
   if (const auto path = inputs_.mesh / "mesh" / "behind_glass.ply"; std::filesystem::exists(path)) {
-    const TriMesh content = checked_mesh(path);
+    TriMesh content = checked_mesh(path);
+    if (solid && !any_inside(*solid, scene().surfels.transmittance)) content = submesh(content, outside_of(*solid, content));
     if (mesh.colors.empty() != content.colors.empty())
       mesh.colors.clear();
     else
@@ -131,6 +143,7 @@ const TriMesh& ExportSource::mesh() {
       mesh.faces.push_back(face);
     }
   }
+  if (solid) solid_ = find_solid_glass(mesh, *solid);
   mesh_ = std::move(mesh);
   return *mesh_;
 }
@@ -168,11 +181,17 @@ const std::vector<SurfaceSample>& ExportSource::vertex_samples() {
 
 const PbrMesh& ExportSource::pbr_mesh() {
   if (pbr_mesh_) return *pbr_mesh_;
-  pbr_mesh_ = make_pbr_mesh(mesh(), sampler(), vertex_samples(), {.texture_size = settings_.texture_size, .reach = reach()});
+  pbr_mesh_ = make_pbr_mesh(mesh(), sampler(), vertex_samples(),
+                            {.texture_size = settings_.texture_size, .reach = reach(), .solid = solid_ ? &*solid_ : nullptr});
   notes_.push_back(color_note(*this));
   notes_.push_back(
       fmt::format("{} texels square, {} charts, surfels met in {:.1f} % of the texels on the surface; {} faces are glass",
-                  pbr_mesh_->textures.base_color.width(), pbr_mesh_->charts, 100 * pbr_mesh_->covered, pbr_mesh_->glass.size()));
+                  pbr_mesh_->textures.base_color.width(), pbr_mesh_->charts, 100 * pbr_mesh_->covered,
+                  pbr_mesh_->of(FaceClass::Pane).size() + pbr_mesh_->of(FaceClass::SolidGlass).size()));
+  if (pbr_mesh_->has(FaceClass::SolidGlass))
+    notes_.push_back(fmt::format("{} of them are solid glass, index of refraction {}, up to {:.3g} thick",
+                                 pbr_mesh_->of(FaceClass::SolidGlass).size(), pbr_mesh_->ior,
+                                 frame().scale * double(pbr_mesh_->thickness)));
   return *pbr_mesh_;
 }
 

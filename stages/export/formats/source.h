@@ -38,7 +38,8 @@ class ExportSource {
   bool metric();  // lengths are metres
   const TrainedScene& scene();
   const SplatLayer& diffuse() { return scene().surfels.diffuse; }
-  // With vertex normals; checked: finite, not empty. What stands behind glass comes last, from vertex first_behind_glass() on.
+  // With vertex normals; checked: finite, not empty. What stands behind glass comes last, from vertex first_behind_glass() on;
+  // what straight rays painted into solid glass is left out. Normals of solid glass are those at which its rays bend.
   const TriMesh& mesh();
   uint32_t first_behind_glass() { return mesh(), first_behind_glass_; }
   // Of every diffuse surfel, and whether their colour is an albedo (of the relight stage) or has the photos' light in it.
@@ -64,6 +65,7 @@ class ExportSource {
   std::optional<SceneInfo> info_;
   std::optional<TrainedScene> scene_;
   std::optional<TriMesh> mesh_;
+  std::optional<SolidGlass> solid_;  // faces and vertices of mesh_
   uint32_t first_behind_glass_ = 0;
   SplatLayer content_{LayerKind::Transmittance, 0, 0};  // everything but the glass
   std::vector<SurfelMaterial> content_materials_;

@@ -1,0 +1,80 @@
+// A parser of GLB files of its own: container, accessors, pictures.
+#pragma once
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/image/ldr.h"
+
+namespace vitrine::test {
+
+inline uint32_t u32_at(const std::string& bytes, size_t at) {
+  uint32_t v = 0;
+  std::memcpy(&v, bytes.data() + at, 4);
+  return v;
+}
+
+struct Glb {
+  nlohmann::json doc;
+  std::string binary;
+
+  explicit Glb(const fs::path& path) {
+    const std::string bytes = read_file(path);
+    EXPECT_EQ(bytes.substr(0, 4), "glTF");
+    EXPECT_EQ(u32_at(bytes, 4), 2u);
+    EXPECT_EQ(u32_at(bytes, 8), bytes.size());
+    const uint32_t text = u32_at(bytes, 12);
+    EXPECT_EQ(bytes.substr(16, 4), "JSON");
+    EXPECT_EQ(text % 4, 0u);
+    doc = nlohmann::json::parse(bytes.substr(20, text));
+    EXPECT_EQ(u32_at(bytes, 20 + text), bytes.size() - 28 - text);
+    EXPECT_EQ(bytes.substr(24 + text, 3), "BIN");
+    binary = bytes.substr(28 + text);
+    EXPECT_EQ(doc["buffers"][0]["byteLength"], binary.size());
+  }
+
+  std::string view(size_t index) const {
+    const nlohmann::json& v = doc["bufferViews"][index];
+    EXPECT_LE(size_t(v["byteOffset"]) + size_t(v["byteLength"]), binary.size());
+    return binary.substr(v["byteOffset"], v["byteLength"]);
+  }
+  // All components of a float accessor.
+  std::vector<float> floats(size_t accessor, const std::string& type) const {
+    const nlohmann::json& a = doc["accessors"][accessor];
+    EXPECT_EQ(a["type"], type);
+    EXPECT_EQ(a["componentType"], 5126);
+    const std::string bytes = view(a["bufferView"]);
+    std::vector<float> out(bytes.size() / 4);
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+    EXPECT_EQ(out.size(), size_t(a["count"]) * (type == "SCALAR" ? 1 : size_t(type[3] - '0')));
+    return out;
+  }
+  std::vector<uint32_t> indices(size_t accessor) const {
+    const nlohmann::json& a = doc["accessors"][accessor];
+    const std::string bytes = view(a["bufferView"]);
+    const size_t width = a["componentType"] == 5125 ? 4 : 2;
+    EXPECT_TRUE(width == 4 || a["componentType"] == 5123);
+    std::vector<uint32_t> out(a["count"].get<size_t>(), 0);
+    EXPECT_EQ(bytes.size(), width * out.size());
+    for (size_t i = 0; i < out.size(); ++i) std::memcpy(&out[i], bytes.data() + width * i, width);
+    return out;
+  }
+  ImageF picture(size_t texture) const {
+    const nlohmann::json& image = doc["images"][size_t(doc["textures"][texture]["source"])];
+    EXPECT_EQ(image["mimeType"], "image/png");
+    const TemporaryFolder folder;
+    write_file(folder.path() / "p.png", view(image["bufferView"]));
+    return read_unchanged(folder.path() / "p.png");
+  }
+  // Of the primitive with the material of this name; null when there is none.
+  nlohmann::json primitive(const std::string& material) const {
+    for (const nlohmann::json& p : doc["meshes"][0]["primitives"])
+      if (doc["materials"][size_t(p["material"])]["name"] == material) return p;
+    return {};
+  }
+};
+
+}  // namespace vitrine::test
