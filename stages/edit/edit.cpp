@@ -22,7 +22,8 @@ constexpr float kOpenEnd = 1e-4f;         // of activated values: nearer to 0 or
 constexpr size_t kListedComponents = 20;  // in the report
 
 struct Counts {
-  size_t diffuse = 0, transmittance = 0, vertices = 0, faces = 0, walls = 0;
+  size_t diffuse = 0, transmittance = 0, vertices = 0, faces = 0, walls = 0, content = 0;
+  size_t sum() const { return diffuse + transmittance + vertices + faces + walls + content; }
 };
 
 size_t count(const std::vector<uint8_t>& flags) { return size_t(std::accumulate(flags.begin(), flags.end(), 0L)); }
@@ -75,6 +76,7 @@ Counts change(EditScene& scene, const Parts& parts, const Edit& edit) {
   };
   tint_vertices(scene.mesh, parts.vertices, n.vertices);
   tint_vertices(scene.surroundings, parts.walls, n.walls);
+  if (edit.select.geometric()) tint_vertices(scene.content, parts.content, n.content);
   return n;
 }
 
@@ -89,6 +91,7 @@ Counts remove(EditScene& scene, const Parts& parts) {
   n.vertices = drop(scene.there.vertices, parts.vertices);
   n.faces = drop(scene.there.faces, parts.faces);
   n.walls = drop(scene.there.walls, parts.walls);
+  n.content = drop(scene.there.content, parts.content);
   return n;
 }
 
@@ -132,6 +135,7 @@ Json told(const Edit& edit, const Counts& n) {
   json["mesh_vertices"] = n.vertices;
   if (edit.remove) json["mesh_faces"] = n.faces;
   json["surroundings_vertices"] = n.walls;
+  json["behind_glass_vertices"] = n.content;
   return json;
 }
 
@@ -173,8 +177,9 @@ void run_edit(const EditConfig&, StageContext& context) {
     still_there(parts.vertices, scene.there.vertices);
     still_there(parts.faces, scene.there.faces);
     still_there(parts.walls, scene.there.walls);
+    still_there(parts.content, scene.there.content);
     const Counts n = edit.remove ? remove(scene, parts) : change(scene, parts, edit);
-    if (n.diffuse + n.transmittance + n.vertices + n.faces + n.walls == 0) refuse_empty(scene, edit);
+    if (n.sum() == 0) refuse_empty(scene, edit);
     if (count(scene.there.diffuse) == 0) refuse_to_delete_all(edit, "surfels");
     if (count(scene.there.faces) == 0) refuse_to_delete_all(edit, "mesh");
     if (edit.set.transmission && scene.trained.surfels.transmittance.size() == 0)
@@ -198,7 +203,7 @@ void run_edit(const EditConfig&, StageContext& context) {
 
 Stage edit_stage() {
   StageInfo info{.name = "edit",
-                 .version = 1,
+                 .version = 2,
                  .summary = "changes to a finished scene",
                  .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                             {.name = "optimize", .doc = "The trained surfels."},

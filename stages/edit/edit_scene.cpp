@@ -4,14 +4,19 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/model/thick_glass.h"
 #include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
 
 namespace vitrine {
 
 namespace {
+
+constexpr size_t kShellFaces = 256;
 
 template <class T>
 std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t>& keep) {
@@ -26,7 +31,25 @@ RelightMaterials remaining(const RelightMaterials& m, const std::vector<uint8_t>
           remaining(m.transmission, keep)};
 }
 
-// Faces of the surroundings whose corners are all there.
+fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
+
+// The shell was smoothed out of the mesh: each of its faces lies on the face of the mesh that is nearest.
+std::shared_ptr<const ThickGlass> remaining(std::shared_ptr<const ThickGlass> glass, const TriMesh& mesh,
+                                            const std::vector<uint8_t>& faces) {
+  if (!glass || std::ranges::all_of(faces, [](uint8_t there) { return there != 0; })) return glass;
+  const MeshDistance places(mesh);
+  const TriMesh& shell = glass->mesh();
+  std::vector<uint8_t> keep(shell.faces.size());
+  parallel_for(keep.size(), kShellFaces, [&](size_t f) {
+    const auto& v = shell.faces[f];
+    keep[f] = faces[places.closest((shell.positions[v[0]] + shell.positions[v[1]] + shell.positions[v[2]]) / 3.f).face];
+  });
+  TriMesh left = submesh(shell, keep);
+  if (left.faces.empty()) return nullptr;
+  return std::make_shared<const ThickGlass>(std::move(left), glass->ior(), glass->tolerance());
+}
+
+// Faces whose corners are all there.
 std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>& vertices) {
   std::vector<uint8_t> keep(mesh.faces.size());
   for (size_t f = 0; f < keep.size(); ++f)
@@ -58,11 +81,13 @@ EditScene read_edit_scene(const EditFolders& folders) {
     std::error_code ec;
     if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);
   }
+  if (const fs::path content = behind_glass_path(folders.mesh); fs::exists(content)) scene.content = read_mesh_ply(content);
   scene.there.diffuse.assign(scene.trained.surfels.diffuse.size(), 1);
   scene.there.transmittance.assign(scene.trained.surfels.transmittance.size(), 1);
   scene.there.vertices.assign(scene.mesh.positions.size(), 1);
   scene.there.faces.assign(scene.mesh.faces.size(), 1);
   scene.there.walls.assign(scene.surroundings.positions.size(), 1);
+  scene.there.content.assign(scene.content.positions.size(), 1);
   return scene;
 }
 
@@ -80,7 +105,11 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     std::error_code ec;
     if (fs::exists(source / relative, ec)) write_file(folder / relative, read_file(source / relative));
   };
-  write_image_options(folder / "optimize" / "model.json", scene.trained.image);
+  if (const TriMesh content = submesh(scene.content, whole_faces(scene.content, scene.there.content)); !content.faces.empty())
+    write_mesh_ply(behind_glass_path(folder), content);
+  ImageOptions image = scene.trained.image;
+  image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
+  write_image_options(folder / "optimize" / "model.json", image);
   copy(from.optimize, fs::path("optimize") / "views.json");
   if (!from.relight) return;
   write_relight_materials(folder, remaining(*scene.materials, scene.there.diffuse));

@@ -22,12 +22,14 @@ struct Parts {
   std::vector<uint8_t> diffuse, transmittance;  // surfels
   std::vector<uint8_t> vertices, faces;         // of the mesh
   std::vector<uint8_t> walls;                   // vertices of the surroundings
+  std::vector<uint8_t> content;                 // vertices of the mesh of what stands behind glass
 };
 
 struct EditScene {
   TrainedScene trained;
   std::optional<RelightMaterials> materials;  // of trained.surfels.diffuse
   TriMesh mesh, surroundings;                 // the latter: walls that the relight stage found, or empty
+  TriMesh content;                            // what stands behind glass (the mesh stage's behind_glass.ply), or empty
   Parts there;                                // what no edit has deleted
 
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
@@ -35,7 +37,8 @@ struct EditScene {
 
 // Throws Error{Input} with file and cause, also when the files do not belong together.
 EditScene read_edit_scene(const EditFolders& folders);
-// Without what was deleted. Files that no edit touches (views, light of the photos) are copied.
+// Without what was deleted; solid glass loses the part of its shell that lay on deleted faces of the mesh. Files that no edit
+// touches (views, light of the photos) are copied.
 void write_edit_scene(const EditScene& scene, const EditFolders& from, const std::filesystem::path& folder);
 
 }  // namespace vitrine

@@ -57,10 +57,10 @@ void set_faces(const TriMesh& mesh, Parts& parts) {
   }
 }
 
-// Each of the five lists of flags: a = op(a, b).
+// Each of the lists of flags: a = op(a, b).
 template <class Op>
 void combine(Parts& a, const Parts& b, Op&& op) {
-  for (auto list : {&Parts::diffuse, &Parts::transmittance, &Parts::vertices, &Parts::faces, &Parts::walls})
+  for (auto list : {&Parts::diffuse, &Parts::transmittance, &Parts::vertices, &Parts::faces, &Parts::walls, &Parts::content})
     for (size_t i = 0; i < (a.*list).size(); ++i) (a.*list)[i] = op((a.*list)[i], (b.*list)[i]);
 }
 
@@ -134,6 +134,7 @@ Parts SceneSelector::where_place(const std::function<bool(const Vec3d&)>& inside
   out.vertices = flags(scene_.mesh.positions.size(), [&](size_t v) { return cast<double>(scene_.mesh.positions[v]); });
   const TriMesh& walls = scene_.surroundings;
   out.walls = flags(walls.positions.size(), [&](size_t v) { return cast<double>(walls.positions[v]); });
+  out.content = flags(scene_.content.positions.size(), [&](size_t v) { return cast<double>(scene_.content.positions[v]); });
   set_faces(scene_.mesh, out);
   return out;
 }
@@ -160,15 +161,18 @@ Parts SceneSelector::of_component(size_t component, const std::string& where) co
     const ClosestPoint c = distance_.closest(cast<float>(mean_of(surfels.diffuse, i)));
     out.diffuse[i] = c.distance <= reach_ && component_of_face_[c.face] == wanted;
   });
-  out.transmittance.resize(surfels.transmittance.size());
-  parallel_for(out.transmittance.size(), kGrain, [&](size_t i) {
-    const Vec3f p = cast<float>(mean_of(surfels.transmittance, i));
+  const auto inside = [&](const Vec3f& p) {
     const ClosestPoint c = distance_.closest(p);
     const auto& f = scene_.mesh.faces[c.face];
     const Vec3f &a = scene_.mesh.positions[f[0]], &b = scene_.mesh.positions[f[1]], &d = scene_.mesh.positions[f[2]];
     const bool behind = dot(p - c.position, cross(b - a, d - a)) < 0;
-    out.transmittance[i] = (behind || c.distance <= reach_) && component_of_face_[c.face] == wanted;
-  });
+    return (behind || c.distance <= reach_) && component_of_face_[c.face] == wanted;
+  };
+  out.transmittance.resize(surfels.transmittance.size());
+  parallel_for(out.transmittance.size(), kGrain,
+               [&](size_t i) { out.transmittance[i] = inside(cast<float>(mean_of(surfels.transmittance, i))); });
+  out.content.resize(scene_.content.positions.size());
+  parallel_for(out.content.size(), kGrain, [&](size_t v) { out.content[v] = inside(scene_.content.positions[v]); });
   out.vertices.assign(scene_.mesh.positions.size(), 0);
   out.faces.resize(scene_.mesh.faces.size());
   for (size_t f = 0; f < out.faces.size(); ++f) {
@@ -213,6 +217,9 @@ const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
   out.transmittance.resize(behind_glass.size());
   parallel_for(out.transmittance.size(), kGrain,
                [&](size_t i) { out.transmittance[i] = in_hull(views, mean_of(behind_glass, i)); });
+  out.content.resize(scene_.content.positions.size());
+  parallel_for(out.content.size(), kGrain,
+               [&](size_t v) { out.content[v] = in_hull(views, cast<double>(scene_.content.positions[v])); });
   out.vertices = vertices_seen_in(views);
   out.walls.assign(scene_.surroundings.positions.size(), 0);
   set_faces(scene_.mesh, out);

@@ -5,6 +5,7 @@
 //              thing) belongs to the class when it stands behind the mask in nearly all photos: its visual hull.
 //   box        the place itself          marks      the place, projected into every marked photo
 //   component  faces of the mesh that hang together; surfels near them, and what glass shows inside of them
+// The mesh of what stands behind glass is selected as the surfels that glass shows are.
 // A face is selected with two of its corners. The reflection layer holds mirrored places: nothing selects it.
 #pragma once
 

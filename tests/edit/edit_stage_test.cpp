@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "core/model/thick_glass.h"
 #include "core/relight/relit_scene.h"
 #include "core/scene/activation.h"
 #include "tests/edit/two_balls.h"
+#include "tests/mesh/shapes.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
@@ -236,6 +238,81 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
+}
+
+// Both balls of solid glass, with a thing in each that glass alone shows.
+class EditGlass : public EditStage {
+ protected:
+  EditGlass() {
+    const fs::path mesh = folder_.path() / "mesh", refine = folder_.path() / "refined";
+    for (const fs::path& p : {mesh / "mesh", refine / "refine/gaussians"}) make_folders(p);
+    write_mesh_ply(mesh / "mesh/mesh.ply", balls().mesh);
+    content_ = test::sphere_mesh(kContent, TwoBalls::kA, 6, 12);
+    of_a_ = content_.positions.size();
+    shapes::append(content_, test::sphere_mesh(kContent, TwoBalls::kB, 6, 12));
+    content_.colors.assign(content_.positions.size(), Vec3f{0.5f, 0.5f, 0.5f});
+    write_mesh_ply(mesh / "mesh/behind_glass.ply", content_);
+    write_layer(refine / "refine/gaussians/diffuse.ply", balls().layer);
+    write_layer(refine / "refine/gaussians/transmittance.ply", balls().behind_glass);
+    solid(balls().mesh);
+    inputs_ = with_edits();
+    inputs_["mesh"] = mesh, inputs_["refine"] = refine;
+  }
+  void solid(const TriMesh& shell) {
+    ImageOptions options;
+    options.transmission.glass = Glass::Thin;
+    options.transmission.thick = std::make_shared<ThickGlass>(shell, 1.4f, 0.02f);
+    write_image_options(folder_.path() / "refined/refine/model.json", options);
+  }
+  fs::path edit(const std::string& edits) {
+    write_file(folder_.path() / "edits.yaml", "edits:\n" + edits);
+    run_.emplace(inputs_);
+    run_edit({}, *run_);
+    return run_->output() / "edited";
+  }
+  static float nearest_x(const TriMesh& mesh) {
+    return std::ranges::min(mesh.positions, {}, [](const Vec3f& p) { return p.x; }).x;
+  }
+
+  static constexpr double kContent = 0.04;
+  TriMesh content_;
+  size_t of_a_ = 0;  // vertices
+  std::map<std::string, fs::path> inputs_;
+  std::optional<RecordingContext> run_;
+};
+
+TEST_F(EditGlass, WhatIsDeletedTakesItsSolidGlassAndWhatStandsInItAlong) {
+  for (const char* ball_a : {"component: 1", "class: specular", "box: [-0.5, -0.3, -0.3, 0, 0.3, 0.3]"}) {
+    const fs::path out = edit(fmt::format("  - select: {{{}}}\n    delete: true\n", ball_a));
+    const TriMesh left = read_mesh_ply(out / "mesh/behind_glass.ply");
+    EXPECT_EQ(left.faces.size(), content_.faces.size() / 2) << ball_a;
+    EXPECT_GT(nearest_x(left), 0) << ball_a;
+    const auto glass = read_trained_scene(out).image.transmission.thick;
+    ASSERT_NE(glass, nullptr) << ball_a;
+    EXPECT_EQ(glass->ior(), 1.4f);
+    EXPECT_EQ(glass->tolerance(), 0.02f);
+    EXPECT_EQ(glass->mesh().faces.size(), read_mesh_ply(out / "mesh/mesh.ply").faces.size()) << ball_a;
+    const auto told = nlohmann::json::parse(read_file(out / "report.json"))["edits"][0];
+    EXPECT_EQ(told["behind_glass_vertices"], of_a_) << ball_a;
+  }
+  solid(test::sphere_mesh(TwoBalls::kRadiusA, TwoBalls::kA, 24, 48));
+  const fs::path out = edit("  - select: {component: 1}\n    delete: true\n");
+  EXPECT_EQ(read_trained_scene(out).image.transmission.thick, nullptr) << "all that was solid is gone";
+  EXPECT_FALSE(fs::exists(out / "optimize/thick_glass.ply"));
+}
+
+TEST_F(EditGlass, OtherEditsLeaveItsShapeAndTintWhatStandsThere) {
+  const fs::path out = edit("  - select: {box: [0.1, -0.3, -0.3, 0.5, 0.3, 0.3]}\n    set: {tint: [0.2, 1, 1]}\n");
+  const TriMesh content = read_mesh_ply(out / "mesh/behind_glass.ply");
+  ASSERT_EQ(content.positions.size(), content_.positions.size());
+  for (size_t v = 0; v < content.positions.size(); ++v) {
+    EXPECT_EQ(content.positions[v], content_.positions[v]);
+    EXPECT_EQ(content.colors[v].x < 0.4f, v >= of_a_) << v;
+  }
+  EXPECT_EQ(read_file(out / "optimize/thick_glass.ply"), read_file(folder_.path() / "refined/refine/thick_glass.ply"));
+  // Without colours of their own nothing of it is an edit's to change.
+  const fs::path duller = edit("  - select: {class: specular}\n    set: {roughness: 0.9}\n");
+  EXPECT_EQ(read_file(duller / "mesh/behind_glass.ply"), read_file(folder_.path() / "mesh/mesh/behind_glass.ply"));
 }
 
 TEST_F(EditStage, WorksWithoutMaterialsAndMasks) {
