@@ -90,13 +90,18 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
 
 TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   const std::string poses = write_true_model();
-  const Outcome one = room(poses, {"-j", "1"});
+  const auto on = [](const char* threads) {  // enough steps to be killed among them
+    return std::vector<std::string>{"-j", threads, "--set", "optimize.iterations=120", "--set", "optimize.checkpoint_every=40"};
+  };
+  const Outcome one = room(poses, on("1"));
   ASSERT_EQ(one.exit, 0) << one.text;
   const auto whole = digests();
   ASSERT_EQ(whole.size(), 10u);  // stages
   fs::remove_all(out());
 
-  const pid_t child = start(room_words(poses, {"-j", "2", "-q"}));
+  std::vector<std::string> words = room_words(poses, on("2"));
+  words.push_back("-q");
+  const pid_t child = start(words);
   const auto checkpoint = [&] {
     for (const auto& e : ArtifactStore(store_of(out())).entries())
       if (fs::exists(e.path / "checkpoint.bin")) return true;
@@ -106,7 +111,7 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   ASSERT_TRUE(checkpoint()) << "optimize wrote no checkpoint";
   kill(child, SIGKILL);
   EXPECT_EQ(wait_for(child), 128 + SIGKILL);
-  const Outcome rest = room(poses, {"-j", "2"});
+  const Outcome rest = room(poses, on("2"));
   EXPECT_EQ(rest.exit, 0) << rest.text;
   EXPECT_TRUE(rest.said("continues at step")) << rest.text;
   EXPECT_EQ(states().at("sfm"), "cached");
