@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 
 #include "core/math/median.h"
 
@@ -84,41 +85,62 @@ StageCost normals(const Terms& t) {
 
 double trained_side(const Terms& t) { return t.limited("optimize.resolution.max_side", t.ingested_side()); }
 
-// Steps: pixels and surfels. Layers join in the second part of the run; their pixels send rays.
-StageCost optimize(const Terms& t) {
+// CPU seconds of a step of optimize with all its layers, of which those of gloss and glass take part in `layered` of the steps;
+// a ray of them costs less than its pixel, which is shaded with all the others.
+double step(const Terms& t, double layered, const char* budget_option) {
   const double mpx = t.mpx(trained_side(t)), surfels_k = t.option("optimize.max_gaussians") / 1000;
-  const double steps = t.option("optimize.iterations");
-  constexpr double kLayeredPart = 0.55, kMaskedShare = 0.35, kRay = 18e-6, kLayer = 0.06;
-  double step = 0.30 * mpx + 0.55e-3 * surfels_k;
-  double memory = 140 + surfels_k + 30 * t.photos() * mpx;
+  double cpu_s = 0.33 * mpx + 0.60e-3 * surfels_k;
   if (t.capture.masks) {
-    const double masked = kMaskedShare * mpx * 1e6, budget = t.option("optimize.shading.ray_budget");
-    step += kLayeredPart * (kLayer + kRay * (budget > 0 ? std::min(budget, masked) : masked));
-    memory *= 1.65;
+    constexpr double kMaskedShare = 0.22, kRay = 5.5e-6, kLayer = 0.28;
+    const double masked = kMaskedShare * mpx * 1e6, budget = t.option(budget_option);
+    cpu_s += layered * (kLayer + kRay * (budget > 0 ? std::min(budget, masked) : masked));
   }
-  return cost(0.7 * t.photos() + steps * step, 0.92, memory, 0.2 * surfels_k + 2);
+  return cpu_s;
+}
+
+double training_memory(const Terms& t) {
+  const double mib = 140 + t.option("optimize.max_gaussians") / 1000 + 30 * t.photos() * t.mpx(trained_side(t));
+  return t.capture.masks ? 1.65 * mib : mib;
+}
+
+StageCost optimize(const Terms& t) {
+  constexpr double kLayeredPart = 0.55;
+  const double steps = t.option("optimize.iterations");
+  return cost(0.7 * t.photos() + steps * step(t, kLayeredPart, "optimize.shading.ray_budget"), 0.92, training_memory(t),
+              0.2 * t.option("optimize.max_gaussians") / 1000 + 2);
+}
+
+// Glass alone gives it anything to do; what masks hold is not known before.
+StageCost refine(const Terms& t) {
+  if (!t.capture.masks) return cost(0.1, 0.5, 90, 0.1);
+  return cost(0.6 * t.photos() + t.option("refine.fine_tune.iterations") * step(t, 1, "refine.fine_tune.ray_budget"), 0.92,
+              1.05 * training_memory(t), 0.2 * t.option("optimize.max_gaussians") / 1000 + 2);
 }
 
 StageCost mesh(const Terms& t) {
-  const double scale = std::pow(t.option("mesh.resolution") / 256, 2);
-  return cost(11 * scale, 0.5, 60 + 150 * scale, 9e-5 * t.option("mesh.faces"));
+  const double scale = std::pow(t.option("mesh.resolution") / 256, 2), hulls = t.capture.masks ? 16 : 0;
+  return cost(8 + 4.5 * scale + hulls, 0.5, (t.capture.masks ? 1.5 : 1) * (100 + 150 * scale), 9e-5 * t.option("mesh.faces"));
 }
 
-StageCost relight(const Terms& t) { return cost(9 + 0.08 * t.photos(), 0.77, 300 + 2.5 * t.photos(), 6); }
+StageCost relight(const Terms& t) { return cost(14 + 0.2 * t.photos(), 0.77, 350 + 4 * t.photos(), 6); }
 
 StageCost evaluate(const Terms& t) {
   const double every = t.option("optimize.holdout_every");
   const double held = every > 0 ? std::ceil(t.photos() / every) : 0, mpx = t.mpx(trained_side(t));
-  // A true mesh is sampled and searched; so are depths and normals of all views.
-  const bool truth = is_given(t.settings, "input.truth");
-  constexpr double kTruthCpu = 14, kTruthMiB = 610;
-  return cost(2 + 5 * held * mpx + 0.2 * t.photos() * mpx + (truth ? kTruthCpu : 0), 0.65,
-              150 + 12 * t.photos() * mpx + (truth ? kTruthMiB : 0), 5 * held * mpx);
+  double cpu_s = 2 + 5 * held * mpx + 0.2 * t.photos() * mpx, memory = 150 + 12 * t.photos() * mpx;
+  if (is_given(t.settings, "input.truth")) {
+    // A true mesh is sampled and searched; so are depths and normals of all views. True pictures under other lights ask for ours.
+    cpu_s += 14;
+    memory += 610;
+    std::error_code ec;
+    if (std::filesystem::is_directory(std::filesystem::path(t.settings.text("input.truth")) / "relit", ec)) cpu_s += 12;
+  }
+  return cost(cpu_s, 0.65, memory, 5 * held * mpx);
 }
 
 StageCost exported(const Terms& t) {
-  return cost(8 + 1e-4 * t.option("mesh.faces"), 0.7, 560 + 1e-3 * t.option("mesh.faces"),
-              25 + 0.25 * t.option("optimize.max_gaussians") / 1000 + 2e-4 * t.option("mesh.faces"));
+  const double faces = t.option("mesh.faces"), surfels_k = t.option("optimize.max_gaussians") / 1000;
+  return cost(9 + 0.9e-4 * faces + 0.07 * surfels_k, 0.7, 560 + 1e-3 * faces, 25 + 0.25 * surfels_k + 2e-4 * faces);
 }
 
 struct Row {
@@ -150,6 +172,10 @@ std::optional<StageCost> stage_cost(const std::string& stage, const Settings& se
        {"ingest.max_side", "optimize.resolution.max_side", "optimize.max_gaussians", "optimize.iterations",
         "optimize.shading.ray_budget"}},
       {"mesh", mesh, {"mesh.resolution", "mesh.faces"}},
+      {"refine",
+       refine,
+       {"ingest.max_side", "optimize.resolution.max_side", "optimize.max_gaussians", "refine.fine_tune.iterations",
+        "refine.fine_tune.ray_budget"}},
       {"relight", relight, {}},
       {"evaluate", evaluate, {"ingest.max_side", "optimize.holdout_every", "optimize.resolution.max_side"}},
       {"export", exported, {"mesh.faces", "optimize.max_gaussians"}}};

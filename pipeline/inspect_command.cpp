@@ -34,11 +34,12 @@ struct Subject {
   fs::path photos;
   std::optional<fs::path> project;  // made by an earlier run
   bool masks = false;               // a run has them, or will be given them
+  std::string truth = {};           // what the project says of input.truth
 };
 
 Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
-  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty() && a.masks != "none"};
+  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty() && a.masks != "none", .truth = {}};
   std::error_code ec;
   if (s.masks && !fs::exists(a.masks, ec))
     throw Error(
@@ -54,6 +55,7 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   Settings settings(graph);
   settings.load({.project = *s.project});
   if (*s.project == what) s.photos = settings.text("input.photos");
+  s.truth = settings.text("input.truth");
   if (a.masks.empty()) s.masks = gives_masks(settings);
   return s;
 }
@@ -91,11 +93,14 @@ struct PresetCost {
   size_t memory = 0, disk = 0;
 };
 
-std::vector<PresetCost> preset_costs(const Graph& graph, const CaptureSize& capture, int threads) {
+std::vector<PresetCost> preset_costs(const Graph& graph, const Subject& subject, const CaptureSize& capture, int threads) {
   std::vector<PresetCost> costs;
   for (const std::string& name : preset_names()) {
     Settings settings(graph);
-    settings.load({.flags = {{"preset", name, "--preset"}}});
+    settings.load({.flags = {{"preset", name, "--preset"},
+                             {"input.photos", subject.photos.string(), "PHOTOS"},
+                             {"input.truth", subject.truth, "the project"}}});
+    settings.find_truth();
     PresetCost c{.preset = name, .stages = {}};
     for (const StageNode& node : graph.nodes) {
       auto stage = stage_cost(node.name, settings, capture, threads);
@@ -317,7 +322,7 @@ int inspect_command(const Words& words) {
   Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();
-  const std::vector<PresetCost> costs = preset_costs(graph, capture_size(report, subject.masks), threads);
+  const std::vector<PresetCost> costs = preset_costs(graph, subject, capture_size(report, subject.masks), threads);
   report["estimates"] = costs_json(costs, threads);
   if (a.json) {
     std::cout << report.dump() << "\n";

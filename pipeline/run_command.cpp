@@ -129,15 +129,6 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   return desc;
 }
 
-void find_truth(Settings& settings) {
-  Option* truth = settings.options.table.find("input.truth");
-  const Option* photos = settings.options.table.find("input.photos");
-  if (truth == nullptr || photos == nullptr || !truth->text().empty() || photos->text().empty()) return;
-  const fs::path beside = (fs::path(photos->text()) / "..").lexically_normal() / "truth";
-  std::error_code ec;
-  if (fs::is_directory(beside, ec)) truth->assign(beside.string(), "found beside the photos");
-}
-
 // The page is for people: nothing fails because of it.
 void write_page(Report& report, const fs::path& project, bool only_if_changed) {
   const auto why_not = write_html_report(project, only_if_changed);
@@ -214,7 +205,7 @@ int run_command(const Words& words) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
-  find_truth(settings);
+  settings.find_truth();
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())

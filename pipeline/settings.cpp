@@ -203,6 +203,15 @@ void Settings::load(const SettingsDesc& desc) {
   if (preset_from_command) from_command.insert("preset");
 }
 
+void Settings::find_truth() {
+  Option* truth = options.table.find("input.truth");
+  const Option* photos = options.table.find("input.photos");
+  if (truth == nullptr || photos == nullptr || !truth->text().empty() || photos->text().empty()) return;
+  const fs::path beside = (fs::path(photos->text()) / "..").lexically_normal() / "truth";
+  std::error_code ec;
+  if (fs::is_directory(beside, ec)) truth->assign(beside.string(), "found beside the photos");
+}
+
 std::string Settings::text(std::string_view path) const {
   const Option* o = options.table.find(path);
   VITRINE_CHECK(o != nullptr, "no option '{}'", path);

@@ -31,6 +31,8 @@ class Settings {
   explicit Settings(const Graph& graph);
   // Error{Usage} with all complaints of all layers.
   void load(const SettingsDesc& desc);
+  // A folder `truth` beside the photos, unless input.truth says something, be it "none".
+  void find_truth();
 
   OwnedOptions options;
   std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
