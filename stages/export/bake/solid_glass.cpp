@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/math/median.h"
 #include "core/mesh/mesh_distance.h"
 
 namespace vitrine {
@@ -46,10 +47,9 @@ SolidGlass find_solid_glass(TriMesh& mesh, const ThickGlass& glass) {
     if (t > 0) known.push_back(t);
   if (known.empty()) return {.ior = glass.ior(), .faces = std::vector<uint8_t>(mesh.faces.size()), .thickness = out.thickness};
   // Over a hole of the shell (it stands on something): as thick as elsewhere.
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::ranges::nth_element(known, middle);
+  const float middle = upper_median(std::move(known));
   for (size_t v = 0; v < on_shell.size(); ++v)
-    if (on_shell[v] && !(out.thickness[v] > 0)) out.thickness[v] = *middle;
+    if (on_shell[v] && !(out.thickness[v] > 0)) out.thickness[v] = middle;
   out.greatest = std::ranges::max(out.thickness);
   return out;
 }
