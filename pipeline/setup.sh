@@ -35,12 +35,14 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build FOLDER [CMAKE OPTION...]: configure and build, from nothing as a rule: the sources of a target together.
+# build FOLDER [TARGET...] [CMAKE OPTION...]: configure and build (everything, or those targets), from nothing as a rule: the
+# sources of a target together.
 build() {
-  local folder="$1"; shift
+  local folder="$1" targets=(); shift
+  while [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; do targets+=("$1"); shift; done
   say "build: $folder"
   cmake -S "$VITRINE_ROOT" -B "$folder" -G Ninja -DVITRINE_MERGE=ON "$@" >"$folder.configure.log" 2>&1 ||
     { cat "$folder.configure.log" >&2; echo "error: configuring failed; the lines above say why" >&2; exit 1; }
   rm -f "$folder.configure.log"
-  cmake --build "$folder"
+  cmake --build "$folder" ${targets[@]:+--target "${targets[@]}"}
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
-# and UndefinedBehaviorSanitizer.
+# and UndefinedBehaviorSanitizer, and two suites of multi-threaded code under ThreadSanitizer.
 #
 #   tests/run.sh [--fast] [--no-sanitizers] | --races
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
-# --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
+# --races           instead: all suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
@@ -21,14 +21,19 @@ for argument in "$@"; do
 done
 
 install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}"
-if [ "$races" = 1 ]; then
-  suites=(stage optim loss render trace model)
-  cmake -S "$VITRINE_ROOT" -B "$VITRINE_ROOT/build-thread" -G Ninja -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo >/dev/null
-  cmake --build "$VITRINE_ROOT/build-thread" --target "${suites[@]/#/test_}"
-  say "multi-threaded suites under ThreadSanitizer"
-  for suite in "${suites[@]}"; do
+
+# races SUITE...: under ThreadSanitizer
+races() {
+  build "$VITRINE_ROOT/build-thread" "${@/#/test_}" -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  say "under ThreadSanitizer: $*"
+  local suite
+  for suite in "$@"; do
     TSAN_OPTIONS=second_deadlock_stack=1 "$VITRINE_ROOT/build-thread/bin/test_$suite" --gtest_brief=1
   done
+}
+
+if [ "$races" = 1 ]; then
+  races stage optim loss render trace model
   exit
 fi
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=ON
@@ -41,4 +46,5 @@ if [ "$sanitizers" = 1 ]; then
   # Eight frames of where memory came from are enough, and cost a tenth less than thirty.
   ASAN_OPTIONS=malloc_context_size=8 UBSAN_OPTIONS=print_stacktrace=1 \
     ctest --test-dir "$VITRINE_ROOT/build-sanitize" --output-on-failure --no-tests=error -j "$(nproc)" -L fast
+  races stage optim  # the quick ones of --races: threads, signals, reductions
 fi

@@ -45,9 +45,22 @@ class KilledRuns : public TinyRoom {
     const bool plans = words.find("--print-key") != std::string::npos || words.find("--describe") != std::string::npos;
     return plans || !program.starts_with("vitrine-") ? "plan" : program.substr(8);
   }
+  // Stages of the output folder's runs so far, in the order in which they began.
+  std::vector<std::string> begun() const {
+    std::vector<std::string> stages;
+    std::error_code ec;
+    if (!fs::exists(out() / "events.jsonl", ec)) return stages;
+    std::istringstream lines(read_file(out() / "events.jsonl"));
+    for (std::string line; std::getline(lines, line);) {
+      const auto event = nlohmann::json::parse(line, nullptr, false);
+      if (event.is_object() && event.value("type", "") == "stage_start") stages.push_back(event.at("stage"));
+    }
+    return stages;
+  }
 };
 
 // A run is killed up to five times, each time taken up by the same command at the place where it was; then it is let to its end.
+// The first kill waits for a stage, another one in every run: otherwise the slowest would meet them all.
 TEST_F(KilledRuns, GoOnToTheSameBytes) {
   constexpr uint64_t kMostKillsOfARun = 5;
   const uint64_t kills = number_from("VITRINE_KILLS", 2), seed = number_from("VITRINE_KILL_SEED", 1);
@@ -68,7 +81,14 @@ TEST_F(KilledRuns, GoOnToTheSameBytes) {
     std::string story;
     for (bool done = false; !done && now < kMostKillsOfARun && killed + now < kills; ++moment) {
       const pid_t child = start(words);
-      const double after_s = 0.5 * whole_s * Rng(seed, moment).uniform_double();
+      const std::string from = std::next(whole.begin(), std::ptrdiff_t((seed + runs) % whole.size()))->first;
+      const auto there = [&] {
+        const auto stages = begun();
+        return now > 0 || std::find(stages.begin(), stages.end(), from) != stages.end();
+      };
+      for (const Timer patience; !there() && patience.seconds() < 60 + 10 * whole_s;)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const double after_s = 0.2 * whole_s * Rng(seed, moment).uniform_double();
       std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
       // Every third time the stage alone, every third time the program alone.
       const pid_t stage = stage_of(child);
@@ -106,22 +126,16 @@ TEST_F(KilledRuns, OnceInEveryStage) {
     const pid_t child = start(words);
     // Until a stage begins that was not killed yet, or the run is done.
     const auto new_stage = [&]() -> std::string {
-      std::error_code ec;
-      if (!fs::exists(out() / "events.jsonl", ec)) return {};
-      std::istringstream lines(read_file(out() / "events.jsonl"));
-      for (std::string line; std::getline(lines, line);) {
-        const auto event = nlohmann::json::parse(line, nullptr, false);
-        if (event.is_object() && event.value("type", "") == "stage_start" && !killed.contains(event.value("stage", "")))
-          return event.at("stage");
-      }
+      for (const std::string& name : begun())
+        if (!killed.contains(name)) return name;
       return {};
     };
     int status = 0;
-    std::string begun;
-    while ((begun = new_stage()).empty() && waitpid(child, &status, WNOHANG) == 0)
+    std::string met;
+    while ((met = new_stage()).empty() && waitpid(child, &status, WNOHANG) == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    if (begun.empty()) break;  // done: the stages that are left compute nothing that could be met
-    killed.insert(begun);
+    if (met.empty()) break;  // done: the stages that are left compute nothing that could be met
+    killed.insert(met);
     if (const pid_t worker = stage_of(child); worker > 0) kill(worker, SIGKILL);
     kill(child, SIGKILL);
     wait_for(child);
