@@ -13,6 +13,7 @@ constexpr int kCoarse = 48;            // first look at the whole cube
 constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
 constexpr float kInFront = 0.98f;      // a thing nearer than this part of a point's depth hides it
 constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
+constexpr double kFlatWithin = 2.5;    // voxels between the surface and a flat face
 constexpr double kSeenBy = 0.35;       // share of the photos that must see a voxel: a hull of few photos is no hull
 
 struct Grid {
@@ -152,6 +153,37 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   voxel_ = fine.voxel;
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
   field_ = std::move(field);
+  if (desc.flat_faces) faces_ = flat_faces(surface(), kFlatWithin * voxel_);
+}
+
+Vec3d VisualHull::inwards(const Vec3d& p) const {
+  Vec3d gradient{};
+  for (size_t i = 0; i < 3; ++i) {
+    Vec3d step{};
+    step[i] = 1.5 * voxel_;
+    gradient[i] = double(occupancy(p + step) - occupancy(p - step));
+  }
+  return gradient;
+}
+
+// One point for every voxel that the surface passes.
+std::vector<HullSurfacePoint> VisualHull::surface() const {
+  std::vector<HullSurfacePoint> points;
+  for (int z = 0; z < size_[2]; ++z)
+    for (int y = 0; y < size_[1]; ++y)
+      for (int x = 0; x < size_[0]; ++x) {
+        const Vec3d centre = grid_.low + voxel_ * Vec3d{x + 0.5, y + 0.5, z + 0.5};
+        const double inside = double(field_[(size_t(z) * size_t(size_[1]) + size_t(y)) * size_t(size_[0]) + size_t(x)]);
+        if (inside < 0.1 || inside > 0.9) continue;
+        const Vec3d gradient = inwards(centre);
+        const double steepness = length(gradient) / (3 * voxel_);
+        if (!(steepness > 1e-3 / voxel_)) continue;
+        const double out = (inside - double(kSurfaceLevel)) / steepness;
+        if (std::abs(out) > 0.5 * voxel_) continue;
+        const Vec3d normal = -1.0 * normalized(gradient);
+        points.push_back({centre + out * normal, normal});
+      }
+  return points;
 }
 
 float VisualHull::occupancy(const Vec3d& p) const {
@@ -188,14 +220,12 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
       (occupancy(origin + middle * d) < kSurfaceLevel ? low : high) = middle;
     }
     const Vec3d hit = origin + high * d;
-    Vec3d gradient{};
-    for (size_t i = 0; i < 3; ++i) {
-      Vec3d step{};
-      step[i] = 1.5 * voxel_;
-      gradient[i] = double(occupancy(hit - step) - occupancy(hit + step));
-    }
-    if (!(length(gradient) > 1e-6) || dot(gradient, d) >= 0) return std::nullopt;
-    return HullHit{high / length(direction), normalized(gradient)};
+    const Vec3d outwards = -1.0 * inwards(hit);
+    if (!(length(outwards) > 1e-6) || dot(outwards, d) >= 0) return std::nullopt;
+    const HullSurfacePoint met{hit, normalized(outwards)};
+    if (const FlatFace* face = face_of(faces_, met, kFlatWithin * voxel_); face != nullptr && dot(face->normal, d) < -0.05)
+      return HullHit{(face->offset - dot(face->normal, origin)) / dot(face->normal, d) / length(direction), face->normal};
+    return HullHit{high / length(direction), met.normal};
   }
   return std::nullopt;
 }

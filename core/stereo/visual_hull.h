@@ -9,6 +9,7 @@
 
 #include "core/camera/view.h"
 #include "core/image/image.h"
+#include "core/stereo/flat_faces.h"
 
 namespace vitrine {
 
@@ -27,6 +28,7 @@ struct HullDesc {
   int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
   bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
+  bool flat_faces = false;      // put the surface onto its flat faces, if it is made of such (core/stereo/flat_faces.h)
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };
 
@@ -42,15 +44,19 @@ class VisualHull {
   bool empty() const { return field_.empty(); }
   double one_sidedness() const { return one_sidedness_; }  // of the cameras, as seen from the hull
   const Bounds3& bounds() const { return bounds_; }        // of what is left, without the room around it
+  size_t faces() const { return faces_.size(); }           // flat ones that the surface lies on
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
   float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
+  Vec3d inwards(const Vec3d& p) const;    // gradient of the occupancy, times 3 voxels
+  std::vector<HullSurfacePoint> surface() const;
   Bounds3 bounds_, grid_;
   double voxel_ = 0;
   int size_[3] = {0, 0, 0};
   double one_sidedness_ = 0;
+  std::vector<FlatFace> faces_;
   std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred
 };
 

@@ -132,9 +132,10 @@ VisualHull hull_of(const GeometricDesc& desc, GeometricReport& report) {
     m.mask = hull_mask(desc.capture, desc.config.hull, v, m.view.intrinsics);
     if (!m.mask.empty()) masks.push_back(std::move(m));
   }
-  VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent});
+  VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent, .flat_faces = true});
   report.hull_masks = masks.size();
   report.hull = !hull.empty();
+  report.hull_faces = hull.faces();
   report.hull_one_sidedness = hull.one_sidedness();
   return hull;
 }

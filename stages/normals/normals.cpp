@@ -59,7 +59,8 @@ class NormalsRun {
         [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &g);
     for (uint32_t v : views)
       if (!maps[v].empty()) write(v, std::move(maps[v]));
-    report_["hull"] = {{"used", g.hull}, {"masks", g.hull_masks}, {"one_sidedness", g.hull_one_sidedness}};
+    report_["hull"] = {
+        {"used", g.hull}, {"masks", g.hull_masks}, {"faces", g.hull_faces}, {"one_sidedness", g.hull_one_sidedness}};
     if (g.hull_masks > 0 && !g.hull)
       context_.warning("NO_HULL",
                        "the masks of glass and mirrors leave no common volume, or the photos see it from one side "
@@ -279,7 +280,7 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 Stage normals_stage() {
   StageInfo info{
       .name = "normals",
-      .version = 1,
+      .version = 2,
       .summary = "surface normals of the photos, from stereo, files or a network",
       .inputs = {
           {.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/stereo/flat_faces.h"
 
 namespace vitrine {
 
@@ -19,7 +20,8 @@ constexpr double kSeenShare = 0.3;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
-constexpr int kNormalRadius = 3;  // cells
+constexpr int kNormalRadius = 3;     // cells
+constexpr double kFlatWithin = 2.5;  // cells between the surface and a flat face
 
 struct Box {
   Vec3d low, high;
@@ -143,6 +145,7 @@ Hull mask_hull(const MaskHullDesc& desc) {
   if (judges.empty() || !tighten(carved(judges, box, kCoarseCells), box)) return hull;
   const Grid grid = carved(judges, box, desc.cells);
   hull.spacing = float(grid.cell);
+  std::vector<HullSurfacePoint> surface;
   for (int z = 0; z < grid.size[2]; ++z)
     for (int y = 0; y < grid.size[1]; ++y)
       for (int x = 0; x < grid.size[0]; ++x) {
@@ -152,8 +155,14 @@ Hull mask_hull(const MaskHullDesc& desc) {
           continue;
         const Vec3d n = outward(grid, x, y, z);
         if (!(length(n) > 0)) continue;
-        hull.points.push_back({cast<float>(grid.centre(x, y, z)), cast<float>(normalized(n))});
+        surface.push_back({grid.centre(x, y, z), normalized(n)});
       }
+  const std::vector<FlatFace> faces = flat_faces(surface, kFlatWithin * grid.cell);
+  for (HullSurfacePoint p : surface) {
+    if (const FlatFace* face = face_of(faces, p, kFlatWithin * grid.cell))
+      p = {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};
+    hull.points.push_back({cast<float>(p.position), cast<float>(p.normal)});
+  }
   return hull;
 }
 

@@ -1,5 +1,6 @@
 #include "core/stereo/visual_hull.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -59,6 +60,78 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
     }
   EXPECT_LT(angle / double(hits), 9);
   EXPECT_LT(distance / double(hits), 0.03);
+}
+
+// Silhouettes of a box that is turned by 20 degrees about z; its height is 1.4 times its half width.
+constexpr double kHalf = 0.22, kTurn = 0.35;
+std::vector<HullMask> box_masks(int count) {
+  std::vector<HullMask> masks = ball_masks(count, 2 * std::numbers::pi);
+  const double c = std::cos(kTurn), s = std::sin(kTurn);
+  for (HullMask& m : masks) {
+    const Vec3d eye = m.view.centre_in_world();
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const Vec3d ray = transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5));
+        const Vec3d o{c * eye.x + s * eye.y, -s * eye.x + c * eye.y, eye.z},
+            d{c * ray.x + s * ray.y, -s * ray.x + c * ray.y, ray.z};
+        double near = -1e9, far = 1e9;
+        for (size_t i = 0; i < 3; ++i) {
+          const double h = i == 2 ? 1.4 * kHalf : kHalf, a = (-h - o[i]) / d[i], b = (h - o[i]) / d[i];
+          near = std::max(near, std::min(a, b));
+          far = std::min(far, std::max(a, b));
+        }
+        m.mask.at(x, y) = near < far && near > 0 ? 1.f : 0.f;
+      }
+  }
+  return masks;
+}
+
+// Mean and median angle, in degrees, of the hull's normals to the nearest of the box's.
+std::pair<double, double> errors_on_box(const VisualHull& hull, const View& view) {
+  const double c = std::cos(kTurn), s = std::sin(kTurn);
+  double sum = 0;
+  std::vector<double> angles;
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const Vec3d ray = transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5));
+      const auto hit = hull.first_hit(view.centre_in_world(), ray);
+      if (!hit) continue;
+      const Vec3d n = hit->normal;
+      const double nearest = std::max({std::abs(c * n.x + s * n.y), std::abs(c * n.y - s * n.x), std::abs(n.z)});
+      angles.push_back(std::acos(std::min(1.0, nearest)) * 57.29578);
+      sum += angles.back();
+    }
+  EXPECT_GT(angles.size(), 500u);
+  std::sort(angles.begin(), angles.end());
+  return {sum / double(angles.size()), angles[angles.size() / 2]};
+}
+
+TEST(VisualHull, OfABoxIsPutOnItsFlatFaces) {
+  const std::vector<HullMask> masks = box_masks(24);
+  const VisualHull round(masks, {.resolution = 64, .dissent = 0});
+  const VisualHull flat(masks, {.resolution = 64, .dissent = 0, .flat_faces = true});
+  EXPECT_EQ(round.faces(), 0u);
+  EXPECT_EQ(flat.faces(), 6u);
+  for (size_t v : {0u, 1u, 7u}) {
+    const auto before = errors_on_box(round, masks[v].view), after = errors_on_box(flat, masks[v].view);
+    fmt::print("photo {}: mean {:.1f} -> {:.1f}, median {:.1f} -> {:.1f} deg\n", v, before.first, after.first, before.second,
+               after.second);
+    EXPECT_LT(after.second, 5.5);  // measured 0.0, 4.9, 3.7: where no photo looks along a face its hull leans
+    EXPECT_LT(after.first, 0.6 * before.first);
+  }
+}
+
+TEST(VisualHull, OfABallHasNoFlatFaces) {
+  const std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
+  EXPECT_EQ(VisualHull(masks, {.resolution = 64, .dissent = 0, .flat_faces = true}).faces(), 0u);
+  EXPECT_EQ(VisualHull(masks, {.resolution = 128, .dissent = 0, .flat_faces = true}).faces(), 0u);
+}
+
+TEST(FlatFaces, OfNothingAreNone) {
+  EXPECT_TRUE(flat_faces({}, 0.1).empty());
+  const std::vector<HullSurfacePoint> one{{{0, 0, 0}, {0, 0, 1}}};
+  EXPECT_EQ(face_of({}, one[0], 0.1), nullptr);
+  EXPECT_LE(flat_faces(one, 0.1).size(), 1u);
 }
 
 TEST(VisualHull, IsAsLargeAsTheBall) {
