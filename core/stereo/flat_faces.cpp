@@ -45,7 +45,7 @@ FlatFace refitted(const std::vector<HullSurfacePoint>& points, const FlatFace& f
   const Eigen::Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
   Vec3d normal{n.x(), n.y(), n.z()};
   if (dot(normal, outwards) < 0) normal = -1.0 * normal;
-  return {normal, dot(normal, mean)};
+  return {normal, dot(normal, mean), {}};
 }
 
 // Share of a face's points that lie on it within half the tolerance. A piece of a ball or a cylinder is as often at any distance
@@ -67,7 +67,7 @@ std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, doub
     const size_t apart = points.size() / kMostCandidates + 1;
     std::vector<std::pair<size_t, FlatFace>> candidates;
     for (size_t i = 0; i < points.size(); i += apart)
-      candidates.push_back({0, {points[i].normal, dot(points[i].normal, points[i].position)}});
+      candidates.push_back({0, {points[i].normal, dot(points[i].normal, points[i].position), {}}});
     parallel_for(candidates.size(), 32,
                  [&](size_t c) { candidates[c].first = support(points, candidates[c].second, tolerance); });
     FlatFace best = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
@@ -77,6 +77,8 @@ std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, doub
     const double share = double(support(points, best, tolerance)) / all;
     if (share < kLeastFace) break;
     if (evenness(points, best, tolerance) > kLeastEven) {
+      for (const HullSurfacePoint& p : points)
+        if (lies_on(p, best, tolerance)) best.bounds.extend(p.position);
       faces.push_back(best);
       flat += share;
     }
@@ -91,6 +93,10 @@ const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint&
   double turned = kNearestTurn;
   for (const FlatFace& face : faces) {
     if (std::abs(dot(face.normal, point.position) - face.offset) > 2 * tolerance) continue;
+    bool beside = false;
+    for (size_t i = 0; i < 3; ++i)
+      beside |= point.position[i] < face.bounds.low[i] - 2 * tolerance || point.position[i] > face.bounds.high[i] + 2 * tolerance;
+    if (beside) continue;
     if (const double cosine = dot(face.normal, point.normal); cosine > turned) turned = cosine, nearest = &face;
   }
   return nearest;

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/vec.h"
+#include "core/math/rigid.h"
 
 namespace vitrine {
 
@@ -16,14 +16,15 @@ struct HullSurfacePoint {
 struct FlatFace {
   Vec3d normal;       // outwards, unit
   double offset = 0;  // normal.X = offset
+  Bounds3 bounds;     // of the surface on it: other things stand in the same plane
 };
 
 // Largest first. Empty unless at least two thirds of the surface lie on faces of a fourteenth of it or more each: a ball, a
 // bottle, a vase has none. `tolerance`: how far the surface may be from a face, 2 to 3 voxels.
 std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double tolerance);
 
-// The face that a point of the surface belongs to: of those not further than twice the tolerance and turned by 45 degrees at most
-// the one that is turned least; null = none.
+// The face that a point of the surface belongs to: of those whose surface is not further than twice the tolerance, and that are
+// turned by 45 degrees at most, the one that is turned least; null = none.
 const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double tolerance);
 
 }  // namespace vitrine

@@ -127,6 +127,19 @@ TEST(VisualHull, OfABallHasNoFlatFaces) {
   EXPECT_EQ(VisualHull(masks, {.resolution = 128, .dissent = 0, .flat_faces = true}).faces(), 0u);
 }
 
+TEST(FlatFaces, EndWhereTheirSurfaceEnds) {
+  std::vector<HullSurfacePoint> slab;
+  for (int x = 0; x < 40; ++x)
+    for (int y = 0; y < 40; ++y)
+      for (double side : {-1.0, 1.0}) slab.push_back({{x * 0.01, y * 0.01, 0.1 * side}, {0, 0, side}});
+  const std::vector<FlatFace> faces = flat_faces(slab, 0.02);
+  ASSERT_EQ(faces.size(), 2u);
+  EXPECT_NE(face_of(faces, {{0.2, 0.2, 0.12}, {0, 0.1, 0.99}}, 0.02), nullptr);
+  EXPECT_EQ(face_of(faces, {{0.5, 0.2, 0.1}, {0, 0, 1}}, 0.02), nullptr);  // beside it
+  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.1}, {1, 0, 0}}, 0.02), nullptr);  // turned
+  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.15}, {0, 0, 1}}, 0.02), nullptr);
+}
+
 TEST(FlatFaces, OfNothingAreNone) {
   EXPECT_TRUE(flat_faces({}, 0.1).empty());
   const std::vector<HullSurfacePoint> one{{{0, 0, 0}, {0, 0, 1}}};
