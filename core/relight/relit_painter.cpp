@@ -17,7 +17,7 @@ namespace {
 constexpr float kLeastCoverage = 1 / 255.f;
 constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
 constexpr float kPaintLift = 1;         // in grains: where rays start above it
-constexpr float kNearWall_rel = 0.75f;  // walls are coarse: one that hides its surfels by less is where they are
+constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 constexpr int kBandRows = 8;
 constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
@@ -170,8 +170,10 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     // Mirrors have its normals, too: training leaves theirs as the pictures in them want them.
     Vec3f outwards = ray.view;
     const float t = z * length(ray.direction_per_z);
+    // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
+    // their front has the light that falls on it, not the dark behind it.
     if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
-        hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || hit->t > kNearWall_rel * t)) {
+        hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
       place = ray.eye - hit->t * ray.view;
       if (!hit->from_inside && mirrors(scene_.blend(), material))
         normal = turned_to(surface_.smooth_normal(*hit, place), ray.view);

@@ -146,6 +146,25 @@ TEST(RelitPainter, TheMeshThrowsShadowsAndBouncesLight) {
   EXPECT_GT(covered.picture(above).radiance.at(24, 18, 1), 0.002);
 }
 
+// Walls are coarse: here one stands halfway before what its surfels show.
+TEST(RelitPainter, WhatIsSeenThroughTheFrontOfItsWallHasTheLightThere) {
+  const auto brightness = [](bool front_to_eye) {
+    RelitScene scene = relit_ball({0.8f, 0.8f, 0.8f});
+    scene.surroundings.positions = {{0.9f, -1, -1}, {0.9f, 1, -1}, {0.9f, 1, 1}, {0.9f, -1, 1}};
+    scene.surroundings.colors.assign(4, {0.5f, 0.5f, 0.5f});
+    scene.surroundings.faces = {{0, 1, 2}, {0, 2, 3}};  // front to +x
+    if (!front_to_eye)
+      for (auto& f : scene.surroundings.faces) std::swap(f[1], f[2]);
+    Lighting sun;
+    sun.directionals.push_back({{1, 0, 0}, {3, 3, 3}});
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting(sun);
+    return painter.picture(view_from({1.4, 0, 0.01})).radiance.at(24, 18, 1);
+  };
+  EXPECT_GT(brightness(true), 0.7);
+  EXPECT_LT(brightness(false), 0.05);  // the eye stands behind the wall
+}
+
 TEST(RelitPainter, AMirrorShowsTheNewEnvironment) {
   RelitScene scene = relit_ball({0, 0, 0});
   std::ranges::fill(scene.materials.specular_weight, 1.f);
