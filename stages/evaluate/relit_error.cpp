@@ -147,9 +147,11 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, co
       const size_t v = shown[i * shown.size() / count];
       View view = desc.views[v];
       const auto truth = desc.truth.relit(names[e], v, view.intrinsics);
-      view.intrinsics = view.intrinsics.limited_to(std::max(truth->intrinsics.width, truth->intrinsics.height));
-      RelitPicture picture = painter.picture(view, {.samples = desc.samples});
-      pairs.push_back(pair_of(v, std::move(picture.radiance), view.intrinsics, *truth, mask));
+      // A pixel of the truth is a mean over its area: ours are painted at the size of the photo and then averaged.
+      const Intrinsics k = view.intrinsics.limited_to(std::max(truth->intrinsics.width, truth->intrinsics.height));
+      const double finer = double(view.intrinsics.width) * view.intrinsics.height / (double(k.width) * k.height);
+      const RelitPicture picture = painter.picture(view, {.samples = std::max(1, int(std::lround(desc.samples / finer)))});
+      pairs.push_back(pair_of(v, resized(picture.radiance, k.width, k.height), k, *truth, mask));
       progress((double(e) + double(i + 1) / double(count)) / double(names.size()));
     }
     scores.push_back(score_of(pairs, desc, names[e]));
