@@ -235,10 +235,21 @@ class PolishedFinder {
     for (const auto& f : d_.mesh.faces)
       centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
     const PointGrid grid(centres, d_.reach / 4);
+    const Bounds3 metal = metal_bounds(out.things);
     std::vector<PointGrid::Near> near;
     for (size_t i = 0; i < out.of_surfel.size(); ++i) {
-      const float* p = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
-      grid.nearest({p[0], p[1], p[2]}, kNearFaces, d_.reach, near);
+      const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
+      const Vec3f p{m[0], m[1], m[2]};
+      grid.nearest(p, kNearFaces, d_.reach, near);
+      if (near.empty() && metal.contains(p)) {
+        // Deep inside: a picture in the metal.
+        grid.nearest(p, 1, float(0.5 * metal.diagonal()), near);
+        if (near.empty()) continue;
+        const uint32_t f = near[0].index;
+        if (thing_[f] >= 0 && out.things[size_t(thing_[f])].metal && dot(p - centres[f], face_normal(f)) < 0)
+          out.of_surfel[i] = thing_[f];
+        continue;
+      }
       if (near.empty() || thing_[near[0].index] < 0) continue;
       out.of_surfel[i] = thing_[near[0].index];
       float faces = 0;
@@ -249,6 +260,18 @@ class PolishedFinder {
         }
       if (faces > 0) out.gloss[i] = out.gloss[i] / faces;
     }
+  }
+
+  Vec3f face_normal(uint32_t face) const {
+    const auto& [a, b, c] = d_.mesh.faces[face];
+    return cross(d_.mesh.positions[b] - d_.mesh.positions[a], d_.mesh.positions[c] - d_.mesh.positions[a]);
+  }
+  Bounds3 metal_bounds(const std::vector<Polished>& things) const {
+    Bounds3 out;
+    for (size_t f = 0; f < thing_.size(); ++f)
+      if (thing_[f] >= 0 && things[size_t(thing_[f])].metal)
+        for (const uint32_t v : d_.mesh.faces[f]) out.extend(cast<double>(d_.mesh.positions[v]));
+    return out;
   }
 
   const MetalsDesc& d_;

@@ -4,7 +4,7 @@
 //   writes  relight/materials.ply, relight/environment.exr, relight/surroundings.ply, relight/report.json, relight/albedo.png,
 //           relight/baked.png
 // version 1: first. 2: leaves out what lies before the near plane. 3: back sides send no light, the sides of thin things are told
-//   apart, a grey card is matched before albedos are limited. 4: metal has its tint in f0.
+//   apart, a grey card is matched before albedos are limited. 4: metal has its tint in f0. 7: so has its inside.
 #pragma once
 
 #include <string>

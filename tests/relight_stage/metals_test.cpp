@@ -107,6 +107,19 @@ TEST(MeshVerdicts, AreReadFromTheReportOfTheMesh) {
   }
 }
 
+TEST(Metals, WhatStandsDeepInsideIsAPictureInIt) {
+  PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
+  SplatLayer& layer = ball.scene.surfels.diffuse;
+  const size_t deep = layer.size() / 2, apart = deep + 1;
+  for (size_t c = 0; c < 3; ++c) {
+    layer.at(Attribute::Mean, deep)[c] *= 0.6f;   // 0.16 below the surface, beyond the reach of 0.05
+    layer.at(Attribute::Mean, apart)[c] *= 1.6f;  // as far before it: something else
+  }
+  const Metals found = ball.metals();
+  EXPECT_EQ(found.of_surfel[deep], 0);
+  EXPECT_EQ(found.of_surfel[apart], -1);
+}
+
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
   const PolishedBall ball(PolishedBall::kPaint, [](float cosine) { return schlick(Vec3f{0.04f, 0.04f, 0.04f}, cosine).value; });
   const Metals found = ball.metals();
