@@ -95,8 +95,8 @@ void Planner::ask_key(const StageNode& node, const std::vector<std::string>& inp
   words.insert(words.end(), inputs.begin(), inputs.end());
   const std::vector<std::string> options = settings_.stage_arguments(node);
   words.insert(words.end(), options.begin(), options.end());
-  if (const std::string memory = settings_.text("limits.memory");
-      !memory.empty())  // a stage may do with less, and its key says so
+  // A stage may do with less, and its key says so.
+  if (const std::string memory = settings_.text("limits.memory"); !memory.empty())
     words.insert(words.end(), {"--max-memory", memory});
   std::string text, error_record;
   const ProcessResult r = run_process({.arguments = words, .on_line = [&](std::string_view line) {

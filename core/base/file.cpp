@@ -34,7 +34,9 @@ void sync_path(const fs::path& path, int flags) {
 }  // namespace
 
 void throw_write_error(const fs::path& path, int errno_value) {
-  ErrorDetail detail{.where = path.string(), .why = std::strerror(errno_value), .hint = "check the path, or choose another folder with -o",
+  ErrorDetail detail{.where = path.string(),
+                     .why = std::strerror(errno_value),
+                     .hint = "check the path, or choose another folder with -o",
                      .code = "WRITE_FAILED"};
   if (errno_value == ENOSPC || errno_value == EDQUOT) {
     detail.hint = "free some disk space and run the same command again: finished stages are kept";
@@ -51,8 +53,10 @@ std::string read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in || fs::is_directory(path))
     throw Error(ErrorKind::Input, "cannot read a file",
-                {.where = path.string(), .why = fs::exists(path) ? "it is not a readable file" : "it does not exist",
-                 .hint = "check the path and its permissions", .code = "UNREADABLE"});
+                {.where = path.string(),
+                 .why = fs::exists(path) ? "it is not a readable file" : "it does not exist",
+                 .hint = "check the path and its permissions",
+                 .code = "UNREADABLE"});
   std::ostringstream out;
   out << in.rdbuf();
   return std::move(out).str();

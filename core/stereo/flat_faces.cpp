@@ -12,6 +12,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kMostPoints = 8000, kMostCandidates = 1000;
+constexpr double kWithin = 2.5;          // voxels between the surface and a face
 constexpr double kTurnedWithin = 0.8;    // cosine between the normals of a face and of its points: a bulge
 constexpr double kNearestTurn = 0.7071;  // the same, of a point that is put on a face
 constexpr size_t kMostFaces = 12;
@@ -56,7 +57,8 @@ double evenness(const std::vector<HullSurfacePoint>& points, const FlatFace& fac
 
 }  // namespace
 
-std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double tolerance) {
+std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double voxel) {
+  const double tolerance = kWithin * voxel;
   std::vector<HullSurfacePoint> points;
   const size_t step = surface.size() / kMostPoints + 1;
   for (size_t i = 0; i < surface.size(); i += step) points.push_back(surface[i]);
@@ -88,14 +90,15 @@ std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, doub
   return faces;
 }
 
-const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double tolerance) {
+const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double voxel) {
+  const double reach = 2 * kWithin * voxel;
   const FlatFace* nearest = nullptr;
   double turned = kNearestTurn;
   for (const FlatFace& face : faces) {
-    if (std::abs(dot(face.normal, point.position) - face.offset) > 2 * tolerance) continue;
+    if (std::abs(dot(face.normal, point.position) - face.offset) > reach) continue;
     bool beside = false;
     for (size_t i = 0; i < 3; ++i)
-      beside |= point.position[i] < face.bounds.low[i] - 2 * tolerance || point.position[i] > face.bounds.high[i] + 2 * tolerance;
+      beside |= point.position[i] < face.bounds.low[i] - reach || point.position[i] > face.bounds.high[i] + reach;
     if (beside) continue;
     if (const double cosine = dot(face.normal, point.normal); cosine > turned) turned = cosine, nearest = &face;
   }

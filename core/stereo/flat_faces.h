@@ -1,6 +1,6 @@
 // The flat faces of a thing known by its outline alone. A visual hull is right where photos look along a surface and bulges
 // between; it is also made of voxels. The panes of a case, a window or a bottle with sides are flat: the plane through all of a
-// face's points is far nearer to the pane than any of them (a case of five panes: normals 18 to 22 degrees off, planes 0 to 8).
+// face's points is nearer to the pane than they are (a case of five panes, true masks: normals 18.5 degrees off, then 7.3).
 #pragma once
 
 #include <span>
@@ -20,11 +20,11 @@ struct FlatFace {
 };
 
 // Largest first. Empty unless at least two thirds of the surface lie on faces of a fourteenth of it or more each: a ball, a
-// bottle, a vase has none. `tolerance`: how far the surface may be from a face, 2 to 3 voxels.
-std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double tolerance);
+// bottle, a vase has none. `voxel`: of the grid that the surface was found on.
+std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double voxel);
 
-// The face that a point of the surface belongs to: of those whose surface is not further than twice the tolerance, and that are
-// turned by 45 degrees at most, the one that is turned least; null = none.
-const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double tolerance);
+// The face that a point of the surface belongs to: of those whose surface is not further than five voxels, and that are turned by
+// 45 degrees at most, the one that is turned least; null = none.
+const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double voxel);
 
 }  // namespace vitrine

@@ -13,7 +13,6 @@ constexpr int kCoarse = 48;            // first look at the whole cube
 constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
 constexpr float kInFront = 0.98f;      // a thing nearer than this part of a point's depth hides it
 constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
-constexpr double kFlatWithin = 2.5;    // voxels between the surface and a flat face
 constexpr double kSeenBy = 0.35;       // share of the photos that must see a voxel: a hull of few photos is no hull
 
 struct Grid {
@@ -153,7 +152,7 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   voxel_ = fine.voxel;
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
   field_ = std::move(field);
-  if (desc.flat_faces) faces_ = flat_faces(surface(), kFlatWithin * voxel_);
+  if (desc.flat_faces) faces_ = flat_faces(surface(), voxel_);
 }
 
 Vec3d VisualHull::inwards(const Vec3d& p) const {
@@ -223,9 +222,8 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
     const Vec3d outwards = -1.0 * inwards(hit);
     if (!(length(outwards) > 1e-6) || dot(outwards, d) >= 0) return std::nullopt;
     const HullSurfacePoint met{hit, normalized(outwards)};
-    if (const FlatFace* face = face_of(faces_, met, kFlatWithin * voxel_); face != nullptr && dot(face->normal, d) < -0.05)
-      return HullHit{(face->offset - dot(face->normal, origin)) / dot(face->normal, d) / length(direction), face->normal};
-    return HullHit{high / length(direction), met.normal};
+    const FlatFace* face = face_of(faces_, met, voxel_);
+    return HullHit{high / length(direction), face != nullptr && dot(face->normal, d) < 0 ? face->normal : met.normal};
   }
   return std::nullopt;
 }

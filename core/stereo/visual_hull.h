@@ -28,7 +28,7 @@ struct HullDesc {
   int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
   bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
-  bool flat_faces = false;      // put the surface onto its flat faces, if it is made of such (core/stereo/flat_faces.h)
+  bool flat_faces = false;      // normals are those of flat faces, if it is made of such (core/stereo/flat_faces.h)
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };
 
@@ -44,7 +44,7 @@ class VisualHull {
   bool empty() const { return field_.empty(); }
   double one_sidedness() const { return one_sidedness_; }  // of the cameras, as seen from the hull
   const Bounds3& bounds() const { return bounds_; }        // of what is left, without the room around it
-  size_t faces() const { return faces_.size(); }           // flat ones that the surface lies on
+  size_t faces() const { return faces_.size(); }           // flat ones that normals come from
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 

@@ -17,7 +17,7 @@ struct GeometricReport {
   size_t without_partners = 0;  // photos that share no view with others
   size_t hull_masks = 0;        // photos with a mask; 0 = no hull was wanted, or nothing to carve with
   bool hull = false;
-  size_t hull_faces = 0;  // flat faces that it was put on
+  size_t hull_faces = 0;  // flat faces that its normals come from
   double hull_one_sidedness = 0;
 };
 

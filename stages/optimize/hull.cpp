@@ -20,8 +20,7 @@ constexpr double kSeenShare = 0.3;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
-constexpr int kNormalRadius = 3;     // cells
-constexpr double kFlatWithin = 2.5;  // cells between the surface and a flat face
+constexpr int kNormalRadius = 3;  // cells
 
 struct Box {
   Vec3d low, high;
@@ -157,9 +156,9 @@ Hull mask_hull(const MaskHullDesc& desc) {
         if (!(length(n) > 0)) continue;
         surface.push_back({grid.centre(x, y, z), normalized(n)});
       }
-  const std::vector<FlatFace> faces = flat_faces(surface, kFlatWithin * grid.cell);
+  const std::vector<FlatFace> faces = flat_faces(surface, grid.cell);
   for (HullSurfacePoint p : surface) {
-    if (const FlatFace* face = face_of(faces, p, kFlatWithin * grid.cell))
+    if (const FlatFace* face = face_of(faces, p, grid.cell))
       p = {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};
     hull.points.push_back({cast<float>(p.position), cast<float>(p.normal)});
   }

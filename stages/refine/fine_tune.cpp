@@ -104,11 +104,12 @@ void FineTune::update() {
     const bool diffuse = kind == LayerKind::Diffuse;
     const SurfelStatistics& statistics = statistics_of(frame_, kind);
     if (statistics.weight.empty()) continue;  // the pass had nothing to do
-    training_[static_cast<size_t>(kind)].descend(grad_.layer(kind), statistics,
-                                                 {.rates = rates,
-                                                  .damping = diffuse ? std::span<const float>(damping_) : std::span<const float>(),
-                                                  .rarest = float(config_.rates.rarest)},
-                                                 scene_.layer(kind));
+    training_[static_cast<size_t>(kind)].descend(
+        grad_.layer(kind), statistics,
+        {.rates = rates,
+         .damping = diffuse ? std::span<const float>(damping_) : std::span<const float>(),
+         .rarest = float(config_.rates.rarest)},
+        scene_.layer(kind));
   }
 }
 

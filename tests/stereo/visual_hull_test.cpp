@@ -106,7 +106,7 @@ std::pair<double, double> errors_on_box(const VisualHull& hull, const View& view
   return {sum / double(angles.size()), angles[angles.size() / 2]};
 }
 
-TEST(VisualHull, OfABoxIsPutOnItsFlatFaces) {
+TEST(VisualHull, OfABoxHasTheNormalsOfItsFlatFaces) {
   const std::vector<HullMask> masks = box_masks(24);
   const VisualHull round(masks, {.resolution = 64, .dissent = 0});
   const VisualHull flat(masks, {.resolution = 64, .dissent = 0, .flat_faces = true});
@@ -132,19 +132,18 @@ TEST(FlatFaces, EndWhereTheirSurfaceEnds) {
   for (int x = 0; x < 40; ++x)
     for (int y = 0; y < 40; ++y)
       for (double side : {-1.0, 1.0}) slab.push_back({{x * 0.01, y * 0.01, 0.1 * side}, {0, 0, side}});
-  const std::vector<FlatFace> faces = flat_faces(slab, 0.02);
+  const std::vector<FlatFace> faces = flat_faces(slab, 0.008);
   ASSERT_EQ(faces.size(), 2u);
-  EXPECT_NE(face_of(faces, {{0.2, 0.2, 0.12}, {0, 0.1, 0.99}}, 0.02), nullptr);
-  EXPECT_EQ(face_of(faces, {{0.5, 0.2, 0.1}, {0, 0, 1}}, 0.02), nullptr);  // beside it
-  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.1}, {1, 0, 0}}, 0.02), nullptr);  // turned
-  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.15}, {0, 0, 1}}, 0.02), nullptr);
+  EXPECT_NE(face_of(faces, {{0.2, 0.2, 0.12}, {0, 0.1, 0.99}}, 0.008), nullptr);
+  EXPECT_EQ(face_of(faces, {{0.5, 0.2, 0.1}, {0, 0, 1}}, 0.008), nullptr);  // beside it
+  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.1}, {1, 0, 0}}, 0.008), nullptr);  // turned
+  EXPECT_EQ(face_of(faces, {{0.2, 0.2, 0.15}, {0, 0, 1}}, 0.008), nullptr);
 }
 
 TEST(FlatFaces, OfNothingAreNone) {
   EXPECT_TRUE(flat_faces({}, 0.1).empty());
   const std::vector<HullSurfacePoint> one{{{0, 0, 0}, {0, 0, 1}}};
   EXPECT_EQ(face_of({}, one[0], 0.1), nullptr);
-  EXPECT_LE(flat_faces(one, 0.1).size(), 1u);
 }
 
 TEST(VisualHull, IsAsLargeAsTheBall) {
