@@ -5,19 +5,13 @@
 //   pictures   [all, those that did not decode]
 //   split      where the border of the first slider is after its range input was set to 80; null without a slider
 //   colour     computed background of the page
-import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { launch } from 'puppeteer-core';
+import { open_chromium } from './chromium.mjs';
 
 const [file, out, width, scheme] = process.argv.slice(2);
-const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
-if (!chromium) {
-  console.error('chromium is missing: apt-get install chromium');
-  process.exit(7);
-}
 const address = pathToFileURL(resolve(file)).href;
-const browser = await launch({ executablePath: chromium, args: ['--no-sandbox', '--disable-dev-shm-usage'] });
+const browser = await open_chromium();
 try {
   const page = await browser.newPage();
   const messages = [];

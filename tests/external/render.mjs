@@ -5,20 +5,12 @@
 //   outside   the same where there is none: it should be zero
 //   bent      mean difference of the first picture and one in which solid glass is thin, where glass is; 0 where none is solid
 //   spread    standard deviation of the first picture's brightness where glass is, and of the second's: what is seen through it
-import { createReadStream, existsSync, writeFileSync } from 'node:fs';
-import { createServer } from 'node:http';
-import { extname, join } from 'node:path';
-import { launch } from 'puppeteer-core';
+import { draw } from './chromium.mjs';
 
 const [file, out, azimuth = '30', elevation = '25'] = process.argv.slice(2);
-const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
-if (!chromium) {
-  console.error('chromium is missing: apt-get install chromium');
-  process.exit(7);
-}
 
 const page_source = `<!doctype html><body style="margin:0"><script type="importmap">
-{"imports": {"three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/"}}</script>
+{"imports": {"three": "/node_modules/three/build/three.module.js", "three/addons/": "/node_modules/three/examples/jsm/"}}</script>
 <script type="module">
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
@@ -75,32 +67,4 @@ try {
 }
 </script>`;
 
-const types = { '.js': 'text/javascript', '.glb': 'model/gltf-binary' };
-const server = createServer((request, response) => {
-  const path = decodeURI(request.url.split('?')[0]);
-  if (path === '/') return response.writeHead(200, { 'content-type': 'text/html' }).end(page_source);
-  const local = path === '/file.glb' ? file : path.startsWith('/three/') ? join('node_modules', path) : '';
-  if (!local || !existsSync(local)) return response.writeHead(404).end();
-  response.writeHead(200, { 'content-type': types[extname(local)] ?? 'application/octet-stream' });
-  createReadStream(local).pipe(response);
-});
-await new Promise((ready) => server.listen(0, '127.0.0.1', ready));
-const browser = await launch({
-  executablePath: chromium,
-  args: ['--no-sandbox', '--disable-dev-shm-usage', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  protocolTimeout: 600000,
-});
-try {
-  const page = await browser.newPage();
-  page.on('console', (m) => m.type() === 'error' && console.error(m.text()));
-  await page.goto(`http://127.0.0.1:${server.address().port}/`);
-  await page.waitForFunction('window.result', { timeout: 300000 });
-  const result = await page.evaluate('window.result');
-  const picture = await page.evaluate('window.picture');
-  if (picture) writeFileSync(out, Buffer.from(picture.split(',')[1], 'base64'));
-  console.log(JSON.stringify(result));
-  process.exitCode = result.error ? 1 : 0;
-} finally {
-  await browser.close();
-  server.close();
-}
+await draw(page_source, file, out);

@@ -1,17 +1,10 @@
 // node splats.mjs FILE.ply CAMERA.json OUT.png: Spark (three.js) in headless Chromium shows Gaussians from a given camera. CAMERA.json:
 //   width, height, fx, fy (the axis goes through the middle), world_from_cam: 16 numbers, row by row, camera x right, y down, z ahead
 // Prints JSON: splats, how many there are; covered, the share of the pixels that are not black.
-import { createReadStream, existsSync, readFileSync, writeFileSync } from 'node:fs';
-import { createServer } from 'node:http';
-import { extname, join } from 'node:path';
-import { launch } from 'puppeteer-core';
+import { readFileSync } from 'node:fs';
+import { draw } from './chromium.mjs';
 
 const [file, camera_file, out] = process.argv.slice(2);
-const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
-if (!chromium) {
-  console.error('chromium is missing: apt-get install chromium');
-  process.exit(7);
-}
 const camera = JSON.parse(readFileSync(camera_file, 'utf8'));
 
 const page_source = `<!doctype html><body style="margin:0"><script type="importmap">
@@ -55,32 +48,4 @@ try {
 }
 </script>`;
 
-const types = { '.js': 'text/javascript', '.wasm': 'application/wasm' };
-const server = createServer((request, response) => {
-  const path = decodeURI(request.url.split('?')[0]);
-  if (path === '/') return response.writeHead(200, { 'content-type': 'text/html' }).end(page_source);
-  const local = path === '/file.ply' ? file : path.startsWith('/node_modules/') && !path.includes('..') ? join('.', path) : '';
-  if (!local || !existsSync(local)) return response.writeHead(404).end();
-  response.writeHead(200, { 'content-type': types[extname(local)] ?? 'application/octet-stream' });
-  createReadStream(local).pipe(response);
-});
-await new Promise((ready) => server.listen(0, '127.0.0.1', ready));
-const browser = await launch({
-  executablePath: chromium,
-  args: ['--no-sandbox', '--disable-dev-shm-usage', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  protocolTimeout: 600000,
-});
-try {
-  const page = await browser.newPage();
-  page.on('console', (m) => m.type() === 'error' && console.error(m.text()));
-  await page.goto(`http://127.0.0.1:${server.address().port}/`);
-  await page.waitForFunction('window.result', { timeout: 300000 });
-  const result = await page.evaluate('window.result');
-  const picture = await page.evaluate('window.picture');
-  if (picture) writeFileSync(out, Buffer.from(picture.split(',')[1], 'base64'));
-  console.log(JSON.stringify(result));
-  process.exitCode = result.error ? 1 : 0;
-} finally {
-  await browser.close();
-  server.close();
-}
+await draw(page_source, file, out);
