@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/stereo/box_fit.h"
 
 namespace vitrine {
 
@@ -152,7 +153,11 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   voxel_ = fine.voxel;
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
   field_ = std::move(field);
-  if (desc.flat_faces) faces_ = flat_faces(surface(), voxel_);
+  if (!desc.flat_faces) return;
+  if (const std::optional<BoxFit> fit = fit_box(masks, bounds_))
+    box_ = fit->box;
+  else
+    faces_ = flat_faces(surface(), voxel_);
 }
 
 Vec3d VisualHull::inwards(const Vec3d& p) const {
@@ -200,6 +205,7 @@ float VisualHull::occupancy(const Vec3d& p) const {
 
 std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   if (empty()) return std::nullopt;
+  if (box_) return box_->first_hit(origin, direction);
   const Vec3d d = normalized(direction);
   double near = 0, far = 1e300;
   for (size_t i = 0; i < 3; ++i) {

@@ -7,34 +7,22 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
+#include "core/stereo/hull_mask.h"
 
 namespace vitrine {
 
-struct HullMask {
-  View view;    // intrinsics of the size of `mask`
-  ImageF mask;  // [h,w,1]; at least one half = belongs to the object, negative = the photo does not say
-  // [h,w,1] z-depth of things that may stand in front, 0 = none; empty: unknown. Outside the mask a photo says nothing about what
-  // lies behind them.
-  ImageF zdepth = {};
-};
-
 struct HullDesc {
-  int resolution = 128;         // voxels along the longest side of what is left
-  double dissent = 0.1;         // share of the photos that may see a voxel outside their mask: something may stand in front
-  size_t fewest_views = 3;      // photos that must see a voxel, at least
-  int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
-  bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
-  double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
-  bool flat_faces = false;      // normals are those of flat faces, if it is made of such (core/stereo/flat_faces.h)
+  int resolution = 128;     // voxels along the longest side of what is left
+  double dissent = 0.1;     // share of the photos that may see a voxel outside their mask: something may stand in front
+  size_t fewest_views = 3;  // photos that must see a voxel, at least
+  int blur_passes = 3;      // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
+  bool one_piece = false;   // keep the largest connected part: cones of few photos also meet where nothing is
+  double reach = 1.2;       // half edge of the cube around the cameras' centre that is looked at
+  // Where the masks are outlines of a box, the surface is the box; else normals are those of flat faces, if it has such.
+  bool flat_faces = false;
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
-};
-
-struct HullHit {
-  double t;
-  Vec3d normal;  // in the world, unit, against the ray
 };
 
 class VisualHull {
@@ -42,9 +30,9 @@ class VisualHull {
   VisualHull(std::span<const HullMask> masks, const HullDesc& desc);
 
   bool empty() const { return field_.empty(); }
-  double one_sidedness() const { return one_sidedness_; }  // of the cameras, as seen from the hull
-  const Bounds3& bounds() const { return bounds_; }        // of what is left, without the room around it
-  size_t faces() const { return faces_.size(); }           // flat ones that normals come from
+  double one_sidedness() const { return one_sidedness_; }    // of the cameras, as seen from the hull
+  const Bounds3& bounds() const { return bounds_; }          // of what is left, without the room around it
+  size_t faces() const { return box_ ? 6 : faces_.size(); }  // flat ones that normals come from
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
@@ -56,6 +44,7 @@ class VisualHull {
   double voxel_ = 0;
   int size_[3] = {0, 0, 0};
   double one_sidedness_ = 0;
+  std::optional<OrientedBox> box_;
   std::vector<FlatFace> faces_;
   std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred
 };

@@ -3,7 +3,8 @@
 //   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
 // version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones. 3:
-// GrabCut keeps the middle of what polygons mark. 4: densification of the quick fit with many photos.
+// GrabCut keeps the middle of what polygons mark. 4: densification of the quick fit with many photos. 5: marks of
+// glass whose outlines are those of a box are the box.
 #pragma once
 
 #include <string>

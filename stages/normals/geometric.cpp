@@ -110,50 +110,54 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
-// Of all classes the hull is made of, at the size of `k`. Empty when the photo has none.
-ImageF hull_mask(const NormalCapture& capture, const std::vector<std::string>& classes, size_t view, const Intrinsics& k) {
-  ImageF all;
-  for (const std::string& kind : classes) {
-    const auto mask = capture.mask(*mask_class(kind), view, k.width, k.height);
-    if (!mask) continue;
-    if (all.empty())
-      all = *mask;
-    else
-      for (size_t i = 0; i < all.data().size(); ++i) all.data()[i] = std::max(all.data()[i], mask->data()[i]);
-  }
-  return all;
+// Each class has a hull of its own: a case is a box, a case and a kettle are not.
+struct ClassHull {
+  MaskClass kind;
+  VisualHull hull;
+};
+
+// Of one class at the size of `k`; glass counts as specular, too, but says nothing of what is no glass. Empty when the photo has
+// none.
+ImageF hull_mask(const NormalCapture& capture, MaskClass kind, size_t view, const Intrinsics& k) {
+  const auto mask = capture.mask(kind, view, k.width, k.height);
+  if (!mask) return {};
+  ImageF out = *mask;
+  if (kind == MaskClass::Transparent) return out;
+  if (const auto glass = capture.mask(MaskClass::Transparent, view, k.width, k.height))
+    for (size_t i = 0; i < out.data().size(); ++i)
+      if (glass->data()[i] >= 0.5f) out.data()[i] = -1;
+  return out;
 }
 
-VisualHull hull_of(const GeometricDesc& desc, GeometricReport& report) {
+VisualHull hull_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& report) {
   std::vector<HullMask> masks;
   for (uint32_t v : desc.capture.helpers) {
     HullMask m{desc.capture.set.views[v], {}};
     m.view.intrinsics = m.view.intrinsics.limited_to(2 * desc.config.max_side);
-    m.mask = hull_mask(desc.capture, desc.config.hull, v, m.view.intrinsics);
+    m.mask = hull_mask(desc.capture, kind, v, m.view.intrinsics);
     if (!m.mask.empty()) masks.push_back(std::move(m));
   }
   VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent, .flat_faces = true});
-  report.hull_masks = masks.size();
-  report.hull = !hull.empty();
-  report.hull_faces = hull.faces();
-  report.hull_one_sidedness = hull.one_sidedness();
+  report.hull_masks = std::max(report.hull_masks, masks.size());
+  report.hull |= !hull.empty();
+  report.hull_faces += hull.faces();
+  report.hull_one_sidedness = std::max(report.hull_one_sidedness, hull.one_sidedness());
   return hull;
 }
 
 // Inside the masks of `view`: the hull's normals. Behind glass stereo sees something else, and on a mirror perhaps.
-void put_hull(const GeometricDesc& desc, const VisualHull& hull, const View& view, size_t index, NormalMap& map) {
+void put_hull(const GeometricDesc& desc, const ClassHull& of, const View& view, size_t index, NormalMap& map) {
   const Intrinsics& k = view.intrinsics;
-  const ImageF mask = hull_mask(desc.capture, desc.config.hull, index, k);
+  const ImageF mask = hull_mask(desc.capture, of.kind, index, k);
   if (mask.empty()) return;
-  const auto glass = desc.capture.mask(MaskClass::Transparent, index, k.width, k.height);
   const Vec3d centre = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       if (mask.at(x, y) < 0.5f) continue;
-      const auto hit = hull.first_hit(centre, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+      const auto hit = of.hull.first_hit(centre, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
       if (hit)
         map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), float(desc.config.hull_confidence));
-      else if (glass && glass->at(x, y) >= 0.5f)
+      else if (of.kind == MaskClass::Transparent)
         map.forget(x, y);
       else
         map.confidence.at(x, y) *= kOnMirror;
@@ -173,8 +177,10 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
   if (confirmed) count_agreement(photos, depths);
-  VisualHull hull({}, {});
-  if (desc.with_hull && desc.capture.masks && !desc.config.hull.empty()) hull = hull_of(desc, r);
+  std::vector<ClassHull> hulls;
+  if (desc.with_hull && desc.capture.masks)
+    for (const std::string& kind : desc.config.hull) hulls.push_back({*mask_class(kind), hull_of(desc, *mask_class(kind), r)});
+  const bool any_hull = std::ranges::any_of(hulls, [](const ClassHull& h) { return !h.hull.empty(); });
   progress(0.85);
   std::vector<NormalMap> normals(desc.views.size());
   parallel_for(desc.views.size(), 1, [&](size_t i) {
@@ -182,13 +188,13 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
     const uint32_t v = desc.views[i];
     const Intrinsics& k = photos[v].view.intrinsics;
     if (depths[v].zdepth.empty()) {
-      if (!hull.empty()) normals[i] = NormalMap(k.width, k.height);
+      if (any_hull) normals[i] = NormalMap(k.width, k.height);
     } else {
       normals[i] = fitted_normals(depth_samples(depths[v], confirmed), photos[v].luma, k);
     }
     if (normals[i].empty()) return;
     forget_hidden_sides(normals[i], k);
-    if (desc.with_hull && desc.capture.masks) put_hull(desc, hull, photos[v].view, v, normals[i]);
+    for (const ClassHull& hull : hulls) put_hull(desc, hull, photos[v].view, v, normals[i]);
   });
   throw_if_interrupted();
   for (uint32_t v : desc.views) r.without_partners += depths[v].zdepth.empty();

@@ -280,7 +280,7 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 Stage normals_stage() {
   StageInfo info{
       .name = "normals",
-      .version = 2,
+      .version = 3,
       .summary = "surface normals of the photos, from stereo, files or a network",
       .inputs = {
           {.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 
 namespace vitrine {
@@ -126,6 +128,39 @@ Vec3d outward(const Grid& grid, int x, int y, int z) {
   return sum;
 }
 
+std::optional<BoxFit> box_of(const std::vector<Judge>& judges, std::span<const HullSurfacePoint> surface) {
+  std::vector<HullMask> masks;
+  for (const Judge& judge : judges) {
+    const Intrinsics& k = judge.view->intrinsics;
+    masks.push_back({*judge.view, ImageF(k.width, k.height, 1)});
+    std::span<float> said = masks.back().mask.data();
+    for (size_t i = 0; i < said.size(); ++i)
+      said[i] = !judge.other.empty() && judge.other[i] >= 128 ? -1.f : float(judge.mask[i]) / 255.f;
+  }
+  Bounds3 bounds;
+  for (const HullSurfacePoint& p : surface) bounds.extend(p.position);
+  return fit_box(masks, bounds);
+}
+
+// A grid of points over every face.
+void put_on(const OrientedBox& box, double spacing, std::vector<HullPoint>& points) {
+  for (size_t axis = 0; axis < 3; ++axis)
+    for (bool upper : {false, true}) {
+      const size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+      const auto steps = [&](size_t along) { return std::max(1, int((box.high[along] - box.low[along]) / spacing)); };
+      Vec3d outwards{};
+      outwards[axis] = upper ? 1 : -1;
+      for (int i = 0; i < steps(u); ++i)
+        for (int j = 0; j < steps(v); ++j) {
+          Vec3d p;
+          p[axis] = (upper ? box.high : box.low)[axis];
+          p[u] = box.low[u] + (i + 0.5) / steps(u) * (box.high[u] - box.low[u]);
+          p[v] = box.low[v] + (j + 0.5) / steps(v) * (box.high[v] - box.low[v]);
+          points.push_back({cast<float>(box.axes * p), cast<float>(box.axes * outwards)});
+        }
+    }
+}
+
 }  // namespace
 
 Hull mask_hull(const MaskHullDesc& desc) {
@@ -156,6 +191,12 @@ Hull mask_hull(const MaskHullDesc& desc) {
         if (!(length(n) > 0)) continue;
         surface.push_back({grid.centre(x, y, z), normalized(n)});
       }
+  if (const std::optional<BoxFit> fit = box_of(judges, surface)) {
+    log_info("the {} is a box ({:.0f} % of the masks and of its outlines agree)",
+             desc.kind == HullClass::Glass ? "glass" : "gloss", 100 * fit->agreement);
+    put_on(fit->box, grid.cell, hull.points);
+    return hull;
+  }
   const std::vector<FlatFace> faces = flat_faces(surface, grid.cell);
   for (HullSurfacePoint p : surface) {
     if (const FlatFace* face = face_of(faces, p, grid.cell))

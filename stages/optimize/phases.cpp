@@ -26,8 +26,8 @@ void describe_layer(Describer& d, LayerPhase& c) {
 
 void describe(Describer& d, DiffusePhase& c) {
   d.option("specular_weight", c.specular_weight,
-           "Weight of the picture losses inside the specular mask until the reflection layer begins, so that the diffuse layer "
-           "does not bake reflections.")
+           "Weight of the picture losses inside the specular mask and outside the transparent one until the reflection layer "
+           "begins, so that the diffuse layer does not bake reflections.")
       .range(0, 1);
 }
 

@@ -46,7 +46,7 @@ struct TransmittancePhase : LayerPhase {
   double glass_factor = 0.05;                                     // on top, where the diffuse layer is transparent
 };
 struct DiffusePhase {
-  double specular_weight = 0.3;  // of the picture losses inside the specular mask, until reflection begins
+  double specular_weight = 0.3;  // of the picture losses on gloss (specular, not transparent), until reflection begins
 };
 // How the layers become a picture (core/model).
 struct ShadingConfig {

@@ -108,7 +108,8 @@ double Trainer::blame(const PhotoLevel& photo) {
   return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
 }
 
-// No loss where the ignore mask says so, and less inside the specular mask until there is a layer to explain gloss.
+// No loss where the ignore mask says so, and less on gloss until there is a layer to explain it. Glass counts in full: most of what
+// it shows stands behind it.
 void Trainer::weigh_pixels(const PhaseClock& clock) {
   weight_.clear();
   const auto ignore = target_images_.mask(MaskClass::Ignore), specular = target_images_.mask(MaskClass::Specular);
@@ -119,7 +120,11 @@ void Trainer::weigh_pixels(const PhaseClock& clock) {
   const auto inside = static_cast<float>(config().phases.diffuse.specular_weight);
   if (specular.empty() || !setup_.layers.reflection || clock.begun(LayerKind::Reflection) || inside == 1) return;
   weight_.resize(specular.size(), 1.f);
-  for (size_t i = 0; i < specular.size(); ++i) weight_[i] *= 1 + (inside - 1) * specular[i];
+  const auto transparent = target_images_.mask(MaskClass::Transparent);
+  for (size_t i = 0; i < specular.size(); ++i) {
+    const float gloss = specular[i] * (transparent.empty() ? 1 : 1 - transparent[i]);
+    weight_[i] *= 1 + (inside - 1) * gloss;
+  }
 }
 
 double Trainer::descend(uint32_t photo_index) {

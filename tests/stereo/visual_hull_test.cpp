@@ -7,32 +7,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/stereo/outlines.h"
+
 namespace vitrine {
 namespace {
 
 constexpr double kRadius = 0.25;
 const Vec3d kCentre{0.05, -0.1, 0.1};
 
-// Silhouettes of a ball from `count` cameras within `span_rad` of azimuth.
 std::vector<HullMask> ball_masks(int count, double span_rad, const Vec3d& centre = kCentre, double radius = kRadius) {
-  std::vector<HullMask> masks;
-  for (int i = 0; i < count; ++i) {
-    const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;
-    const Vec3d eye{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
-    const Vec3d forward = normalized(-eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
-    HullMask m;
-    m.view.intrinsics = {96, 80, 90, 90, 48, 40};
-    m.view.cam_from_world = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
-    m.mask = ImageF(96, 80, 1);
-    for (int y = 0; y < 80; ++y)
-      for (int x = 0; x < 96; ++x) {
-        const Vec3d d = normalized(transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5)));
-        const Vec3d to = centre - eye;
-        m.mask.at(x, y) = length(to - dot(to, d) * d) < radius ? 1.f : 0.f;
-      }
-    masks.push_back(std::move(m));
-  }
-  return masks;
+  return outlines(count, span_rad, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, radius, eye, d); });
 }
 
 TEST(VisualHull, OfABallHasTheBallsNormals) {
@@ -65,25 +49,9 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
 // Silhouettes of a box that is turned by 20 degrees about z; its height is 1.4 times its half width.
 constexpr double kHalf = 0.22, kTurn = 0.35;
 std::vector<HullMask> box_masks(int count) {
-  std::vector<HullMask> masks = ball_masks(count, 2 * std::numbers::pi);
-  const double c = std::cos(kTurn), s = std::sin(kTurn);
-  for (HullMask& m : masks) {
-    const Vec3d eye = m.view.centre_in_world();
-    for (int y = 0; y < 80; ++y)
-      for (int x = 0; x < 96; ++x) {
-        const Vec3d ray = transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5));
-        const Vec3d o{c * eye.x + s * eye.y, -s * eye.x + c * eye.y, eye.z},
-            d{c * ray.x + s * ray.y, -s * ray.x + c * ray.y, ray.z};
-        double near = -1e9, far = 1e9;
-        for (size_t i = 0; i < 3; ++i) {
-          const double h = i == 2 ? 1.4 * kHalf : kHalf, a = (-h - o[i]) / d[i], b = (h - o[i]) / d[i];
-          near = std::max(near, std::min(a, b));
-          far = std::min(far, std::max(a, b));
-        }
-        m.mask.at(x, y) = near < far && near > 0 ? 1.f : 0.f;
-      }
-  }
-  return masks;
+  return outlines(count, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) {
+    return meets_box({kHalf, kHalf, 1.4 * kHalf}, kTurn, eye, d);
+  });
 }
 
 // Mean and median angle, in degrees, of the hull's normals to the nearest of the box's.

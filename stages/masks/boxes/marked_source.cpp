@@ -8,6 +8,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/stereo/box_fit.h"
 #include "stages/masks/boxes/grab_cut.h"
 #include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
@@ -90,6 +91,11 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
   out.summary.edge = std::max({extent.x, extent.y, extent.z});
   for (size_t v = 0; v < views.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
 
+  if (thing.kind == MaskClass::Transparent && tight)
+    if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
+      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(fit->box, views[v]);
+      out.summary.box_agreement = fit->agreement;
+    }
   if (thing.kind != MaskClass::Transparent) {
     std::vector<std::vector<uint8_t>> found(views.size());
     parallel_for(views.size(), 1, [&](size_t v) {
@@ -155,7 +161,10 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   for (size_t t = 0; t < things.size(); ++t) {
     const Carried carried = carry(config, capture, views, photos, things[t]);
     log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
-             carried.summary.voted ? "; its outlines were looked for in all photos" : "");
+             carried.summary.voted ? "; its outlines were looked for in all photos"
+             : carried.summary.box_agreement > 0
+                 ? fmt::format("; a box has these outlines ({:.0f} % of the pixels)", 100 * carried.summary.box_agreement)
+                 : "");
     masks->things.push_back(carried.summary);
     for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
@@ -185,8 +194,12 @@ void MarkedSource::report(nlohmann::ordered_json& j) const {
   j["things"] = nlohmann::ordered_json::array();
   for (const MarkedMasks::Thing& t : masks_->things)
     if (marks_class(t.kind, kind_))
-      j["things"].push_back(
-          {{"name", t.name}, {"marks", t.marks}, {"across", t.edge}, {"outlines_found", t.refined}, {"voted", t.voted}});
+      j["things"].push_back({{"name", t.name},
+                             {"marks", t.marks},
+                             {"across", t.edge},
+                             {"outlines_found", t.refined},
+                             {"voted", t.voted},
+                             {"box_agreement", t.box_agreement}});
 }
 
 }  // namespace vitrine

@@ -1,0 +1,205 @@
+#include "core/stereo/box_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/parallel.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kTurns = 6;                                                  // starts, over a quarter of a turn about z
+constexpr double kFirstStep = 0.08, kCoarseStep = 0.01, kLastStep = 2e-4;  // of the box's diagonal; radians for angles
+constexpr double kCounted = 0.75;                                          // of the photos, the better ones
+
+// A mask row by row: how much of it, and how much that says anything at all, lies left of x.
+class RowSums {
+ public:
+  explicit RowSums(const HullMask& m) : view_(m.view), width_(m.mask.width()), height_(m.mask.height()) {
+    mask_.assign(size_t(height_) * stride(), 0.f);
+    known_ = mask_;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        const float value = m.mask.at(x, y);
+        const size_t i = size_t(y) * stride() + size_t(x);
+        mask_[i + 1] = mask_[i] + (value >= 0.5f ? 1.f : 0.f);
+        known_[i + 1] = known_[i] + (value < 0 ? 0.f : 1.f);
+      }
+    for (int y = 0; y < height_; ++y) all_ += double(mask_[size_t(y + 1) * stride() - 1]);
+  }
+  bool says_nothing() const { return all_ == 0; }
+
+  double agreement(const OrientedBox& box) const;
+
+ private:
+  size_t stride() const { return size_t(width_) + 1; }
+  double left_of(const std::vector<float>& sums, int y, double x) const {
+    const double at = std::clamp(x, 0.0, double(width_));
+    const auto i = std::min(size_t(at), size_t(width_) - 1);
+    const float* row = sums.data() + size_t(y) * stride();
+    return double(row[i]) + (at - double(i)) * double(row[i + 1] - row[i]);
+  }
+
+  View view_;
+  int width_, height_;
+  std::vector<float> mask_, known_;
+  double all_ = 0;
+};
+
+// The outline of a box: the span [left, right] of every row of pixels, at the height of their centres. Empty if a corner is
+// behind the camera.
+using Spans = std::vector<std::array<double, 2>>;
+Spans outline_spans(const OrientedBox& box, const View& view) {
+  const Intrinsics& k = view.intrinsics;
+  std::array<Vec2d, 8> corners;
+  for (size_t i = 0; i < 8; ++i) {
+    const Vec3d p = view.cam_from_world * box.corner(i);
+    if (!(p.z > 1e-6)) return {};
+    corners[i] = {k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy};
+  }
+  Spans spans(size_t(k.height), {1e9, -1e9});
+  for (size_t i = 0; i < 8; ++i)
+    for (size_t bit = 1; bit < 8; bit *= 2) {
+      if (i & bit) continue;
+      Vec2d a = corners[i], b = corners[i | bit];
+      if (a.y > b.y) std::swap(a, b);
+      const int first = std::max(0, int(std::ceil(a.y - 0.5))), last = std::min(k.height - 1, int(std::floor(b.y - 0.5)));
+      for (int y = first; y <= last; ++y) {
+        const double x = b.y > a.y ? a.x + (y + 0.5 - a.y) / (b.y - a.y) * (b.x - a.x) : a.x;
+        spans[size_t(y)] = {std::min(spans[size_t(y)][0], x), std::max(spans[size_t(y)][1], x)};
+      }
+    }
+  return spans;
+}
+
+double RowSums::agreement(const OrientedBox& box) const {
+  double both = 0, outline = 0;
+  const Spans spans = outline_spans(box, view_);
+  for (size_t y = 0; y < spans.size(); ++y) {
+    if (!(spans[y][1] > spans[y][0])) continue;
+    both += left_of(mask_, int(y), spans[y][1]) - left_of(mask_, int(y), spans[y][0]);
+    outline += left_of(known_, int(y), spans[y][1]) - left_of(known_, int(y), spans[y][0]);
+  }
+  return both / std::max(all_ + outline - both, 1.0);
+}
+
+double mean_agreement(const std::vector<RowSums>& photos, const OrientedBox& box) {
+  std::vector<double> each(photos.size());
+  parallel_for(photos.size(), 4, [&](size_t i) { each[i] = photos[i].agreement(box); });
+  std::sort(each.begin(), each.end(), std::greater<>());
+  const size_t counted = std::max<size_t>(1, size_t(std::ceil(kCounted * double(each.size()))));
+  double sum = 0;
+  for (size_t i = 0; i < counted; ++i) sum += each[i];
+  return sum / double(counted);
+}
+
+Mat3d turned(size_t axis, double angle) {
+  Quatd q{std::cos(angle / 2), 0, 0, 0};
+  (axis == 0 ? q.x : axis == 1 ? q.y : q.z) = std::sin(angle / 2);
+  return rotation_matrix(q);
+}
+
+// Moves face `i` (low and high of each axis) outwards, or turns the box about its middle by a `step`, for i = 6 to 8.
+OrientedBox moved(const OrientedBox& box, size_t i, double step) {
+  OrientedBox out = box;
+  if (i < 6) {
+    const size_t axis = i / 2;
+    (i % 2 == 0 ? out.low : out.high)[axis] += (i % 2 == 0 ? -1 : 1) * step * length(box.high - box.low);
+    return out;
+  }
+  const Vec3d middle = box.axes * (0.5 * (box.low + box.high));
+  out.axes = box.axes * turned(i - 6, step);
+  const Vec3d shift = transposed_times(out.axes, middle) - 0.5 * (box.low + box.high);
+  out.low += shift, out.high += shift;
+  return out;
+}
+
+// Pattern search: one number at a time, shorter steps where none helps.
+double improve(const std::vector<RowSums>& photos, double step, double last_step, OrientedBox& box) {
+  double best = mean_agreement(photos, box);
+  for (; step >= last_step; step *= 0.5)
+    for (bool better = true; better;) {
+      better = false;
+      for (size_t i = 0; i < 9; ++i)
+        for (double sign : {1.0, -1.0}) {
+          const OrientedBox trial = moved(box, i, sign * step);
+          if (!(trial.high.x > trial.low.x && trial.high.y > trial.low.y && trial.high.z > trial.low.z)) continue;
+          const double agreement = mean_agreement(photos, trial);
+          if (agreement > best + 1e-9) best = agreement, box = trial, better = true;
+        }
+    }
+  return best;
+}
+
+}  // namespace
+
+Vec3d OrientedBox::corner(size_t i) const {
+  return axes * Vec3d{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+}
+
+std::vector<FlatFace> OrientedBox::faces() const {
+  std::vector<FlatFace> faces;
+  for (size_t axis = 0; axis < 3; ++axis)
+    for (bool upper : {false, true}) {
+      Vec3d along{};
+      along[axis] = upper ? 1 : -1;
+      FlatFace face{axes * along, upper ? high[axis] : -low[axis], {}};
+      for (size_t i = 0; i < 8; ++i)
+        if (((i >> axis) & 1) == size_t(upper)) face.bounds.extend(corner(i));
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+std::optional<HullHit> OrientedBox::first_hit(const Vec3d& origin, const Vec3d& direction) const {
+  const Vec3d o = transposed_times(axes, origin), d = transposed_times(axes, direction);
+  double near = 0, far = 1e300;
+  size_t entered = 3;
+  for (size_t i = 0; i < 3; ++i) {
+    const double a = (low[i] - o[i]) / d[i], b = (high[i] - o[i]) / d[i];
+    if (!(std::max(a, b) > 0)) return std::nullopt;
+    if (std::min(a, b) > near) near = std::min(a, b), entered = i;
+    far = std::min(far, std::max(a, b));
+  }
+  if (entered == 3 || near >= far) return std::nullopt;
+  Vec3d normal{};
+  normal[entered] = d[entered] > 0 ? -1 : 1;
+  return HullHit{near, axes * normal};
+}
+
+std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least) {
+  std::vector<RowSums> photos;
+  for (const HullMask& m : masks) {
+    photos.emplace_back(m);
+    if (photos.back().says_nothing()) photos.pop_back();
+  }
+  if (photos.empty() || about.empty()) return std::nullopt;
+  const Vec3d centre = about.centre();
+  const Vec3d half = 0.5 * (about.high - about.low);
+  BoxFit best;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    OrientedBox box{turned(2, std::numbers::pi / 2 * turn / kTurns), {}, {}};
+    const Vec3d c = transposed_times(box.axes, centre), h = 0.85 * Vec3d{half.x, half.y, half.z};
+    box.low = c - h, box.high = c + h;
+    if (const double agreement = improve(photos, kFirstStep, kCoarseStep, box); agreement > best.agreement)
+      best = {box, agreement};
+  }
+  best.agreement = improve(photos, kCoarseStep, kLastStep, best.box);
+  if (best.agreement < least) return std::nullopt;
+  return best;
+}
+
+std::vector<uint8_t> outline_mask(const OrientedBox& box, const View& view) {
+  const Intrinsics& k = view.intrinsics;
+  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
+  const Spans spans = outline_spans(box, view);
+  for (size_t y = 0; y < spans.size(); ++y)
+    for (int x = std::max(0, int(std::ceil(spans[y][0] - 0.5))); x < k.width && x + 0.5 <= spans[y][1]; ++x)
+      inside[y * size_t(k.width) + size_t(x)] = 1;
+  return inside;
+}
+
+}  // namespace vitrine

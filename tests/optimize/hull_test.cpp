@@ -1,0 +1,47 @@
+// Where surfels of glass are put.
+#include "stages/optimize/hull.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/stereo/outlines.h"
+
+namespace vitrine {
+namespace {
+
+TEST(MaskHull, OfACaseIsItsSixFaces) {
+  constexpr double kTurn = 0.35;
+  const Vec3d half{0.2, 0.14, 0.28};
+  const auto masks =
+      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, kTurn, eye, d); });
+  Capture capture;
+  Targets targets;
+  std::vector<std::vector<float>> depths;
+  for (const HullMask& m : masks) {
+    capture.train.push_back(uint32_t(capture.photos.size()));
+    capture.photos.emplace_back().levels[0].view = m.view;
+    auto& glass = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Transparent)];
+    for (float inside : m.mask.data()) glass.push_back(inside > 0 ? 255 : 0);
+    depths.emplace_back(glass.size(), 0.f);
+  }
+  const Hull hull = mask_hull({.kind = HullClass::Glass, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+  ASSERT_GT(hull.points.size(), 500u);
+  const double c = std::cos(kTurn), s = std::sin(kTurn);
+  for (const HullPoint& p : hull.points) {
+    const Vec3d at{c * p.position.x + s * p.position.y, -s * p.position.x + c * p.position.y, double(p.position.z)};
+    const Vec3d n{c * p.normal.x + s * p.normal.y, -s * p.normal.x + c * p.normal.y, double(p.normal.z)};
+    size_t axis = 0;
+    for (size_t i = 1; i < 3; ++i)
+      if (std::abs(n[i]) > std::abs(n[axis])) axis = i;
+    EXPECT_GT(std::abs(n[axis]), 0.9999);                                  // under a degree
+    EXPECT_NEAR(at[axis], n[axis] > 0 ? half[axis] : -half[axis], 0.006);  // half a pixel
+  }
+}
+
+TEST(MaskHull, OfNoMaskIsNone) {
+  const Capture capture;
+  const Targets targets;
+  EXPECT_TRUE(mask_hull({.capture = capture, .targets = targets, .depths = {}}).points.empty());
+}
+
+}  // namespace
+}  // namespace vitrine
