@@ -21,6 +21,7 @@ ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<V
     const auto json = nlohmann::json::parse(text);
     split.holdout_every = json.at("holdout_every").get<int>();
     split.max_side = json.at("max_side").get<int>();
+    split.object_alone = json.value("object_alone", false);
     for (const auto& [key, list] : {std::pair{"train", &split.train}, {"heldout", &split.heldout}})
       for (const auto& item : json.at(key)) {
         const auto it = index.find(item.get<std::string>());

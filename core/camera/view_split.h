@@ -12,6 +12,7 @@ struct ViewSplit {
   int holdout_every = 0;
   int max_side = 0;                    // longest side in training, pixels; 0 = as the photos
   std::vector<size_t> train, heldout;  // indices into the views
+  bool object_alone = false;           // trained inside the object's masks only: nothing else is in the scene
 };
 // Throws Error{Input} when the file is broken or names a view that the capture does not have.
 ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<View>& views);

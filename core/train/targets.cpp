@@ -159,6 +159,12 @@ void load_normals(const Capture& capture, const fs::path& artifact, Targets& tar
 
 }  // namespace
 
+void Targets::forget(MaskClass mask) {
+  has[static_cast<size_t>(mask)] = false;
+  for (auto& photo : photos)
+    for (TargetLevel& level : photo) level.masks[static_cast<size_t>(mask)].clear();
+}
+
 Targets load_targets(const Capture& capture, const std::optional<fs::path>& masks, const std::optional<fs::path>& normals) {
   Targets targets;
   targets.photos.resize(capture.photos.size());

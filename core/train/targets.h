@@ -35,6 +35,7 @@ struct Targets {
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;
 
+  void forget(MaskClass mask);
   bool any(MaskClass mask) const { return has[static_cast<size_t>(mask)]; }
   bool vouched(MaskClass mask) const { return any(mask) && !guessed[static_cast<size_t>(mask)]; }
 };

@@ -59,9 +59,10 @@ class Evaluator {
 
   void run() {
     if (const auto folder = context_.optional_input("truth")) open_truth(*folder);
+    masks_ = context_.optional_input("masks");
     if (truth_ && truth_->has_maps("mask"))
       result_.regions_from = "truth";
-    else if ((masks_ = context_.optional_input("masks")))
+    else if (masks_)
       result_.regions_from = "masks";
     score_views();
     if (truth_) finish_truth();
@@ -158,17 +159,26 @@ class Evaluator {
     View seen = view;
     seen.intrinsics = view.intrinsics.limited_to(result_.split.max_side);
     const ViewPicture render = painter_.picture(seen);
-    const ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
+    ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
+    // What was not trained is judged by nobody, and black in the pictures.
+    std::optional<ImageF> judged;
+    if (result_.split.object_alone && masks_) judged = stage_mask(*masks_, view, MaskClass::Object, render.intrinsics);
+    if (judged)
+      for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] *= judged->data()[i / 3];
+    const ImageF* within = judged ? &*judged : nullptr;
     ViewScore score{.name = view.name,
                     .heldout = heldout,
-                    .psnr = psnr(render.srgb, photo),
-                    .ssim = ssim(render.srgb, photo),
+                    .psnr = psnr(render.srgb, photo, within),
+                    .ssim = ssim(render.srgb, photo, within),
                     .region_psnr = {},
                     .pose = {},
                     .normal_mae_deg = {},
                     .zdepth_rel = {}};
     if (result_.views.empty()) result_.resolution = render.intrinsics;
-    const RegionMasks masks = region_masks([&](MaskClass c) { return mask(index, c, render.intrinsics); }, render.intrinsics);
+    RegionMasks masks = region_masks([&](MaskClass c) { return mask(index, c, render.intrinsics); }, render.intrinsics);
+    if (judged)
+      for (auto& [region, pixels] : masks)
+        for (size_t i = 0; i < pixels.data().size(); ++i) pixels.data()[i] *= judged->data()[i];
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);

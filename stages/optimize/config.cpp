@@ -39,6 +39,10 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.option("holdout_every", c.holdout_every, "Every how many photos one is kept from training for the evaluation; 0 = none.")
       .range(0, 100000);
+  d.option("surroundings", c.surroundings,
+           "What masks of the object leave out: train it like everything else, ignore it (the object alone), or auto: ignore it "
+           "where hardly a sparse point lies outside the masks, as on a turntable or before a plain backdrop.")
+      .choices({"auto", "train", "ignore"});
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation.");
   d.option("preview_every", c.preview_every, "Steps between two preview pictures; 0 = only the last.").range(0, 10000000);

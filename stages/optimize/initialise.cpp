@@ -146,12 +146,14 @@ Quatf rotation_facing(const Vec3f& normal) {
   return {float(q.w), float(q.x), float(q.y), float(q.z)};
 }
 
-SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels) {
+SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
+                         const std::function<bool(const Vec3d&)>& keep) {
   const size_t limit = std::max<size_t>(1, static_cast<size_t>(kInitialShare * double(max_surfels)));
   std::vector<Seed> seeds;
   add_sparse_points(capture.view_set, limit, static_cast<uint64_t>(config.seed), seeds);
   add_frustum_points(config, capture, dense, std::min<size_t>(size_t(config.initial.frustum_points), limit - seeds.size()),
                      seeds);
+  if (keep) std::erase_if(seeds, [&](const Seed& seed) { return !keep(cast<double>(seed.position)); });
   if (seeds.empty())
     throw Error(ErrorKind::Input, "there is nothing to start from",
                 {.why = "the sfm stage found no sparse point in any training photo, and frustum_points is 0",

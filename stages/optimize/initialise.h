@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "core/math/rigid.h"
 #include "core/scene/layers.h"
@@ -15,6 +16,8 @@ namespace vitrine {
 // A rotation whose third column is `normal`.
 Quatf rotation_facing(const Vec3f& normal);
 
-SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels);
+// `keep`: where surfels may stand; empty = anywhere.
+SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, const DenseDepth& dense, size_t max_surfels,
+                         const std::function<bool(const Vec3d&)>& keep = {});
 
 }  // namespace vitrine

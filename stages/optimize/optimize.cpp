@@ -14,6 +14,7 @@
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
+#include "stages/optimize/object_alone.h"
 #include "stages/optimize/outputs.h"
 
 namespace vitrine {
@@ -49,13 +50,15 @@ std::unique_ptr<Trainer> trainer_from(const fs::path& checkpoint, const TrainerS
 }
 
 std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, StageContext& context) {
-  const auto& [config, capture, targets, layers, max_surfels] = setup;
+  const auto& [config, capture, targets, layers, max_surfels, alone] = setup;
   const Timer stereo_timer;
   const DenseDepth dense = dense_depth(capture, config.initial.stereo_side, config.initial.far_factor, uint64_t(config.seed));
   context.timing("stereo_seconds", stereo_timer.seconds());
   log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * dense.reliable_share(),
            capture.train.size(), stereo_timer.seconds());
-  SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse));
+  std::function<bool(const Vec3d&)> keep;
+  if (alone) keep = [&](const Vec3d& p) { return on_object(capture, targets, p); };
+  SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);
   return std::make_unique<Trainer>(setup, std::move(initial), dense.planes);
@@ -120,18 +123,30 @@ double mean_psnr(const std::vector<PhotoQuality>& photos) {
 void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
-  const Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
+  Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
   const LayerChoice layers =
       chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
   if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
     log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
+  const bool alone = object_alone(config.surroundings, capture, targets);
+  if (alone)
+    log_info("the object is trained alone{}", config.surroundings == "auto"
+                                                  ? ": hardly a sparse point lies outside its masks, so the surroundings do not "
+                                                    "stand still with it (--set optimize.surroundings=train)"
+                                                  : "");
+  else  // its loss would push everything else out of the picture
+    targets.forget(MaskClass::Object);
   check_memory(config, capture, context);
   const auto max_surfels = static_cast<size_t>(config.max_gaussians);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
-  const TrainerSetup setup{
-      .config = config, .capture = capture, .targets = targets, .layers = layers, .max_surfels = max_surfels};
+  const TrainerSetup setup{.config = config,
+                           .capture = capture,
+                           .targets = targets,
+                           .layers = layers,
+                           .max_surfels = max_surfels,
+                           .object_alone = alone};
   const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
   auto trainer = trainer_from(checkpoint, setup, context);
   if (!trainer) trainer = trainer_from_start(setup, context);
@@ -143,7 +158,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
     if (layers.has(kind))
       write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());
-  write_views(context.output() / "optimize/views.json", config, capture);
+  write_views(context.output() / "optimize/views.json", config, capture, alone);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
   make_folders(previews);
   // Previews wait in the scratch folder, so that those from before an interruption are kept.

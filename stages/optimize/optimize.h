@@ -36,6 +36,7 @@ struct OptimizeConfig {
   std::string backend = "cpu";
   int seed = 1;
   int holdout_every = 8;
+  std::string surroundings = "auto";
   bool fill_unseen = true;
   int preview_every = 1000;
   int checkpoint_every = 250;

@@ -7,7 +7,7 @@
 
 namespace vitrine {
 
-void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture);
+void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, bool object_alone);
 // Photo, picture and normals of one photo side by side; below, what each layer adds to the picture.
 void write_preview(const std::filesystem::path& path, const Trainer& trainer, const Capture& capture, uint32_t photo);
 

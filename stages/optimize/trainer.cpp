@@ -108,14 +108,18 @@ double Trainer::blame(const PhotoLevel& photo) {
   return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
 }
 
-// No loss where the ignore mask says so, and less on gloss until there is a layer to explain it. Glass counts in full: most of what
-// it shows stands behind it.
+// No loss where the ignore mask says so, and less on gloss until there is a layer to explain it. Glass counts in full: most of
+// what it shows stands behind it. Nor around an object that is trained alone: what surrounds it did not stand still.
 void Trainer::weigh_pixels(const PhaseClock& clock) {
   weight_.clear();
   const auto ignore = target_images_.mask(MaskClass::Ignore), specular = target_images_.mask(MaskClass::Specular);
   if (!ignore.empty()) {
     weight_.resize(ignore.size());
     for (size_t i = 0; i < ignore.size(); ++i) weight_[i] = 1 - ignore[i];
+  }
+  if (const auto object = target_images_.mask(MaskClass::Object); setup_.object_alone && !object.empty()) {
+    weight_.resize(object.size(), 1.f);
+    for (size_t i = 0; i < object.size(); ++i) weight_[i] *= object[i];
   }
   const auto inside = static_cast<float>(config().phases.diffuse.specular_weight);
   if (specular.empty() || !setup_.layers.reflection || clock.begun(LayerKind::Reflection) || inside == 1) return;
@@ -248,7 +252,7 @@ void Trainer::begin_phases() {
 
 // When surfels are no longer moved, which would take away those that no photo needs, nor handed to other layers.
 void Trainer::fill_unseen() {
-  if (!config().fill_unseen || filled_ || fraction() < config().densify.until) return;
+  if (!config().fill_unseen || setup_.object_alone || filled_ || fraction() < config().densify.until) return;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
     if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) return;
   filled_ = 1;

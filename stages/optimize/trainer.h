@@ -29,7 +29,8 @@ struct TrainerSetup {
   const Capture& capture;
   const Targets& targets;
   LayerChoice layers;
-  size_t max_surfels;  // of all layers together
+  size_t max_surfels;         // of all layers together
+  bool object_alone = false;  // (object_alone.h)
 };
 
 class Trainer {

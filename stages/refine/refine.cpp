@@ -83,6 +83,7 @@ class Refiner {
               voxel_of(context.input("mesh") / "mesh" / "report.json")),
         // A scene trained on all photos is judged by them.
         judges_(capture_.heldout.empty() ? capture_.train : capture_.heldout) {
+    targets_.forget(MaskClass::Object);  // its loss is for objects that are trained alone, by the optimize stage
     for (const TargetProblem& problem : targets_.warnings) context.warning(problem.code, problem.text);
   }
 
@@ -318,7 +319,7 @@ class Refiner {
   StageContext& context_;
   const TrainedScene scene_;
   const Capture capture_;
-  const Targets targets_;
+  Targets targets_;
   const GlassMesh mesh_;
   const std::vector<uint32_t> judges_;
   std::vector<GlassView> views_;
