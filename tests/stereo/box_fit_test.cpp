@@ -8,17 +8,17 @@
 namespace vitrine {
 namespace {
 
-constexpr double kAround = 2 * std::numbers::pi, kTurn = 0.35;
-const Vec3d kHalf{0.2, 0.14, 0.28};
+constexpr double kAround = 2 * std::numbers::pi, kCaseTurn = 0.35;
+const Vec3d kCaseHalf{0.2, 0.14, 0.28};
 const Bounds3 kAbout{{-0.3, -0.3, -0.35}, {0.3, 0.3, 0.35}};
 
 std::vector<HullMask> case_masks(int count) {
-  return outlines(count, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_box(kHalf, kTurn, eye, d); });
+  return outlines(count, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_box(kCaseHalf, kCaseTurn, eye, d); });
 }
 
 // Largest angle between a face and the nearest true one, degrees, and largest distance of a corner from the nearest true one.
 std::pair<double, double> errors(const OrientedBox& box) {
-  const double c = std::cos(kTurn), s = std::sin(kTurn);
+  const double c = std::cos(kCaseTurn), s = std::sin(kCaseTurn);
   double angle = 0, distance = 0;
   for (const FlatFace& f : box.faces()) {
     const Vec3d& n = f.normal;
@@ -28,7 +28,8 @@ std::pair<double, double> errors(const OrientedBox& box) {
   for (size_t i = 0; i < 8; ++i) {
     double nearest = 1e9;
     for (size_t j = 0; j < 8; ++j) {
-      const Vec3d local{j & 1 ? kHalf.x : -kHalf.x, j & 2 ? kHalf.y : -kHalf.y, j & 4 ? kHalf.z : -kHalf.z};
+      const Vec3d local{j & 1 ? kCaseHalf.x : -kCaseHalf.x, j & 2 ? kCaseHalf.y : -kCaseHalf.y,
+                        j & 4 ? kCaseHalf.z : -kCaseHalf.z};
       const Vec3d corner{c * local.x - s * local.y, s * local.x + c * local.y, local.z};
       nearest = std::min(nearest, length(box.corner(i) - corner));
     }
