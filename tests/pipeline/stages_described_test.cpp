@@ -1,6 +1,7 @@
 // Rules that hold for every real stage, read from what its executable says of itself.
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -28,6 +29,35 @@ std::string output_of(const std::vector<std::string>& arguments) {
       run_process({.arguments = arguments, .on_line = [&](std::string_view line) { text += std::string(line) + "\n"; }});
   EXPECT_TRUE(r.ok()) << join_command(arguments) << "\n" << text;
   return text;
+}
+
+// What the build wrote down saves starting every program; it must be what they say.
+TEST(Stages, AreDescribedByFilesBesideThemAsTheyDescribeThemselves) {
+  for (const StageNode& n : graph().nodes) {
+    ASSERT_TRUE(fs::exists(n.executable.string() + ".json")) << n.name;
+    EXPECT_EQ(read_file(n.executable.string() + ".json"), output_of({n.executable.string(), "--describe"})) << n.name;
+  }
+}
+
+TEST(Stages, AreAskedWhereTheFileIsOlderThanTheProgramOrDamaged) {
+  const TemporaryFolder folder;
+  const fs::path program = folder.path() / "vitrine-one", file = folder.path() / "vitrine-one.json";
+  const auto described = [](const char* summary) {
+    return fmt::format(R"({{"format": 1, "name": "one", "version": 1, "summary": "{}", "inputs": [], "options": []}})", summary);
+  };
+  write_file(folder.path() / "vitrine.stages", "one\n");
+  write_file(program, "#!/bin/sh\necho '" + described("asked") + "'\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const auto summary = [&] { return load_graph(folder.path()).nodes.at(0).summary; };
+  EXPECT_EQ(summary(), "asked");
+  write_file(file, described("written"));
+  fs::last_write_time(file, fs::last_write_time(program) + std::chrono::seconds(1));
+  EXPECT_EQ(summary(), "written");
+  fs::last_write_time(file, fs::last_write_time(program) - std::chrono::seconds(1));
+  EXPECT_EQ(summary(), "asked");
+  write_file(file, described("written").substr(0, 20));
+  fs::last_write_time(file, fs::last_write_time(program) + std::chrono::seconds(1));
+  EXPECT_EQ(summary(), "asked");
 }
 
 TEST(Stages, StandInAnOrderThatCanRun) {
