@@ -11,19 +11,19 @@
 
 namespace vitrine {
 
-struct Intrinsics {                       // PINHOLE, pixels
+struct Intrinsics {  // PINHOLE, pixels
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
 
+  int longest_side() const { return width > height ? width : height; }
   Intrinsics scaled_to(int new_width, int new_height) const {
     const double sx = double(new_width) / width, sy = double(new_height) / height;
     return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
   }
   // Longest side at most `max_side` (0 = as it is).
   Intrinsics limited_to(int max_side) const {
-    const int side = width > height ? width : height;
-    if (max_side <= 0 || side <= max_side) return *this;
-    const double s = double(max_side) / side;
+    if (max_side <= 0 || longest_side() <= max_side) return *this;
+    const double s = double(max_side) / longest_side();
     return scaled_to(int(width * s + 0.5), int(height * s + 0.5));
   }
   // Direction in the camera frame with z = 1 through pixel coordinates (px, py).
@@ -32,7 +32,7 @@ struct Intrinsics {                       // PINHOLE, pixels
 };
 
 struct View {
-  std::string name;                       // file name relative to images/, e.g. "IMG_0001.png"
+  std::string name;  // file name relative to images/, e.g. "IMG_0001.png"
   Intrinsics intrinsics;
   Rigid cam_from_world;
   // Linear photo = gain * scene radiance, per channel (exposure and white balance; mean over views = 1 in log).
@@ -42,17 +42,17 @@ struct View {
   Vec3d centre_in_world() const { return inverse(cam_from_world).translation; }
 };
 
-struct ScenePoint {                       // a triangulated SfM point
+struct ScenePoint {  // a triangulated SfM point
   Vec3d position;
-  Vec3f linear_rgb;                       // [0,1]
+  Vec3f linear_rgb;  // [0,1]
   double error_px = 0;
-  std::vector<uint32_t> views;            // indices into ViewSet::views
+  std::vector<uint32_t> views;  // indices into ViewSet::views
 };
 
 // The calibrated capture, in the normalised frame (scene_from_colmap applied): camera ring centred near 0, radius 1, +y down
 // in the mean camera's sense is mapped so that up is +z (see core/conventions.md).
 struct ViewSet {
-  std::vector<View> views;                // sorted by name
+  std::vector<View> views;  // sorted by name
   std::vector<ScenePoint> points;
   Similarity scene_from_colmap;
 };

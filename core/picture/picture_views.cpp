@@ -50,7 +50,7 @@ std::vector<View> picture_views(const PictureViewsDesc& desc) {
   std::vector<View> views = desc.which == "path" ? path_views(*desc.path) : photo_views(desc);
   for (View& v : views) {
     if (desc.width > 0) v.intrinsics = covering(v.intrinsics, desc.width, desc.height);
-    if (std::max(v.intrinsics.width, v.intrinsics.height) > kMaxPictureSide)
+    if (v.intrinsics.longest_side() > kMaxPictureSide)
       throw Error(ErrorKind::Input,
                   fmt::format("a picture of {}x{} pixels is too large", v.intrinsics.width, v.intrinsics.height),
                   {.where = v.name, .hint = "give a smaller size: width, height", .code = "PICTURE_TOO_LARGE"});

@@ -18,8 +18,7 @@ constexpr float kAllPainted = 0.999f;
 
 void AlbedoError::add(const AlbedoPicture& ours, const TruthPicture& truth) {
   const bool finer = ours.intrinsics.width > truth.intrinsics.width;
-  const Intrinsics k =
-      finer ? ours.intrinsics.limited_to(std::max(truth.intrinsics.width, truth.intrinsics.height)) : ours.intrinsics;
+  const Intrinsics k = finer ? ours.intrinsics.limited_to(truth.intrinsics.longest_side()) : ours.intrinsics;
   const double shrink = std::max(1.0, double(truth.intrinsics.width) / k.width);
   const Intrinsics from = truth.intrinsics.scaled_to(int(std::lround(truth.intrinsics.width / shrink)),
                                                      int(std::lround(truth.intrinsics.height / shrink)));

@@ -158,13 +158,12 @@ class Evaluator {
     const View& view = views_[index];
     View seen = view;
     seen.intrinsics = view.intrinsics.limited_to(result_.split.max_side);
-    const ViewPicture render = painter_.picture(seen);
+    ViewPicture render = painter_.picture(seen);
     ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
     // What was not trained is judged by nobody, and black in the pictures.
     std::optional<ImageF> judged;
     if (result_.split.object_alone && masks_) judged = stage_mask(*masks_, view, MaskClass::Object, render.intrinsics);
-    if (judged)
-      for (size_t i = 0; i < photo.data().size(); ++i) photo.data()[i] *= judged->data()[i / 3];
+    if (judged) keep_within(*judged, photo), keep_within(*judged, render.srgb);
     const ImageF* within = judged ? &*judged : nullptr;
     ViewScore score{.name = view.name,
                     .heldout = heldout,
@@ -177,8 +176,7 @@ class Evaluator {
     if (result_.views.empty()) result_.resolution = render.intrinsics;
     RegionMasks masks = region_masks([&](MaskClass c) { return mask(index, c, render.intrinsics); }, render.intrinsics);
     if (judged)
-      for (auto& [region, pixels] : masks)
-        for (size_t i = 0; i < pixels.data().size(); ++i) pixels.data()[i] *= judged->data()[i];
+      for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
@@ -349,33 +347,19 @@ class Evaluator {
   }
 
   void report() {
-    std::string summary;
-    if (const auto m = mean_score(result_, true)) {
-      context_.metric("heldout.psnr", m->psnr);
-      context_.metric("heldout.ssim", m->ssim);
-      summary = fmt::format("PSNR {:.2f} dB, SSIM {:.3f} over {} held-out views", m->psnr, m->ssim, m->views);
-    } else if (const auto train = mean_score(result_, false)) {
-      summary = fmt::format("training views only: PSNR {:.2f} dB, SSIM {:.3f}", train->psnr, train->ssim);
+    const auto metric = [&](const char* name, std::optional<double> value) {
+      if (value) context_.metric(name, *value);
+    };
+    const auto heldout = mean_score(result_, true);
+    metric("heldout.psnr", heldout ? std::optional(heldout->psnr) : std::nullopt);
+    metric("heldout.ssim", heldout ? std::optional(heldout->ssim) : std::nullopt);
+    if (const auto& t = result_.truth) {
+      metric("truth.normal_mae_deg", t->normal_mae_deg);
+      metric("truth.mesh.fscore", t->mesh ? std::optional(t->mesh->fscore) : std::nullopt);
+      metric("truth.albedo.psnr", t->albedo ? t->albedo->psnr : std::nullopt);
+      metric("truth.relit.psnr", mean_relit_psnr(*t));
     }
-    if (result_.truth && result_.truth->normal_mae_deg) {
-      context_.metric("truth.normal_mae_deg", *result_.truth->normal_mae_deg);
-      summary += fmt::format(", normals {:.1f} deg", *result_.truth->normal_mae_deg);
-    }
-    if (result_.truth && result_.truth->mesh) {
-      context_.metric("truth.mesh.fscore", result_.truth->mesh->fscore);
-      summary += fmt::format(", F-score {:.3f}", result_.truth->mesh->fscore);
-    }
-    if (result_.truth && result_.truth->transmitted_psnr)
-      summary += fmt::format(", behind glass {:.2f} dB", *result_.truth->transmitted_psnr);
-    if (result_.truth && result_.truth->albedo && result_.truth->albedo->psnr) {
-      context_.metric("truth.albedo.psnr", *result_.truth->albedo->psnr);
-      summary += fmt::format(", albedo {:.2f} dB", *result_.truth->albedo->psnr);
-    }
-    if (const auto relit = result_.truth ? mean_relit_psnr(*result_.truth) : std::nullopt) {
-      context_.metric("truth.relit.psnr", *relit);
-      summary += fmt::format(", relit {:.2f} dB", *relit);
-    }
-    context_.summary(summary);
+    context_.summary(summary_line(result_));
   }
 
   const EvaluateConfig& config_;

@@ -49,6 +49,11 @@ std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, cons
   return belongs;
 }
 
+void keep_within(const ImageF& mask, ImageF& image) {
+  const auto channels = size_t(image.channels());
+  for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] *= mask.data()[i / channels];
+}
+
 std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {
   std::map<std::string, double> result;
   for (const auto& [region, mask] : masks)

@@ -23,6 +23,9 @@ RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics);
 std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,
                                  const Intrinsics& intrinsics);
 
+// Black where `mask` [h,w,1] is 0.
+void keep_within(const ImageF& mask, ImageF& image);
+
 // PSNR of each region with at least `min_pixels` pixels: squared error pooled over the region's pixels and channels.
 std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
 

@@ -148,7 +148,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, co
       View view = desc.views[v];
       const auto truth = desc.truth.relit(names[e], v, view.intrinsics);
       // A pixel of the truth is a mean over its area: ours are painted at the size of the photo and then averaged.
-      const Intrinsics k = view.intrinsics.limited_to(std::max(truth->intrinsics.width, truth->intrinsics.height));
+      const Intrinsics k = view.intrinsics.limited_to(truth->intrinsics.longest_side());
       const double finer = double(view.intrinsics.width) * view.intrinsics.height / (double(k.width) * k.height);
       const RelitPicture picture = painter.picture(view, {.samples = std::max(1, int(std::lround(desc.samples / finer)))});
       pairs.push_back(pair_of(v, resized(picture.radiance, k.width, k.height), k, *truth, mask));

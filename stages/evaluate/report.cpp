@@ -205,4 +205,20 @@ std::string per_view_csv(const Evaluation& e) {
   return csv;
 }
 
+std::string summary_line(const Evaluation& e) {
+  std::string line;
+  if (const auto m = mean_score(e, true))
+    line = fmt::format("PSNR {:.2f} dB, SSIM {:.3f} over {} held-out views", m->psnr, m->ssim, m->views);
+  else if (const auto train = mean_score(e, false))
+    line = fmt::format("training views only: PSNR {:.2f} dB, SSIM {:.3f}", train->psnr, train->ssim);
+  if (!e.truth) return line;
+  const TruthScores& t = *e.truth;
+  if (t.normal_mae_deg) line += fmt::format(", normals {:.1f} deg", *t.normal_mae_deg);
+  if (t.mesh) line += fmt::format(", F-score {:.3f}", t.mesh->fscore);
+  if (t.transmitted_psnr) line += fmt::format(", behind glass {:.2f} dB", *t.transmitted_psnr);
+  if (t.albedo && t.albedo->psnr) line += fmt::format(", albedo {:.2f} dB", *t.albedo->psnr);
+  if (const auto relit = mean_relit_psnr(t)) line += fmt::format(", relit {:.2f} dB", *relit);
+  return line;
+}
+
 }  // namespace vitrine

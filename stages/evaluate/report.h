@@ -64,5 +64,7 @@ std::optional<double> mean_relit_psnr(const TruthScores& t);
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout);
 std::string metrics_json(const Evaluation& e);
 std::string per_view_csv(const Evaluation& e);
+// What a terminal shows of it.
+std::string summary_line(const Evaluation& e);
 
 }  // namespace vitrine

@@ -78,7 +78,7 @@ NormalMap read_normal_file(const fs::path& file, const View& view) {
   const ImageF pixels = pixels_of(file);
   const Intrinsics& k = view.intrinsics;
   // Of the photo's shape, to within the rounding of a pixel.
-  if (std::abs(double(pixels.width()) * k.height - double(pixels.height()) * k.width) > std::max(k.width, k.height))
+  if (std::abs(double(pixels.width()) * k.height - double(pixels.height()) * k.width) > k.longest_side())
     throw Error(ErrorKind::Input, "a normal map does not have its photo's shape",
                 {.where = file.string(),
                  .why = fmt::format("{} x {} pixels; the undistorted photo has {} x {}", pixels.width(), pixels.height(), k.width,

@@ -21,7 +21,7 @@ size_t level_near(const Capture& capture, int max_side) {
   double best_error = 1e300;
   for (size_t l = 0; l < kLevels; ++l) {
     const Intrinsics& k = capture.photos[capture.train.front()].levels[l].view.intrinsics;
-    const double error = std::abs(std::log(double(std::max(k.width, k.height)) / max_side));
+    const double error = std::abs(std::log(double(k.longest_side()) / max_side));
     if (error < best_error) best_error = error, best = l;
   }
   return best;

@@ -98,17 +98,54 @@ TEST(EvaluateStage, RegionsScoreTheirOwnPixelsOnly) {
   EXPECT_TRUE(m["not_measured"].contains("truth.pose"));  // no transforms.json, and it says so
 }
 
+// A mask as the masks stage writes it: columns [x0, x1) belong to the class.
+void write_stage_mask(const fs::path& artifact, const char* kind, const View& v, int x0, int x1,
+                      int width = TinyCapture::kWidth) {
+  make_folders(artifact / "masks" / kind);
+  Image16 mask(width, TinyCapture::kHeight, 1);
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = x0; x < x1; ++x) mask.at(x, y) = 65535;
+  write_png16(artifact / "masks" / kind / (v.stem() + ".png"), mask);
+}
+
+// The photo is wrong outside the object: that counts in a scene that was trained whole, and not in an object trained alone.
+TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
+  const TinyCapture capture;
+  const View& v = capture.views[0];
+  const TemporaryFolder masks;
+  constexpr int kLeft = 24, kRight = 40;
+  write_stage_mask(masks.path(), "object", v, kLeft, kRight);
+  write_stage_mask(masks.path(), "specular", v, kLeft - 8, kLeft + 8);
+  ImageF photo = capture.photo(v);
+  for (int y = 0; y < photo.height(); ++y)
+    for (int x = 0; x < photo.width(); ++x)
+      if (x < kLeft || x >= kRight)
+        for (int c = 0; c < 3; ++c) photo.at(x, y, c) = 0.9f;
+  write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
+  auto inputs = capture.inputs(false);
+  inputs["masks"] = masks.path();
+  const auto judged = [&](bool alone) {
+    capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, alone);
+    RecordingContext context(inputs);
+    json m = metrics_of(context, quick());
+    const Image8 shown = read_srgb8(context.output() / "eval" / (v.stem() + "_gt.png"));
+    EXPECT_EQ(shown.at(2, 2) == 0, alone);
+    return m;
+  };
+  const json whole = judged(false), alone = judged(true);
+  EXPECT_LT(whole["heldout"]["psnr"].get<double>(), 15);
+  EXPECT_LT(whole["heldout"]["ssim"].get<double>(), 0.8);
+  EXPECT_LT(whole["regions"]["specular"]["psnr"].get<double>(), 15);
+  EXPECT_GT(alone["heldout"]["psnr"].get<double>(), 45);
+  EXPECT_GT(alone["heldout"]["ssim"].get<double>(), 0.98);
+  EXPECT_GT(alone["regions"]["specular"]["psnr"].get<double>(), 45);  // its half on the object
+}
+
 TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
   const TinyCapture capture;
   const View& v = capture.views[0];
   const TemporaryFolder masks;
-  const auto write = [&](const char* kind, int x0, int x1, int width) {
-    make_folders(masks.path() / "masks" / kind);
-    Image16 mask(width, TinyCapture::kHeight, 1);
-    for (int y = 0; y < mask.height(); ++y)
-      for (int x = x0; x < x1; ++x) mask.at(x, y) = 65535;
-    write_png16(masks.path() / "masks" / kind / (v.stem() + ".png"), mask);
-  };
+  const auto write = [&](const char* kind, int x0, int x1, int width) { write_stage_mask(masks.path(), kind, v, x0, x1, width); };
   write("transparent", 0, 20, TinyCapture::kWidth);
   write("specular", 16, 32, TinyCapture::kWidth);
   ImageF photo = capture.photo(v);

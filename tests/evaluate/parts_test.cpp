@@ -196,7 +196,11 @@ TEST(ViewSplitTest, RefusesNamesThatTheCaptureDoesNotHave) {
   const ViewSplit split = read_view_split(path, views);
   EXPECT_EQ(split.max_side, 320);
   EXPECT_EQ(split.heldout, std::vector<size_t>{0});
-  for (const char* bad : {R"({"holdout_every":8,"max_side":320,"train":["c.png"],"heldout":[]})", R"({"max_side":1})", "[]", "{",
+  EXPECT_FALSE(split.object_alone);
+  write_file(path, R"({"holdout_every":8,"max_side":320,"object_alone":true,"train":["b.png"],"heldout":["a.png"]})");
+  EXPECT_TRUE(read_view_split(path, views).object_alone);
+  for (const char* bad : {R"({"holdout_every":8,"max_side":320,"object_alone":"yes","train":["b.png"],"heldout":[]})",
+                          R"({"holdout_every":8,"max_side":320,"train":["c.png"],"heldout":[]})", R"({"max_side":1})", "[]", "{",
                           R"({"holdout_every":8,"max_side":-3,"train":["a.png"],"heldout":[]})",
                           R"({"holdout_every":8,"max_side":"x","train":["a.png"],"heldout":[]})",
                           R"({"holdout_every":8,"max_side":0,"train":[7],"heldout":[]})",

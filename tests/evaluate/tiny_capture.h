@@ -82,9 +82,12 @@ class TinyCapture {
     return out;
   }
 
-  void write_split(const std::vector<int>& heldout, const std::vector<int>& train) const {
-    nlohmann::json j{
-        {"holdout_every", 8}, {"max_side", 0}, {"train", nlohmann::json::array()}, {"heldout", nlohmann::json::array()}};
+  void write_split(const std::vector<int>& heldout, const std::vector<int>& train, bool object_alone = false) const {
+    nlohmann::json j{{"holdout_every", 8},
+                     {"max_side", 0},
+                     {"object_alone", object_alone},
+                     {"train", nlohmann::json::array()},
+                     {"heldout", nlohmann::json::array()}};
     for (int i : heldout) j["heldout"].push_back(views[size_t(i)].name);
     for (int i : train) j["train"].push_back(views[size_t(i)].name);
     write_file(optimize() / "optimize/views.json", j.dump());

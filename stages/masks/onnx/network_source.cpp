@@ -82,7 +82,7 @@ void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
     for (size_t i = 0; i < apart.size(); ++i) apart[i] = own[v][i] != carried[v][i];
     // An outline is the photo's own: the hull's is no finer than its voxels.
     const Intrinsics& k = masks.views[v].intrinsics;
-    c.doubted.push_back(opened(apart, k, std::max(1, std::max(k.width, k.height) / masks.config.resolution)));
+    c.doubted.push_back(opened(apart, k, std::max(1, k.longest_side() / masks.config.resolution)));
     for (size_t i = 0; i < apart.size(); ++i)
       if (c.doubted[v][i]) c.value[v][i] = carried[v][i];
   }
