@@ -138,10 +138,7 @@ VisualHull hull_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& r
     if (!m.mask.empty()) masks.push_back(std::move(m));
   }
   VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent, .flat_faces = true});
-  report.hull_masks = std::max(report.hull_masks, masks.size());
-  report.hull |= !hull.empty();
-  report.hull_faces += hull.faces();
-  report.hull_one_sidedness = std::max(report.hull_one_sidedness, hull.one_sidedness());
+  if (!masks.empty()) report.hulls.push_back({kind, masks.size(), !hull.empty(), hull.faces(), hull.one_sidedness()});
   return hull;
 }
 

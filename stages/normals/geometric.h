@@ -13,12 +13,17 @@
 
 namespace vitrine {
 
+struct HullReport {
+  MaskClass of;
+  size_t masks = 0;  // photos with one
+  bool found = false;
+  size_t faces = 0;  // flat ones that its normals come from
+  double one_sidedness = 0;
+};
+
 struct GeometricReport {
-  size_t without_partners = 0;  // photos that share no view with others
-  size_t hull_masks = 0;        // photos with a mask; 0 = no hull was wanted, or nothing to carve with
-  bool hull = false;
-  size_t hull_faces = 0;  // flat faces that its normals come from
-  double hull_one_sidedness = 0;
+  size_t without_partners = 0;    // photos that share no view with others
+  std::vector<HullReport> hulls;  // of the classes that are asked for and have masks
 };
 
 struct GeometricDesc {

@@ -59,12 +59,16 @@ class NormalsRun {
         [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &g);
     for (uint32_t v : views)
       if (!maps[v].empty()) write(v, std::move(maps[v]));
-    report_["hull"] = {
-        {"used", g.hull}, {"masks", g.hull_masks}, {"faces", g.hull_faces}, {"one_sidedness", g.hull_one_sidedness}};
-    if (g.hull_masks > 0 && !g.hull)
-      context_.warning("NO_HULL",
-                       "the masks of glass and mirrors leave no common volume, or the photos see it from one side "
-                       "only: its normals stay unknown");
+    report_["hull"] = Json::object();
+    for (const HullReport& hull : g.hulls) {
+      report_["hull"][name(hull.of)] = {
+          {"used", hull.found}, {"masks", hull.masks}, {"faces", hull.faces}, {"one_sidedness", hull.one_sidedness}};
+      if (!hull.found)
+        context_.warning("NO_HULL",
+                         fmt::format("the {} masks leave no common volume, or the photos see it from one side only: its "
+                                     "normals stay unknown",
+                                     name(hull.of)));
+    }
     if (g.without_partners > 0)
       context_.warning("NO_STEREO", fmt::format("{} photos share no view with others", g.without_partners));
   }
@@ -280,7 +284,7 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 Stage normals_stage() {
   StageInfo info{
       .name = "normals",
-      .version = 3,
+      .version = 4,
       .summary = "surface normals of the photos, from stereo, files or a network",
       .inputs = {
           {.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},

@@ -86,7 +86,7 @@ Errors errors_on(const StillLife& life, const fs::path& normals, StillLife::Surf
 TEST(NormalsFromPhotos, AreRightOnPaintAndFromTheHullOnAMirror) {
   const auto r = run(scene(), {}, {{"masks", scene().masks()}});
   EXPECT_EQ(r->report["source"], "geometric");
-  EXPECT_TRUE(r->report["hull"]["used"].get<bool>());
+  EXPECT_TRUE(r->report["hull"]["specular"]["used"].get<bool>());
   EXPECT_TRUE(r->context.warnings.empty());
   Errors table = errors_on(scene(), r->normals(), StillLife::Table), ball = errors_on(scene(), r->normals(), StillLife::Ball),
          mirror = errors_on(scene(), r->normals(), StillLife::Mirror);
@@ -103,11 +103,29 @@ TEST(NormalsFromPhotos, AreRightOnPaintAndFromTheHullOnAMirror) {
   RecordProperty("mirror_median_deg", std::to_string(mirror.percentile(0.5)));
 }
 
+TEST(NormalsFromPhotos, AClassWhoseMasksLeaveNoHullIsNamed) {
+  const TemporaryFolder masks;
+  fs::copy(scene().masks(), masks.path(), fs::copy_options::recursive);
+  make_folders(masks.path() / "masks/transparent");
+  for (size_t v = 0; v < scene().views.size(); ++v) {  // in another corner of every photo
+    Image8 mask(StillLife::kWidth, StillLife::kHeight, 1);
+    for (int y = 0; y < 12; ++y)
+      for (int x = 0; x < 12; ++x)
+        mask.at(v % 2 ? x : StillLife::kWidth - 1 - x, v % 4 < 2 ? y : StillLife::kHeight - 1 - y) = 255;
+    write_ldr(masks.path() / "masks/transparent" / (scene().views[v].stem() + ".png"), mask);
+  }
+  const auto r = run(scene(), {{"geometric.max_side", "60"}}, {{"masks", masks.path()}});
+  EXPECT_EQ(r->context.warnings.size(), 1u);
+  EXPECT_TRUE(r->context.warnings.contains("NO_HULL"));
+  EXPECT_FALSE(r->report["hull"]["transparent"]["used"].get<bool>());
+  EXPECT_TRUE(r->report["hull"]["specular"]["used"].get<bool>());
+}
+
 TEST(NormalsFromPhotos, AMirrorWithoutMaskIsWorseThanItsHull) {
   const auto r = run(scene(), {{"source", "geometric"}, {"geometric.hull", "[]"}, {"geometric.max_side", "60"}},
                      {{"masks", scene().masks()}});
   Errors mirror = errors_on(scene(), r->normals(), StillLife::Mirror);
-  EXPECT_FALSE(r->report["hull"]["used"].get<bool>());
+  EXPECT_TRUE(r->report["hull"].empty());
   EXPECT_TRUE(mirror.known() < 0.5 || mirror.percentile(0.5) > 20) << mirror.known() << " " << mirror.percentile(0.5);
 }
 
