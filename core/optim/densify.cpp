@@ -242,6 +242,7 @@ void SurfelAccumulator::reset(size_t size) {
   error.assign(size, 0.f);
   screen_gradient.assign(size, 0.f);
   seen.assign(size, 0);
+  pictures = 0;
   share.resize(size, mean_share(share));
 }
 
@@ -252,6 +253,7 @@ void SurfelAccumulator::rarity(float most, std::vector<float>& factor) const {
 }
 
 void SurfelAccumulator::add(const SurfelStatistics& statistics) {
+  ++pictures;
   for (size_t i = 0; i < seen.size(); ++i) {
     const bool takes_part = statistics.weight[i] > 0;
     share[i] += kShareDecay * (float(takes_part) - share[i]);
@@ -268,6 +270,7 @@ void SurfelAccumulator::save(ArchiveWriter& out) const {
   out.array(std::span<const float>(error));
   out.array(std::span<const float>(screen_gradient));
   out.array(std::span<const uint32_t>(seen));
+  out.value(pictures);
   out.array(std::span<const float>(share));
 }
 
@@ -276,6 +279,7 @@ void SurfelAccumulator::load(ArchiveReader& in) {
   in.array(error);
   in.array(screen_gradient);
   in.array(seen);
+  in.value(pictures);
   in.array(share);
   if (share.size() != weight.size() || error.size() != weight.size() || screen_gradient.size() != weight.size() ||
       seen.size() != weight.size())
@@ -303,7 +307,7 @@ DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double 
   const uint64_t pass = std::max<size_t>(photos, 1), every = static_cast<uint64_t>(config.every);
   const uint64_t whole = (every + pass - 1) / pass * pass;
   if (double(whole) > window) return {.interval = every};
-  return {.interval = whole, .times = static_cast<int>(whole / every)};
+  return {.interval = whole, .times = static_cast<int>(whole / every), .pictures = pass};
 }
 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {

@@ -38,6 +38,7 @@ void describe(Describer& d, DensifyConfig& c);
 struct SurfelAccumulator {
   std::vector<float> weight, error, screen_gradient;
   std::vector<uint32_t> seen;  // pictures in which the surfel had weight
+  uint32_t pictures = 0;       // of all
   std::vector<float> share;    // of the last pictures, about a hundred: those in which it had weight; copies inherit it
 
   void reset(size_t size);  // the sums; new surfels share as many pictures as the mean of all
@@ -68,6 +69,7 @@ struct DensifyCounts {
 struct DensifyRhythm {
   uint64_t interval = 1;  // steps
   int times = 1;          // densifications that one stands for
+  uint64_t pictures = 0;  // that the sums must be of: a layer that was changed from outside begins anew between two
 };
 // Every `every` steps, rounded up to whole passes through the photos, so that each has its say about which surfels are idle: one
 // that a single photo shows would else be taken away whenever that photo's turn did not come. Where a pass does not fit into the

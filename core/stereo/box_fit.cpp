@@ -140,27 +140,12 @@ Vec3d OrientedBox::corner(size_t i) const {
   return axes * Vec3d{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
 }
 
-std::vector<FlatFace> OrientedBox::faces() const {
-  std::vector<FlatFace> faces;
-  for (size_t axis = 0; axis < 3; ++axis)
-    for (bool upper : {false, true}) {
-      Vec3d along{};
-      along[axis] = upper ? 1 : -1;
-      FlatFace face{axes * along, upper ? high[axis] : -low[axis], {}};
-      for (size_t i = 0; i < 8; ++i)
-        if (((i >> axis) & 1) == size_t(upper)) face.bounds.extend(corner(i));
-      faces.push_back(face);
-    }
-  return faces;
-}
-
 std::optional<HullHit> OrientedBox::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   const Vec3d o = transposed_times(axes, origin), d = transposed_times(axes, direction);
   double near = 0, far = 1e300;
   size_t entered = 3;
   for (size_t i = 0; i < 3; ++i) {
     const double a = (low[i] - o[i]) / d[i], b = (high[i] - o[i]) / d[i];
-    if (!(std::max(a, b) > 0)) return std::nullopt;
     if (std::min(a, b) > near) near = std::min(a, b), entered = i;
     far = std::min(far, std::max(a, b));
   }
@@ -182,7 +167,7 @@ std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& ab
   BoxFit best;
   for (int turn = 0; turn < kTurns; ++turn) {
     OrientedBox box{turned(2, std::numbers::pi / 2 * turn / kTurns), {}, {}};
-    const Vec3d c = transposed_times(box.axes, centre), h = 0.85 * Vec3d{half.x, half.y, half.z};
+    const Vec3d c = transposed_times(box.axes, centre), h = 0.85 * half;
     box.low = c - h, box.high = c + h;
     if (const double agreement = improve(photos, kFirstStep, kCoarseStep, box); agreement > best.agreement)
       best = {box, agreement};

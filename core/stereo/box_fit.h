@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/flat_faces.h"
+#include "core/math/rigid.h"
 #include "core/stereo/hull_mask.h"
 
 namespace vitrine {
@@ -15,11 +15,16 @@ namespace vitrine {
 // Measured: cases with true masks .97 and more, a jar .89, a ball .86.
 inline constexpr double kLeastBoxAgreement = 0.94;
 
+// Where a ray meets the surface of a thing.
+struct HullHit {
+  double t;
+  Vec3d normal;  // in the world, unit, against the ray
+};
+
 struct OrientedBox {
-  Mat3d axes;                           // columns: unit vectors along the edges, right-handed
-  Vec3d low, high;                      // of the extent along them: a point p is inside when low <= transposed(axes) p <= high
-  Vec3d corner(size_t i) const;         // bit k of i: high along axis k
-  std::vector<FlatFace> faces() const;  // six
+  Mat3d axes;                    // columns: unit vectors along the edges, right-handed
+  Vec3d low, high;               // of the extent along them: a point p is inside when low <= transposed(axes) p <= high
+  Vec3d corner(size_t i) const;  // bit k of i: high along axis k
   // Where a ray from outside enters; t in units of `direction`.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 };

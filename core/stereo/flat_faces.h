@@ -13,11 +13,6 @@ namespace vitrine {
 struct HullSurfacePoint {
   Vec3d position, normal;  // outwards, unit
 };
-// Where a ray meets the surface of a thing.
-struct HullHit {
-  double t;
-  Vec3d normal;  // in the world, unit, against the ray
-};
 
 struct FlatFace {
   Vec3d normal;       // outwards, unit

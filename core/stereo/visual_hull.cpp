@@ -154,10 +154,13 @@ VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
   std::copy(std::begin(fine.size), std::end(fine.size), std::begin(size_));
   field_ = std::move(field);
   if (!desc.flat_faces) return;
-  if (const std::optional<BoxFit> fit = fit_box(masks, bounds_))
+  if (const std::optional<BoxFit> fit = fit_box(masks, bounds_)) {
     box_ = fit->box;
-  else
-    faces_ = flat_faces(surface(), voxel_);
+    return;
+  }
+  const std::vector<HullSurfacePoint> points = surface();
+  turned_ = solids_of_revolution(masks, points, voxel_);
+  if (turned_.empty()) faces_ = flat_faces(points, voxel_);  // which finds facets on round things as well
 }
 
 Vec3d VisualHull::inwards(const Vec3d& p) const {
@@ -227,7 +230,8 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
     const Vec3d hit = origin + high * d;
     const Vec3d outwards = -1.0 * inwards(hit);
     if (!(length(outwards) > 1e-6) || dot(outwards, d) >= 0) return std::nullopt;
-    const HullSurfacePoint met{hit, normalized(outwards)};
+    const HullSurfacePoint carved{hit, normalized(outwards)};
+    const HullSurfacePoint met = on_solid(turned_, carved, voxel_).value_or(carved);
     const FlatFace* face = face_of(faces_, met, voxel_);
     return HullHit{high / length(direction), face != nullptr && dot(face->normal, d) < 0 ? face->normal : met.normal};
   }

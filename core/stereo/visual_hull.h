@@ -10,6 +10,7 @@
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/hull_mask.h"
+#include "core/stereo/revolution_fit.h"
 
 namespace vitrine {
 
@@ -45,6 +46,7 @@ class VisualHull {
   int size_[3] = {0, 0, 0};
   double one_sidedness_ = 0;
   std::optional<OrientedBox> box_;
+  std::vector<SolidOfRevolution> turned_;
   std::vector<FlatFace> faces_;
   std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred
 };

@@ -29,6 +29,7 @@ void LayerTraining::grow(size_t size) {
 
 void LayerTraining::restart(const SplatLayer& layer) {
   adam_ = Adam(layer);
+  accumulator_ = {};
   accumulator_.reset(layer.size());
 }
 

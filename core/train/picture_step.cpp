@@ -57,4 +57,10 @@ void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float
   }
 }
 
+void hold_gloss(const SplatLayer& diffuse, float gloss_factor, std::vector<float>& damping) {
+  damping.resize(diffuse.size(), 1.f);
+  for (size_t i = 0; i < damping.size(); ++i)
+    damping[i] *= 1 - (1 - gloss_factor) * sigmoid(*diffuse.at(Attribute::SpecularWeight, i));
+}
+
 }  // namespace vitrine

@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
+#include "core/stereo/revolution_fit.h"
 
 namespace vitrine {
 
@@ -22,6 +23,7 @@ constexpr double kSeenShare = 0.3;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
+constexpr int kBoxSide = 400;     // pixels
 constexpr int kNormalRadius = 3;  // cells
 
 struct Box {
@@ -55,9 +57,20 @@ Box box_of_points(const ViewSet& set) {
   return box;
 }
 
+// What the masks of a photo say about a class.
+struct Opinion {
+  std::span<const uint8_t> mask, other;  // in it; says nothing, being of another class. Empty: nowhere
+};
+Opinion opinion(const MaskHullDesc& desc, uint32_t photo, size_t level) {
+  const auto& masks = desc.targets.photos[photo][level].masks;
+  const auto& transparent = masks[size_t(MaskClass::Transparent)];
+  if (desc.kind == HullClass::Glass) return {transparent, {}};
+  return {masks[size_t(MaskClass::Specular)], transparent};
+}
+
 struct Judge {
   const View* view;
-  std::span<const uint8_t> mask, other;  // empty: nowhere
+  Opinion says;
   std::span<const float> depth;
 };
 
@@ -70,9 +83,9 @@ bool inside_hull(const std::vector<Judge>& judges, const Vec3d& p) {
     const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
     if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
     const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
-    if (!judge.other.empty() && judge.other[pixel] >= 128) continue;
+    if (!judge.says.other.empty() && judge.says.other[pixel] >= 128) continue;
     ++seen;
-    if (judge.mask[pixel] >= 128)
+    if (judge.says.mask[pixel] >= 128)
       ++inside;
     else if (!(judge.depth[pixel] > 0 && judge.depth[pixel] < kInFront * float(q.z)))
       ++outside;
@@ -128,18 +141,22 @@ Vec3d outward(const Grid& grid, int x, int y, int z) {
   return sum;
 }
 
-std::optional<BoxFit> box_of(const std::vector<Judge>& judges, std::span<const HullSurfacePoint> surface) {
+// Outlines tell a place to a fraction of a pixel: small masks will do, and large ones of all photos fill memory.
+std::vector<HullMask> outlines(const MaskHullDesc& desc) {
   std::vector<HullMask> masks;
-  for (const Judge& judge : judges) {
-    const Intrinsics& k = judge.view->intrinsics;
-    masks.push_back({*judge.view, ImageF(k.width, k.height, 1)});
+  for (uint32_t photo : desc.capture.train) {
+    const auto& levels = desc.capture.photos[photo].levels;
+    size_t level = desc.level;
+    while (level + 1 < kLevels && levels[level].view.intrinsics.longest_side() > kBoxSide) ++level;
+    const Opinion says = opinion(desc, photo, level);
+    if (says.mask.empty()) continue;
+    const View& view = levels[level].view;
+    masks.push_back({view, ImageF(view.intrinsics.width, view.intrinsics.height, 1)});
     std::span<float> said = masks.back().mask.data();
     for (size_t i = 0; i < said.size(); ++i)
-      said[i] = !judge.other.empty() && judge.other[i] >= 128 ? -1.f : float(judge.mask[i]) / 255.f;
+      said[i] = !says.other.empty() && says.other[i] >= 128 ? -1.f : float(says.mask[i]) / 255.f;
   }
-  Bounds3 bounds;
-  for (const HullSurfacePoint& p : surface) bounds.extend(p.position);
-  return fit_box(masks, bounds);
+  return masks;
 }
 
 // A grid of points over every face.
@@ -156,7 +173,7 @@ void put_on(const OrientedBox& box, double spacing, std::vector<HullPoint>& poin
           p[axis] = (upper ? box.high : box.low)[axis];
           p[u] = box.low[u] + (i + 0.5) / steps(u) * (box.high[u] - box.low[u]);
           p[v] = box.low[v] + (j + 0.5) / steps(v) * (box.high[v] - box.low[v]);
-          points.push_back({cast<float>(box.axes * p), cast<float>(box.axes * outwards)});
+          points.push_back({cast<float>(box.axes * p), cast<float>(box.axes * outwards), true});
         }
     }
 }
@@ -166,13 +183,8 @@ void put_on(const OrientedBox& box, double spacing, std::vector<HullPoint>& poin
 Hull mask_hull(const MaskHullDesc& desc) {
   std::vector<Judge> judges;
   for (uint32_t photo : desc.capture.train) {
-    const auto& masks = desc.targets.photos[photo][desc.level].masks;
-    const bool glass = desc.kind == HullClass::Glass;
-    const auto& transparent = masks[size_t(MaskClass::Transparent)];
-    const auto& mask = glass ? transparent : masks[size_t(MaskClass::Specular)];
-    if (mask.empty()) continue;
-    judges.push_back({&desc.capture.photos[photo].levels[desc.level].view, mask,
-                      glass ? std::span<const uint8_t>() : std::span<const uint8_t>(transparent), desc.depths[photo]});
+    const Opinion says = opinion(desc, photo, desc.level);
+    if (!says.mask.empty()) judges.push_back({&desc.capture.photos[photo].levels[desc.level].view, says, desc.depths[photo]});
   }
   Hull hull;
   Box box = box_of_points(desc.capture.view_set);
@@ -191,17 +203,25 @@ Hull mask_hull(const MaskHullDesc& desc) {
         if (!(length(n) > 0)) continue;
         surface.push_back({grid.centre(x, y, z), normalized(n)});
       }
-  if (const std::optional<BoxFit> fit = box_of(judges, surface)) {
-    log_info("the {} is a box ({:.0f} % of the masks and of its outlines agree)",
-             desc.kind == HullClass::Glass ? "glass" : "gloss", 100 * fit->agreement);
+  const std::vector<HullMask> masks = outlines(desc);
+  Bounds3 bounds;
+  for (const HullSurfacePoint& p : surface) bounds.extend(p.position);
+  const char* what = desc.kind == HullClass::Glass ? "glass" : "gloss";
+  if (const std::optional<BoxFit> fit = fit_box(masks, bounds)) {
+    log_info("the {} is a box ({:.0f} % of the masks and of its outlines agree)", what, 100 * fit->agreement);
     put_on(fit->box, grid.cell, hull.points);
     return hull;
   }
-  const std::vector<FlatFace> faces = flat_faces(surface, grid.cell);
+  const std::vector<SolidOfRevolution> turned = solids_of_revolution(masks, surface, grid.cell);
+  if (!turned.empty()) log_info("the {} has {} solid{} of revolution", what, turned.size(), turned.size() > 1 ? "s" : "");
+  std::vector<FlatFace> faces;
+  if (turned.empty()) faces = flat_faces(surface, grid.cell);  // which finds facets on round things as well
   for (HullSurfacePoint p : surface) {
+    const std::optional<HullSurfacePoint> on = on_solid(turned, p, grid.cell);
+    if (on) p = *on;
     if (const FlatFace* face = face_of(faces, p, grid.cell))
       p = {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};
-    hull.points.push_back({cast<float>(p.position), cast<float>(p.normal)});
+    hull.points.push_back({cast<float>(p.position), cast<float>(p.normal), on.has_value()});
   }
   return hull;
 }

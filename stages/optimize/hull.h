@@ -15,6 +15,7 @@ namespace vitrine {
 
 struct HullPoint {
   Vec3f position, normal;  // outwards, unit
+  bool known = false;      // by the shape of a box or of a solid of revolution, to a fraction of a pixel; or as a hull wavers
 };
 struct Hull {
   std::vector<HullPoint> points;  // of the surface, on a grid

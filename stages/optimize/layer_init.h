@@ -32,6 +32,7 @@ struct MaskEvidence {
 
 struct HullCounts {
   size_t hull = 0, moved = 0;  // surfels put on the hull; surfels that left the diffuse layer for them
+  size_t known = 0;            // of those on the hull, where its shape is known (HullPoint)
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);

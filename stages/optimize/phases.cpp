@@ -36,6 +36,15 @@ void describe(Describer& d, ReflectionPhase& c) {
   d.option("specular_weight", c.specular_weight, "Specular weight inside the specular mask, to start from.").range(0.001, 0.999);
   d.option("f0", c.f0, "Reflectance at normal incidence inside the specular mask, to start from.").range(0.001, 0.999);
   d.option("roughness_from", c.roughness_from, "Part of the run after which the roughness is trained.").range(0, 1);
+  d.option("known_specular_weight", c.known_specular_weight,
+           "specular_weight where the shape of what reflects is known: a solid of revolution or a box, found in the masks.")
+      .range(0.001, 0.999);
+  d.option("known_f0", c.known_f0, "f0 where the shape of what reflects is known.").range(0.001, 0.999);
+  d.option(
+       "known_factor", c.known_factor,
+       "Factor on the rates of the diffuse layer's geometry and opacity, as far as it is glossy, if the shape of something that "
+       "reflects is known.")
+      .range(0, 1);
   d.option("surface_from", c.surface_from, "Part of the run after which reflections turn and move the surfaces that show them.")
       .range(0, 1);
 }
@@ -85,7 +94,7 @@ void describe(Describer& d, PhasesConfig& c) {
 
 PhasesConfig::PhasesConfig() {
   reflection.share = 0.1;
-  reflection.hull_points = 1000;
+  reflection.hull_points = 3000;
   transmittance.from = 0.4;
   transmittance.share = 0.15;
   transmittance.initial_surfels = 100000;

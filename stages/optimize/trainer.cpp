@@ -108,8 +108,8 @@ double Trainer::blame(const PhotoLevel& photo) {
   return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
 }
 
-// No loss where the ignore mask says so, and less on gloss until there is a layer to explain it. Glass counts in full: most of
-// what it shows stands behind it. Nor around an object that is trained alone: what surrounds it did not stand still.
+// No loss where the ignore mask says so, nor around an object that is trained alone: what surrounds it did not stand still. Less
+// on gloss until there is a layer to explain it; glass counts in full, as most of what it shows stands behind it.
 void Trainer::weigh_pixels(const PhaseClock& clock) {
   weight_.clear();
   const auto ignore = target_images_.mask(MaskClass::Ignore), specular = target_images_.mask(MaskClass::Specular);
@@ -158,6 +158,7 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)])
     hold_glass(scene_.diffuse, static_cast<float>(config().phases.transmittance.glass_factor), damping_, frame_.statistics.error,
                grad_.diffuse);
+  if (gloss_known_) hold_gloss(scene_.diffuse, static_cast<float>(config().phases.reflection.known_factor), damping_);
   DescentCounts worst;
   bool blank = false;
   broken_ = false;
@@ -222,7 +223,7 @@ void Trainer::move_surfels() {
                                     .cap = first ? diffuse_cap() : cap(kind),
                                     .times = rhythm.times,
                                     .scene_radius = kSceneRadius},
-                         .now = step_ % rhythm.interval == 0,
+                         .now = step_ % rhythm.interval == 0 && training(kind).pictures() >= rhythm.pictures,
                          .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
                         scene_.layer(kind));
     grad_.layer(kind).resize(scene_.layer(kind).size());
@@ -243,6 +244,7 @@ void Trainer::begin_phases() {
     const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
+    if (kind == LayerKind::Reflection && counts.known > 0) gloss_known_ = 1;
     training(kind).restart(scene_.layer(kind));
   }
   if (!changed) return;
@@ -256,8 +258,9 @@ void Trainer::fill_unseen() {
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
     if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) return;
   filled_ = 1;
-  const SplatLayer unseen =
-      unseen_surroundings(scene_.diffuse, setup_.capture, planes_, size_t(kMostUnseen * double(setup_.max_surfels)));
+  const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
+  const SplatLayer unseen = unseen_surroundings(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
+                                                size_t(kMostUnseen * double(setup_.max_surfels)));
   scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());
@@ -326,6 +329,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.array(std::span<const EpochRecord>(epochs_));
   out.value(begun_);
   out.array(std::span<const ScenePlane>(planes_));
+  out.value(gloss_known_);
   out.value(filled_);
   out.value(unseen_surfels_);
   for (LayerKind kind : kAllLayers) {
@@ -343,6 +347,7 @@ void Trainer::load(ArchiveReader& in) {
   in.array(epochs_);
   in.value(begun_);
   in.array(planes_);
+  in.value(gloss_known_);
   in.value(filled_);
   in.value(unseen_surfels_);
   bool fits = true;

@@ -93,7 +93,7 @@ class Trainer {
   std::vector<LayerTraining> training_;    // [layer kind]
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
-  uint8_t filled_ = 0;
+  uint8_t filled_ = 0, gloss_known_ = 0;  // what no photo shows; where the shape of what reflects is known
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel

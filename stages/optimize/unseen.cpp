@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/camera/image_point.h"
 #include "core/model/diffuse_pass.h"
+#include "core/model/thin_glass_pass.h"
 #include "core/optim/adam.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/initialise.h"
@@ -271,12 +272,17 @@ SplatLayer joined(const SplatLayer& first, const SplatLayer& second) {
   return both;
 }
 
-SplatLayer unseen_surroundings(const SplatLayer& diffuse, const Capture& capture, std::span<const ScenePlane> planes,
-                               size_t most) {
-  const std::vector<SeenPhoto> photos = seen_photos(diffuse, capture);
+SplatLayer seen_through_glass(const SplatScene& scene) {
+  SplatLayer opaque = scene.diffuse;
+  keep_surfels(opaque, opaque_surfels(scene.diffuse));
+  return joined(opaque, scene.transmittance);
+}
+
+SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes, size_t most) {
+  const std::vector<SeenPhoto> photos = seen_photos(shown, capture);
   for (double cell = kFinestCell; cell < kReach; cell *= kCoarser)
     if (SplatLayer layer = guessed_layer(planes, cell, photos); layer.size() <= most) {
-      if (layer.size() > 0) keep_surfels(layer, hidden_from_all(diffuse, layer, capture));
+      if (layer.size() > 0) keep_surfels(layer, hidden_from_all(shown, layer, capture));
       return layer;
     }
   return SplatLayer(LayerKind::Diffuse, 0, 0);

@@ -19,9 +19,12 @@ inline constexpr double kMostUnseen = 0.2;
 // `second` behind `first`, with the spherical harmonics of `first` as far as both go.
 SplatLayer joined(const SplatLayer& first, const SplatLayer& second);
 
-// Surfels for the diffuse layer as it has been trained, of one colour from all sides, materials as at the start of training; at
-// most `most`, coarser where that is needed.
-SplatLayer unseen_surroundings(const SplatLayer& diffuse, const Capture& capture, std::span<const ScenePlane> planes,
-                               size_t most);
+// What photos see of a scene whose glass is thin: all that is opaque, of the transmittance layer as well.
+SplatLayer seen_through_glass(const SplatScene& scene);
+
+// Surfels for the diffuse layer, of one colour from all sides, materials as at the start of training; at most `most`, coarser
+// where that is needed. `shown`: the surfels as they have been trained. Glass among them would hide what stands behind it, and
+// guesses would be put there.
+SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes, size_t most);
 
 }  // namespace vitrine

@@ -56,18 +56,30 @@ TEST(CopySplit, OneCopyIsTheSurfelItself) {
 TEST(Densify, HappensAfterWholePassesThroughThePhotos) {
   DensifyConfig config;
   config.every = 50;
-  const auto expect = [&](size_t photos, double window, uint64_t interval, int times) {
+  const auto expect = [&](size_t photos, double window, uint64_t interval, int times, uint64_t pictures) {
     const DensifyRhythm rhythm = densify_rhythm(config, photos, window);
     EXPECT_EQ(rhythm.interval, interval) << photos;
     EXPECT_EQ(rhythm.times, times) << photos;
+    EXPECT_EQ(rhythm.pictures, pictures) << photos;
   };
-  expect(1, 975, 50, 1);
-  expect(31, 975, 62, 1);
-  expect(50, 975, 50, 1);
-  expect(99, 975, 99, 1);
-  expect(300, 975, 300, 6);
-  expect(1000, 975, 50, 1);  // no pass fits into the run: as it was asked for
-  expect(0, 975, 50, 1);
+  expect(1, 975, 50, 1, 1);
+  expect(31, 975, 62, 1, 31);
+  expect(50, 975, 50, 1, 50);
+  expect(99, 975, 99, 1, 99);
+  expect(300, 975, 300, 6, 300);
+  expect(1000, 975, 50, 1, 0);  // no pass fits into the run: as it was asked for
+  expect(0, 975, 50, 1, 1);
+}
+
+TEST(SurfelAccumulator, CountsPicturesSinceItsReset) {
+  SurfelAccumulator sums;
+  sums.reset(1);
+  const SurfelStatistics away{.screen_gradient = {0.f}, .weight = {0.f}, .error = {}};
+  for (int i = 0; i < 3; ++i) sums.add(away);
+  EXPECT_EQ(sums.pictures, 3u);
+  EXPECT_EQ(sums.seen[0], 0u);
+  sums.reset(1);
+  EXPECT_EQ(sums.pictures, 0u);
 }
 
 // Many photos make densifications rare, but do not keep a layer from its cap.

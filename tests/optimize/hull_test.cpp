@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scene/activation.h"
+#include "core/train/picture_step.h"
 #include "tests/stereo/outlines.h"
 
 namespace vitrine {
@@ -35,6 +37,43 @@ TEST(MaskHull, OfACaseIsItsSixFaces) {
     EXPECT_GT(std::abs(n[axis]), 0.9999);                                  // under a degree
     EXPECT_NEAR(at[axis], n[axis] > 0 ? half[axis] : -half[axis], 0.006);  // half a pixel
   }
+}
+
+TEST(MaskHull, OfABallIsAsSmoothAsABall) {
+  const Vec3d centre{0.05, -0.03, 0.02};
+  Capture capture;
+  Targets targets;
+  std::vector<std::vector<float>> depths;
+  for (const HullMask& m :
+       outlines(24, 2 * std::numbers::pi, [&](const Vec3d&eye, const Vec3d&d) { return meets_ball(centre, 0.25, eye, d); })) {
+    capture.train.push_back(uint32_t(capture.photos.size()));
+    capture.photos.emplace_back().levels[0].view = m.view;
+    auto& gloss = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Specular)];
+    for (float inside : m.mask.data()) gloss.push_back(inside > 0 ? 255 : 0);
+    depths.emplace_back(gloss.size(), 0.f);
+  }
+  const Hull hull = mask_hull({.kind = HullClass::Gloss, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+  ASSERT_GT(hull.points.size(), 500u);
+  double angle = 0;
+  for (const HullPoint& p : hull.points) {
+    const Vec3d from = cast<double>(p.position) - centre;
+    EXPECT_NEAR(length(from), 0.25, 0.02);
+    EXPECT_TRUE(p.known);
+    angle += std::acos(std::clamp(dot(normalized(from), cast<double>(p.normal)), -1.0, 1.0)) * 57.3 / double(hull.points.size());
+  }
+  EXPECT_LT(angle, 5);
+}
+
+TEST(MaskHull, WhatReflectsKeepsItsShapeAsFarAsItDoes) {
+  SplatLayer layer(LayerKind::Diffuse, 0, 3);
+  const float weights[] = {0.001f, 0.5f, 0.9f};
+  for (size_t i = 0; i < 3; ++i) *layer.at(Attribute::SpecularWeight, i) = logit(weights[i]);
+  std::vector<float> damping;
+  hold_gloss(layer, 0.02f, damping);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(damping[i], 1 - 0.98f * weights[i], 1e-5);
+  damping = {0.5f, 0.5f, 0.5f};  // of glass
+  hold_gloss(layer, 0.02f, damping);
+  EXPECT_NEAR(damping[2], 0.5f * (1 - 0.98f * 0.9f), 1e-5);
 }
 
 TEST(MaskHull, OfNoMaskIsNone) {

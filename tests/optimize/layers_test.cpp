@@ -15,16 +15,9 @@ namespace {
 using testing::Stopped;
 using testing::TestContext;
 
-OptimizeConfig short_config(int iterations) {
-  OptimizeConfig config;
-  config.iterations = iterations;
-  config.max_gaussians = 1500;
-  config.initial.frustum_points = 500;
-  config.initial.stereo_side = 24;
-  config.densify.every = 10;
-  config.preview_every = 0;
+OptimizeConfig layered_config(int iterations) {
+  OptimizeConfig config = testing::tiny_config(iterations);
   config.checkpoint_every = 7;
-  config.holdout_every = 6;
   config.phases.reflection.hull_points = config.phases.transmittance.hull_points = 150;
   return config;
 }
@@ -50,7 +43,7 @@ class LayeredRun : public ::testing::Test {
 TemporaryFolder* LayeredRun::folder_ = nullptr;
 
 TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
-  OptimizeConfig config = short_config(60);
+  OptimizeConfig config = layered_config(60);
   config.layers = "full";
   config.phases.reflection.from = 0.3;
   config.phases.transmittance.from = 0.5;
@@ -77,7 +70,7 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
   fs::copy(folder_->path() / "sfm/masks/specular", masks / "masks/specular");
   const auto has_reflection = [&](const char* name, const std::string& report, const std::string& layers) {
     if (!report.empty()) write_file(masks / "masks/report.json", report);
-    OptimizeConfig config = short_config(8);
+    OptimizeConfig config = layered_config(8);
     config.layers = layers;
     config.fill_unseen = false;
     TestContext c = context(name);
@@ -93,7 +86,7 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
 }
 
 TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
-  OptimizeConfig config = short_config(3);
+  OptimizeConfig config = layered_config(3);
   const auto code_of = [&](const fs::path& masks) {
     TestContext c = context("bad");
     c.masks = masks;

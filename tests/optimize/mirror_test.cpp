@@ -1,6 +1,8 @@
 // What a reflection layer is for: a curved mirror, seen by held-out photos.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/base/json.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
@@ -40,39 +42,40 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   const TemporaryFolder folder("mirror-test");
   const fs::path sfm = folder.path() / "sfm";
   testing::write_tiny_sfm(sfm, 18, 48, 36, testing::tiny_mirror_scene());
-  OptimizeConfig config;
-  config.iterations = 1000;
-  config.max_gaussians = 1500;
-  config.initial.frustum_points = 500;
+  OptimizeConfig config = testing::tiny_config(1000);
   config.initial.stereo_side = 48;
-  config.densify.every = 10;
-  config.preview_every = 0;
-  config.holdout_every = 6;
   config.phases.reflection.hull_points = 150;
   config.phases.reflection.share = 0.4;
   config.phases.reflection.from = 0.1;
   config.phases.reflection.surface_from = 0.2;
 
-  config.layers = "diffuse";
-  TestContext alone(sfm, folder.path() / "alone");
-  run_optimize(config, alone);
-  EXPECT_FALSE(fs::exists(alone.output() / "gaussians/reflection.ply"));
-  config.layers = "auto";
-  TestContext layered(sfm, folder.path() / "layered");
-  layered.masks = sfm;
-  run_optimize(config, layered);
-  EXPECT_FALSE(fs::exists(layered.output() / "gaussians/transmittance.ply"));
-  const size_t surfels = read_layer(layered.output() / "gaussians/diffuse.ply").size() +
-                         read_layer(layered.output() / "gaussians/reflection.ply").size();
-  const auto report = nlohmann::json::parse(read_file(layered.output() / "optimize/report.json"));
-  const size_t guessed = report.at("unseen_surfels").get<size_t>();
-  EXPECT_LE(surfels - guessed, 1500u);
-  EXPECT_LE(guessed, 300u) << "a fifth of the others";
-  const double before = mirror_psnr(sfm, alone.output()), after = mirror_psnr(sfm, layered.output());
-  RecordProperty("mirror_gain", std::to_string(after - before));
-  // Measured +1.4 dB (18.1 -> 19.6), and +1.2 to +1.6 dB with other numbers of steps and phases: a diffuse layer does well on a
-  // ball, by a picture inside it.
-  EXPECT_GT(after, before + 0.5) << before;
+  // Pictures so small are a matter of luck, by half a decibel and now and then much more: three seeds.
+  std::vector<double> before, after;
+  for (int seed : {1, 2, 3}) {
+    const fs::path work = folder.path() / std::to_string(seed);
+    config.seed = seed;
+    config.layers = "diffuse";
+    TestContext alone(sfm, work / "alone");
+    run_optimize(config, alone);
+    EXPECT_FALSE(fs::exists(alone.output() / "gaussians/reflection.ply"));
+    config.layers = "auto";
+    TestContext layered(sfm, work / "layered");
+    layered.masks = sfm;
+    run_optimize(config, layered);
+    EXPECT_FALSE(fs::exists(layered.output() / "gaussians/transmittance.ply"));
+    const size_t surfels = read_layer(layered.output() / "gaussians/diffuse.ply").size() +
+                           read_layer(layered.output() / "gaussians/reflection.ply").size();
+    const auto report = nlohmann::json::parse(read_file(layered.output() / "optimize/report.json"));
+    const size_t guessed = report.at("unseen_surfels").get<size_t>();
+    EXPECT_LE(surfels - guessed, 1500u);
+    EXPECT_LE(guessed, 300u) << "a fifth of the others";
+    before.push_back(mirror_psnr(sfm, alone.output())), after.push_back(mirror_psnr(sfm, layered.output()));
+  }
+  std::sort(before.begin(), before.end()), std::sort(after.begin(), after.end());
+  RecordProperty("mirror_gain", std::to_string(after[1] - before[1]));
+  // Measured 17.9 -> 18.9 with AVX2, 18.1 -> 19.6 with AVX-512 (one seed): a diffuse layer does well on a ball, by a picture
+  // inside it.
+  EXPECT_GT(after[1], before[1] + 0.5) << before[1];
 }
 
 }  // namespace

@@ -67,14 +67,9 @@ TEST(ObjectAlone, IsAllThatARunTrains) {
   testing::write_tiny_sfm(sfm, 12, 48, 36, testing::tiny_mirror_scene());
   fs::create_directories(masks / "masks");
   fs::copy(sfm / "masks/specular", masks / "masks/object", fs::copy_options::recursive);
-  OptimizeConfig config;
-  config.iterations = 60;
+  OptimizeConfig config = testing::tiny_config(60);
   config.max_gaussians = 1000;
   config.initial.frustum_points = 800;
-  config.initial.stereo_side = 24;
-  config.densify.every = 10;
-  config.preview_every = 0;
-  config.holdout_every = 6;
   for (const char* surroundings : {"train", "ignore"}) {
     config.surroundings = surroundings;
     testing::TestContext context(sfm, folder.path() / surroundings);

@@ -7,9 +7,23 @@
 #include <map>
 
 #include "core/base/file.h"
+#include "stages/optimize/optimize.h"
 #include "stages/stage.h"
 
 namespace vitrine::testing {
+
+// A run on photos of 48x36 pixels that takes a second.
+inline OptimizeConfig tiny_config(int iterations) {
+  OptimizeConfig config;
+  config.iterations = iterations;
+  config.max_gaussians = 1500;
+  config.initial.frustum_points = 500;
+  config.initial.stereo_side = 24;
+  config.densify.every = 10;
+  config.preview_every = 0;
+  config.holdout_every = 6;
+  return config;
+}
 
 struct Stopped {};
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "core/optim/adam.h"
 #include "tests/optimize/tiny_capture.h"
 
 namespace vitrine {
@@ -115,6 +117,31 @@ TEST(Unseen, NothingIsPutBehindAVeilWhereItWouldShow) {
   EXPECT_GT(behind(solid), 3u);
   EXPECT_EQ(behind(veiled), 0u);
   EXPECT_GT(veiled.size(), 50u) << "beside it the floor goes on";
+}
+
+// A pane before the right camera: guesses behind it would hide the blue floor, which the photo sees through it.
+TEST(Unseen, GlassHidesNothing) {
+  const TwoPhotos scene;
+  SplatScene cased{.diffuse = scene.trained, .transmittance = SplatLayer(LayerKind::Transmittance, 0, 0)};
+  for (double y = -0.4; y <= 0.4; y += 0.03)
+    for (double x = -0.4; x <= 0.4; x += 0.03) {
+      add_surfel(cased.diffuse, {kAside + x, y, -0.5}, {0, 0, 1}, 0.03, {});
+      *cased.diffuse.at(Attribute::Transmission, cased.diffuse.size() - 1) = logit(0.98f);
+    }
+  const auto fill = [&](const SplatLayer& shown) { return unseen_surroundings(shown, scene.capture, scene.planes, 100000); };
+  EXPECT_NE(fill(cased.diffuse), scene.fill()) << "or this is no test";
+  EXPECT_EQ(fill(seen_through_glass(cased)), scene.fill());
+  // The floor behind it in the other layer.
+  std::vector<uint32_t> red, blue;
+  for (uint32_t i = 0; i < scene.trained.size(); ++i) (scene.trained.at(Attribute::Mean, i)[0] < 0 ? red : blue).push_back(i);
+  SplatLayer floor = scene.trained;
+  keep_surfels(floor, blue);
+  cased.transmittance.resize(floor.size());
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    std::ranges::copy(floor.values(a), cased.transmittance.values(a).begin());
+  cased.diffuse = scene.trained;
+  keep_surfels(cased.diffuse, red);
+  EXPECT_EQ(fill(seen_through_glass(cased)).size(), scene.fill().size());
 }
 
 TEST(Unseen, IsCoarserWhereFewSurfelsAreAllowed) {

@@ -20,8 +20,8 @@ std::vector<HullMask> case_masks(int count) {
 std::pair<double, double> errors(const OrientedBox& box) {
   const double c = std::cos(kCaseTurn), s = std::sin(kCaseTurn);
   double angle = 0, distance = 0;
-  for (const FlatFace& f : box.faces()) {
-    const Vec3d& n = f.normal;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const Vec3d n = box.axes.column(axis);
     const double nearest = std::max({std::abs(c * n.x + s * n.y), std::abs(c * n.y - s * n.x), std::abs(n.z)});
     angle = std::max(angle, std::acos(std::min(1.0, nearest)) * 57.29578);
   }

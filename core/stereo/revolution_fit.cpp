@@ -1,0 +1,337 @@
+#include "core/stereo/revolution_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "core/base/parallel.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kHeights = 48;            // of the profile
+constexpr int kMarch = 32, kHalve = 7;  // radii that are tried inwards, then halvings between two
+constexpr double kAgainst = 0.12;       // of the ends, that may say less at first: something in front
+constexpr size_t kFewestPhotos = 3, kFewestEnds = 8;
+constexpr double kFirstMove = 0.06, kLastMove = 5e-4;       // of the bounds' diagonal; radians for the tilt
+constexpr int kRounds = 4;                                  // of contacts and radii, for one axis
+constexpr int kSmoothing = 4;                               // passes of 1 2 1 over the profile
+constexpr double kOutlier = 0.15;                           // of the largest radius: further off is a spout, a handle
+constexpr double kNear = 6;                                 // voxels: the hull may bulge so far
+constexpr double kAlike = 0.5;                              // cosine between normals of a hull and of the solid
+constexpr double kOn = 2, kOnIt = 0.6;                      // voxels: the part of a piece of the hull that lies so near its solid
+constexpr double kTouching = 1.8;                           // voxels: cells that connect the points of a piece
+constexpr size_t kSmallestPiece = 20, kFewestPoints = 200;  // of the surface: one part in; points
+
+using Profile = std::array<double, kHeights>;  // radii; 0 = nothing
+
+struct Axis {
+  Vec3d origin, along, u, v;  // u, v: across it, orthonormal
+};
+Axis axis_of(const Vec3d& origin, double tilt_x, double tilt_y) {
+  const Vec3d along = normalized(Vec3d{tilt_x, tilt_y, 1});
+  const Vec3d u = normalized(Vec3d{along.z, 0, -along.x});
+  return {origin, along, u, cross(along, u)};
+}
+
+// What the photos say about discs around an axis.
+class Rims {
+ public:
+  Rims(std::span<const HullMask> masks, const Bounds3& about) : masks_(masks) {
+    const Vec3d size = about.high - about.low;
+    reach_ = 0.75 * std::hypot(size.x, size.y), half_height_ = 0.6 * size.z;
+  }
+  double height(size_t i) const { return half_height_ * (2.0 * double(i) / (kHeights - 1) - 1); }
+  double step() const { return 2 * half_height_ / (kHeights - 1); }
+
+  // The widest discs whose left and right ends the photos allow.
+  Profile widest(const Axis& axis) const {
+    Profile radii{};
+    parallel_for(kHeights, 2, [&](size_t i) {
+      const Disc disc{axis.origin + height(i) * axis.along, axis.u, axis.v};
+      std::vector<double> ends;
+      for (const HullMask& m : masks_) {
+        const double towards = azimuth(m, disc);
+        for (double side : {-0.5, 0.5})
+          if (const auto r = outline(m, disc, towards + side * std::numbers::pi, 0.98 * reach_)) ends.push_back(*r);
+      }
+      radii[i] = ends.size() < kFewestEnds ? 0 : part(ends, kAgainst);
+    });
+    return radii;
+  }
+
+  // Moves the radii of `profile` to where most photos see the outline: a photo sees the rim of a disc as the outline where its
+  // line of sight touches the surface there. Returns the mean distance between the outlines and the solid.
+  double fit(const Axis& axis, Profile& profile) const {
+    double mean = 0;
+    for (int round = 0; round < kRounds; ++round) {
+      const Profile now = smooth(profile);
+      const double outlier = kOutlier * *std::ranges::max_element(now);
+      std::array<double, kHeights> error{}, count{};
+      parallel_for(kHeights, 2, [&](size_t i) {
+        if (!(now[i] > 0)) return;
+        const bool first = i == 0 || !(now[i - 1] > 0), last = i + 1 == kHeights || !(now[i + 1] > 0);
+        const double slope = (now[last ? i : i + 1] - now[first ? i : i - 1]) / (step() * (first || last ? 1 : 2));
+        const Disc disc{axis.origin + height(i) * axis.along, axis.u, axis.v};
+        std::vector<double> ends;
+        for (const HullMask& m : masks_) {
+          const Vec3d to_camera = m.view.centre_in_world() - disc.centre;
+          const double distance = std::hypot(dot(to_camera, axis.u), dot(to_camera, axis.v));
+          const double cosine = (now[i] + slope * dot(to_camera, axis.along)) / distance;
+          if (!(std::abs(cosine) < kTouch)) continue;
+          for (double side : {-1.0, 1.0})
+            if (const auto r = outline(m, disc, azimuth(m, disc) + side * std::acos(cosine), now[i])) ends.push_back(*r);
+        }
+        if (ends.size() < kFewestEnds) return;
+        const double seen = part(ends, 0.5);
+        for (double r : ends) error[i] += std::min(std::abs(r - seen), outlier);
+        profile[i] = 0.5 * (now[i] + seen);
+        count[i] = double(ends.size());
+      });
+      double errors = 0, counts = 0;
+      for (size_t i = 0; i < kHeights; ++i) errors += error[i], counts += count[i];
+      mean = counts > 0 ? errors / counts : 1e300;
+    }
+    return mean;
+  }
+
+  static Profile smooth(Profile radii) {
+    for (int pass = 0; pass < kSmoothing; ++pass) {
+      const Profile before = radii;
+      for (size_t i = 1; i + 1 < kHeights; ++i)
+        if (before[i - 1] > 0 && before[i] > 0 && before[i + 1] > 0)
+          radii[i] = (before[i - 1] + 2 * before[i] + before[i + 1]) / 4;
+    }
+    return radii;
+  }
+
+ private:
+  static constexpr double kTouch = 0.98;  // nearly seen from above the rim is no outline
+  struct Disc {
+    Vec3d centre, u, v;
+  };
+  static double azimuth(const HullMask& m, const Disc& disc) {
+    const Vec3d to_camera = m.view.centre_in_world() - disc.centre;
+    return std::atan2(dot(to_camera, disc.v), dot(to_camera, disc.u));
+  }
+  static double part(std::vector<double>& values, double share) {
+    const auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  }
+
+  // What the photo says about the place at a radius, in one direction.
+  static float said(const HullMask& m, const Disc& disc, const Vec3d& direction, double r) {
+    const Vec3d p = m.view.cam_from_world * (disc.centre + r * direction);
+    if (!(p.z > 1e-6)) return -1;
+    const Intrinsics& k = m.view.intrinsics;
+    return value(m.mask, k.fx * p.x / p.z + k.cx - 0.5, k.fy * p.y / p.z + k.cy - 0.5);
+  }
+
+  // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.
+  std::optional<double> outline(const HullMask& m, const Disc& disc, double angle, double from) const {
+    const Vec3d direction = std::cos(angle) * disc.u + std::sin(angle) * disc.v;
+    const double step = reach_ / kMarch;
+    const float at_from = said(m, disc, direction, from);
+    if (at_from < 0) return std::nullopt;
+    const bool inside = at_from >= 0.5f;
+    double good = inside ? from : 0, bad = inside ? reach_ : from;
+    for (double r = from;;) {
+      r += inside ? step : -step;
+      if (r >= reach_) return reach_;
+      if (r <= 0) return 0;
+      const float here = said(m, disc, direction, r);
+      if (here < 0) return std::nullopt;
+      if ((here >= 0.5f) == inside) {
+        (inside ? good : bad) = r;
+        continue;
+      }
+      (inside ? bad : good) = r;
+      break;
+    }
+    for (int j = 0; j < kHalve; ++j) {
+      const double middle = 0.5 * (good + bad);
+      (said(m, disc, direction, middle) >= 0.5f ? good : bad) = middle;
+    }
+    return good;
+  }
+
+  // Between pixels; -1 = unknown or outside the picture.
+  static float value(const ImageF& mask, double x, double y) {
+    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= mask.width() || y0 + 1 >= mask.height()) return -1;
+    const float u = float(x - x0), v = float(y - y0);
+    const float a = mask.at(x0, y0), b = mask.at(x0 + 1, y0), c = mask.at(x0, y0 + 1), d = mask.at(x0 + 1, y0 + 1);
+    if (a < 0 || b < 0 || c < 0 || d < 0) return -1;
+    return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
+  }
+
+  std::span<const HullMask> masks_;
+  double reach_, half_height_;
+};
+
+double volume(const Profile& radii) {
+  double sum = 0;
+  for (double r : radii) sum += r * r;
+  return sum;
+}
+
+// Moves the axis, x and y of its origin and its tilt, while `score` falls.
+using Place = std::array<double, 4>;
+template <class Score>
+void improve_place(double size, double first_move, const Score& score, Place& place) {
+  double best = score(place);
+  for (double step = first_move; step >= kLastMove; step *= 0.5)
+    for (bool better = true; better;) {
+      better = false;
+      for (size_t i = 0; i < 4; ++i)
+        for (double sign : {1.0, -1.0}) {
+          Place trial = place;
+          trial[i] += sign * step * (i < 2 ? size : 1.0);
+          if (const double s = score(trial); s < best * (1 - 1e-9) - 1e-15) best = s, place = trial, better = true;
+        }
+    }
+}
+
+std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, const Bounds3& about) {
+  const Rims rims(masks, about);
+  const double size = length(about.high - about.low);
+  Place place{about.centre().x, about.centre().y, 0, 0};
+  const auto axis = [&](const Place& p) { return axis_of({p[0], p[1], about.centre().z}, p[2], p[3]); };
+  improve_place(
+      size, kFirstMove,
+      [&](const Place& p) {
+        return 1 / (1e-12 + volume(rims.widest(axis({p[0], p[1], 0, 0}))));
+      },
+      place);
+  place[2] = place[3] = 0;
+  Profile profile = rims.widest(axis(place));
+  rims.fit(axis(place), profile);
+  improve_place(
+      size, kFirstMove / 2,
+      [&](const Place& p) {
+        Profile trial = profile;
+        return rims.fit(axis(p), trial);
+      },
+      place);
+  for (int i = 0; i < kRounds; ++i) rims.fit(axis(place), profile);
+  profile = Rims::smooth(profile);
+  // The longest run of heights that have a disc.
+  size_t first = 0, count = 0;
+  for (size_t i = 0, run = 0; i < profile.size(); ++i) {
+    run = profile[i] > 0 ? run + 1 : 0;
+    if (run > count) count = run, first = i + 1 - run;
+  }
+  if (count < 4) return std::nullopt;
+  const Axis a = axis(place);
+  return SolidOfRevolution{a.origin,
+                           a.along,
+                           rims.height(first),
+                           rims.step(),
+                           {profile.begin() + ptrdiff_t(first), profile.begin() + ptrdiff_t(first + count)}};
+}
+
+// Numbers of the points of each connected piece of a surface, larger than `least` points; points are a voxel apart.
+std::vector<std::vector<size_t>> pieces(std::span<const HullSurfacePoint> surface, double voxel, size_t least) {
+  using Cell = std::array<int, 3>;
+  std::map<Cell, std::vector<size_t>> cells;
+  for (size_t i = 0; i < surface.size(); ++i) {
+    const Vec3d q = surface[i].position / (kTouching * voxel);
+    cells[{int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}].push_back(i);
+  }
+  std::vector<std::vector<size_t>> found;
+  while (!cells.empty()) {
+    std::vector<size_t> piece;
+    std::vector<Cell> open{cells.begin()->first};
+    while (!open.empty()) {
+      const Cell cell = open.back();
+      open.pop_back();
+      const auto at = cells.find(cell);
+      if (at == cells.end()) continue;
+      piece.insert(piece.end(), at->second.begin(), at->second.end());
+      cells.erase(at);
+      for (int z = -1; z <= 1; ++z)
+        for (int y = -1; y <= 1; ++y)
+          for (int x = -1; x <= 1; ++x) open.push_back({cell[0] + x, cell[1] + y, cell[2] + z});
+    }
+    if (piece.size() >= least) found.push_back(std::move(piece));
+  }
+  return found;
+}
+
+}  // namespace
+
+HullSurfacePoint SolidOfRevolution::nearest(const Vec3d& p) const {
+  const Vec3d from = p - origin;
+  const double h = dot(from, axis);
+  const Vec3d across = from - h * axis;
+  const double rho = length(across);
+  const Vec3d out =
+      rho > 1e-12 ? across / rho : normalized(cross(axis, std::abs(axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+  // The profile (radius, height) with its two ends on the axis.
+  const size_t n = radii.size();
+  const auto corner = [&](size_t i) -> Vec2d {
+    if (i == 0) return {0, low};
+    if (i == n + 1) return {0, top()};
+    return {radii[i - 1], low + step * double(i - 1)};
+  };
+  const auto segment_normal = [&](size_t i) -> Vec2d {  // of corners i and i + 1
+    const Vec2d a = corner(i), b = corner(i + 1);
+    const double x = b.y - a.y, y = a.x - b.x, norm = std::hypot(x, y);
+    return norm > 0 ? Vec2d{x / norm, y / norm} : Vec2d{1, 0};
+  };
+  const auto corner_normal = [&](size_t i) -> Vec2d {
+    const Vec2d a = segment_normal(i - 1), b = segment_normal(i);
+    return {a.x + b.x, a.y + b.y};
+  };
+  double best = 1e300;
+  Vec2d at{}, normal{};
+  for (size_t i = 0; i <= n; ++i) {
+    const Vec2d a = corner(i), b = corner(i + 1);
+    const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
+    const double t = squared > 0 ? std::clamp(((rho - a.x) * dx + (h - a.y) * dy) / squared, 0.0, 1.0) : 0;
+    const Vec2d q{a.x + t * dx, a.y + t * dy};
+    const double distance = std::hypot(rho - q.x, h - q.y);
+    if (distance >= best) continue;
+    best = distance, at = q;
+    const bool side = i > 0 && i < n;
+    const Vec2d before = side && i > 1 ? corner_normal(i) : segment_normal(i);
+    const Vec2d after = side && i + 1 < n ? corner_normal(i + 1) : segment_normal(i);
+    normal = {(1 - t) * before.x + t * after.x, (1 - t) * before.y + t * after.y};
+  }
+  return {origin + at.y * axis + at.x * out, normalized(normal.x * out + normal.y * axis)};
+}
+
+std::optional<HullSurfacePoint> SolidOfRevolution::smoothed(const HullSurfacePoint& p, double voxel) const {
+  const HullSurfacePoint turned = nearest(p.position);
+  if (length(turned.position - p.position) > kNear * voxel || dot(turned.normal, p.normal) < kAlike) return std::nullopt;
+  return turned;
+}
+
+std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> masks, std::span<const HullSurfacePoint> surface,
+                                                    double voxel) {
+  std::vector<SolidOfRevolution> found;
+  if (masks.size() < kFewestPhotos) return found;
+  for (const std::vector<size_t>& piece : pieces(surface, voxel, std::max(kFewestPoints, surface.size() / kSmallestPiece))) {
+    Bounds3 bounds;
+    for (size_t i : piece) bounds.extend(surface[i].position);
+    const auto solid = solid_for(masks, bounds);
+    if (!solid) continue;
+    size_t on = 0;
+    for (size_t i : piece) on += length(solid->nearest(surface[i].position).position - surface[i].position) <= kOn * voxel;
+    if (double(on) >= kOnIt * double(piece.size())) found.push_back(*solid);
+  }
+  return found;
+}
+
+std::optional<HullSurfacePoint> on_solid(std::span<const SolidOfRevolution> solids, const HullSurfacePoint& p, double voxel) {
+  for (const SolidOfRevolution& solid : solids)
+    if (const auto on = solid.smoothed(p, voxel)) return on;
+  return std::nullopt;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,36 @@
+// Solids of revolution whose outlines the masks are: kettles, vases, bottles and bowls are turned about an axis, and the curve
+// that is turned follows from the outlines of all photos at once, with normals as smooth as it is. A visual hull of the same
+// masks is made of voxels and bulges between the cones. Spouts and handles are no part of it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/stereo/flat_faces.h"
+#include "core/stereo/hull_mask.h"
+
+namespace vitrine {
+
+struct SolidOfRevolution {
+  Vec3d origin, axis;         // a point of the axis, its unit direction
+  double low = 0, step = 0;   // height above `origin` of the first radius; from one to the next
+  std::vector<double> radii;  // at least two, all positive; flat ends
+  double top() const { return low + step * double(radii.size() - 1); }
+
+  // The point of the surface nearest to `p`, with its normal: those of the profile's corners, blended between them.
+  HullSurfacePoint nearest(const Vec3d& p) const;
+  // Where a point of a hull of such voxels, which bulges and wavers around the solid, should lie; nothing for other points: of a
+  // spout, a handle, the table.
+  std::optional<HullSurfacePoint> smoothed(const HullSurfacePoint& p, double voxel) const;
+};
+
+// One for each connected piece of a hull that lies on it for the most part. Axes start along z. What the photos do not say
+// (mask < 0) does not count, and a photo with something in front is outvoted.
+std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> masks, std::span<const HullSurfacePoint> surface,
+                                                    double voxel);
+
+// On the first of the solids that have it.
+std::optional<HullSurfacePoint> on_solid(std::span<const SolidOfRevolution> solids, const HullSurfacePoint& p, double voxel);
+
+}  // namespace vitrine
