@@ -180,19 +180,19 @@ double volume(const Profile& radii) {
   return sum;
 }
 
-// Moves the axis, x and y of its origin and its tilt, while `score` falls.
+// Moves the axis, x and y of its origin and, if all four `numbers` are free, its tilt, while `score` falls.
 using Place = std::array<double, 4>;
 template <class Score>
-void improve_place(double size, double first_move, const Score& score, Place& place) {
+void improve_place(double size, double first_move, size_t numbers, const Score& score, Place& place) {
   double best = score(place);
   for (double step = first_move; step >= kLastMove; step *= 0.5)
     for (bool better = true; better;) {
       better = false;
-      for (size_t i = 0; i < 4; ++i)
+      for (size_t i = 0; i < numbers; ++i)
         for (double sign : {1.0, -1.0}) {
           Place trial = place;
           trial[i] += sign * step * (i < 2 ? size : 1.0);
-          if (const double s = score(trial); s < best * (1 - 1e-9) - 1e-15) best = s, place = trial, better = true;
+          if (const double s = score(trial); s < best - 1e-9 * std::abs(best)) best = s, place = trial, better = true;
         }
     }
 }
@@ -203,16 +203,11 @@ std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, cons
   Place place{about.centre().x, about.centre().y, 0, 0};
   const auto axis = [&](const Place& p) { return axis_of({p[0], p[1], about.centre().z}, p[2], p[3]); };
   improve_place(
-      size, kFirstMove,
-      [&](const Place& p) {
-        return 1 / (1e-12 + volume(rims.widest(axis({p[0], p[1], 0, 0}))));
-      },
-      place);
-  place[2] = place[3] = 0;
+      size, kFirstMove, 2, [&](const Place& p) { return -volume(rims.widest(axis(p))); }, place);
   Profile profile = rims.widest(axis(place));
   rims.fit(axis(place), profile);
   improve_place(
-      size, kFirstMove / 2,
+      size, kFirstMove / 2, 4,
       [&](const Place& p) {
         Profile trial = profile;
         return rims.fit(axis(p), trial);

@@ -21,7 +21,8 @@ struct HullDesc {
   int blur_passes = 3;      // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
   bool one_piece = false;   // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;       // half edge of the cube around the cameras' centre that is looked at
-  // Where the masks are outlines of a box, the surface is the box; else normals are those of flat faces, if it has such.
+  // Where the masks are outlines of a box, the surface is the box; else normals are those of solids of revolution or, if there is
+  // none, of flat faces, where it has such.
   bool flat_faces = false;
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };

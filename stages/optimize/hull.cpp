@@ -23,8 +23,8 @@ constexpr double kSeenShare = 0.3;
 constexpr int kFewestPhotos = 3;
 constexpr float kInFront = 0.97f;  // a surface nearer than this part of a point's depth hides it
 constexpr int kCoarseCells = 72;
-constexpr int kBoxSide = 400;     // pixels
-constexpr int kNormalRadius = 3;  // cells
+constexpr int kOutlineSide = 400;  // pixels
+constexpr int kNormalRadius = 3;   // cells
 
 struct Box {
   Vec3d low, high;
@@ -147,7 +147,7 @@ std::vector<HullMask> outlines(const MaskHullDesc& desc) {
   for (uint32_t photo : desc.capture.train) {
     const auto& levels = desc.capture.photos[photo].levels;
     size_t level = desc.level;
-    while (level + 1 < kLevels && levels[level].view.intrinsics.longest_side() > kBoxSide) ++level;
+    while (level + 1 < kLevels && levels[level].view.intrinsics.longest_side() > kOutlineSide) ++level;
     const Opinion says = opinion(desc, photo, level);
     if (says.mask.empty()) continue;
     const View& view = levels[level].view;

@@ -31,7 +31,8 @@ constexpr float kMostlyInside = 0.5f;
 constexpr float kBehindGlass = 0.9f;
 constexpr double kMirrorDepth = 0.5;  // of its size: where what is seen in a convex mirror seems to be
 // What begins as a mirror shows nothing but its reflections, and where no training photo had a ray that is black: too few pixels
-// of gloss in all photos do not tell what it reflects. A kettle with 90 000 gains 1 dB, a ball with 3 000 loses 3.
+// of gloss in all photos do not tell what it reflects. The kettle of sample_data/cabinet at 320x240 gains up to 1.4 dB, a ball in
+// fifteen photos of 48x36 loses 3.
 constexpr size_t kTellingPixels = 20000;
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
 constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy

@@ -10,22 +10,28 @@
 namespace vitrine {
 namespace {
 
-TEST(MaskHull, OfACaseIsItsSixFaces) {
-  constexpr double kTurn = 0.35;
-  const Vec3d half{0.2, 0.14, 0.28};
-  const auto masks =
-      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, kTurn, eye, d); });
+// With nothing in front.
+Hull hull_in(const std::vector<HullMask>& masks, HullClass kind) {
   Capture capture;
   Targets targets;
   std::vector<std::vector<float>> depths;
   for (const HullMask& m : masks) {
     capture.train.push_back(uint32_t(capture.photos.size()));
     capture.photos.emplace_back().levels[0].view = m.view;
-    auto& glass = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Transparent)];
-    for (float inside : m.mask.data()) glass.push_back(inside > 0 ? 255 : 0);
-    depths.emplace_back(glass.size(), 0.f);
+    const MaskClass of = kind == HullClass::Glass ? MaskClass::Transparent : MaskClass::Specular;
+    auto& inside = targets.photos.emplace_back()[0].masks[size_t(of)];
+    for (float value : m.mask.data()) inside.push_back(value > 0 ? 255 : 0);
+    depths.emplace_back(inside.size(), 0.f);
   }
-  const Hull hull = mask_hull({.kind = HullClass::Glass, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+  return mask_hull({.kind = kind, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+}
+
+TEST(MaskHull, OfACaseIsItsSixFaces) {
+  constexpr double kTurn = 0.35;
+  const Vec3d half{0.2, 0.14, 0.28};
+  const auto masks =
+      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, kTurn, eye, d); });
+  const Hull hull = hull_in(masks, HullClass::Glass);
   ASSERT_GT(hull.points.size(), 500u);
   const double c = std::cos(kTurn), s = std::sin(kTurn);
   for (const HullPoint& p : hull.points) {
@@ -41,18 +47,9 @@ TEST(MaskHull, OfACaseIsItsSixFaces) {
 
 TEST(MaskHull, OfABallIsAsSmoothAsABall) {
   const Vec3d centre{0.05, -0.03, 0.02};
-  Capture capture;
-  Targets targets;
-  std::vector<std::vector<float>> depths;
-  for (const HullMask& m :
-       outlines(24, 2 * std::numbers::pi, [&](const Vec3d&eye, const Vec3d&d) { return meets_ball(centre, 0.25, eye, d); })) {
-    capture.train.push_back(uint32_t(capture.photos.size()));
-    capture.photos.emplace_back().levels[0].view = m.view;
-    auto& gloss = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Specular)];
-    for (float inside : m.mask.data()) gloss.push_back(inside > 0 ? 255 : 0);
-    depths.emplace_back(gloss.size(), 0.f);
-  }
-  const Hull hull = mask_hull({.kind = HullClass::Gloss, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+  const auto masks =
+      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, 0.25, eye, d); });
+  const Hull hull = hull_in(masks, HullClass::Gloss);
   ASSERT_GT(hull.points.size(), 500u);
   double angle = 0;
   for (const HullPoint& p : hull.points) {
