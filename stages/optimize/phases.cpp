@@ -95,7 +95,7 @@ void describe(Describer& d, PhasesConfig& c) {
 PhasesConfig::PhasesConfig() {
   reflection.share = 0.1;
   reflection.hull_points = 3000;
-  transmittance.from = 0.4;
+  transmittance.from = 0.15;
   transmittance.share = 0.15;
   transmittance.initial_surfels = 100000;
 }
