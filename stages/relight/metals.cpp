@@ -8,7 +8,9 @@
 #include "core/image/exr.h"
 #include "core/image/resample.h"
 #include "core/math/median.h"
+#include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/scene/activation.h"
 #include "core/stereo/visible_paint.h"
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
@@ -30,6 +32,8 @@ constexpr float kGlaze = 0.04f;                                   // head on, in
 constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
 constexpr float kPaintShows = 0.75f;                              // of a thing's dimmer half: less is metal
+constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
+constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
 struct PolishedPixels {
@@ -61,6 +65,8 @@ class PolishedFinder {
     const std::vector<FaceShows> faces = faces_show();
     out.things = judged(faces);
     spread(faces, out);
+    for (size_t t = 0; t < out.things.size(); ++t)
+      if (out.things[t].metal) leave_handles(int(t), faces, out);
     return out;
   }
 
@@ -230,19 +236,21 @@ class PolishedFinder {
     return things;
   }
 
-  void spread(const std::vector<FaceShows>& shown, Metals& out) const {
+  void spread(const std::vector<FaceShows>& shown, Metals& out) {
     std::vector<Vec3f> centres;
     for (const auto& f : d_.mesh.faces)
       centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
     const PointGrid grid(centres, d_.reach / 4);
     const Bounds3 metal = metal_bounds(out.things);
     std::vector<PointGrid::Near> near;
+    deep_.assign(out.of_surfel.size(), false);
     for (size_t i = 0; i < out.of_surfel.size(); ++i) {
       const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
       const Vec3f p{m[0], m[1], m[2]};
       grid.nearest(p, kNearFaces, d_.reach, near);
       if (near.empty() && metal.contains(p)) {
         // Deep inside: a picture in the metal.
+        deep_[i] = true;
         grid.nearest(p, 1, float(0.5 * metal.diagonal()), near);
         if (near.empty()) continue;
         const uint32_t f = near[0].index;
@@ -259,6 +267,32 @@ class PolishedFinder {
           faces += 1;
         }
       if (faces > 0) out.gloss[i] = out.gloss[i] / faces;
+    }
+  }
+
+  // Handles and knobs are marked together with their kettle, but training found neither mirror nor light in them.
+  void leave_handles(int thing, const std::vector<FaceShows>& shown, Metals& out) const {
+    const SplatLayer& layer = d_.scene.surfels.diffuse;
+    double specular = 0, opacity = 0, light = 0, faces = 0;
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      if (out.of_surfel[i] != thing) continue;
+      const double o = sigmoid(*layer.at(Attribute::Opacity, i));
+      specular += o * double(sigmoid(*layer.at(Attribute::SpecularWeight, i)));
+      opacity += o;
+    }
+    for (size_t f = 0; f < shown.size(); ++f)
+      if (thing_[f] == thing && shown[f].views > 0) {
+        light += double(luminance(shown[f].mean));
+        faces += 1;
+      }
+    if (!(opacity > 0) || !(faces > 0)) return;
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      if (out.of_surfel[i] != thing || deep_[i]) continue;
+      Vec3f color;
+      for (size_t c = 0; c < 3; ++c) color[c] = std::max(0.5f + kShDc * layer.at(Attribute::ShDc, i)[c], 0.f);
+      if (double(sigmoid(*layer.at(Attribute::SpecularWeight, i))) < double(kOtherPart) * specular / opacity &&
+          double(luminance(color)) < double(kDarkPart) * light / faces)
+        out.of_surfel[i] = -1;
     }
   }
 
@@ -280,6 +314,7 @@ class PolishedFinder {
   std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
   std::vector<int> thing_;                           // [face]
   int count_ = 0;
+  std::vector<bool> deep_;  // [surfel] so far inside a metal that it is a picture in it
   PolishedPixels pixels_;
 };
 

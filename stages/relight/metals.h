@@ -5,7 +5,8 @@
 //   metal   shows little from its dim sides: the dimmer half of the views has less than three quarters of their mean (median
 //   face).
 //           F0 = sum C / sum L  per channel, over the rays that meet what is dull of the mesh, which the photos know well;
-//           nothing is scattered
+//           nothing is scattered. Surfels of a fifth of its brightness that training gave a quarter of its specular weight or
+//           less are handles and knobs: they keep their paint
 //   glaze   paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the dimmer half of a face's views,
 //           for highlights are brighter than any L that is known; mean of C - D is gloss, which is none of the paint's
 // Sums and means, for normals of mirrors are never so good that a single ray meets what its pixel shows.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/light/environment.h"
+#include "core/math/spherical_harmonics.h"
 #include "stages/relight/light_solver.h"
 #include "tests/evaluate/tiny_capture.h"
 #include "tests/support/error_of.h"
@@ -118,6 +119,24 @@ TEST(Metals, WhatStandsDeepInsideIsAPictureInIt) {
   const Metals found = ball.metals();
   EXPECT_EQ(found.of_surfel[deep], 0);
   EXPECT_EQ(found.of_surfel[apart], -1);
+}
+
+TEST(Metals, HandlesAndKnobsAreNotTheKettlesMetal) {
+  PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
+  SplatLayer& layer = ball.scene.surfels.diffuse;
+  const auto set = [&](size_t i, float specular, float color) {
+    *layer.at(Attribute::SpecularWeight, i) = specular;  // raw
+    for (size_t c = 0; c < 3; ++c) layer.at(Attribute::ShDc, i)[c] = (color - 0.5f) / kShDc;
+  };
+  for (size_t i = 0; i < layer.size(); ++i) set(i, 2, 0.01f);
+  const size_t handle = layer.size() / 2, spout = handle + 1, dark = handle + 2;
+  set(handle, -4, 0.02f);
+  set(spout, -4, 0.4f);  // as bright as the copper: its pictures were painted on it
+  set(dark, 2, 0.f);     // a mirror, whose own colour is black
+  const Metals found = ball.metals();
+  EXPECT_EQ(found.of_surfel[handle], -1);
+  EXPECT_EQ(found.of_surfel[spout], 0);
+  EXPECT_EQ(found.of_surfel[dark], 0);
 }
 
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
