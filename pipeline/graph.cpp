@@ -24,7 +24,7 @@ std::string written_description(const fs::path& executable) {
   const auto written = fs::last_write_time(file, ec);
   if (ec || written < fs::last_write_time(executable, ec) || ec) return {};
   std::string text = read_file(file);
-  return json::accept(text) ? text : std::string();
+  return json::parse(text, nullptr, false).is_object() ? text : std::string();
 }
 
 StageNode describe_stage(const fs::path& executable, const std::string& name) {
