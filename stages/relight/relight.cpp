@@ -23,6 +23,7 @@
 #include "stages/relight/light_solver.h"
 #include "stages/relight/marked_pixels.h"
 #include "stages/relight/metals.h"
+#include "stages/relight/mirrored_sky.h"
 #include "stages/relight/painted_shell.h"
 #include "stages/relight/pictures.h"
 #include "stages/relight/point_grid.h"
@@ -191,7 +192,8 @@ class Decomposition {
                              .smooth = float(config_.solver.smooth),
                              .range_sigma = float(config_.solver.range_sigma),
                              .white = float(config_.white_albedo)});
-    tops_ = continued_walls(around_, transport_.grid, solution_.light, solution_.free);
+    horizon_ = mirrored_horizon(scene_.surfels.reflection, points_);
+    tops_ = continued_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
     context_.timing("light", clock.seconds());
   }
 
@@ -325,7 +327,8 @@ class Decomposition {
          {{"share_of_sphere", around_.wall_share()},
           {"faces", shell_.faces.size()},
           {"sky_distance", sky_distance_},
-          {"continued_to_sine", tops_.sine}}},
+          {"continued_to_sine", tops_.sine},
+          {"mirrored_sky_from_sine", horizon_ ? nlohmann::ordered_json(*horizon_) : nlohmann::ordered_json()}}},
         {"light_known_share", solution_.known_share},
         {"misfit_log_rms", solution_.misfit},
         {"scale",
@@ -375,6 +378,7 @@ class Decomposition {
   Transport transport_;
   std::vector<uint32_t> chosen_;
   LightSolution solution_;
+  std::optional<float> horizon_;
   WallTops tops_;
   std::vector<Vec3f> irradiance_;
   RelightMaterials materials_;

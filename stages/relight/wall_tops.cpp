@@ -51,7 +51,7 @@ float wall_luminance(const Surroundings& around) {
 }  // namespace
 
 WallTops continued_walls(const Surroundings& around, const LightGrid& grid, std::span<const Vec3f> light,
-                         const std::vector<bool>& free) {
+                         const std::vector<bool>& free, float horizon) {
   WallTops out{around, std::vector<size_t>(around.distance.size()), 0};
   std::iota(out.source.begin(), out.source.end(), size_t(0));
   const size_t width = 2 * size_t(around.height);
@@ -73,6 +73,7 @@ WallTops continued_walls(const Surroundings& around, const LightGrid& grid, std:
     if (sum[band] > bright * count[band]) break;
     out.sine = 1 - 2 * float(band) / float(grid.bands);
   }
+  out.sine = std::min(out.sine, horizon);
   for (size_t x = 0; x < width; ++x)
     for (size_t y = 0; tops[x].across > 0 && y < tops[x].row; ++y) {
       const size_t t = y * width + x;

@@ -63,6 +63,18 @@ TEST(WallTops, GoOnUpToTheLight) {
   EXPECT_TRUE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
 }
 
+TEST(WallTops, EndWhereAMirrorShowsTheSky) {
+  const LightGrid grid;
+  const Surroundings seen = round_wall();
+  const std::vector<bool> all(grid.cells(), true);
+  const WallTops tops = continued_walls(seen, grid, light_above(grid, 0.625f), all, 0.45f);
+  EXPECT_FLOAT_EQ(tops.sine, 0.45f);
+  EXPECT_TRUE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
+  EXPECT_FALSE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.6f}))]);
+  EXPECT_FLOAT_EQ(continued_walls(seen, grid, light_above(grid, 0.625f), all, 0.9f).sine, 0.625f)
+      << "no higher than the light says";
+}
+
 TEST(WallTops, StopAtLightSkyAndUnknownDirections) {
   const LightGrid grid;
   const auto untouched = [](const WallTops& tops, const Surroundings& seen) { return tops.around.wall == seen.wall; };
