@@ -126,6 +126,11 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, co
     };
     std::ranges::for_each(scene.materials.albedo, scaled);
     std::ranges::for_each(scene.surroundings.colors, scaled);
+    // Albedos that are too bright were found under a light that is too dim; what stands under glass is lit in proportion to it.
+    ImageF light = scene.captured.map();
+    for (size_t i = 0; i < light.pixel_count(); ++i)
+      for (size_t c = 0; c < 3; ++c) light.data()[3 * i + c] /= std::max(float((*desc.albedo_scale)[c]), 1e-6f);
+    scene.captured = Environment(std::move(light), scene.captured.world_from_map());
   }
   RelitPainter painter(std::move(scene));
   const std::vector<std::string> names = relit_environments(desc.truth);

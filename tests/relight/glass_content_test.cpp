@@ -8,24 +8,9 @@
 namespace vitrine {
 namespace {
 
-RelitScene ball_in_glass(Glass glass) {
-  RelitScene s = test::relit_ball({0.1f, 0.1f, 0.1f});
-  std::ranges::fill(s.materials.transmission, 1.f);
-  std::ranges::fill(s.materials.f0, Vec3f{});
-  const SplatLayer inside = test::sphere_layer(0.2);
-  SplatLayer& layer = s.trained.surfels.transmittance;
-  layer = SplatLayer(LayerKind::Transmittance, 0, inside.size());
-  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
-    std::ranges::copy(inside.values(a), layer.values(a).begin());
-  // What of the diffuse layer is glass is as trained.
-  std::ranges::fill(s.trained.surfels.diffuse.values(Attribute::Transmission), 6.f);
-  s.trained.image.transmission.glass = glass;
-  return s;
-}
-
 TEST(GlassContent, FollowsTheLightThatReachesItThroughTheGlass) {
   for (const Glass glass : {Glass::Thin, Glass::Traced}) {
-    RelitPainter painter(ball_in_glass(glass));
+    RelitPainter painter(test::ball_in_glass(glass));
     const auto middle = [&](const Lighting& light) {
       painter.set_lighting(light);
       return painter.picture(test::view_from({1, 0, 0}), {.samples = 4}).radiance;
@@ -44,7 +29,7 @@ TEST(GlassContent, FollowsTheLightThatReachesItThroughTheGlass) {
 }
 
 TEST(GlassContent, SolidThingsKeepTheLightOut) {
-  RelitScene scene = ball_in_glass(Glass::Thin);
+  RelitScene scene = test::ball_in_glass(Glass::Thin);
   std::ranges::fill(scene.materials.transmission, 0.f);
   RelitPainter painter(std::move(scene));
   painter.set_lighting(test::constant_light(1));

@@ -31,4 +31,20 @@ inline Lighting constant_light(float radiance) {
   return l;
 }
 
+// A painted ball inside a ball of clear glass, trained under a constant light of 1.
+inline RelitScene ball_in_glass(Glass glass) {
+  RelitScene s = relit_ball({0.1f, 0.1f, 0.1f});
+  std::ranges::fill(s.materials.transmission, 1.f);
+  std::ranges::fill(s.materials.f0, Vec3f{});
+  const SplatLayer inside = sphere_layer(0.2);
+  SplatLayer& layer = s.trained.surfels.transmittance;
+  layer = SplatLayer(LayerKind::Transmittance, 0, inside.size());
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    std::ranges::copy(inside.values(a), layer.values(a).begin());
+  // What of the diffuse layer is glass is as trained.
+  std::ranges::fill(s.trained.surfels.diffuse.values(Attribute::Transmission), 6.f);
+  s.trained.image.transmission.glass = glass;
+  return s;
+}
+
 }  // namespace vitrine::test
