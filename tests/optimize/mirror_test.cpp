@@ -73,7 +73,8 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   }
   std::sort(before.begin(), before.end()), std::sort(after.begin(), after.end());
   RecordProperty("mirror_gain", std::to_string(after[1] - before[1]));
-  // Measured 14.8 -> 16.4 with AVX2: a diffuse layer does well on a ball, by a picture inside it.
+  // Measured 17.9 -> 18.9 with AVX2, 18.1 -> 19.6 with AVX-512 (one seed): a diffuse layer does well on a ball, by a picture
+  // inside it.
   EXPECT_GT(after[1], before[1] + 0.5) << before[1];
 }
 

@@ -75,10 +75,7 @@ inline SplatScene tiny_mirror_scene() {
   const size_t first = scene.diffuse.size() - kSmoothBall;
   for (size_t i = 0; i < scene.diffuse.size(); ++i) {
     const bool mirror = i >= first;
-    if (mirror) {
-      std::fill_n(scene.diffuse.at(Attribute::ShDc, i), 3, -0.48f / kShDc);
-      for (size_t c = 0; c < 2; ++c) scene.diffuse.at(Attribute::LogScale, i)[c] += std::log(1.5f);  // no gap shows its inside
-    }
+    if (mirror) std::fill_n(scene.diffuse.at(Attribute::ShDc, i), 3, -0.48f / kShDc);
     for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission}) {
       const bool high = mirror && (a == Attribute::F0 || a == Attribute::SpecularWeight);
       std::fill_n(scene.diffuse.at(a, i), scene.diffuse.width(a), logit(high ? 0.95f : 0.002f));

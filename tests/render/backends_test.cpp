@@ -1,7 +1,6 @@
 // The CPU back end against the executable specification: tiny scenes x instruction sets, images and gradients.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <iostream>
 
 #include "core/base/parallel.h"
@@ -97,29 +96,6 @@ TEST_P(Backends, GivesTheSameBytesForOneTwoAndEightThreads) {
     EXPECT_EQ(passes[0].statistics.screen_gradient, passes[i].statistics.screen_gradient);
     EXPECT_EQ(passes[0].statistics.error, passes[i].statistics.error);
   }
-}
-
-TEST_P(Backends, WhatIsPolishedAndOpaqueHasOneFace) {
-  struct Case {
-    float specular, transmission;  // raw
-    bool seen_from_behind;
-  };
-  for (const Backend backend : {Backend::Reference, Backend::Cpu})
-    for (const Case& c : {Case{2, -2, false}, Case{-2, -2, true}, Case{2, 2, true}})
-      for (const FeatureSet features : {FeatureSet::Material, FeatureSet::Surface})
-        for (const bool behind : {false, true}) {
-          TinyScene scene = empty_scene("one");
-          scene.desc.features = features;
-          add_surfel(scene, {.mean = {0, 0, 2}, .angle_x = 0.4}, 1);
-          if (behind) turn_round(scene.layer, 0);
-          *scene.layer.at(Attribute::SpecularWeight, 0) = c.specular;
-          *scene.layer.at(Attribute::Transmission, 0) = c.transmission;
-          RasterImages images;
-          make_renderer(backend, GetParam())->forward(scene.layer, scene.desc, images);
-          const auto alpha = images.plane(Aov::Alpha);
-          EXPECT_EQ(*std::max_element(alpha.begin(), alpha.end()) > 0.1f, !behind || c.seen_from_behind)
-              << c.specular << " " << c.transmission << " " << behind;
-        }
 }
 
 INSTANTIATE_TEST_SUITE_P(Simd, Backends, testing::Values(Simd::Avx2, Simd::Avx512),

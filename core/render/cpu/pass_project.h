@@ -153,8 +153,6 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
     const LaneBounds b = lane_bounds(p, opacity, near_z, low_pass);
     const uint32_t left = count - begin;
     uint32_t visible = bits(is_visible(p, opacity, near_z)) & (left >= kLanes ? 0xffffu : (1u << left) - 1u);
-    if (layer.material[2] && visible != 0)
-      visible &= ~bits(shows_its_back(p, gather(layer.material[2], index.by1), gather(layer.material[3], index.by1)));
     if (visible == 0) continue;
     const ShColour<F16> colour = sh_colour(view.sh_degree, s.geometry.mean, camera.eye, s.sh);
 

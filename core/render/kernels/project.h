@@ -91,13 +91,6 @@ auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
   return (p.map.z0 > near_z) & (size > T(kEdgeOn) * p.scale) & (opacity > T(kMinAlpha));
 }
 
-// What is polished and opaque has one face, the one that it was placed with: of a kettle's far side, surfels reach beyond the
-// outline, and turned round to face the camera they would mirror what no kettle mirrors there. Raw values: 0 is one half.
-template <class T>
-auto shows_its_back(const Projection<T>& p, const T& raw_specular, const T& raw_transmission) {
-  return (p.facing < T(0)) & (raw_specular > T(0)) & (raw_transmission < T(0));
-}
-
 template <class T>
 struct ProjectionGrad {
   SurfelGeometry<T> surfel;

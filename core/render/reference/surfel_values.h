@@ -80,7 +80,7 @@ ScreenSurfel<T> screen_surfel(const SurfelValues<T>& s, const SceneCamera<T>& vi
   out.projection = project(s.geometry, view.camera);
   const T opacity = sigmoid(s.opacity);
   out.constants = {out.projection.map, opacity, view.near_z / out.projection.map.z0, view.low_pass};
-  out.visible = is_visible(out.projection, opacity, view.near_z) && !shows_its_back(out.projection, s.material[4], s.material[5]);
+  out.visible = is_visible(out.projection, opacity, view.near_z);
   out.colour = sh_colour(view.sh_degree, s.geometry.mean, view.camera.eye, s.sh.data());
   for (size_t c = 0; c < 3; ++c) {
     out.features[kColourAt + c] = out.colour.value[c];
