@@ -21,7 +21,7 @@ constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below whi
 // Costs of a choice, in brightness.
 constexpr float kImpossible = 1;
 constexpr float kUnseen = 0.06f;          // no other photo sees it
-constexpr float kContradicted = 0.6f;     // it would hide what other photos surely see
+constexpr float kContradicted = 0.6f;     // it would hide what other photos surely see, or stand around their cameras
 constexpr float kOtherSurface = 0.07f;    // at a reliable pixel: not the surface found there
 constexpr float kLocalHandicap = 0.005f;  // a large plane is more exact than the continuation of a few pixels
 constexpr float kFarHandicap = 0.05f;
@@ -75,13 +75,19 @@ class Witnesses {
                            photos[o].view.cam_from_world * inverse(photo_.view.cam_from_world)});
   }
 
-  // Mean difference in brightness to the two photos that the plane fits best; more where it stands before what they surely see.
+  // Mean difference in brightness to the two photos that the plane fits best; more where it stands before what they surely see
+  // or around their cameras.
   float cost(const ReferencePatch& patch, const InversePlane& plane, double x, double y) const {
     const Vec3d point = photo_.view.intrinsics.ray(x, y) / plane.at(x, y);
     float best = 1, second = 1;
     double against = 0, in_favour = 0;
     for (const Other& other : others_) {
       const Vec3d p = other.from_reference * point;
+      // Around a camera there is air, in whatever direction it looks: somebody held it there.
+      if (dot(p, p) < photos_[other.index].near_z * photos_[other.index].near_z) {
+        against += 1;
+        continue;
+      }
       if (!(p.z > 0)) continue;
       const Intrinsics& k = photos_[other.index].view.intrinsics;
       const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;

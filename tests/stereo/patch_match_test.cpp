@@ -163,6 +163,43 @@ TEST(ExtendPlanes, NothingIsSeenThroughTheFloor) {
       ASSERT_LT(double(map.zdepth[map.index(x, y)]) / truth(room[2], x, y).t, 1.03) << x << " " << y;
 }
 
+TEST(ExtendPlanes, NothingStandsAroundACamera) {
+  // Plaster has no texture: a plane in mid-air explains it as well as the wall does, which few pixels below it show.
+  constexpr double kPlainFrom = 0.25, kInAir = 0.05;
+  std::vector<StereoPhoto> room = photos(kPlainFrom);
+  std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
+  count_agreement(room, maps);
+  const std::vector<ScenePlane> planes{{.normal = {1, 0, 0}, .offset = kInAir}};
+  const StereoPhoto& photo = room[2];
+  const Rigid world_from_cam = inverse(photo.view.cam_from_world);
+  const Vec3d camera{kInAir, 0, 0.55};
+  // Share of the plaster behind the neighbourhood of `camera` that is put on the plane in mid-air.
+  const auto chosen = [&] {
+    const DepthMap map = extended(room, maps, planes, 2);
+    double plain = 0, in_air = 0;
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        const Vec3d d = world_from_cam.rotation * photo.view.intrinsics.ray(x + 0.5, y + 0.5), &o = world_from_cam.translation;
+        const double t_air = (kInAir - o.x) / d.x, t_wall = (-0.5 - o.x) / d.x;
+        const size_t pixel = map.index(x, y);
+        if ((o + t_wall * d).z < kPlainFrom + 0.05 || map.reliable(pixel) || length(o + t_air * d - camera) > 0.3) continue;
+        plain += 1, in_air += std::abs(double(map.zdepth[pixel]) / t_air - 1) < 0.02;
+      }
+    EXPECT_GT(plain, 300);
+    return in_air / plain;
+  };
+  EXPECT_GT(chosen(), 0.5);
+  // A camera there that looks the other way sees none of it.
+  StereoPhoto away = photo;
+  away.view.cam_from_world = looking_at(camera, {2, 0, 0.55});
+  away.near_z = 0.4;
+  DepthMap nothing_sure = maps[2];
+  std::ranges::fill(nothing_sure.trusted, uint8_t(0));
+  room.push_back(away);
+  maps.push_back(nothing_sure);
+  EXPECT_LT(chosen(), 0.01);
+}
+
 TEST(ExtendPlanes, PlasterContinuesTheWall) {
   constexpr double kPlainFrom = 0.25;
   const std::vector<StereoPhoto> room = photos(kPlainFrom);
