@@ -3,6 +3,7 @@
 // masks is made of voxels and bulges between the cones. Spouts and handles are no part of it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,6 +30,9 @@ struct SolidOfRevolution {
 // (mask < 0) does not count, and a photo with something in front is outvoted.
 std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> masks, std::span<const HullSurfacePoint> surface,
                                                     double voxel);
+
+// 1 inside the outline of the solid, [h,w] of the view.
+std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view);
 
 // On the first of the solids that have it.
 std::optional<HullSurfacePoint> on_solid(std::span<const SolidOfRevolution> solids, const HullSurfacePoint& p, double voxel);

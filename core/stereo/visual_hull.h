@@ -32,9 +32,11 @@ class VisualHull {
   VisualHull(std::span<const HullMask> masks, const HullDesc& desc);
 
   bool empty() const { return field_.empty(); }
-  double one_sidedness() const { return one_sidedness_; }    // of the cameras, as seen from the hull
-  const Bounds3& bounds() const { return bounds_; }          // of what is left, without the room around it
-  size_t faces() const { return box_ ? 6 : faces_.size(); }  // flat ones that normals come from
+  double one_sidedness() const { return one_sidedness_; }                // of the cameras, as seen from the hull
+  const Bounds3& bounds() const { return bounds_; }                      // of what is left, without the room around it
+  size_t faces() const { return box_ ? 6 : faces_.size(); }              // flat ones that normals come from
+  std::span<const SolidOfRevolution> solids() const { return turned_; }  // that pieces of it are, with HullDesc::flat_faces
+  double voxel() const { return voxel_; }                                // edge
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 

@@ -210,7 +210,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 5,
+      .version = 6,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {
           {.name = "sfm", .doc = "cameras and undistorted photos"},

@@ -62,11 +62,26 @@ class Marked : public testing::Test, public BallCapture {
     for (const Vec2d& c : around) text += fmt::format("{}[{}, {}]", text.empty() ? "" : ", ", c.x, c.y);
     return fmt::format("  - {{photo: v{}.jpg, class: transparent, polygon: [{}]}}\n", view, text);
   }
-  std::unique_ptr<RecordingContext> run(const std::string& marks, const char* file = "marks.yaml") const {
+  // A polygon around the truth, whose rows are in one piece.
+  std::string outline(int view) const {
+    std::string left, right;
+    const Image8& mask = truth[size_t(view)];
+    for (int y = 0; y < kHeight; ++y) {
+      int first = kWidth, last = -1;
+      for (int x = 0; x < kWidth; ++x)
+        if (mask.at(x, y) != 0) first = std::min(first, x), last = x;
+      if (last < 0) continue;
+      left += fmt::format("{}[{}, {}]", left.empty() ? "" : ", ", 2 * first, 2 * y + 1);
+      right = fmt::format(", [{}, {}]", 2 * last + 2, 2 * y + 1) + right;
+    }
+    return fmt::format("  - photo: v{}.jpg\n    class: specular\n    polygon: [{}{}]\n", view, left, right);
+  }
+  std::unique_ptr<RecordingContext> run(const std::string& marks, const char* file = "marks.yaml",
+                                        const MasksConfig& config = {}) const {
     write_file(folder.path() / file, marks);
     auto context =
         std::make_unique<RecordingContext>(std::map<std::string, fs::path>{{"sfm", sfm()}, {"masks", folder.path() / file}});
-    run_masks({}, *context);
+    run_masks(config, *context);
     return context;
   }
   std::vector<MarkedThing> read(const std::string& marks) const {
@@ -120,6 +135,34 @@ TEST_F(Marked, TightMarksHoldTheMiddleOfAMirror) {
   }
   const auto context = run(head() + disk(0, "specular") + disk(3, "specular") + disk(6, "specular") + disk(8, "specular"));
   EXPECT_GT(worst_overlap(*context, "specular"), 0.8);
+}
+
+// A kettle: its spout has the colours of what it mirrors, and its lid is a lamp.
+TEST_F(Marked, AKettleIsASolidOfRevolutionAndWhatSticksOutOfIt) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    const View& view = views[v];
+    const Vec3d eye = view.centre_in_world();
+    ImageF photo(kWidth, kHeight, 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+        const bool body = truth[v].at(x, y) != 0, lid = body && (eye - dot(eye, d) * d).z > 0.2;
+        // The spout: balls in a row towards +x.
+        for (double along = 0.3; along < 0.46; along += 0.02) {
+          const Vec3d to = Vec3d{along, 0, 0} - eye;
+          if (length(to - dot(to, d) * d) < 0.06) truth[v].at(x, y) = 255;
+        }
+        for (int c = 0; c < 3; ++c)
+          photo.at(x, y, c) = body && !lid ? (c == 0 ? 0.6f : 0.05f) : (x / 4 + y / 4) % 2 ? 0.2f : 0.3f;
+      }
+    write_exr_rgb(linear_image_path(sfm(), view), photo);
+  }
+  MasksConfig config;
+  config.boxes.resolution = 40;  // a voxel is a pixel
+  const auto context = run(head() + outline(0) + outline(3) + outline(5) + outline(8), "marks.yaml", config);
+  EXPECT_GT(worst_overlap(*context, "specular"), 0.88);  // of votes alone 0.78
+  const auto report = nlohmann::json::parse(read_file(context->output() / "masks/report.json"));
+  EXPECT_EQ(report.at("classes").at("specular").at("things").at(0).at("solids_of_revolution"), 1);
 }
 
 TEST_F(Marked, SameMarksSameBytes) {

@@ -152,6 +152,26 @@ TEST(RevolutionFit, AHullNearItTakesItsNormalsAndAHandleKeepsItsOwn) {
   EXPECT_FALSE(can.smoothed({{0.19, 0, 0}, {-1, 0, 0}}, 0.01)) << "its other side";
 }
 
+TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
+  const SolidOfRevolution can{{}, {0, 0, 1}, -0.25, 0.1, {0.2, 0.2, 0.2, 0.2, 0.2, 0.2}};
+  for (const HullMask& m :
+       outlines(6, kFullTurn, [](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
+    const std::vector<uint8_t> inside = outline_mask(can, m.view);
+    for (size_t i = 0; i < inside.size(); ++i) ASSERT_EQ(inside[i] != 0, m.mask.data()[i] > 0) << i;
+  }
+  // A cone that widens and narrows: nothing at its tips.
+  const SolidOfRevolution top{{0.1, 0, 0}, {0, 0, 1}, -0.2, 0.2, {0.001, 0.2, 0.001}};
+  View view;
+  view.intrinsics = {80, 80, 80, 80, 40, 40};
+  view.cam_from_world = {Mat3d::identity(), {-0.1, 0, 1}};  // looks along +z from below
+  const std::vector<uint8_t> disc = outline_mask(top, view);
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const double r = std::hypot(x - 39.5, y - 39.5);
+      if (std::abs(r - 16) > 1) ASSERT_EQ(disc[size_t(80 * y + x)] != 0, r < 16) << x << " " << y;
+    }
+}
+
 // Against its own normals: those of a hull of voxels waver.
 TEST(RevolutionFit, AVisualHullTakesItsNormals) {
   const Vase vase;

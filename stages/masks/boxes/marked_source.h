@@ -28,6 +28,7 @@ struct MarkedMasks {
     size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found (no polygon says it)
     double edge = 0;                // longest edge of the hull's box, scene units
     bool voted = false;             // the second hull gave the masks
+    size_t solids = 0;              // of revolution, found in it
     double box_agreement = 0;       // with a box that was taken for it; 0 = none
   };
   std::vector<Thing> things;
