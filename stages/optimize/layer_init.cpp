@@ -278,9 +278,11 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
   keep_surfels(diffuse, stay);
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), color, diffuse);
-  counts.hull = taken.size();
   const bool told = gloss_pixels(desc) >= kTellingPixels;
+  const bool shaped = told && std::ranges::any_of(hull.points, &HullPoint::known);
+  const int wanted = shaped ? phase.known_hull_points : phase.hull_points;
+  const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(wanted)), color, diffuse);
+  counts.hull = taken.size();
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
     counts.known += known;
