@@ -33,16 +33,11 @@ bool meets_slab(const SolidOfRevolution& solid, size_t i, const Vec3d& origin, c
 }  // namespace
 
 std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view) {
-  const Intrinsics& k = view.intrinsics;
-  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
-  const Vec3d eye = view.centre_in_world();
-  for (int y = 0; y < k.height; ++y)
-    for (int x = 0; x < k.width; ++x) {
-      const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-      uint8_t& here = inside[size_t(y) * size_t(k.width) + size_t(x)];
-      for (size_t i = 0; i + 1 < solid.radii.size() && !here; ++i) here = meets_slab(solid, i, eye, direction);
-    }
-  return inside;
+  return mask_of_rays(view, [&](size_t, const Vec3d& eye, const Vec3d& direction) {
+    for (size_t i = 0; i + 1 < solid.radii.size(); ++i)
+      if (meets_slab(solid, i, eye, direction)) return true;
+    return false;
+  });
 }
 
 }  // namespace vitrine

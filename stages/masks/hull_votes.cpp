@@ -18,15 +18,8 @@ std::vector<std::vector<uint8_t>> silhouettes(const VisualHull& hull, const std:
   std::vector<std::vector<uint8_t>> out(views.size());
   parallel_for(views.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
-    const View& view = views[v];
-    const Intrinsics& k = view.intrinsics;
-    out[v].assign(size_t(k.width) * size_t(k.height), 0);
-    const Vec3d eye = view.centre_in_world();
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-        out[v][size_t(y) * size_t(k.width) + size_t(x)] = hull.first_hit(eye, direction).has_value();
-      }
+    out[v] = mask_of_rays(
+        views[v], [&](size_t, const Vec3d& eye, const Vec3d& direction) { return hull.first_hit(eye, direction).has_value(); });
   });
   throw_if_interrupted();
   return out;

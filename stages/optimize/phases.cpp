@@ -39,7 +39,8 @@ void describe(Describer& d, ReflectionPhase& c) {
   d.option("known_specular_weight", c.known_specular_weight,
            "specular_weight where the shape of what reflects is known: a solid of revolution or a box, found in the masks.")
       .range(0.001, 0.999);
-  d.option("known_hull_points", c.known_hull_points, "hull_points if the shape of something that reflects is known.")
+  d.option("known_hull_points", c.known_hull_points,
+           "hull_points if the shape of something that reflects is known; with hull_points 0 none are placed either way.")
       .range(0, 10000000);
   d.option("known_f0", c.known_f0, "f0 where the shape of what reflects is known.").range(0.001, 0.999);
   d.option(

@@ -6,6 +6,7 @@
 // While a later phase runs, the geometry of the diffuse layer moves at a factor of its rates.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "core/config/describe.h"
@@ -73,6 +74,11 @@ struct PhasesConfig {
 
   const LayerPhase& of(LayerKind kind) const {
     return kind == LayerKind::Reflection ? static_cast<const LayerPhase&>(reflection) : transmittance;
+  }
+  // That the beginning of a layer may place: shapes are known when it begins.
+  int most_hull_points(LayerKind kind) const {
+    const int points = of(kind).hull_points;
+    return kind == LayerKind::Reflection && points > 0 ? std::max(points, reflection.known_hull_points) : points;
   }
 };
 void describe(Describer& d, PhasesConfig& c);

@@ -50,12 +50,8 @@ size_t Trainer::diffuse_cap() const {
   const size_t all = cap(LayerKind::Diffuse);
   size_t room = 0;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
-    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) {
-      const PhasesConfig& phases = config().phases;
-      int points = phases.of(kind).hull_points;
-      if (kind == LayerKind::Reflection) points = std::max(points, phases.reflection.known_hull_points);
-      room += std::min(static_cast<size_t>(points), all / 10);
-    }
+    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)])
+      room += std::min(static_cast<size_t>(config().phases.most_hull_points(kind)), all / 10);
   return all - room;
 }
 

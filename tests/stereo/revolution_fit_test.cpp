@@ -155,7 +155,7 @@ TEST(RevolutionFit, AHullNearItTakesItsNormalsAndAHandleKeepsItsOwn) {
 TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
   const SolidOfRevolution can{{}, {0, 0, 1}, -0.25, 0.1, {0.2, 0.2, 0.2, 0.2, 0.2, 0.2}};
   for (const HullMask& m :
-       outlines(6, kFullTurn, [](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
+       outlines(6, kFullTurn, [&](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
     const std::vector<uint8_t> inside = outline_mask(can, m.view);
     for (size_t i = 0; i < inside.size(); ++i) ASSERT_EQ(inside[i] != 0, m.mask.data()[i] > 0) << i;
   }

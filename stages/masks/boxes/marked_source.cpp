@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/json.h"
@@ -54,8 +55,9 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
 
 // Kettles and vases: GrabCut takes away bright lids and, photo by photo, spouts. The body is the solid of revolution that the
 // outlines of all photos agree about; what sticks out of it is as in the hull of the marks, where those are tight.
-void add_turned(const VisualHull& marked, bool tight, const VisualHull& voted, const std::vector<View>& views,
-                std::vector<std::vector<uint8_t>>& inside) {
+// `inside_marked`: silhouettes of `marked`.
+void add_turned(const VisualHull& marked, const std::vector<std::vector<uint8_t>>& inside_marked, bool tight,
+                const VisualHull& voted, const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
   const std::span<const SolidOfRevolution> solids = voted.solids();
   if (solids.empty()) return;
   const auto sticks_out = [&](const Vec3d& p) {
@@ -64,22 +66,16 @@ void add_turned(const VisualHull& marked, bool tight, const VisualHull& voted, c
   };
   parallel_for(views.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
-    const View& view = views[v];
-    const Intrinsics& k = view.intrinsics;
     for (const SolidOfRevolution& solid : solids) {
-      const std::vector<uint8_t> turned = outline_mask(solid, view);
+      const std::vector<uint8_t> turned = outline_mask(solid, views[v]);
       for (size_t i = 0; i < turned.size(); ++i) inside[v][i] |= turned[i];
     }
     if (!tight) return;
-    const Vec3d eye = view.centre_in_world();
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        uint8_t& here = inside[v][size_t(y) * size_t(k.width) + size_t(x)];
-        if (here) continue;
-        const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-        const auto hit = marked.first_hit(eye, direction);
-        here = hit && sticks_out(eye + hit->t * direction);
-      }
+    inside[v] = mask_of_rays(views[v], [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
+      if (inside[v][pixel] || !inside_marked[v][pixel]) return inside[v][pixel] != 0;
+      const auto hit = marked.first_hit(eye, direction);
+      return hit && sticks_out(eye + hit->t * direction);
+    });
   });
   throw_if_interrupted();
 }
@@ -146,10 +142,10 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     desc.flat_faces = true;  // boxes and solids of revolution are asked for
     const VisualHull second(outlines, desc);
     if (!second.empty()) {
-      out.inside = silhouettes(second, views);
+      const auto inside_marked = std::exchange(out.inside, silhouettes(second, views));
       out.summary.voted = true;
       out.summary.solids = second.solids().size();
-      add_turned(hull, tight, second, views, out.inside);
+      add_turned(hull, inside_marked, tight, second, views, out.inside);
     }
     for (size_t v = 0; v < views.size(); ++v)
       for (size_t i = 0; i < found[v].size(); ++i) out.doubted[v][i] = found[v][i] != out.inside[v][i];
