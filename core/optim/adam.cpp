@@ -54,7 +54,7 @@ Adam::Adam(const SplatLayer& shape, const AdamDesc& desc)
 size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span<const uint8_t> active, SplatLayer& layer,
                   const StepFactors& factors) {
   const size_t n = layer.size();
-  for (std::span<const float> f : {factors.all, factors.shape})
+  for (std::span<const float> f : {factors.all, factors.shape, factors.place})
     VITRINE_CHECK(f.empty() || f.size() == n, "{} surfels, {} factors", n, f.size());
   VITRINE_CHECK(grad.size() == n && steps_.size() == n && active.size() == n,
                 "shapes differ: {} surfels, {} gradients, {} moments, {} flags", n, grad.size(), steps_.size(), active.size());
@@ -88,6 +88,7 @@ size_t Adam::step(const SplatLayer& grad, const AttributeRates& rates, std::span
         float own_rate = rate;
         if (!factors.all.empty()) own_rate *= factors.all[begin + k];
         if (!factors.shape.empty() && is_shape(r.id)) own_rate *= factors.shape[begin + k];
+        if (!factors.place.empty() && r.id == Attribute::Mean) own_rate *= factors.place[begin + k];
         std::fill_n(spread.step + k * width, width, own_rate * c1[k]);
         std::fill_n(spread.root + k * width, width, c2[k]);
         std::fill_n(spread.moves + k * width, width, moves[k]);

@@ -23,6 +23,7 @@ struct AdamDesc {
 struct StepFactors {
   std::span<const float> all = {};    // of every attribute
   std::span<const float> shape = {};  // of geometry and opacity, on top
+  std::span<const float> place = {};  // of positions, on top
 };
 
 using AttributeRates = std::array<float, kAttributeCount>;  // 0 = the attribute is not trained

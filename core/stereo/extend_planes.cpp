@@ -20,11 +20,11 @@ constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below whi
 
 // Costs of a choice, in brightness.
 constexpr float kImpossible = 1;
-constexpr float kUnseen = 0.06f;          // no other photo sees it
-constexpr float kContradicted = 0.6f;     // it would hide what other photos surely see, or stand around their cameras
-constexpr float kOtherSurface = 0.07f;    // at a reliable pixel: not the surface found there
-constexpr float kLocalHandicap = 0.005f;  // a large plane is more exact than the continuation of a few pixels
-constexpr float kFarHandicap = 0.05f;
+constexpr float kUnseen = 0.06f;                     // no other photo sees it
+constexpr float kContradicted = 0.6f;                // it would hide what other photos surely see, or stand around their cameras
+constexpr float kOtherSurface = 0.07f;               // at a reliable pixel: not the surface found there
+constexpr float kLocalHandicap = 0.005f;             // a large plane is more exact than the continuation of a few pixels
+constexpr float kFarHandicap = 0.01f;                // plaster without texture looks alike wherever it is
 constexpr double kSameDepth = 0.02, kBefore = 0.06;  // relative depths
 constexpr double kReach = 4;                         // pixels over which costs are averaged
 constexpr int kAverages = 2;
@@ -168,14 +168,17 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     if (plane.floor) floors.push_back(choices.back());
   }
   const size_t far = choices.size(), local = far + 1;
-  choices.push_back({0, 0, 1 / photo.far_z});
+  const double far_z = std::max(photo.far_z, photo.background_z);
+  choices.push_back({0, 0, 1 / far_z});
   std::vector<std::optional<InversePlane>> fitted(pixels);
   std::vector<std::vector<float>> cost(choices.size() + 1, std::vector<float>(pixels, kImpossible));
+  const auto above_floors = [&](const InversePlane& plane, double x, double y) {
+    return std::ranges::none_of(floors,
+                                [&](const InversePlane& floor) { return plane.at(x, y) < (1 - kSameDepth) * floor.at(x, y); });
+  };
   const auto possible = [&](const InversePlane& plane, double x, double y) {
     const double w = plane.at(x, y);
-    for (const InversePlane& floor : floors)
-      if (w < (1 - kSameDepth) * floor.at(x, y)) return false;
-    return w * photo.near_z < 1 && w * photo.far_z > 0.999 &&
+    return above_floors(plane, x, y) && w * photo.near_z < 1 && w * photo.far_z > 0.999 &&
            -dot(normal_towards_camera(k, plane), normalized(k.ray(x, y))) > kMostSlanted;
   };
   for (size_t i = 0; i < pixels; ++i) {
@@ -188,7 +191,8 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     }
     const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
     for (size_t c = 0; c < choices.size(); ++c)
-      if (possible(choices[c], x, y)) cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
+      if (c == far ? above_floors(choices[c], x, y) : possible(choices[c], x, y))
+        cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
     const uint32_t from = nearest.source[i];
     if (!fitted[from]) fitted[from] = fitted_plane(k, map, int(from) % map.width, int(from) / map.width);
     const double stretched = fitted[from]->at(x, y) * double(map.zdepth[from]);
@@ -206,10 +210,10 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     float least = 1e30f;
     for (size_t c = 0; c < cost.size(); ++c) {
       const InversePlane& plane = c == local ? *fitted[from] : choices[c];
-      if (!possible(plane, x, y)) continue;
+      if (c == far ? !above_floors(plane, x, y) : !possible(plane, x, y)) continue;
       if (cost[c][i] < least) least = cost[c][i], chosen = plane;
     }
-    map.zdepth[i] = float(std::clamp(1 / chosen.at(x, y), photo.near_z, photo.far_z));
+    map.zdepth[i] = float(std::clamp(1 / chosen.at(x, y), photo.near_z, far_z));
     map.normal[i] = cast<float>(normal_towards_camera(k, chosen));
   }
   return map;

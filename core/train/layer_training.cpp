@@ -1,6 +1,7 @@
 #include "core/train/layer_training.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/math/spherical_harmonics.h"
 
@@ -16,6 +17,19 @@ void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
   for (size_t i = 0; i < layer.size(); ++i)
     for (size_t c = 0; active[i] && c < 3; ++c)
       layer.at(Attribute::ShDc, i)[c] = std::max(layer.at(Attribute::ShDc, i)[c], least);
+}
+
+// What is far takes longer steps: photos see angles. Empty where nothing is.
+void steps_by_distance(const SplatLayer& layer, std::vector<float>& steps) {
+  constexpr float kFar = 5;  // radii of the cameras
+  steps.clear();
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* p = layer.at(Attribute::Mean, i);
+    const float squared = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+    if (!(squared > kFar * kFar)) continue;
+    if (steps.empty()) steps.assign(layer.size(), 1.f);
+    steps[i] = std::sqrt(squared) / kFar;
+  }
 }
 
 }  // namespace
@@ -42,7 +56,8 @@ DescentCounts LayerTraining::descend(const SplatLayer& grad, const SurfelStatist
   accumulator_.add(statistics);
   rarity_.clear();
   if (descent.rarest > 1) accumulator_.rarity(descent.rarest, rarity_);
-  done.skipped = adam_.step(grad, descent.rates, active_, layer, {.all = rarity_, .shape = descent.damping});
+  steps_by_distance(layer, distance_);
+  done.skipped = adam_.step(grad, descent.rates, active_, layer, {.all = rarity_, .shape = descent.damping, .place = distance_});
   keep_above_black(active_, layer);
   counts_.skipped_gradients += done.skipped;
   return done;

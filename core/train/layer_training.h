@@ -55,7 +55,7 @@ class LayerTraining {
   SurfelAccumulator accumulator_;
   TrainCounts counts_;
   std::vector<uint8_t> active_;
-  std::vector<float> rarity_;
+  std::vector<float> rarity_, distance_;
 };
 
 }  // namespace vitrine

@@ -74,7 +74,7 @@ Image8 depth_picture(const ImageF& zdepth) {
   for (size_t i = 0; i < zdepth.pixel_count(); ++i) {
     const double z = zdepth.data()[i];
     if (!(z > 0)) continue;
-    const double t = high > low ? (z - low) / (high - low) : 0;
+    const double t = high > low ? (1 / low - 1 / z) / (1 / low - 1 / high) : 0;
     paint_ramp(0.95 - 0.85 * std::clamp(t, 0.0, 1.0), &out.data()[3 * i]);
   }
   return out;

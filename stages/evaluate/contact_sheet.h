@@ -14,7 +14,8 @@ Image8 image8(const ImageF& srgb);  // clamp and round
 // Mean absolute sRGB difference over the channels; black 0, through violet and orange to white = `white_at` and more.
 Image8 error_picture(const ImageF& srgb, const ImageF& photo_srgb, double white_at);
 Image8 normal_picture(const ImageF& normal);  // rgb = (n + 1) / 2, black = none
-Image8 depth_picture(const ImageF& zdepth);   // near bright; 2nd to 98th percentile; black = none
+// Near bright, by inverse depth (there may be a sky); 2nd to 98th percentile; black = none.
+Image8 depth_picture(const ImageF& zdepth);
 
 struct SheetCell {
   std::string title;

@@ -13,7 +13,7 @@ void describe(Describer& d, InitialConfig& c) {
   d.option("frustum_points", c.frustum_points, "Surfels placed along pixel rays, where the sparse points leave gaps.")
       .range(0, 10000000);
   d.option("far_factor", c.far_factor,
-           "Distance of surfels on rays without a sparse point nearby, relative to the farthest points.")
+           "How far beyond the farthest sparse points surfaces are looked for; what lies farther is sky.")
       .range(1, 100);
   d.option("stereo_side", c.stereo_side,
            "Longest side of the photos that are matched for depth, about; more is finer and slower.")
@@ -74,7 +74,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 13,
+                 .version = 14,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},

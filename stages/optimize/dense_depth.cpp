@@ -13,6 +13,8 @@ namespace {
 constexpr size_t kNeighbours = 7;
 constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
 constexpr double kFarPercentile = 0.98;
+// Radii of the cameras: at 100 the cameras of a ring see a thing at most 1.1 degrees apart.
+constexpr double kBackground = 100;
 // Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
 constexpr double kBlindDepthFactor = 4;
 
@@ -79,6 +81,9 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     photo.near_z = kNearShare * depths.front();
     photo.far_z = far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
   }
+  dense.background = kBackground;
+  for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, photo.far_z);
+  for (StereoPhoto& photo : dense.photos) photo.background_z = dense.background;
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
   dense.planes = scene_planes(dense.photos, dense.maps);

@@ -25,10 +25,12 @@ constexpr double kBorrowReach = 0.12;
 constexpr double kOneSurface = 1.12;     // ratio of depths up to which neighbouring points are taken for one surface
 constexpr double kUnknownDemand = 0.5;   // a pixel without a depth: half as much as one that its photo alone sees
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
+constexpr double kSky = 0.9;             // of the background's distance
 
 struct Seed {
   Vec3f position, normal, linear;
   float spacing_limit;  // no larger than its share of the picture
+  bool sky = false;     // at the background: as large as its share of the picture, however far its neighbours
 };
 
 // SfM points, at most `limit` of them, drawn without order.
@@ -131,6 +133,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       found[t].push_back(pixel_seed(photo, x, y, z));
       found[t].back().normal = cast<float>(transposed_times(photo.view.cam_from_world.rotation, normal));
       found[t].back().spacing_limit = static_cast<float>(spacing(wanted) * z / k.fx);
+      found[t].back().sky = z > kSky * dense.background;
     }
   });
   for (const auto& of_view : found) seeds.insert(seeds.end(), of_view.begin(), of_view.end());
@@ -172,8 +175,8 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
     float* rotation = layer.at(Attribute::Rotation, i);
     rotation[0] = q.w, rotation[1] = q.x, rotation[2] = q.y, rotation[3] = q.z;
     const float nearest = spacing[i] > 0 ? spacing[i] : median;
-    const float scale =
-        float(config.initial.scale) * std::max(std::min({nearest, seed.spacing_limit, kLargestSpacing * median}), 1e-3f * median);
+    const float largest = seed.sky ? seed.spacing_limit : std::min(seed.spacing_limit, kLargestSpacing * median);
+    const float scale = float(config.initial.scale) * std::max(std::min(nearest, largest), 1e-3f * median);
     for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] = std::log(scale);
     for (size_t c = 0; c < 3; ++c) {
       layer.at(Attribute::Mean, i)[c] = seed.position[c];

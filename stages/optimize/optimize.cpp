@@ -61,7 +61,7 @@ std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, StageCont
   SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
            capture.heldout.size(), initial.size(), max_surfels);
-  return std::make_unique<Trainer>(setup, std::move(initial), dense.planes);
+  return std::make_unique<Trainer>(setup, std::move(initial), dense.planes, dense.background);
 }
 
 size_t surfel_count(const SplatScene& scene) {

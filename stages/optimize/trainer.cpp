@@ -30,12 +30,13 @@ Backend backend_of(const OptimizeConfig& config) { return config.backend == "ref
 
 }  // namespace
 
-Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes)
+Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes, double background)
     : setup_(setup),
       densify_behind_glass_(setup.config.densify),
       model_(clock().image_options(setup.config.shading, backend_of(setup.config), setup.config.sh_degree)),
       scene_{.diffuse = std::move(initial)},
       planes_(std::move(planes)),
+      background_(background),
       initial_surfels_(scene_.diffuse.size()) {
   // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
   densify_behind_glass_.idle_weight = 0;
@@ -260,7 +261,7 @@ void Trainer::fill_unseen() {
   filled_ = 1;
   const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
   const SplatLayer unseen = unseen_surroundings(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
-                                                size_t(kMostUnseen * double(setup_.max_surfels)));
+                                                background_, size_t(kMostUnseen * double(setup_.max_surfels)));
   scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());
@@ -329,6 +330,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.array(std::span<const EpochRecord>(epochs_));
   out.value(begun_);
   out.array(std::span<const ScenePlane>(planes_));
+  out.value(background_);
   out.value(gloss_known_);
   out.value(filled_);
   out.value(unseen_surfels_);
@@ -347,6 +349,7 @@ void Trainer::load(ArchiveReader& in) {
   in.array(epochs_);
   in.value(begun_);
   in.array(planes_);
+  in.value(background_);
   in.value(gloss_known_);
   in.value(filled_);
   in.value(unseen_surfels_);

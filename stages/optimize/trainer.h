@@ -35,8 +35,9 @@ struct TrainerSetup {
 
 class Trainer {
  public:
-  // `planes`: the large ones of the scene, where what no photo shows is guessed (unseen.h).
-  Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes);
+  // `planes`, `background`: the large planes of the scene and the distance of its sky, where what no photo shows is guessed
+  // (unseen.h).
+  Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes, double background = 0);
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
   void step();
@@ -93,6 +94,7 @@ class Trainer {
   std::vector<LayerTraining> training_;    // [layer kind]
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
+  double background_;
   uint8_t filled_ = 0, gloss_known_ = 0;  // what no photo shows; where the shape of what reflects is known
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0;
   uint64_t step_ = 0;

@@ -1,8 +1,8 @@
 // What no photo shows, because it lies beyond the edges of all of them or something hides it: a view from a new place would
 // look there into nothing. The large planes of the scene (walls, floor, table) go on there: their cells that no photo sees, and
 // through which no photo looks, take the smoothest continuation of the colours around (Laplace's equation), up to a short way
-// from the last cell that is seen. What a photo would see of it through what was trained is left out. A guess, and of colours
-// alone: what stands there nobody knows.
+// from the last cell that is seen; and so does the sky. What a photo would see of it through what was trained is left out. A
+// guess, and of colours alone: what stands there nobody knows.
 #pragma once
 
 #include <span>
@@ -25,6 +25,8 @@ SplatLayer seen_through_glass(const SplatScene& scene);
 // Surfels for the diffuse layer, of one colour from all sides, materials as at the start of training; at most `most`, coarser
 // where that is needed. `shown`: the surfels as they have been trained. Glass among them would hide what stands behind it, and
 // guesses would be put there.
-SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes, size_t most);
+// `background`: distance of the sky; 0 = there is none.
+SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
+                               double background, size_t most);
 
 }  // namespace vitrine

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/math/spherical_harmonics.h"
 
 namespace vitrine {
@@ -34,6 +36,29 @@ TEST(LayerTraining, WhatWasDrivenToBlackComesBack) {
   EXPECT_EQ(*layer.at(Attribute::ShDc, kUntouched), -100) << "did not take part";
   steps(1000, -1.f);
   for (size_t i = 0; i < kUntouched; ++i) EXPECT_GT(radiance(i, 0), 0.5);
+}
+
+// Photos see angles: what is twenty times as far as the cameras are from each other moves twenty times as far for the same angle.
+TEST(LayerTraining, WhatIsFarTakesLongerSteps) {
+  constexpr float kNear[3] = {1, 4, 0}, kFar[3] = {60, 0, 80}, kRate = 0.01f;
+  SplatLayer layer(LayerKind::Diffuse, 0, 2);
+  std::copy_n(kNear, 3, layer.at(Attribute::Mean, 0));
+  std::copy_n(kFar, 3, layer.at(Attribute::Mean, 1));
+  SplatLayer grad = layer;
+  for (const AttributeRow& r : kAttributes) std::ranges::fill(grad.values(r.id), 1.f);
+  LayerTraining training(layer);
+  SurfelStatistics statistics;
+  statistics.weight = {1, 1};
+  statistics.screen_gradient.resize(2);
+  AttributeRates rates{};
+  rates.fill(kRate);
+  SplatLayer moved = layer;
+  training.descend(grad, statistics, {.rates = rates}, moved);
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(moved.at(Attribute::Mean, 0)[c], kNear[c] - kRate, 1e-6);
+    EXPECT_NEAR(moved.at(Attribute::Mean, 1)[c], kFar[c] - 20 * kRate, 1e-4);
+  }
+  for (size_t i : {0, 1}) EXPECT_NEAR(*moved.at(Attribute::LogScale, i), *layer.at(Attribute::LogScale, i) - kRate, 1e-6);
 }
 
 }  // namespace

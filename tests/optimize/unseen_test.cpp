@@ -21,6 +21,7 @@ struct TwoPhotos {
   Capture capture;
   SplatLayer trained{LayerKind::Diffuse, 0, 0};
   std::vector<ScenePlane> planes{{.normal = {0, 0, 1}, .offset = -1}};
+  double background = 0;
 
   // `right_depth`: how far below the right camera the surface is that it sees; `right_opacity`: of its surfels;
   // `right_aside`: where it is.
@@ -49,7 +50,7 @@ struct TwoPhotos {
     }
   }
 
-  SplatLayer fill(size_t most = 100000) const { return unseen_surroundings(trained, capture, planes, most); }
+  SplatLayer fill(size_t most = 100000) const { return unseen_surroundings(trained, capture, planes, background, most); }
 };
 
 Vec3f position(const SplatLayer& layer, size_t i) {
@@ -128,7 +129,7 @@ TEST(Unseen, GlassHidesNothing) {
       add_surfel(cased.diffuse, {kAside + x, y, -0.5}, {0, 0, 1}, 0.03, {});
       *cased.diffuse.at(Attribute::Transmission, cased.diffuse.size() - 1) = logit(0.98f);
     }
-  const auto fill = [&](const SplatLayer& shown) { return unseen_surroundings(shown, scene.capture, scene.planes, 100000); };
+  const auto fill = [&](const SplatLayer& shown) { return unseen_surroundings(shown, scene.capture, scene.planes, 0, 100000); };
   EXPECT_NE(fill(cased.diffuse), scene.fill()) << "or this is no test";
   EXPECT_EQ(fill(seen_through_glass(cased)), scene.fill());
   // The floor behind it in the other layer.
@@ -158,6 +159,41 @@ TEST(Unseen, WithoutAPlaneThereIsNothingToContinue) {
   EXPECT_EQ(scene.fill().size(), 0u);
   scene.planes.clear();
   EXPECT_EQ(scene.fill().size(), 0u);
+}
+
+// Both look to the sides of one direction, into a red sky and a blue one; between their pictures it is a bit of both.
+TEST(Unseen, TheSkyGoesOn) {
+  constexpr double kFar = 100;
+  TwoPhotos scene;
+  scene.planes.clear();
+  scene.background = kFar;
+  EXPECT_EQ(scene.fill().size(), 0u) << "no photo shows the sky";
+  scene.trained = SplatLayer(LayerKind::Diffuse, 0, 0);
+  for (size_t side : {0, 1}) {
+    const double turned = side == 0 ? -0.5 : 0.5;  // about y
+    View& view = scene.capture.view_set.views[side];
+    const Mat3d world_from_cam{{std::cos(turned), 0, -std::sin(turned)}, {0, 1, 0}, {std::sin(turned), 0, std::cos(turned)}};
+    view.cam_from_world = inverse(Rigid{world_from_cam, {0, 0, 0}});
+    for (PhotoLevel& level : scene.capture.photos[side].levels) level.view.cam_from_world = view.cam_from_world;
+    for (double y = -50; y <= 50; y += 3)
+      for (double x = -50; x <= 50; x += 3)
+        add_surfel(scene.trained, world_from_cam * Vec3d{x, y, kFar}, {0, 0, -1}, 3, side == 0 ? kRed : kBlue);
+  }
+  const SplatLayer fill = scene.fill();
+  ASSERT_GT(fill.size(), 20u);
+  double middle_red = 0, middle = 0;
+  for (size_t i = 0; i < fill.size(); ++i) {
+    const Vec3d p = cast<double>(position(fill, i));
+    EXPECT_GT(length(p), 1.1 * kFar) << "behind the sky that was trained";
+    for (size_t side : {0, 1}) {
+      const Vec3d q = scene.capture.view_set.views[side].cam_from_world * p;
+      EXPECT_FALSE(q.z > 0 && std::abs(q.x) < 0.35 * q.z && std::abs(q.y) < 0.25 * q.z) << "a photo shows what is there";
+    }
+    if (std::abs(p.x) > 0.05 * kFar || std::abs(p.y) > 0.2 * kFar || p.z < 0) continue;
+    middle += 1, middle_red += double(0.5f + kShDc * fill.at(Attribute::ShDc, i)[0]);
+  }
+  ASSERT_GT(middle, 0);
+  EXPECT_NEAR(middle_red / middle, 0.45, 0.1);
 }
 
 }  // namespace

@@ -222,6 +222,37 @@ TEST(ExtendPlanes, PlasterContinuesTheWall) {
   EXPECT_GT(right, plain * 97 / 100);
 }
 
+// A shell at the end of where surfaces are looked for moves from photo to photo; the sky does not.
+TEST(ExtendPlanes, TheSkyIsAtTheBackground) {
+  constexpr double kWallTo = 0.2, kBackground = 100;
+  std::vector<StereoPhoto> room = photos(1e9, kWallTo);
+  const auto found = [&] {
+    std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
+    count_agreement(room, maps);
+    const DepthMap map = extended(room, maps, scene_planes(room, maps), 2);
+    struct {
+      size_t sky = 0, far = 0, wall = 0, right = 0;
+    } count;
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        const double z = double(map.zdepth[map.index(x, y)]);
+        const Hit hit = truth(room[2], x, y, kWallTo);
+        if (hit.t == kSky)
+          ++count.sky, count.far += z > 0.99 * kBackground;
+        else if (hit.normal.z < -0.5)
+          ++count.wall, count.right += std::abs(z / hit.t - 1) < 0.02;
+      }
+    return count;
+  };
+  EXPECT_EQ(found().far, 0u);
+  for (StereoPhoto& photo : room) photo.background_z = kBackground;
+  const auto count = found();
+  ASSERT_GT(count.sky, 1000u);
+  ASSERT_GT(count.wall, 500u);
+  EXPECT_GT(count.far, count.sky * 8 / 10) << count.sky;  // its border is shared with the wall
+  EXPECT_GT(count.right, count.wall * 9 / 10) << count.wall;
+}
+
 TEST(StereoNeighbours, PrefersPhotosThatShareManyPointsUnderAUsefulAngle) {
   ViewSet set;
   for (double azimuth : {0.0, 0.002, 0.3, 0.6, 2.5}) {

@@ -33,14 +33,20 @@ struct Hit {
   double brightness = 0;
 };
 
-// The floor z = 0 and the wall x = -0.5; plaster without texture above `plain_from`.
-inline Hit trace(const Vec3d& origin, const Vec3d& d, double plain_from) {
+constexpr double kSky = 1e9;  // how far it is
+
+// The floor z = 0 and the wall x = -0.5; plaster without texture above `plain_from`, the sky above `sky_from`.
+inline Hit trace(const Vec3d& origin, const Vec3d& d, double plain_from, double sky_from) {
   const double floor = d.z < 0 ? -origin.z / d.z : 1e9, wall = d.x < 0 ? (-0.5 - origin.x) / d.x : 1e9;
   if (floor < wall) {
     const Vec3d p = origin + floor * d;
     return {floor, {0, 0, 1}, texture(p.x, p.y, 7)};
   }
   const Vec3d p = origin + wall * d;
+  if (!(wall < 1e9) || p.z > sky_from) {
+    const Vec3d u = normalized(d);
+    return {kSky, -1.0 * u, texture(0.6 * std::atan2(u.y, u.x), 0.6 * std::asin(u.z), 9)};
+  }
   return {wall, {1, 0, 0}, p.z > plain_from ? 0.5 : texture(p.y, p.z, 8)};
 }
 
@@ -51,7 +57,7 @@ inline Rigid looking_at(const Vec3d& centre, const Vec3d& target) {
   return {rotation, -(rotation * centre)};
 }
 
-inline std::vector<StereoPhoto> photos(double plain_from = 1e9) {
+inline std::vector<StereoPhoto> photos(double plain_from = 1e9, double sky_from = 1e9) {
   std::vector<StereoPhoto> list;
   for (uint32_t v = 0; v < 5; ++v) {
     const double azimuth = 0.14 * (double(v) - 2);
@@ -66,7 +72,7 @@ inline std::vector<StereoPhoto> photos(double plain_from = 1e9) {
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
         const Vec3d d = world_from_cam.rotation * k.ray(x + 0.5, y + 0.5);
-        photo.luma.at(x, y) = float(trace(world_from_cam.translation, d, plain_from).brightness);
+        photo.luma.at(x, y) = float(trace(world_from_cam.translation, d, plain_from, sky_from).brightness);
       }
     for (uint32_t n = 0; n < 5; ++n)
       if (n != v) photo.neighbours.push_back(n);
@@ -76,9 +82,10 @@ inline std::vector<StereoPhoto> photos(double plain_from = 1e9) {
 }
 
 // z-depth and normal (camera frame) of what pixel (x, y) sees.
-inline Hit truth(const StereoPhoto& photo, int x, int y) {
+inline Hit truth(const StereoPhoto& photo, int x, int y, double sky_from = 1e9) {
   const Rigid world_from_cam = inverse(photo.view.cam_from_world);
-  Hit hit = trace(world_from_cam.translation, world_from_cam.rotation * photo.view.intrinsics.ray(x + 0.5, y + 0.5), 1e9);
+  Hit hit =
+      trace(world_from_cam.translation, world_from_cam.rotation * photo.view.intrinsics.ray(x + 0.5, y + 0.5), 1e9, sky_from);
   hit.normal = photo.view.cam_from_world.rotation * hit.normal;
   return hit;
 }
