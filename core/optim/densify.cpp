@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/math/rigid.h"
+#include "core/optim/far_steps.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
@@ -331,7 +332,9 @@ void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64
       const Mat3f axes = axes_of(layer, i);
       const float* log_scale = layer.at(Attribute::LogScale, i);
       const float u = std::exp(2 * log_scale[0]) * dot(axes.c0, xi), v = std::exp(2 * log_scale[1]) * dot(axes.c1, xi);
-      for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += gate * strength * (u * axes.c0[c] + v * axes.c1[c]);
+      float* mean = layer.at(Attribute::Mean, i);
+      const float walk = gate * strength / far_factor(mean);  // u and v grow with the square of the distance
+      for (size_t c = 0; c < 3; ++c) mean[c] += walk * (u * axes.c0[c] + v * axes.c1[c]);
     }
   });
 }

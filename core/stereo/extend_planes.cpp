@@ -170,6 +170,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
   const size_t far = choices.size(), local = far + 1;
   const double far_z = std::max(photo.far_z, photo.background_z);
   choices.push_back({0, 0, 1 / far_z});
+  const InversePlane end{0, 0, 1 / photo.far_z};  // of where surfaces are looked for: floors that go on beyond hide no sky
   std::vector<std::optional<InversePlane>> fitted(pixels);
   std::vector<std::vector<float>> cost(choices.size() + 1, std::vector<float>(pixels, kImpossible));
   const auto above_floors = [&](const InversePlane& plane, double x, double y) {
@@ -191,7 +192,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     }
     const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
     for (size_t c = 0; c < choices.size(); ++c)
-      if (c == far ? above_floors(choices[c], x, y) : possible(choices[c], x, y))
+      if (c == far ? above_floors(end, x, y) : possible(choices[c], x, y))
         cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
     const uint32_t from = nearest.source[i];
     if (!fitted[from]) fitted[from] = fitted_plane(k, map, int(from) % map.width, int(from) / map.width);
@@ -210,7 +211,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     float least = 1e30f;
     for (size_t c = 0; c < cost.size(); ++c) {
       const InversePlane& plane = c == local ? *fitted[from] : choices[c];
-      if (c == far ? !above_floors(plane, x, y) : !possible(plane, x, y)) continue;
+      if (c == far ? !above_floors(end, x, y) : !possible(plane, x, y)) continue;
       if (cost[c][i] < least) least = cost[c][i], chosen = plane;
     }
     map.zdepth[i] = float(std::clamp(1 / chosen.at(x, y), photo.near_z, far_z));

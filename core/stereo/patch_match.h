@@ -21,7 +21,7 @@ struct StereoPhoto {
   ImageF luma;                       // [h,w,1] display-referred, [0,1]
   std::vector<uint32_t> neighbours;  // indices into the list of photos
   double near_z = 0, far_z = 0;      // where surfaces can be
-  double background_z = 0;           // of what is so far that it does not move from photo to photo: the sky; 0: as far_z
+  double background_z = 0;           // of what is so far that it hardly moves from photo to photo: the sky; 0: as far_z
   std::vector<Vec3d> hints;          // known points: (x, y) in pixels, z-depth
 };
 

@@ -1,9 +1,9 @@
 #include "core/train/layer_training.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/math/spherical_harmonics.h"
+#include "core/optim/far_steps.h"
 
 namespace vitrine {
 
@@ -19,16 +19,14 @@ void keep_above_black(std::span<const uint8_t> active, SplatLayer& layer) {
       layer.at(Attribute::ShDc, i)[c] = std::max(layer.at(Attribute::ShDc, i)[c], least);
 }
 
-// What is far takes longer steps: photos see angles. Empty where nothing is.
-void steps_by_distance(const SplatLayer& layer, std::vector<float>& steps) {
-  constexpr float kFar = 5;  // radii of the cameras
-  steps.clear();
+// Factors on the steps of positions; empty where nothing is far.
+void far_factors(const SplatLayer& layer, std::vector<float>& factors) {
+  factors.clear();
   for (size_t i = 0; i < layer.size(); ++i) {
-    const float* p = layer.at(Attribute::Mean, i);
-    const float squared = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-    if (!(squared > kFar * kFar)) continue;
-    if (steps.empty()) steps.assign(layer.size(), 1.f);
-    steps[i] = std::sqrt(squared) / kFar;
+    const float factor = far_factor(layer.at(Attribute::Mean, i));
+    if (factor == 1) continue;
+    if (factors.empty()) factors.assign(layer.size(), 1.f);
+    factors[i] = factor;
   }
 }
 
@@ -56,7 +54,7 @@ DescentCounts LayerTraining::descend(const SplatLayer& grad, const SurfelStatist
   accumulator_.add(statistics);
   rarity_.clear();
   if (descent.rarest > 1) accumulator_.rarity(descent.rarest, rarity_);
-  steps_by_distance(layer, distance_);
+  far_factors(layer, distance_);
   done.skipped = adam_.step(grad, descent.rates, active_, layer, {.all = rarity_, .shape = descent.damping, .place = distance_});
   keep_above_black(active_, layer);
   counts_.skipped_gradients += done.skipped;

@@ -13,7 +13,7 @@ void describe(Describer& d, InitialConfig& c) {
   d.option("frustum_points", c.frustum_points, "Surfels placed along pixel rays, where the sparse points leave gaps.")
       .range(0, 10000000);
   d.option("far_factor", c.far_factor,
-           "How far beyond the farthest sparse points surfaces are looked for; what lies farther is sky.")
+           "How far beyond the farthest sparse points surfaces are looked for; what no surface there explains may be sky.")
       .range(1, 100);
   d.option("stereo_side", c.stereo_side,
            "Longest side of the photos that are matched for depth, about; more is finer and slower.")

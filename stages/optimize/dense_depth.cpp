@@ -15,6 +15,7 @@ constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfac
 constexpr double kFarPercentile = 0.98;
 // Radii of the cameras: at 100 the cameras of a ring see a thing at most 1.1 degrees apart.
 constexpr double kBackground = 100;
+constexpr double kBeyond = 2;  // times where surfaces are looked for
 // Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
 constexpr double kBlindDepthFactor = 4;
 
@@ -82,7 +83,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     photo.far_z = far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
   }
   dense.background = kBackground;
-  for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, photo.far_z);
+  for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, kBeyond * photo.far_z);
   for (StereoPhoto& photo : dense.photos) photo.background_z = dense.background;
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);

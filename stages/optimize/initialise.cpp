@@ -128,12 +128,14 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       // The pixel's plane, met by the ray through (x, y).
       const Vec3d normal = cast<double>(map.normal[pixel]);
       const double facing = dot(normal, k.ray(x, y));
-      const double z = double(map.zdepth[pixel]) * dot(normal, matched.ray(mx + 0.5, my + 0.5)) / facing;
+      const bool sky = double(map.zdepth[pixel]) > kSky * dense.background;
+      const double z = sky ? dense.background / length(k.ray(x, y))
+                           : double(map.zdepth[pixel]) * dot(normal, matched.ray(mx + 0.5, my + 0.5)) / facing;
       if (!(facing < 0) || !(z > 0)) continue;
       found[t].push_back(pixel_seed(photo, x, y, z));
-      found[t].back().normal = cast<float>(transposed_times(photo.view.cam_from_world.rotation, normal));
+      if (!sky) found[t].back().normal = cast<float>(transposed_times(photo.view.cam_from_world.rotation, normal));
       found[t].back().spacing_limit = static_cast<float>(spacing(wanted) * z / k.fx);
-      found[t].back().sky = z > kSky * dense.background;
+      found[t].back().sky = sky;
     }
   });
   for (const auto& of_view : found) seeds.insert(seeds.end(), of_view.begin(), of_view.end());
@@ -166,7 +168,10 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
   std::vector<Vec3f> positions;
   for (const Seed& seed : seeds) positions.push_back(seed.position);
   const std::vector<float> spacing = neighbour_spacing(positions);
-  const float median = std::max(upper_median(spacing), 1e-6f);
+  std::vector<float> near_by;
+  for (size_t i = 0; i < seeds.size(); ++i)
+    if (!seeds[i].sky) near_by.push_back(spacing[i]);
+  const float median = std::max(near_by.empty() ? 0.f : upper_median(near_by), 1e-6f);
 
   SplatLayer layer(LayerKind::Diffuse, config.sh_degree, seeds.size());
   for (size_t i = 0; i < seeds.size(); ++i) {

@@ -10,6 +10,7 @@
 #include "core/math/rigid.h"
 #include "core/model/diffuse_pass.h"
 #include "core/optim/adam.h"
+#include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
@@ -62,9 +63,10 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializ
     frame.view = &desc.capture.photos[photo].levels[kEvidenceLevel].view;
     pass.forward(diffuse, frame);
     const size_t pixels = frame.pixel_count();
-    const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha);
+    const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha),
+               median = frame.diffuse.plane(Aov::MedianZ);
     found.depths[photo].resize(pixels);
-    for (size_t i = 0; i < pixels; ++i) found.depths[photo][i] = alpha[i] > 0.5f ? z[i] / alpha[i] : 0;
+    for (size_t i = 0; i < pixels; ++i) found.depths[photo][i] = alpha[i] > 0.5f ? surface_depth(z[i], alpha[i], median[i]) : 0;
     for (size_t m = 0; m < masks.size(); ++m) {
       const auto& inside = desc.targets.photos[photo][kEvidenceLevel].masks[static_cast<size_t>(masks.begin()[m])];
       if (inside.empty()) continue;

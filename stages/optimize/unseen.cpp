@@ -8,6 +8,7 @@
 #include "core/model/diffuse_pass.h"
 #include "core/model/thin_glass_pass.h"
 #include "core/optim/adam.h"
+#include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"
@@ -25,7 +26,6 @@ constexpr size_t kMostCells = 1u << 20;
 constexpr double kOnPlane = 0.02;  // relative depth within which a photo sees the plane itself
 constexpr double kThrough = 0.04;  // and beyond which it sees through it
 constexpr double kBehind = 0.02;   // the plane, so that nothing seen is hidden
-constexpr double kMixed = 0.1;     // of the sky's distance: mean depths of pixels at its edge lie between here and there
 constexpr double kSky = 0.5;       // of the sky's distance: what is farther is sky
 constexpr double kBehindSky = 1.2;
 constexpr double kCover = 0.75;  // scale of a surfel, of a cell
@@ -42,9 +42,11 @@ std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& captu
     const PhotoLevel& level = capture.photos[photo].levels[kUnseenLevel];
     frame.view = &level.view;
     pass.forward(diffuse, frame);
-    const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha);
+    const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha),
+               median = frame.diffuse.plane(Aov::MedianZ);
     photos.push_back({&level, std::vector<float>(frame.pixel_count())});
-    for (size_t i = 0; i < z.size(); ++i) photos.back().zdepth[i] = alpha[i] > kSolid ? z[i] / alpha[i] : 0;
+    for (size_t i = 0; i < z.size(); ++i)
+      photos.back().zdepth[i] = alpha[i] > kSolid ? surface_depth(z[i], alpha[i], median[i]) : 0;
   }
   return photos;
 }
@@ -60,7 +62,7 @@ struct PlanePart {
     u = normalized(cross(helper, normal)), v = cross(normal, u);
     double low_u = 1e300, low_v = 1e300, high_u = -1e300, high_v = -1e300;
     for (const SeenPhoto& seen : photos)
-      for_pixels_on_plane(seen, background > 0 ? kMixed * background : 1e300, [&](const Vec3d& p) {
+      for_pixels_on_plane(seen, background > 0 ? kSky * background : 1e300, [&](const Vec3d& p) {
         const Vec3d q = p - origin;
         low_u = std::min(low_u, dot(q, u)), high_u = std::max(high_u, dot(q, u));
         low_v = std::min(low_v, dot(q, v)), high_v = std::max(high_v, dot(q, v));
@@ -106,15 +108,14 @@ bool shows_sky(std::span<const SeenPhoto> photos, double background) {
 // it: a bright guess there would shine through every gap.
 CellSurface sky(double cell, double background) {
   const int rows = std::max(4, int(std::numbers::pi / cell));
-  return {
-      .columns = 2 * rows,
-      .rows = rows,
-      .round = true,
-      .place =
-          [=](double column, double row) {
-            return background * cast<double>(lat_long_direction(float(column / (2 * rows)), float(row / rows)));
-          },
-      .sight = [=](double, double zdepth) { return zdepth == 0 || zdepth > kSky * background ? Sight::Seen : Sight::Through; }};
+  return {.columns = 2 * rows,
+          .rows = rows,
+          .round = true,
+          .place =
+              [=](double column, double row) {
+                return background * cast<double>(lat_long_direction(float(column / (2 * rows)), float(row / rows)));
+              },
+          .sight = [=](double, double zdepth) { return zdepth > kSky * background ? Sight::Seen : Sight::Through; }};
 }
 
 void add_guess(const Vec3d& position, const Vec3d& normal, double scale, const Vec3d& linear, SplatLayer& layer) {

@@ -54,7 +54,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
     const auto specular = images.plane(Aov::SpecularWeight), transmission = images.plane(Aov::Transmission);
     const ImageF mask = desc.masked ? desc.masked(view, k) : ImageF();
     const Rigid world_from_cam = inverse(view.cam_from_world);
-    const Vec3f eye = cast<float>(world_from_cam.translation);
+    const Vec3f eye = cast<float>(world_from_cam.translation), centre = cast<float>(desc.inner.centre());
     for (size_t p = 0; p < pixels; ++p) {
       const float a = alpha[p];
       if (!(a >= desc.min_alpha)) continue;
@@ -66,6 +66,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
       const Vec3f position = cast<float>(world_from_cam * (double(z) * ray)), n = blended / size;
       const float cosine = dot(n, normalized(eye - position));
       if (!(cosine > desc.min_cosine)) continue;
+      if (length(position - centre) > desc.sky_distance) continue;
       const bool inner = desc.inner.contains(position);
       const auto [it, is_new] =
           place.try_emplace(key_of(position, n, desc.voxel * (inner ? 1 : desc.outer_factor), inner), sums.size());

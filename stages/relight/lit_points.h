@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "core/camera/view.h"
@@ -21,11 +22,12 @@ struct LitPoint {
 };
 
 struct LitPointsDesc {
-  Bounds3 inner;            // the mesh's box: fine voxels inside, coarse ones outside
-  double voxel = 0.01;      // scene units
-  double outer_factor = 6;  // voxels outside are so many times as large
-  int max_side = 320;       // of the rendered pictures, pixels
-  float near_z = 0.01f;     // of the trained scene
+  Bounds3 inner;                                           // the mesh's box: fine voxels inside, coarse ones outside
+  double voxel = 0.01;                                     // scene units
+  double outer_factor = 6;                                 // voxels outside are so many times as large
+  int max_side = 320;                                      // of the rendered pictures, pixels
+  float near_z = 0.01f;                                    // of the trained scene
+  float sky_distance = std::numeric_limits<float>::max();  // from the middle of the box: what is farther is light, not a surface
   float min_alpha = 0.5f;
   float min_cosine = 0.1f;  // grazing pixels say little
   // One channel of the given size, above 1/2 on glass and mirrors; empty: none there.

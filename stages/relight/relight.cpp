@@ -105,12 +105,14 @@ class Decomposition {
 
   void gather() {
     const Timer clock;
+    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
     points_ = lit_points(scene_.surfels.diffuse, views_,
                          {.inner = box_,
                           .voxel = voxel_,
                           .outer_factor = outer_voxel_ / voxel_,
                           .max_side = config_.max_side,
                           .near_z = scene_.image.diffuse.near_z,
+                          .sky_distance = sky_distance_,
                           .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
                          [&](double f) { step(0.2 * f, "surface points"); });
     if (points_.size() < kFewestPoints)
@@ -118,7 +120,6 @@ class Decomposition {
                   {.why = fmt::format("{} points", points_.size()),
                    .hint = "look at optimize/previews; more points: relight.points",
                    .code = "NO_SURFACE"});
-    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
     around_ =
         surroundings(scene_.surfels.diffuse, {.inner = box_, .height = config_.panorama_height, .sky_distance = sky_distance_});
     shell_ = around_.shell();

@@ -96,15 +96,15 @@ Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& des
   const std::unique_ptr<Tracer> tracer = make_tracer();
   tracer->build(diffuse);
   RayValues values;
-  tracer->forward({.origins = origins, .directions = directions, .near = near}, {.sh_degree = diffuse.sh_degree()}, values,
-                  nullptr);
+  tracer->forward({.origins = origins, .directions = directions, .near = near},
+                  {.sh_degree = diffuse.sh_degree(), .first_hit_weight = 0.99f * desc.min_alpha}, values, nullptr);
   out.distance.assign(count, 0.f);
   out.radiance.assign(count, Vec3f{});
   out.wall.assign(count, false);
   for (size_t t = 0; t < count; ++t) {
     const float alpha = 1 - values.transmittance[t];
     if (!(alpha >= desc.min_alpha)) continue;
-    out.distance[t] = values.distance[t] / alpha;
+    out.distance[t] = values.first_hit[t];  // a mean would lie between a wall and the sky behind it
     out.radiance[t] = values.color[t] / alpha;
     out.wall[t] = out.distance[t] < desc.sky_distance;
   }

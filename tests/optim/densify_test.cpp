@@ -274,6 +274,31 @@ TEST(Noise, MovesOnlyNearlyTransparentSurfelsAndOnlyInTheirPlane) {
   EXPECT_EQ(layer.at(Attribute::Mean, 1)[2], before.at(Attribute::Mean, 1)[2]);
 }
 
+// The noise of a surfel grows with the square of its size; what is far is large, and would be gone after one step.
+TEST(Densification, WhatIsFarWalksAboutTheSameAngle) {
+  constexpr float kNear = 1, kFar = 100, kAngle = 0.02f;  // distances, and how large both look
+  SplatLayer layer = random_layer(2, 0.001f);
+  for (size_t i : {0, 1}) {
+    float* mean = layer.at(Attribute::Mean, i);
+    mean[0] = mean[1] = 0, mean[2] = i == 0 ? kNear : kFar;
+    std::fill_n(layer.at(Attribute::LogScale, i), 2, std::log(kAngle * mean[2]));
+    float* q = layer.at(Attribute::Rotation, i);
+    q[0] = 1, q[1] = q[2] = q[3] = 0;
+  }
+  double angle[2] = {0, 0};
+  for (uint64_t step = 0; step < 200; ++step) {
+    SplatLayer moved = layer;
+    add_position_noise(moved, 10.f, 1, step);
+    for (size_t i : {0, 1}) {
+      const float* mean = moved.at(Attribute::Mean, i);
+      angle[i] += std::hypot(double(mean[0]), double(mean[1])) / double(mean[2]) / 200;
+    }
+  }
+  EXPECT_GT(angle[0], 1e-4);
+  EXPECT_GT(angle[1], angle[0]);
+  EXPECT_LT(angle[1], 10 * angle[0]);
+}
+
 TEST(Densification, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     set_thread_limit(threads);

@@ -356,6 +356,40 @@ TEST(InitialLayer, FacesTheCamerasAndStaysBelowItsShare) {
   EXPECT_EQ(facing, layer.size());
 }
 
+// Of the sky, pixels of one photo stand on a sphere around it, each as large as its share of the picture, whatever else is there.
+TEST(InitialLayer, TheSkyIsASphereWithoutGaps) {
+  TemporaryFolder folder;
+  write_tiny_sfm(folder.path(), 6);
+  const Capture capture = load_capture(folder.path(), 0, 0);
+  OptimizeConfig config;
+  config.initial.frustum_points = 500;
+  config.initial.scale = 1;
+  DenseDepth dense = dense_depth(capture, 64, 2, 1);
+  EXPECT_GE(dense.background, 100);
+  for (size_t v = 0; v < dense.photos.size(); ++v) {
+    EXPECT_EQ(dense.photos[v].background_z, dense.background);
+    EXPECT_LE(2 * dense.photos[v].far_z, dense.background);
+    DepthMap& map = dense.maps[v];
+    std::ranges::fill(map.trusted, uint8_t(0));
+    std::ranges::fill(map.zdepth, float(dense.background));
+    std::ranges::fill(map.normal, Vec3f{0, 0, -1});
+  }
+  const SplatLayer layer = initial_layer(config, capture, dense, 600);
+  double covered = 0;
+  size_t sky = 0;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* p = layer.at(Attribute::Mean, i);
+    const Vec3d mean{p[0], p[1], p[2]};
+    if (length(mean) < 50) continue;  // a sparse point
+    ++sky;
+    EXPECT_NEAR(length(mean), dense.background, 3);
+    const double scale = std::exp(double(layer.at(Attribute::LogScale, i)[0]));
+    covered += scale * scale / (dense.background * dense.background);
+  }
+  ASSERT_GT(sky, 100u);
+  EXPECT_GT(covered, 0.1) << "steradians; as small as the surfels of the room they would be dots";
+}
+
 TEST(Neighbours, SpacingMatchesAllPairs) {
   Rng rng(3);
   std::vector<Vec3f> points(700);
