@@ -24,7 +24,7 @@ constexpr float kUnseen = 0.06f;                     // no other photo sees it
 constexpr float kContradicted = 0.6f;                // it would hide what other photos surely see, or stand around their cameras
 constexpr float kOtherSurface = 0.07f;               // at a reliable pixel: not the surface found there
 constexpr float kLocalHandicap = 0.005f;             // a large plane is more exact than the continuation of a few pixels
-constexpr float kFarHandicap = 0.01f;                // plaster without texture looks alike wherever it is
+constexpr float kFarHandicap = 0.02f;                // plaster without texture looks alike wherever it is
 constexpr double kSameDepth = 0.02, kBefore = 0.06;  // relative depths
 constexpr double kReach = 4;                         // pixels over which costs are averaged
 constexpr int kAverages = 2;
