@@ -182,6 +182,9 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     return above_floors(plane, x, y) && w * photo.near_z < 1 && w * photo.far_z > 0.999 &&
            -dot(normal_towards_camera(k, plane), normalized(k.ray(x, y))) > kMostSlanted;
   };
+  const auto allowed = [&](size_t c, const InversePlane& plane, double x, double y) {
+    return c == far ? above_floors(end, x, y) : possible(plane, x, y);
+  };
   for (size_t i = 0; i < pixels; ++i) {
     const double x = double(int(i) % map.width) + 0.5, y = double(int(i) / map.width) + 0.5;
     if (map.reliable(i)) {
@@ -192,8 +195,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     }
     const ReferencePatch patch = reference_patch(photo.luma, int(x), int(y));
     for (size_t c = 0; c < choices.size(); ++c)
-      if (c == far ? above_floors(end, x, y) : possible(choices[c], x, y))
-        cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
+      if (allowed(c, choices[c], x, y)) cost[c][i] = witnesses.cost(patch, choices[c], x, y) + (c == far ? kFarHandicap : 0);
     const uint32_t from = nearest.source[i];
     if (!fitted[from]) fitted[from] = fitted_plane(k, map, int(from) % map.width, int(from) / map.width);
     const double stretched = fitted[from]->at(x, y) * double(map.zdepth[from]);
@@ -211,7 +213,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     float least = 1e30f;
     for (size_t c = 0; c < cost.size(); ++c) {
       const InversePlane& plane = c == local ? *fitted[from] : choices[c];
-      if (c == far ? !above_floors(end, x, y) : !possible(plane, x, y)) continue;
+      if (!allowed(c, plane, x, y)) continue;
       if (cost[c][i] < least) least = cost[c][i], chosen = plane;
     }
     map.zdepth[i] = float(std::clamp(1 / chosen.at(x, y), photo.near_z, far_z));

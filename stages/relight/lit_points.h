@@ -22,12 +22,13 @@ struct LitPoint {
 };
 
 struct LitPointsDesc {
-  Bounds3 inner;                                           // the mesh's box: fine voxels inside, coarse ones outside
-  double voxel = 0.01;                                     // scene units
-  double outer_factor = 6;                                 // voxels outside are so many times as large
-  int max_side = 320;                                      // of the rendered pictures, pixels
-  float near_z = 0.01f;                                    // of the trained scene
-  float sky_distance = std::numeric_limits<float>::max();  // from the middle of the box: what is farther is light, not a surface
+  Bounds3 inner;            // the mesh's box: fine voxels inside, coarse ones outside
+  double voxel = 0.01;      // scene units
+  double outer_factor = 6;  // voxels outside are so many times as large
+  int max_side = 320;       // of the rendered pictures, pixels
+  float near_z = 0.01f;     // of the trained scene
+  // From the middle of the box: what is farther is light, not a surface.
+  float sky_distance = std::numeric_limits<float>::max();
   float min_alpha = 0.5f;
   float min_cosine = 0.1f;  // grazing pixels say little
   // One channel of the given size, above 1/2 on glass and mirrors; empty: none there.

@@ -96,6 +96,7 @@ Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& des
   const std::unique_ptr<Tracer> tracer = make_tracer();
   tracer->build(diffuse);
   RayValues values;
+  // A little less than what a wall needs, so that rounding loses none.
   tracer->forward({.origins = origins, .directions = directions, .near = near},
                   {.sh_degree = diffuse.sh_degree(), .first_hit_weight = 0.99f * desc.min_alpha}, values, nullptr);
   out.distance.assign(count, 0.f);

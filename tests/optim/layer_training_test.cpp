@@ -38,7 +38,7 @@ TEST(LayerTraining, WhatWasDrivenToBlackComesBack) {
   for (size_t i = 0; i < kUntouched; ++i) EXPECT_GT(radiance(i, 0), 0.5);
 }
 
-// Photos see angles: what is twenty times as far as the cameras are from each other moves twenty times as far for the same angle.
+// Photos see angles: at 100 radii of the cameras a step is twenty times as long as at 5, from where on it grows.
 TEST(LayerTraining, WhatIsFarTakesLongerSteps) {
   constexpr float kNear[3] = {1, 4, 0}, kFar[3] = {60, 0, 80}, kRate = 0.01f;
   SplatLayer layer(LayerKind::Diffuse, 0, 2);
