@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/process.h"
 #include "core/model/thin_glass_pass.h"
 
 namespace vitrine {
@@ -44,6 +45,7 @@ std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
   const SplatLayer& inside = scene_->trained.surfels.transmittance;
   std::vector<Vec3f> out(inside.size());
   parallel_for(out.size(), kTask, [&](size_t i) {
+    throw_if_interrupted();
     const float* m = inside.at(Attribute::Mean, i);
     out[i] = lit.fluence({m[0], m[1], m[2]}, i, kFluenceSamples);
   });
@@ -71,7 +73,10 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
   }
   tracer_.reset();
   const std::vector<Vec3f> now = fluence(lit);
-  parallel_for(opaque_.size(), kTask, [&](size_t k) { set_color(merged_, k, matt_radiance(lit, opaque_[k])); });
+  parallel_for(opaque_.size(), kTask, [&](size_t k) {
+    throw_if_interrupted();
+    set_color(merged_, k, matt_radiance(lit, opaque_[k]));
+  });
   const SplatLayer& inside = scene_->trained.surfels.transmittance;
   const Vec3f mean = scene_->captured.mean();
   const float least = kLeastFluence_rel * (mean.x + mean.y + mean.z) / 3 + 1e-12f;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
+#include "core/base/process.h"
 #include "core/model/kernels/mirror.h"
 #include "core/relight/sample_points.h"
 
@@ -39,6 +40,7 @@ std::vector<Vec3f> LitScene::direct_irradiance() const {
   const auto n = static_cast<uint32_t>(desc_.light_samples);
   const Environment& environment = lighting_->environment;
   parallel_chunks(out.size(), kGrain, [&](size_t, size_t first, size_t last) {
+    throw_if_interrupted();
     for (size_t v = first; v < last; ++v) {
       const Vec3f& normal = mesh.normals[v];
       const Vec3f origin = mesh.positions[v] + kLift * surface_->grain() * normal;
@@ -72,6 +74,7 @@ void LitScene::bounce(const std::vector<Vec3f>& direct) {
   const size_t n = direct.size();
   std::vector<Gathered> gathered(desc_.bounces > 1 ? n * rays : 0);
   parallel_chunks(gathered.empty() ? 0 : n, kGrain, [&](size_t, size_t first, size_t last) {
+    throw_if_interrupted();
     for (size_t v = first; v < last; ++v) {
       const Vec3f& normal = mesh.normals[v];
       const Vec3f origin = mesh.positions[v] + kLift * surface_->grain() * normal;

@@ -34,6 +34,7 @@ class RelitPainter {
   RelitPainter(const RelitPainter&) = delete;
   RelitPainter& operator=(const RelitPainter&) = delete;
 
+  // Seconds to a minute; throws (core/base/process.h) when the program is asked to stop meanwhile.
   void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
   // At the size of the view's intrinsics; its gain takes no part.
   RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});

@@ -197,6 +197,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
   const bool glass = scene.trained.surfels.transmittance.size() > 0;
   const bool solid_glass = scene.trained.image.transmission.thick != nullptr;
   RelitPainter painter(std::move(scene));
+  context.progress({.fraction = 0, .text = "light on the scene", .values = {}});
   painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
 
   const double exposure = config.exposure + (config.auto_exposure ? exposure_of_scene(painter.lit()) : 0);

@@ -4,8 +4,10 @@
 namespace vitrine {
 namespace {
 
-const std::vector<std::string> kTraining = {
-    "--to", "optimize", "--set", "normals.source=none", "--set", "optimize.iterations=30"};
+const std::vector<std::string> kTraining = {"--to",  "optimize",
+                                            "--set", "normals.source=none",
+                                            "--set", "optimize.iterations=30",
+                                            "--set", "optimize.max_gaussians=6000"};
 
 std::vector<std::string> training(const std::vector<std::string>& more) {
   std::vector<std::string> words = kTraining;

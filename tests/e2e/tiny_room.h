@@ -72,7 +72,8 @@ class TinyRoom : public VitrineProcess {
     return (folder.path() / "given model").string();
   }
 
-  // A run that takes seconds.
+  // A run of all stages on little, which takes seconds: what most of these tests are about are order, checkpoints, files and
+  // messages. `more` comes last and wins.
   Outcome room(const std::string& poses, const std::vector<std::string>& more = {}) const {
     return call(room_words(poses, more));
   }
@@ -80,8 +81,9 @@ class TinyRoom : public VitrineProcess {
     std::vector<std::string> words = {
         "run",          photos().string(), "-o", out().string(), "--poses", poses, "--truth", (sample() / "truth").string(),
         "--no-progress"};
-    for (const char* set : {"optimize.iterations=600", "optimize.max_gaussians=6000", "optimize.checkpoint_every=100",
-                            "mesh.resolution=96", "mesh.faces=10000", "relight.points=6000", "evaluate.relit_samples=8"})
+    for (const char* set : {"masks.proposed.fit.steps=30", "normals.geometric.max_side=32", "optimize.iterations=60",
+                            "optimize.checkpoint_every=10", "optimize.max_gaussians=3000", "optimize.initial.stereo_side=32",
+                            "mesh.resolution=32", "mesh.faces=4000", "relight.points=2000", "evaluate.relit_samples=4"})
       words.insert(words.end(), {"--set", set});
     words.insert(words.end(), more.begin(), more.end());
     return words;

@@ -10,9 +10,20 @@
 namespace vitrine {
 namespace {
 
+// Sizes at which the figures say something.
+std::vector<std::string> full_size(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words;
+  for (const char* set : {"masks.proposed.fit.steps=450", "normals.geometric.max_side=240", "optimize.iterations=600",
+                          "optimize.max_gaussians=6000", "optimize.checkpoint_every=100", "optimize.initial.stereo_side=160",
+                          "mesh.resolution=96", "mesh.faces=10000", "relight.points=6000", "evaluate.relit_samples=8"})
+    words.insert(words.end(), {"--set", set});
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
 TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
   const std::string poses = write_true_model();
-  const Outcome first = room(poses);
+  const Outcome first = room(poses, full_size());
   ASSERT_EQ(first.exit, 0) << first.text;
   EXPECT_EQ(states(), (States{{"ingest", "ran"},
                               {"sfm", "ran"},
@@ -44,11 +55,11 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
 
   const double before_s = cpu_seconds(RUSAGE_CHILDREN);  // CPU time: a busy machine must not decide
-  const Outcome second = room(poses);
+  const Outcome second = room(poses, full_size());
   EXPECT_LT(cpu_seconds(RUSAGE_CHILDREN) - before_s, 2.0);
   EXPECT_TRUE(second.has("everything up to date")) << second.text;
 
-  const Outcome changed = room(poses, {"--set", "mesh.faces=5000"});
+  const Outcome changed = room(poses, full_size({"--set", "mesh.faces=5000"}));
   EXPECT_EQ(changed.exit, 0) << changed.text;
   EXPECT_EQ(states(), (States{{"ingest", "cached"},
                               {"sfm", "cached"},
@@ -91,7 +102,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
 TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
   const std::string poses = write_true_model();
   const auto on = [](const char* threads) {  // enough steps to be killed among them
-    return std::vector<std::string>{"-j", threads, "--set", "optimize.iterations=120", "--set", "optimize.checkpoint_every=40"};
+    return std::vector<std::string>{"-j", threads, "--set", "optimize.iterations=120", "--set", "optimize.max_gaussians=6000"};
   };
   const Outcome one = room(poses, on("1"));
   ASSERT_EQ(one.exit, 0) << one.text;
@@ -119,7 +130,7 @@ TEST_F(TinyRoom, AKilledRunAndAnotherNumberOfThreadsGiveTheSameBytes) {
 }
 
 TEST_F(TinyRoom, PosesAloneAreEnough) {
-  const Outcome o = room(true_poses(), {"--set", "optimize.iterations=60"});
+  const Outcome o = room(true_poses(), {"--set", "optimize.max_gaussians=6000", "--set", "optimize.initial.stereo_side=160"});
   ASSERT_EQ(o.exit, 0) << o.text;
   EXPECT_TRUE(o.said("no sparse point tells a depth")) << o.text;
   EXPECT_TRUE(o.said("the region is the cube between the cameras")) << o.text;

@@ -250,5 +250,18 @@ TEST(ErrorPicture, IsBlackWithoutErrorAndBrightestFromTheLimitOn) {
   EXPECT_EQ(e.at(1, 0, 0), 255);
 }
 
+TEST(DepthPicture, GrowsDarkerWithDistanceAndLeavesRoomForTheSceneBeforeASky) {
+  ImageF depth(100, 1, 1, 0.f);  // nothing; a scene from 1 to 3; a sky
+  for (int x = 10; x < 70; ++x) depth.at(x, 0) = 1 + 2 * float(x - 10) / 59;
+  for (int x = 70; x < 100; ++x) depth.at(x, 0) = 100;
+  const Image8 picture = depth_picture(depth);
+  const auto brightness = [&](int x) { return int(picture.at(x, 0, 0)) + picture.at(x, 0, 1) + picture.at(x, 0, 2); };
+  EXPECT_EQ(brightness(0), 0);
+  for (int x = 11; x < 70; ++x) EXPECT_LE(brightness(x), brightness(x - 1)) << x;
+  EXPECT_GT(brightness(70), 0) << "a sky is something";
+  // By depth itself all of the scene would take a fiftieth of the ramp.
+  EXPECT_GT(brightness(10) - brightness(69), 2 * (brightness(69) - brightness(70)));
+}
+
 }  // namespace
 }  // namespace vitrine

@@ -1,11 +1,13 @@
 #include "core/relight/relit_painter.h"
 
 #include <cmath>
+#include <csignal>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
+#include "core/base/process.h"
 #include "tests/relight/relit_ball.h"
 
 namespace vitrine {
@@ -221,6 +223,23 @@ TEST(RelitPainter, MirrorsHaveTheNormalsOfTheMesh) {
   };
   EXPECT_NEAR(centre(true, 1), centre(false, 1), 0.05);
   EXPECT_GT(std::abs(centre(true, 0) - centre(false, 0)), 0.05);
+}
+
+TEST(RelitPainter, StopsWhenAskedToWhileTheLightIsSetUp) {
+  for (const bool glass : {false, true})
+    EXPECT_EXIT(
+        {
+          RelitPainter painter(glass ? test::ball_in_glass(Glass::Thin) : relit_ball({1, 1, 1}));
+          install_interrupt_handlers();
+          std::raise(SIGTERM);
+          try {
+            painter.set_lighting(constant_light(1));
+          } catch (const Error& e) {
+            _exit(exit_code(e.kind()));
+          }
+          _exit(0);
+        },
+        ::testing::ExitedWithCode(exit_code(ErrorKind::Preempted)), "");
 }
 
 }  // namespace
