@@ -15,7 +15,8 @@ endfunction()
 # - With VITRINE_MERGE=ON sources are compiled up to twelve at a time, as one file that includes them: headers are read and templates
 #   instantiated once. So no two files of a folder may give a name at file level two meanings. (CMake's own unity build writes
 #   absolute paths into its files, which a compiler cache does not find again in another checkout, and leaves out every source with
-#   options of its own.) Sources that speak JSON stay apart from the rest; one with other options than its target is compiled alone.
+#   options of its own.) One with other options than its target is compiled alone; so the sanitized build keeps those that speak JSON
+#   apart from the rest.
 function(vitrine_sources target)
   cmake_language(EVAL CODE "cmake_language(DEFER CALL vitrine_arrange_sources ${target})")  # once the folder has set all its options
 endfunction()
@@ -30,7 +31,9 @@ function(vitrine_arrange_sources target)
     file(STRINGS ${path} speaks_json REGEX "#include .*json.*\\.h" LIMIT_COUNT 1)
     get_source_file_property(options ${source} COMPILE_OPTIONS)
     get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
-    if(speaks_json AND VITRINE_SANITIZE)
+    if(NOT VITRINE_SANITIZE)
+      set(speaks_json)
+    elseif(speaks_json)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_OPTIONS -O0)
     endif()
     if(options OR definitions OR NOT VITRINE_MERGE)
@@ -62,7 +65,7 @@ function(vitrine_arrange_sources target)
       endforeach()
       set(merged ${CMAKE_CURRENT_BINARY_DIR}/${target}_${kind}_${first}.cpp)
       file(CONFIGURE OUTPUT ${merged} CONTENT "${text}" @ONLY)  # touched only when it changes
-      if(VITRINE_SANITIZE AND kind STREQUAL "json")
+      if(kind STREQUAL "json")
         set_property(SOURCE ${merged} PROPERTY COMPILE_OPTIONS -O0)
       endif()
       list(APPEND arranged ${merged})

@@ -77,7 +77,7 @@ std::vector<std::string> split_list(std::string_view text) {
   return items;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string out = "\"";
   for (char c : text) {
     if (c == '"' || c == '\\')
@@ -102,10 +102,10 @@ std::string quoted_if_needed(std::string_view text) {
   const bool plain = !text.empty() && (std::isalpha(static_cast<unsigned char>(text[0])) || text[0] == '/') &&
                      std::all_of(text.begin(), text.end(), word_char) && text != "true" && text != "false" && text != "null" &&
                      text != "yes" && text != "no" && text != "on" && text != "off";
-  return plain ? std::string(text) : quoted(text);
+  return plain ? std::string(text) : in_quotes(text);
 }
 
-std::string canonical_value(const Option& option) { return option.type() == "string" ? quoted(option.text()) : option.text(); }
+std::string canonical_value(const Option& option) { return option.type() == "string" ? in_quotes(option.text()) : option.text(); }
 
 std::vector<std::string> wrapped(std::string_view text, size_t width) {
   std::vector<std::string> lines;

@@ -18,7 +18,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
 std::vector<std::string> split_list(std::string_view text);
 // The text itself when a YAML reader would take it for the same plain string, else in double quotes with escapes.
 std::string quoted_if_needed(std::string_view text);
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 // The value as it stands in the cache key: strings always in quotes, so that no value can imitate another line.
 std::string canonical_value(const Option& option);
 // Words broken into lines of at most `width` columns.
