@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace vitrine {
 
@@ -47,7 +48,9 @@ bool carried(const ImageF& other, const Transfer& transfer, const Vec3d& m, doub
   const float cx = float(centre.x), cy = float(centre.y), cz = float(centre.z);
   const float h0x = float(h0.x), h0y = float(h0.y), h0z = float(h0.z), h1x = float(h1.x), h1y = float(h1.y), h1z = float(h1.z);
   const float last_x = float(width) - 1.001f, last_y = float(height) - 1.001f;
-  const float* pixels = other.data().data();
+  // Three loops, because compilers vectorise arithmetic, but not the loads between.
+  alignas(32) std::array<float, kPatchLanes> fu, fv;
+  alignas(32) std::array<int, kPatchLanes> at;
   for (size_t i = 0; i < kPatchLanes; ++i) {
     const float dx = kOffsets.x[i], dy = kOffsets.y[i];
     const float inverse = 1.f / (cz + h0z * dx + h1z * dy);
@@ -56,11 +59,24 @@ bool carried(const ImageF& other, const Transfer& transfer, const Vec3d& m, doub
     v = v > 0.f ? v : 0.f;
     u = u < last_x ? u : last_x;
     v = v < last_y ? v : last_y;
-    const int ui = int(u), vi = int(v), at = vi * width + ui;
-    const float fu = u - float(ui), fv = v - float(vi);
-    const float top = pixels[at] + fu * (pixels[at + 1] - pixels[at]);
-    const float bottom = pixels[at + width] + fu * (pixels[at + width + 1] - pixels[at + width]);
-    value[i] = top + fv * (bottom - top);
+    const int ui = int(u), vi = int(v);
+    at[i] = vi * width + ui;
+    fu[i] = u - float(ui);
+    fv[i] = v - float(vi);
+  }
+  const float* pixels = other.data().data();
+  struct Neighbours {
+    float left, right;
+  };
+  alignas(32) std::array<Neighbours, kPatchLanes> top, bottom;
+  for (size_t i = 0; i < kPatchLanes; ++i) {
+    std::memcpy(&top[i], pixels + at[i], sizeof(Neighbours));
+    std::memcpy(&bottom[i], pixels + at[i] + width, sizeof(Neighbours));
+  }
+  for (size_t i = 0; i < kPatchLanes; ++i) {
+    const float above = top[i].left + fu[i] * (top[i].right - top[i].left);
+    const float below = bottom[i].left + fu[i] * (bottom[i].right - bottom[i].left);
+    value[i] = above + fv[i] * (below - above);
   }
   return true;
 }
