@@ -23,7 +23,8 @@ struct LayerImages {
   std::vector<float> inner_transmittance;                // [h,w] what the transmittance layer lets through to whatever is behind
 };
 
-// What thin glass shows of what stands behind it (ThinGlassPass): of every pixel, whichever of them send rays. Empty without.
+// What thin glass shows of what stands behind it (ThinGlassPass): of every pixel that asks for it, whichever send rays; black,
+// with nothing in the way, elsewhere. Empty without.
 struct BehindGlass {
   std::vector<float> radiance, grad_radiance;  // [3,h,w]
   std::vector<float> inner_transmittance;      // [h,w] past the last surfel

@@ -62,7 +62,9 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   BehindGlass& behind = frame.behind;
   behind.clear();
   if (options_.glass != Glass::Thin || scene.transmittance.size() == 0) return;
-  if (std::none_of(s.asks.begin(), s.asks.end(), [](const LayersPresent& asks) { return asks.transmission; })) return;
+  wanted_.assign(frame.pixel_count(), 0);
+  for (size_t i = 0; i < s.pixels.size(); ++i) wanted_[s.pixels[i]] = s.asks[i].transmission;
+  if (std::ranges::find(wanted_, 1) == wanted_.end()) return;
   without_glass(scene, diffuse_.sh_degree, options_.sh_degree, opaque_, merged_);
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
@@ -70,6 +72,7 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   desc.features = FeatureSet::Surface;
   desc.near_z = diffuse_.near_z;
   desc.sh_degree = merged_.sh_degree();
+  desc.wanted = wanted_;
   renderer_->forward(merged_, desc, picture_);
   const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
   behind.radiance.assign(color.begin(), color.end());

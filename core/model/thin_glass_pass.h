@@ -7,9 +7,9 @@
 // which is C_in + T_in C_out of the README with the diffuse layer as what lies outside. The rasteriser is the tracer's equal
 // there (a test of core/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
 // stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
-// through it only. Every pixel has its own C_t, whichever pixels of a group send rays. Does nothing unless
-// TransmissionOptions::glass is Glass::Thin and the layer is there. Where glass is thick (TransmissionOptions::thick), rays bent
-// by it take the place of the straight ones (BentRays).
+// through it only. Every pixel that asks for it has its own C_t, whichever pixels of a group send rays; the others cost nothing.
+// Does nothing unless TransmissionOptions::glass is Glass::Thin and the layer is there. Where glass is thick
+// (TransmissionOptions::thick), rays bent by it take the place of the straight ones (BentRays).
 #pragma once
 
 #include <memory>
@@ -46,6 +46,7 @@ class ThinGlassPass final : public Pass {
   std::unique_ptr<Renderer> renderer_;
   std::vector<uint32_t> opaque_;  // of the diffuse layer
   SplatLayer merged_, grad_;      // those, then the transmittance layer
+  std::vector<uint8_t> wanted_;   // [h,w] pixels that ask for what stands behind them
   RasterImages picture_, gradients_;
   std::vector<float> blame_;
   SurfelStatistics statistics_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
 #include "core/base/parallel.h"
 
 namespace vitrine {
@@ -15,6 +16,11 @@ bool produces(const RasterDesc& desc, Aov aov) {
     if (r.id == aov) break;
   }
   return end <= feature_count(desc.features);
+}
+
+void check_wanted(const RasterDesc& desc) {
+  const size_t pixels = static_cast<size_t>(desc.intrinsics.width) * static_cast<size_t>(desc.intrinsics.height);
+  VITRINE_CHECK(desc.wanted.empty() || desc.wanted.size() == pixels, "{} wanted pixels of {}", desc.wanted.size(), pixels);
 }
 
 void RasterImages::resize(const RasterDesc& desc) {

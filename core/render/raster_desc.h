@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,10 +21,16 @@ struct RasterDesc {
   Vec3f background{0, 0, 0};            // linear; blended behind the colour channels
   bool low_pass = true;                 // screen-space low-pass (algorithms 1.4); off only to compare with the ray tracer
   bool distortion = false;              // compute the distortion channel
+  // [h, w] or empty = all pixels: where it is 0, a pixel shows the background as if no surfel were there, costs nearly nothing
+  // (whole blocks of 4x4 nothing), passes no gradient and counts in no statistics. Must outlive backward().
+  std::span<const uint8_t> wanted = {};
 };
 
 // Whether a pass with `desc` fills this channel.
 bool produces(const RasterDesc& desc, Aov aov);
+
+// Programming error unless desc.wanted is empty or has the size of the picture.
+void check_wanted(const RasterDesc& desc);
 
 // One image per AOV that the desc asked for; others are empty.
 struct RasterImages {

@@ -62,6 +62,29 @@ TEST(ThinGlass, ShowsTheSceneWithoutTheGlass) {
   for (size_t i = 0; i < frame.pixel_count(); ++i) EXPECT_NEAR(frame.layers.transmission[i], tau[i] * without.linear[i], 1e-6);
 }
 
+// Pixels that do not ask for what stands behind them do not get it; those that do, by their mask here, see it as before.
+TEST(ThinGlass, IsLookedThroughOnlyWhereAPixelAsks) {
+  LayeredRoom r = shop_window(3);
+  for (float& tau : r.scene.diffuse.values(Attribute::Transmission)) tau = logit(1e-4f);
+  LayeredModel model(thin_glass()), plain(thin_glass());
+  Frame frame, without;
+  plain.forward(opened(r.scene), r.view, without);
+  const auto width = static_cast<size_t>(r.view.intrinsics.width), pixels = without.linear.size() / 3;
+  std::vector<float> mask(pixels, 0.f);
+  for (size_t i = 0; i < pixels; ++i) mask[i] = i % width < width / 2 ? 1.f : 0.f;
+  frame.transparent_mask = mask;
+  model.forward(r.scene, r.view, frame);
+  ASSERT_EQ(frame.behind.radiance.size(), 3 * pixels);
+  for (size_t i = 0; i < 3 * pixels; ++i) EXPECT_NEAR(frame.behind.radiance[i], mask[i % pixels] * without.linear[i], 1e-6) << i;
+  for (size_t i = 0; i < pixels; ++i)
+    if (mask[i] == 0) {
+      EXPECT_EQ(frame.behind.inner_transmittance[i], 1.f);
+    }
+  frame.transparent_mask = std::span<const float>{};
+  model.forward(r.scene, r.view, frame);
+  EXPECT_TRUE(frame.behind.radiance.empty());
+}
+
 TEST(ThinGlass, EveryPixelHasItsOwnViewWhateverTheRayBudget) {
   const LayeredRoom r = shop_window(3);
   ImageOptions options = thin_glass();

@@ -58,7 +58,8 @@ void TileBinning::sort_by_depth(const std::vector<uint32_t>& visible, const Spla
   }
 }
 
-void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds* bounds, int width, int height) {
+void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds* bounds, const WantedPixels& wanted, int width,
+                        int height) {
   tiles_x_ = (width + kTileSide - 1) / kTileSide;
   tiles_y_ = (height + kTileSide - 1) / kTileSide;
   const size_t tiles = static_cast<size_t>(tiles_x_) * static_cast<size_t>(tiles_y_);
@@ -80,9 +81,10 @@ void TileBinning::build(const std::vector<uint32_t>& visible, const SplatBounds*
       const size_t before = chunk.tiles.size();
       for (int ty = ty0; ty <= ty1; ++ty) {
         for (int tx = tx0; tx <= tx1; ++tx) {
+          const uint32_t tile = static_cast<uint32_t>(ty * tiles_x_ + tx);
+          if (!wanted.all() && wanted.blocks(tile) == 0) continue;
           const float left = static_cast<float>(tx * kTileSide) + 0.5f, top = static_cast<float>(ty * kTileSide) + 0.5f;
           if (!single && !hits_rectangle(b, left, top, static_cast<float>(kTileSide - 1))) continue;
-          const uint32_t tile = static_cast<uint32_t>(ty * tiles_x_ + tx);
           chunk.tiles.push_back(tile);
           ++chunk.count[tile];
         }

@@ -7,13 +7,14 @@
 
 #include "core/render/cpu/buffer.h"
 #include "core/render/cpu/raster_pass.h"
+#include "core/render/cpu/wanted_pixels.h"
 
 namespace vitrine::cpu {
 
 class TileBinning {
  public:
-  // `visible`: indices into bounds, ascending. Tiles are numbered row by row.
-  void build(const std::vector<uint32_t>& visible, const SplatBounds* bounds, int width, int height);
+  // `visible`: indices into bounds, ascending. Tiles are numbered row by row; those without a wanted pixel get no surfels.
+  void build(const std::vector<uint32_t>& visible, const SplatBounds* bounds, const WantedPixels& wanted, int width, int height);
 
   int tiles_x() const { return tiles_x_; }
   size_t tile_count() const { return tile_begin_.size() - 1; }

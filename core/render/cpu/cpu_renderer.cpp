@@ -8,6 +8,7 @@
 #include "core/render/cpu/binning.h"
 #include "core/render/cpu/buffer.h"
 #include "core/render/cpu/raster_pass.h"
+#include "core/render/cpu/wanted_pixels.h"
 #include "core/render/kernels/blend.h"
 #include "core/render/kernels/shade.h"
 
@@ -93,6 +94,7 @@ class CpuRenderer final : public Renderer {
   const SplatLayer* layer_ = nullptr;
   RasterDesc desc_;
   PassView view_{};
+  WantedPixels wanted_;
   Buffer<RasterSplat> splats_;
   Buffer<SplatBounds> bounds_;
   std::vector<uint32_t> chunk_size_, visible_;
@@ -117,8 +119,12 @@ void CpuRenderer::project() {
                                          splats_.data() + begin, bounds_.data() + begin);
   });
   visible_.clear();
-  for (size_t chunk = 0; chunk < chunk_size_.size(); ++chunk)
-    for (uint32_t i = 0; i < chunk_size_[chunk]; ++i) visible_.push_back(static_cast<uint32_t>(chunk * kProjectChunk) + i);
+  for (size_t chunk = 0; chunk < chunk_size_.size(); ++chunk) {
+    for (uint32_t i = 0; i < chunk_size_[chunk]; ++i) {
+      const uint32_t at = static_cast<uint32_t>(chunk * kProjectChunk) + i;
+      if (wanted_.all() || wanted_.meets(bounds_[at])) visible_.push_back(at);
+    }
+  }
 }
 
 TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot_bytes) {
@@ -133,6 +139,8 @@ TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot
   task.splats = splats_.data();
   task.bounds = bounds_.data();
   task.kept = kept_.data() + tile * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels());
+  task.wanted = wanted_.all() ? nullptr : wanted_.pixels(tile);
+  task.wanted_blocks = wanted_.all() ? static_cast<uint16_t>(~0u) : wanted_.blocks(tile);
   task.local = scratch.local.data();
   task.slots = scratch.slots.data();
   return task;
@@ -141,11 +149,13 @@ TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot
 void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, RasterImages& out) {
   VITRINE_CHECK(desc.features != FeatureSet::Material || layer.width(Attribute::F0) > 0, "layer '{}' has no materials to blend",
                 vitrine::name(layer.kind()));
+  check_wanted(desc);
   layer_ = &layer;
   desc_ = desc;
   view_ = pass_view(desc, layer);
+  wanted_.build(desc.wanted, view_.width, view_.height);
   project();
-  binning_.build(visible_, bounds_.data(), view_.width, view_.height);
+  binning_.build(visible_, bounds_.data(), wanted_, view_.width, view_.height);
   const size_t tiles = binning_.tile_count();
   lists_.resize(tiles);
   kept_.resize(tiles * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels()));

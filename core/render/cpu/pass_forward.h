@@ -8,7 +8,7 @@ namespace vitrine::VITRINE_SIMD {
 
 struct BlockPlace {
   F16 px, py;
-  F16 inside;  // 1 in the image, 0 outside
+  F16 inside;  // 1 in the image, 0 outside and where the pixel is not wanted
 };
 inline BlockPlace block_place(const PassView& view, const TileTask& task, int block) {
   const F16 lane = iota();
@@ -19,7 +19,9 @@ inline BlockPlace block_place(const PassView& view, const TileTask& task, int bl
   BlockPlace p;
   p.px = F16(float(x) + 0.5f) + column;
   p.py = F16(float(y) + 0.5f) + row;
-  p.inside = select((p.px < F16(float(view.width))) & (p.py < F16(float(view.height))), F16(1.f), F16(0.f));
+  M16 inside = (p.px < F16(float(view.width))) & (p.py < F16(float(view.height)));
+  if (task.wanted != nullptr) inside = inside & mask_from_bits(task.wanted[block]);
+  p.inside = select(inside, F16(1.f), F16(0.f));
   return p;
 }
 

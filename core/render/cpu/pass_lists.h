@@ -73,7 +73,7 @@ inline void build_lists(const TileTask& task) {
     __builtin_memcpy(task.local + i, task.splats + splat, sizeof(RasterSplat));
     const BlockTest t = test_blocks(task.bounds[splat], grid);
     store(z_min, t.z_min);
-    for (uint32_t hits = bits(t.hit); hits != 0; hits &= hits - 1) {
+    for (uint32_t hits = bits(t.hit) & task.wanted_blocks; hits != 0; hits &= hits - 1) {
       const int b = __builtin_ctz(hits);
       const uint32_t to = task.list_offset[b] + size[b]++;
       task.list[to] = i;

@@ -62,7 +62,9 @@ struct TileTask {
   uint32_t count;
   const RasterSplat* splats;
   const SplatBounds* bounds;
-  float* kept;  // [kBlocks][kept_channels][kLanes]
+  float* kept;             // [kBlocks][kept_channels][kLanes]
+  const uint16_t* wanted;  // [kBlocks] bits of the pixels that are; null: all
+  uint16_t wanted_blocks;  // bits of the blocks that have one
   // Scratch of the calling thread.
   RasterSplat* local;  // [count]
   // Lists of the blocks, list b from list_offset[b] on. Forward: unsorted first, with the smallest z of each surfel in the block;

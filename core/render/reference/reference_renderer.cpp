@@ -32,6 +32,7 @@ void visit_planes(Pixel& pixel, Images& images, const RasterDesc& desc, size_t a
 class ReferenceRenderer final : public Renderer {
  public:
   void forward(const SplatLayer& layer, const RasterDesc& desc, RasterImages& out) override {
+    check_wanted(desc);
     layer_ = &layer;
     desc_ = desc;
     view_ = scene_camera<double>(desc, layer);
@@ -87,8 +88,10 @@ class ReferenceRenderer final : public Renderer {
   void for_each_pixel(Body body) {
     for (int y = 0; y < desc_.intrinsics.height; ++y)
       for (int x = 0; x < desc_.intrinsics.width; ++x) {
-        collect_fragments(surfels_, x + 0.5, y + 0.5, fragments_);
-        body(static_cast<size_t>(y) * static_cast<size_t>(desc_.intrinsics.width) + static_cast<size_t>(x));
+        const size_t at = static_cast<size_t>(y) * static_cast<size_t>(desc_.intrinsics.width) + static_cast<size_t>(x);
+        fragments_.clear();
+        if (desc_.wanted.empty() || desc_.wanted[at] != 0) collect_fragments(surfels_, x + 0.5, y + 0.5, fragments_);
+        body(at);
       }
   }
 
