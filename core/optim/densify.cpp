@@ -196,7 +196,7 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
   counts.removed = layer.size() - kept.size();
   keep_surfels(layer, kept);
   target.adam.keep_only(kept);
-  for (size_t to = 0; to < kept.size(); ++to) target.accumulator.share[to] = target.accumulator.share[kept[to]];
+  target.accumulator.keep_only(kept);
   return counts;
 }
 
@@ -245,6 +245,11 @@ void SurfelAccumulator::reset(size_t size) {
   seen.assign(size, 0);
   pictures = 0;
   share.resize(size, mean_share(share));
+}
+
+void SurfelAccumulator::keep_only(std::span<const uint32_t> kept) {
+  for (size_t to = 0; to < kept.size(); ++to) share[to] = share[kept[to]];
+  share.resize(kept.size());
 }
 
 void SurfelAccumulator::rarity(float most, std::vector<float>& factor) const {

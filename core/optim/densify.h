@@ -41,7 +41,8 @@ struct SurfelAccumulator {
   uint32_t pictures = 0;       // of all
   std::vector<float> share;    // of the last pictures, about a hundred: those in which it had weight; copies inherit it
 
-  void reset(size_t size);  // the sums; new surfels share as many pictures as the mean of all
+  void reset(size_t size);                         // the sums; new surfels share as many pictures as the mean of all
+  void keep_only(std::span<const uint32_t> kept);  // ascending; what outlives the sums, which are to be reset
   // How much longer than the others' the steps of a surfel are to be, so that what few photos show is learnt in as many steps
   // as the rest: mean share / own share, in [1, most].
   void rarity(float most, std::vector<float>& factor) const;

@@ -39,6 +39,12 @@ void LayerTraining::grow(size_t size) {
   accumulator_.reset(size);
 }
 
+void LayerTraining::keep_only(std::span<const uint32_t> kept) {
+  adam_.keep_only(kept);
+  accumulator_.keep_only(kept);
+  accumulator_.reset(kept.size());
+}
+
 void LayerTraining::restart(const SplatLayer& layer) {
   adam_ = Adam(layer);
   accumulator_ = {};

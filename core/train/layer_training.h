@@ -41,6 +41,8 @@ class LayerTraining {
   void move(const DensifyConfig& config, const Move& move, SplatLayer& layer);
   // Surfels were added behind the others: they start without history.
   void grow(size_t size);
+  // The surfels at `kept` (ascending) alone are left of the layer: they go on with their history.
+  void keep_only(std::span<const uint32_t> kept);
   // The layer was changed from outside: statistics and moments start over.
   void restart(const SplatLayer& layer);
 

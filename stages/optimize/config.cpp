@@ -44,7 +44,8 @@ void describe(Describer& d, OptimizeConfig& c) {
            "where hardly a sparse point lies outside the masks, as on a turntable or before a plain backdrop.")
       .choices({"auto", "train", "ignore"});
   d.option("fill_unseen", c.fill_unseen,
-           "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation.");
+           "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
+           "show through thin glass alone.");
   d.option("preview_every", c.preview_every, "Steps between two preview pictures; 0 = only the last.").range(0, 10000000);
   d.option("checkpoint_every", c.checkpoint_every, "Steps between two checkpoints; 0 = only on interruption.")
       .range(0, 10000000)
@@ -74,7 +75,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 14,
+                 .version = 15,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},

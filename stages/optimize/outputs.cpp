@@ -79,10 +79,15 @@ std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture
 
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
                   const RunReport& report) {
-  Json json{{"iterations", trainer.step_index()},           {"surfels", trainer.scene().diffuse.size()},
-            {"initial_surfels", trainer.initial_surfels()}, {"max_surfels", report.max_surfels},
-            {"unseen_surfels", trainer.unseen_surfels()},   {"sh_degree", config.sh_degree},
-            {"train_photos", capture.train.size()},         {"heldout_photos", capture.heldout.size()}};
+  Json json{{"iterations", trainer.step_index()},
+            {"surfels", trainer.scene().diffuse.size()},
+            {"initial_surfels", trainer.initial_surfels()},
+            {"max_surfels", report.max_surfels},
+            {"unseen_surfels", trainer.unseen_surfels()},
+            {"from_behind_glass", trainer.from_behind_glass()},
+            {"sh_degree", config.sh_degree},
+            {"train_photos", capture.train.size()},
+            {"heldout_photos", capture.heldout.size()}};
   for (LayerKind kind : kAllLayers) {
     if (kind != LayerKind::Diffuse && !trainer.layers().has(kind)) continue;
     const TrainCounts& counts = trainer.counts(kind);

@@ -217,11 +217,12 @@ void Trainer::move_surfels() {
     if (!begun_[static_cast<size_t>(kind)] || f < from || f > until) continue;
     const auto seed = static_cast<uint64_t>(config().seed);
     const float rate = clock.rates(kind, config().rates, kSceneRadius)[static_cast<size_t>(Attribute::Mean)];
+    const size_t gone = kind == LayerKind::Transmittance ? from_behind_glass_ : 0;
     const DensifyRhythm rhythm = densify_rhythm(d, setup_.capture.train.size(), (until - from) * config().iterations);
     training(kind).move(kind == LayerKind::Transmittance ? densify_behind_glass_ : d,
                         {.moment = {.seed = first ? seed : mix64(seed, static_cast<uint64_t>(kind)),
                                     .step = step_,
-                                    .cap = first ? diffuse_cap() : cap(kind),
+                                    .cap = first ? diffuse_cap() : cap(kind) - gone,
                                     .times = rhythm.times,
                                     .scene_radius = kSceneRadius},
                          .now = step_ % rhythm.interval == 0 && training(kind).pictures() >= rhythm.pictures,
@@ -260,6 +261,7 @@ void Trainer::fill_unseen() {
     if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) return;
   filled_ = 1;
   const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
+  if (thin_glass) fill_beside_glass();
   const SplatLayer unseen = unseen_surroundings(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
                                                 background_, size_t(kMostUnseen * double(setup_.max_surfels)));
   scene_.diffuse = joined(scene_.diffuse, unseen);
@@ -268,6 +270,19 @@ void Trainer::fill_unseen() {
   grad_.diffuse.resize(scene_.diffuse.size());
   log_info("step {}: {} surfels close gaps of the surroundings that no photo shows; their colours are guessed", step_,
            unseen_surfels_);
+}
+
+void Trainer::fill_beside_glass() {
+  const size_t before = scene_.transmittance.size();
+  const std::vector<uint32_t> stay = bring_out_from_behind_glass(setup_.capture, planes_, scene_);
+  from_behind_glass_ = before - stay.size();
+  if (from_behind_glass_ == 0) return;
+  training(LayerKind::Transmittance).keep_only(stay);
+  grad_.transmittance.resize(stay.size());
+  training(LayerKind::Diffuse).grow(scene_.diffuse.size());
+  grad_.diffuse.resize(scene_.diffuse.size());
+  log_info("step {}: {} surfels of walls that photos show through glass alone close gaps beside the glass", step_,
+           from_behind_glass_);
 }
 
 void Trainer::record(double loss, double l1) {
@@ -334,6 +349,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(gloss_known_);
   out.value(filled_);
   out.value(unseen_surfels_);
+  out.value(from_behind_glass_);
   for (LayerKind kind : kAllLayers) {
     out.layer(scene_.layer(kind));
     training(kind).save(out);
@@ -353,6 +369,7 @@ void Trainer::load(ArchiveReader& in) {
   in.value(gloss_known_);
   in.value(filled_);
   in.value(unseen_surfels_);
+  in.value(from_behind_glass_);
   bool fits = true;
   for (LayerKind kind : kAllLayers) {
     in.layer(scene_.layer(kind));

@@ -51,9 +51,10 @@ class Trainer {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return training(kind).counts(); }
   const LayerChoice& layers() const { return setup_.layers; }
-  size_t unseen_surfels() const { return unseen_surfels_; }      // for what no photo shows (unseen.h), beyond the cap
-  size_t initial_surfels() const { return initial_surfels_; }    // that training started from
-  static size_t cap(const TrainerSetup& setup, LayerKind kind);  // most surfels the layer may grow to
+  size_t from_behind_glass() const { return from_behind_glass_; }  // surfels that went to the diffuse layer (unseen.h)
+  size_t unseen_surfels() const { return unseen_surfels_; }        // for what no photo shows (unseen.h), beyond the cap
+  size_t initial_surfels() const { return initial_surfels_; }      // that training started from
+  static size_t cap(const TrainerSetup& setup, LayerKind kind);    // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
   // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays; `layers`: taken apart too.
@@ -79,6 +80,7 @@ class Trainer {
   void point_at_masks();
   void begin_phases();
   void fill_unseen();
+  void fill_beside_glass();
   double descend(uint32_t photo);
   double blame(const PhotoLevel& photo);
   void weigh_pixels(const PhaseClock& clock);
@@ -96,7 +98,7 @@ class Trainer {
   std::vector<ScenePlane> planes_;
   double background_;
   uint8_t filled_ = 0, gloss_known_ = 0;  // what no photo shows; where the shape of what reflects is known
-  uint64_t initial_surfels_ = 0, unseen_surfels_ = 0;
+  uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel
   bool broken_ = false;      // many broken gradients in the last step

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <numeric>
 
 #include "core/light/environment.h"
 #include "core/model/diffuse_pass.h"
@@ -32,6 +34,8 @@ constexpr double kCover = 0.75;  // scale of a surfel, of a cell
 constexpr float kOpacity = 0.95f;
 constexpr float kShows = 0.25f;    // of a guessed surfel's pixels in a photo: most that may show through what was trained
 constexpr float kFewPixels = 4.f;  // in a photo: its rim
+constexpr float kWhole = 1.f;      // of the pixels in the photo that shows most of a surfel: small guesses do no harm
+constexpr float kRim = 0.25f;      // small surfels that were trained may be many
 
 std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& capture) {
   DiffusePass pass({.sh_degree = 0, .near_z = capture.near_z});
@@ -118,6 +122,13 @@ CellSurface sky(double cell, double background) {
           .sight = [=](double, double zdepth) { return zdepth > kSky * background ? Sight::Seen : Sight::Through; }};
 }
 
+// Materials as at the start of training, of what sends no rays.
+void make_dull(SplatLayer& layer, size_t i) {
+  for (Attribute a : {Attribute::F0, Attribute::Roughness})
+    std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
+  for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission}) *layer.at(a, i) = raw_value(row(a).activation, kDull);
+}
+
 void add_guess(const Vec3d& position, const Vec3d& normal, double scale, const Vec3d& linear, SplatLayer& layer) {
   const Quatf q = rotation_facing(cast<float>(normal));
   const size_t i = layer.size();
@@ -130,9 +141,7 @@ void add_guess(const Vec3d& position, const Vec3d& normal, double scale, const V
     layer.at(Attribute::ShDc, i)[c] = float((std::clamp(linear[c], 0.0, 1e4) - 0.5) / double(kShDc));
   }
   *layer.at(Attribute::Opacity, i) = logit(kOpacity);
-  for (Attribute a : {Attribute::F0, Attribute::Roughness})
-    std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
-  for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission}) *layer.at(a, i) = raw_value(row(a).activation, kDull);
+  make_dull(layer, i);
 }
 
 SplatLayer guessed_layer(std::span<const ScenePlane> planes, double background, double cell, std::span<const SeenPhoto> photos) {
@@ -171,19 +180,41 @@ class PhotoWeights {
   Frame frame_;
 };
 
-// A guess that a photo does see is wrong: that photo shows something else there, or nothing.
-std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLayer& guessed, const Capture& capture) {
-  PhotoWeights alone(guessed, capture), together(joined(diffuse, guessed), capture);
-  std::vector<uint8_t> shown(guessed.size());
+// Of `added`, what no training photo would see through the diffuse layer, ascending. A guess that a photo does see is wrong: that
+// photo shows something else there, or nothing. Photos in which little of a surfel lies, which is its rim, do not count.
+// `rim`: of the pixels in the photo that shows most of a surfel, kFewPixels at most.
+std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLayer& added, const Capture& capture, float rim) {
+  PhotoWeights alone(added, capture), together(joined(diffuse, added), capture);
+  std::vector<std::vector<float>> all;  // [photo][surfel]
+  std::vector<float> least(added.size());
   for (uint32_t photo : capture.train) {
-    const View& view = capture.photos[photo].levels[kUnseenLevel].view;
-    const std::vector<float>&all = alone.in(view), &left = together.in(view);
-    for (size_t i = 0; i < guessed.size(); ++i) shown[i] |= all[i] > kFewPixels && left[diffuse.size() + i] > kShows * all[i];
+    all.push_back(alone.in(capture.photos[photo].levels[kUnseenLevel].view));
+    for (size_t i = 0; i < least.size(); ++i) least[i] = std::max(least[i], all.back()[i]);
+  }
+  for (float& pixels : least) pixels = std::min(kFewPixels, rim * pixels);
+  std::vector<uint8_t> shown(added.size());
+  for (size_t k = 0; k < all.size(); ++k) {
+    const std::vector<float>& left = together.in(capture.photos[capture.train[k]].levels[kUnseenLevel].view);
+    for (size_t i = 0; i < added.size(); ++i) shown[i] |= all[k][i] > least[i] && left[diffuse.size() + i] > kShows * all[k][i];
   }
   std::vector<uint32_t> kept;
-  for (size_t i = 0; i < guessed.size(); ++i)
+  for (size_t i = 0; i < added.size(); ++i)
     if (!shown[i]) kept.push_back(uint32_t(i));
   return kept;
+}
+
+// Surfels whose centres lie on one of the planes or its continuation, as seen from the middle of the cameras.
+std::vector<uint32_t> on_planes(const SplatLayer& layer, std::span<const ScenePlane> planes) {
+  std::vector<uint32_t> found;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* mean = layer.at(Attribute::Mean, i);
+    const Vec3d p{mean[0], mean[1], mean[2]};
+    const double tolerance = kOnPlane * std::max(1.0, length(p));
+    if (std::ranges::any_of(planes,
+                            [&](const ScenePlane& plane) { return std::abs(dot(plane.normal, p) - plane.offset) < tolerance; }))
+      found.push_back(uint32_t(i));
+  }
+  return found;
 }
 
 }  // namespace
@@ -203,12 +234,33 @@ SplatLayer seen_through_glass(const SplatScene& scene) {
   return joined(opaque, scene.transmittance);
 }
 
+std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::span<const ScenePlane> planes, SplatScene& scene) {
+  const std::vector<uint32_t> candidates = on_planes(scene.transmittance, planes);
+  std::vector<uint32_t> all(scene.transmittance.size()), gone, stay;
+  std::iota(all.begin(), all.end(), 0u);
+  if (candidates.empty()) return all;
+  SplatLayer moved = scene.transmittance;
+  keep_surfels(moved, candidates);
+  for (uint32_t i : hidden_from_all(scene.diffuse, moved, capture, kRim)) gone.push_back(candidates[i]);
+  if (gone.size() == all.size()) gone.pop_back();
+  if (gone.empty()) return all;
+  std::ranges::set_difference(all, gone, std::back_inserter(stay));
+
+  moved = scene.transmittance;
+  keep_surfels(moved, gone);
+  const size_t first = scene.diffuse.size();
+  scene.diffuse = joined(scene.diffuse, moved);
+  for (size_t i = first; i < scene.diffuse.size(); ++i) make_dull(scene.diffuse, i);
+  keep_surfels(scene.transmittance, stay);
+  return stay;
+}
+
 SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
                                double background, size_t most) {
   const std::vector<SeenPhoto> photos = seen_photos(shown, capture);
   for (double cell = kFinestCell; cell < kReach; cell *= kCoarser)
     if (SplatLayer layer = guessed_layer(planes, background, cell, photos); layer.size() <= most) {
-      if (layer.size() > 0) keep_surfels(layer, hidden_from_all(shown, layer, capture));
+      if (layer.size() > 0) keep_surfels(layer, hidden_from_all(shown, layer, capture, kWhole));
       return layer;
     }
   return SplatLayer(LayerKind::Diffuse, 0, 0);

@@ -145,6 +145,79 @@ TEST(Unseen, GlassHidesNothing) {
   EXPECT_EQ(fill(seen_through_glass(cased)).size(), scene.fill().size());
 }
 
+// The blue floor stands behind the right camera's pane, in the layer behind glass: no photo sees it otherwise. A third of it is
+// seen by a third camera beside the pane as well.
+TEST(Unseen, AWallBehindGlassComesOutWhereNoPhotoSeesItOtherwise) {
+  TwoPhotos scene;
+  SplatScene cased{.diffuse = scene.trained, .transmittance = SplatLayer(LayerKind::Transmittance, 0, 0)};
+  std::vector<uint32_t> red, blue;
+  for (uint32_t i = 0; i < scene.trained.size(); ++i) (scene.trained.at(Attribute::Mean, i)[0] < 0 ? red : blue).push_back(i);
+  cased.transmittance.resize(blue.size());
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    for (size_t k = 0; k < blue.size(); ++k)
+      std::copy_n(scene.trained.at(a, blue[k]), scene.trained.width(a), cased.transmittance.at(a, k));
+  keep_surfels(cased.diffuse, red);
+  const auto add_pane = [](SplatLayer& layer) {
+    for (double y = -0.4; y <= 0.4; y += 0.03)
+      for (double x = -0.4; x <= 0.4; x += 0.03) {
+        add_surfel(layer, {kAside + x, y, -0.5}, {0, 0, 1}, 0.03, {});
+        *layer.at(Attribute::Transmission, layer.size() - 1) = logit(0.98f);
+      }
+  };
+  add_pane(cased.diffuse);
+  add_surfel(cased.transmittance, {kAside, 0, -0.7}, {0, 0, 1}, 0.03, {1, 1, 1});  // in the case, on no plane
+  const size_t diffuse = cased.diffuse.size(), behind = cased.transmittance.size();
+
+  SplatScene out = cased;
+  const std::vector<uint32_t> stay = bring_out_from_behind_glass(scene.capture, scene.planes, out);
+  EXPECT_EQ(stay, std::vector<uint32_t>{uint32_t(behind - 1)}) << "what stands in the case";
+  ASSERT_EQ(out.diffuse.size(), diffuse + behind - 1);
+  EXPECT_EQ(seen_through_glass(out).size(), seen_through_glass(cased).size());
+  for (size_t i = diffuse; i < out.diffuse.size(); ++i) {
+    EXPECT_LT(sigmoid(*out.diffuse.at(Attribute::Transmission, i)), 0.01f) << "it is no glass";
+    EXPECT_EQ(position(out.diffuse, i), position(cased.transmittance, i - diffuse));
+  }
+
+  View beside = scene.capture.view_set.views[1];
+  const Vec3d eye{kAside + kHalfWidth, 0, -0.7};  // below the pane
+  beside.cam_from_world = inverse(Rigid{Mat3d{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, eye});
+  scene.capture.photos.push_back(make_photo(beside, ImageF(128, 96, 3), 0));
+  scene.capture.train.push_back(2);
+  out = cased;
+  const size_t left = bring_out_from_behind_glass(scene.capture, scene.planes, out).size();
+  EXPECT_GT(left, behind / 30);
+  EXPECT_LT(left, behind / 2);
+  EXPECT_EQ(out.transmittance.size(), left);
+  for (size_t i = diffuse; i < out.diffuse.size(); ++i)
+    EXPECT_FALSE(std::abs(position(out.diffuse, i).x - eye.x) < 0.1 && std::abs(position(out.diffuse, i).y) < 0.07)
+        << "seen beside";
+
+  EXPECT_EQ(bring_out_from_behind_glass(scene.capture, {}, out).size(), left) << "no plane, no wall";
+}
+
+// The same with surfels that are no pixel of the half-size photos wide.
+TEST(Unseen, SmallSurfelsBehindGlassComeOutToo) {
+  TwoPhotos scene;
+  SplatScene cased{.diffuse = SplatLayer(LayerKind::Diffuse, 0, 0), .transmittance = SplatLayer(LayerKind::Transmittance, 0, 0)};
+  const auto cover = [](SplatLayer& layer, double x_middle, double half, double z, double size, const Vec3f& color) {
+    const size_t first = layer.size();
+    for (double y = -half; y <= half; y += size)
+      for (double x = -half; x <= half; x += size) add_surfel(layer, {x_middle + x, y, z}, {0, 0, 1}, float(size), color);
+    return first;
+  };
+  const size_t pane = cover(cased.diffuse, kAside, 0.4, -0.5, 0.03, {});
+  for (size_t i = pane; i < cased.diffuse.size(); ++i) *cased.diffuse.at(Attribute::Transmission, i) = logit(0.98f);
+  cover(cased.transmittance, kAside, 0.3, -1, 0.008, kBlue);
+  SplatScene out = cased;
+  EXPECT_EQ(bring_out_from_behind_glass(scene.capture, scene.planes, out).size(), 1u) << "all but one";
+  EXPECT_EQ(out.diffuse.size() + 1, cased.diffuse.size() + cased.transmittance.size());
+  // Without the pane both photos see them.
+  keep_surfels(cased.diffuse, std::vector<uint32_t>{});
+  out = cased;
+  EXPECT_EQ(bring_out_from_behind_glass(scene.capture, scene.planes, out).size(), cased.transmittance.size());
+  EXPECT_EQ(out.diffuse.size(), 0u);
+}
+
 TEST(Unseen, IsCoarserWhereFewSurfelsAreAllowed) {
   const TwoPhotos scene;
   const size_t fine = scene.fill().size(), few = scene.fill(fine / 3).size();
