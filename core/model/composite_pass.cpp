@@ -146,6 +146,7 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       SurfacePoint<float>& point = s.grad_points[g];
       point.f0 += grad_material.f0;
       point.cosine += grad_material.cosine;
+      point.agreement += grad_material.agreement;
       frame.grad_diffuse.plane(Aov::SpecularWeight)[pixel] += grad_material.specular;
       frame.grad_diffuse.plane(Aov::Transmission)[pixel] += grad_material.transmission;
       if (shown.reflection) frame.reflection.grad_radiance[g] = hadamard(grad, w.reflection);

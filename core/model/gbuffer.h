@@ -52,8 +52,9 @@ class GBuffer {
   }
   // What the blend needs of any pixel.
   BlendMaterial<float> material(uint32_t pixel) const {
-    return {(1.f / alpha[pixel]) * rgb(f0, pixel), specular[pixel], transmission[pixel],
-            dot(normalized(rgb(normal, pixel)), ray(pixel).view)};
+    const Vec3f n = rgb(normal, pixel);
+    return {(1.f / alpha[pixel]) * rgb(f0, pixel), specular[pixel], transmission[pixel], dot(normalized(n), ray(pixel).view),
+            normal_agreement(n, alpha[pixel])};
   }
 
  private:

@@ -104,7 +104,7 @@ void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       SurfacePoint<float> grad = s.grad_points[i];
       if (!options_.normal_gradient) {
         grad.normal = {};
-        grad.cosine = 0;
+        grad.cosine = grad.agreement = 0;
       }
       if (!options_.depth_gradient) grad.position = {};
       if (const float l = length(grad.normal); l > longest) grad.normal *= longest / l;

@@ -2,7 +2,7 @@
 // by `vitrine render`; it stands beside the graph of `vitrine run`, because nothing follows from its pictures.
 //   reads   sfm/{sparse,gains}, gaussians/*.ply, optimize/views.json, optional path (transforms.json)
 //   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
-// version 1: first. 2: total reflection in solid glass.
+// version 1: first. 2: total reflection in solid glass. 3: rims mirror less.
 #pragma once
 
 #include "stages/stage.h"

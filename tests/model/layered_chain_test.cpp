@@ -70,7 +70,8 @@ PixelGrad specified(const LayeredRoom& room, const ImageOptions& options, const 
   const TraceRay<N> straight{fixed, -ray.view, N(double(options.transmission.near)), N(1e30), N(0), N(0)};
   transmitted = reference::trace_ray(glass_layer, straight, march, hits).color;
 
-  const auto w = layer_weights(options.composite.blend, BlendMaterial<N>{p.f0, specular, tau, p.cosine}, {true, true});
+  const auto w =
+      layer_weights(options.composite.blend, BlendMaterial<N>{p.f0, specular, tau, p.cosine, p.agreement}, {true, true});
   const N value = dot(constant(g), hadamard(w.diffuse, diffuse) + hadamard(w.reflection, reflected_radiance) +
                                        hadamard(w.transmission, transmitted));
   return {value.d};

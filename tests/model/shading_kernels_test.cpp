@@ -177,16 +177,18 @@ TEST_P(Blend, MatchesDualNumbers) {
   const LayersPresent present{reflection, transmission};
   for (uint64_t seed = 0; seed < 40; ++seed) {
     Draw draw(seed);
-    const BlendMaterial<double> m{draw.color(), seed % 3 == 0 ? 0.05 * draw.unit() : draw.unit(), draw.unit(), draw.unit()};
+    const BlendMaterial<double> m{draw.color(), seed % 3 == 0 ? 0.05 * draw.unit() : draw.unit(), draw.unit(), draw.unit(),
+                                  draw.unit()};
     const LayerWeights<double> g{draw.vec(), draw.vec(), draw.vec()};
-    const BlendMaterial<D<6>> dual{variables<6>(m.f0, 0), D<6>::variable(m.specular, 3), D<6>::variable(m.transmission, 4),
-                                   D<6>::variable(m.cosine, 5)};
+    const BlendMaterial<D<7>> dual{variables<7>(m.f0, 0), D<7>::variable(m.specular, 3), D<7>::variable(m.transmission, 4),
+                                   D<7>::variable(m.cosine, 5), D<7>::variable(m.agreement, 6)};
     const auto w = layer_weights(blend, dual, present);
-    const auto exact = dot(w.diffuse, constants<6>(g.diffuse)) + dot(w.reflection, constants<6>(g.reflection)) +
-                       dot(w.transmission, constants<6>(g.transmission));
+    const auto exact = dot(w.diffuse, constants<7>(g.diffuse)) + dot(w.reflection, constants<7>(g.reflection)) +
+                       dot(w.transmission, constants<7>(g.transmission));
     const BlendMaterial<double> actual = layer_weights_vjp(blend, m, present, g);
-    const double got[] = {actual.f0.x, actual.f0.y, actual.f0.z, actual.specular, actual.transmission, actual.cosine};
-    for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(got[i], exact.d[i], kTolerance * (1 + std::abs(exact.d[i]))) << seed << " " << i;
+    const double got[] = {actual.f0.x,         actual.f0.y,   actual.f0.z,     actual.specular,
+                          actual.transmission, actual.cosine, actual.agreement};
+    for (size_t i = 0; i < 7; ++i) EXPECT_NEAR(got[i], exact.d[i], kTolerance * (1 + std::abs(exact.d[i]))) << seed << " " << i;
   }
 }
 
@@ -245,23 +247,45 @@ TEST(SurfacePoint, MatchesDualNumbers) {
     const Vec3d direction = draw.vec();
     const PixelRay<double> ray{draw.vec(), direction, -1.0 * normalized(direction)};
     const double alpha = 0.5 + 0.5 * draw.unit();
-    const PixelSums<double> s{draw.vec(), alpha * draw.color(),
+    const PixelSums<double> s{alpha * draw.unit() * normalized(draw.vec()), alpha * draw.color(),
                               (seed % 4 == 0   ? 0.01
                                : seed % 4 == 1 ? 1.3
                                                : draw.unit()) *
                                   alpha,
                               2 * alpha * draw.unit(), alpha};
-    const SurfacePoint<double> g{draw.vec(), draw.vec(), draw.vec(), draw.signed_unit(), draw.signed_unit()};
+    const SurfacePoint<double> g{draw.vec(), draw.vec(), draw.vec(), draw.signed_unit(), draw.signed_unit(), draw.signed_unit()};
     using N = D<9>;
     const PixelSums<N> dual{variables<9>(s.normal, 0), variables<9>(s.f0, 3), N::variable(s.roughness, 6),
                             N::variable(s.zdepth, 7), N::variable(s.alpha, 8)};
     const auto p =
         surface_point(dual, PixelRay<N>{constants<9>(ray.eye), constants<9>(ray.direction_per_z), constants<9>(ray.view)});
     const auto exact = dot(p.position, constants<9>(g.position)) + dot(p.normal, constants<9>(g.normal)) +
-                       dot(p.f0, constants<9>(g.f0)) + p.roughness * N(g.roughness) + p.cosine * N(g.cosine);
+                       dot(p.f0, constants<9>(g.f0)) + p.roughness * N(g.roughness) + p.cosine * N(g.cosine) +
+                       p.agreement * N(g.agreement);
     const PixelSums<double> a = surface_point_vjp(s, ray, g);
     const double got[] = {a.normal.x, a.normal.y, a.normal.z, a.f0.x, a.f0.y, a.f0.z, a.roughness, a.zdepth, a.alpha};
     for (size_t i = 0; i < 9; ++i) EXPECT_NEAR(got[i], exact.d[i], kTolerance * (1 + std::abs(exact.d[i]))) << seed << " " << i;
+  }
+}
+
+// A pixel half of a kettle's rim and half of the wall behind it: their mean normal looks at neither, and nothing is mirrored.
+TEST(SurfacePoint, MirrorsWhereNormalsOfThePixelAgree) {
+  const auto agreement = [](double angle_deg, double alpha) {
+    const double half = angle_deg / 2 * std::numbers::pi / 180;
+    const Vec3d a{std::sin(half), 0, std::cos(half)}, b{-std::sin(half), 0, std::cos(half)};
+    return normal_agreement(0.5 * alpha * (a + b), alpha);
+  };
+  for (double alpha : {0.6, 1.0}) {
+    EXPECT_EQ(agreement(0, alpha), 1);
+    EXPECT_EQ(agreement(72, alpha), 1) << "a rounded thing";
+    EXPECT_EQ(agreement(121, alpha), 0);
+    EXPECT_GT(agreement(80, alpha), agreement(100, alpha));
+    EXPECT_NEAR(agreement(98.86, alpha), 0.5, 0.01);
+  }
+  for (LayerBlend blend : {LayerBlend::RtrGs, LayerBlend::Layered}) {
+    const LayerWeights<double> w = layer_weights(blend, BlendMaterial<double>{{0.9, 0.8, 0.7}, 0.8, 0, 0.1, 0}, {true, false});
+    EXPECT_EQ(w.diffuse.x, 1);
+    EXPECT_EQ(w.reflection.x, 0);
   }
 }
 

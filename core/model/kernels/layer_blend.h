@@ -4,6 +4,8 @@
 // F is Schlick's Fresnel term at the view angle. g fades Fresnel out where a surface has no specular weight, so that an opaque
 // pixel stays exactly its diffuse colour: g = 1 - (1 - x)^2, x = clamp((k_s - t)/(s - t), 0, 1), smooth at s, zero at the
 // threshold t below which a pixel sends no rays.
+// a, the agreement of the normals in the pixel (surface_point.h), stands before k_s (rtrgs) or k (layered): where surfels of one
+// pixel disagree about where it looks, at the rim of a mirror, a ray in the mean direction brings nothing that belongs there.
 // Without a reflection, w_r is zero and F counts as 0 (layered: k = 0); without a transmission tau counts as 0.
 #pragma once
 
@@ -21,7 +23,7 @@ inline constexpr double kFullFresnel = 0.05;
 template <class T>
 struct BlendMaterial {  // or its gradient
   Vec3<T> f0{};
-  T specular{}, transmission{}, cosine{};  // k_s, tau, n.v
+  T specular{}, transmission{}, cosine{}, agreement{1};  // k_s, tau, n.v, a
 };
 
 template <class T>
@@ -52,11 +54,13 @@ LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, Layer
   const T tau = present.transmission ? m.transmission : T(0), one(1);
   for (size_t c = 0; c < 3; ++c) {
     if (blend == LayerBlend::RtrGs) {
-      w.diffuse[c] = one - m.specular;
-      w.reflection[c] = m.specular * f.value[c];
-      w.transmission[c] = m.specular * tau * (one - f.value[c]);
+      const T k_s = m.agreement * m.specular;
+      w.diffuse[c] = one - k_s;
+      w.reflection[c] = k_s * f.value[c];
+      w.transmission[c] = k_s * tau * (one - f.value[c]);
     } else {
-      const T k = present.reflection ? m.specular + (one - m.specular) * fresnel_gate(m.specular) * f.value[c] : T(0);
+      const T k =
+          present.reflection ? m.agreement * (m.specular + (one - m.specular) * fresnel_gate(m.specular) * f.value[c]) : T(0);
       w.diffuse[c] = (one - k) * (one - tau);
       w.reflection[c] = k;
       w.transmission[c] = (one - k) * tau;
@@ -69,24 +73,28 @@ LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, Layer
 template <class T>
 BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present, const LayerWeights<T>& g) {
   BlendMaterial<T> out;
+  out.agreement = T(0);
   const Fresnel<T> f = present.reflection ? schlick(m.f0, m.cosine) : Fresnel<T>{};
-  const T tau = present.transmission ? m.transmission : T(0), one(1);
+  const T tau = present.transmission ? m.transmission : T(0), one(1), a = m.agreement;
   const T gate = fresnel_gate(m.specular), gate_slope = fresnel_gate_slope(m.specular);
   Vec3<T> grad_f{};
   T grad_tau(0);
   for (size_t c = 0; c < 3; ++c) {
     const T F = f.value[c];
     if (blend == LayerBlend::RtrGs) {
-      out.specular += -g.diffuse[c] + F * g.reflection[c] + tau * (one - F) * g.transmission[c];
-      grad_f[c] = m.specular * (g.reflection[c] - tau * g.transmission[c]);
-      grad_tau += m.specular * (one - F) * g.transmission[c];
+      const T grad_k_s = -g.diffuse[c] + F * g.reflection[c] + tau * (one - F) * g.transmission[c];
+      out.specular += a * grad_k_s;
+      out.agreement += m.specular * grad_k_s;
+      grad_f[c] = a * m.specular * (g.reflection[c] - tau * g.transmission[c]);
+      grad_tau += a * m.specular * (one - F) * g.transmission[c];
     } else {
-      const T k = present.reflection ? m.specular + (one - m.specular) * gate * F : T(0);
+      const T full = present.reflection ? m.specular + (one - m.specular) * gate * F : T(0), k = a * full;
       const T grad_k = g.reflection[c] - (one - tau) * g.diffuse[c] - tau * g.transmission[c];
       grad_tau += (one - k) * (g.transmission[c] - g.diffuse[c]);
       if (!present.reflection) continue;
-      out.specular += grad_k * (one - gate * F + (one - m.specular) * gate_slope * F);
-      grad_f[c] = grad_k * (one - m.specular) * gate;
+      out.specular += a * grad_k * (one - gate * F + (one - m.specular) * gate_slope * F);
+      out.agreement += grad_k * full;
+      grad_f[c] = a * grad_k * (one - m.specular) * gate;
     }
   }
   if (present.transmission) out.transmission = grad_tau;
