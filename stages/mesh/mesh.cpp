@@ -177,7 +177,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   const std::vector<View> views = training_views(set, context.input("optimize"), config.max_side);
   const TrainedScene scene = read_trained_scene(context.input("optimize"));
   const SplatLayer& layer = scene.surfels.diffuse;
-  const Region region = scene_region(set, config.region);
+  const Region region = scene_region(set, config.region, glass_and_gloss(layer));
   if (region.points == 0 && config.region.box.empty())
     context.warning("REGION_FROM_CAMERAS",
                     "too few sparse points: the region is the cube between the cameras (mesh.region.box sets it)");
@@ -330,7 +330,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 4,
+       .version = 5,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

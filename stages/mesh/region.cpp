@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/base/error.h"
 #include "core/camera/viewing_axes.h"
@@ -30,14 +31,36 @@ bool find_focus(const ViewSet& set, Region& region) {
   return upper_median(angles) < kMaxAimAngleDeg;
 }
 
+// Grows `box` to hold `places` but for `percentile` of them on each side of each axis.
+void hold(const std::vector<Vec3d>& places, double percentile, Bounds3& box) {
+  for (size_t axis = 0; axis < 3 && !places.empty(); ++axis) {
+    std::vector<double> x;
+    for (const Vec3d& p : places) x.push_back(p[axis]);
+    std::sort(x.begin(), x.end());
+    const size_t cut = static_cast<size_t>(percentile * static_cast<double>(x.size()));
+    box.low[axis] = std::min(box.low[axis], x[cut]);
+    box.high[axis] = std::max(box.high[axis], x[x.size() - 1 - cut]);
+  }
+}
+
 }  // namespace
+
+std::vector<Vec3d> glass_and_gloss(const SplatLayer& diffuse) {
+  std::vector<Vec3d> found;
+  for (size_t i = 0; i < diffuse.size(); ++i) {
+    const float* p = diffuse.at(Attribute::Mean, i);
+    const bool shiny = *diffuse.at(Attribute::Transmission, i) > 0 || *diffuse.at(Attribute::SpecularWeight, i) > 0;
+    if (shiny && *diffuse.at(Attribute::Opacity, i) > 0) found.push_back({p[0], p[1], p[2]});  // of logits: by half
+  }
+  return found;
+}
 
 double Region::extent() const {
   const Vec3d side = box.high - box.low;
   return std::max({side.x, side.y, side.z});
 }
 
-Region scene_region(const ViewSet& set, const RegionDesc& desc) {
+Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const Vec3d> unmarked) {
   Region region;
   if (set.views.empty())
     throw Error(ErrorKind::Input, "the sfm artifact has no views",
@@ -71,13 +94,11 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc) {
                  .hint = "give the region: --set mesh.region.box=[x0,y0,z0,x1,y1,z1]",
                  .code = "NO_REGION"});
   region.points = inside.size();
-  for (size_t axis = 0; axis < 3; ++axis) {
-    std::vector<double> x;
-    for (const Vec3d& p : inside) x.push_back(p[axis]);
-    std::sort(x.begin(), x.end());
-    const size_t cut = static_cast<size_t>(desc.percentile * static_cast<double>(x.size()));
-    region.box.low[axis] = x[cut];
-    region.box.high[axis] = x[x.size() - 1 - cut];
+  hold(inside, desc.percentile, region.box);
+  if (region.convergent) {
+    std::vector<Vec3d> near;
+    std::ranges::copy_if(unmarked, std::back_inserter(near), [&](const Vec3d& p) { return length(p - region.focus) < reach; });
+    hold(near, desc.percentile, region.box);
   }
   const double margin = desc.margin * region.extent();
   region.box.low = region.box.low - Vec3d{margin, margin, margin};

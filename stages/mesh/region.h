@@ -1,13 +1,16 @@
 // Where the mesh is made: a box around what the photographs are about. Two kinds of capture are told apart by their cameras:
 //   convergent   they look at one place (object on a table): the box holds the sparse points nearer to that place than the
 //                cameras are, so a room's far walls do not cost resolution while table and objects stay; with fewer than 20
-//                such points, a cube that reaches out to the cameras
+//                such points, a cube that reaches out to the cameras. Masks keep features off glass and gloss, hence sparse
+//                points: what was trained there counts likewise, or a glass case on a table would be cut off above its foot
 //   wide         they look along or outwards (street, room, flight): the box holds all sparse points but the outliers
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/scene/layers.h"
 
 namespace vitrine {
 
@@ -27,7 +30,11 @@ struct Region {
   double extent() const;       // longest side
 };
 
+// Centres of the surfels of glass and mirrors: opaque by half and transparent or specular by half.
+std::vector<Vec3d> glass_and_gloss(const SplatLayer& diffuse);
+
+// `unmarked`: places as good as sparse points where there can be none, glass_and_gloss(); they have outliers of their own.
 // Throws Error{Input} when there are too few sparse points to tell, and Error{Usage} for a box that is none.
-Region scene_region(const ViewSet& set, const RegionDesc& desc);
+Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const Vec3d> unmarked = {});
 
 }  // namespace vitrine
