@@ -44,9 +44,9 @@ struct View {
 
 struct ScenePoint {  // a triangulated SfM point
   Vec3d position;
-  Vec3f linear_rgb;  // [0,1]
+  Vec3f linear_rgb = {};  // [0,1]
   double error_px = 0;
-  std::vector<uint32_t> views;  // indices into ViewSet::views
+  std::vector<uint32_t> views = {};  // indices into ViewSet::views
 };
 
 // The calibrated capture, in the normalised frame (scene_from_colmap applied): camera ring centred near 0, radius 1, +y down
