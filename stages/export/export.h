@@ -3,7 +3,8 @@
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
 //
 // Version history: 1 = first; 2 = textured GLB, materials, axes and scale; 3 = transmission of the blend rtrgs, preview of black
-// surfels, thickness of disks follows the scale, USD stays right-handed; 5 = what stands behind glass; 6 = solid glass.
+// surfels, thickness of disks follows the scale, USD stays right-handed; 5 = what stands behind glass; 6 = solid glass;
+// 7 = previews show rims that mirror less.
 #pragma once
 
 #include "stages/export/formats/format.h"

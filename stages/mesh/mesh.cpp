@@ -280,12 +280,14 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
 
 void describe(Describer& d, RegionDesc& c) {
   d.option("reach_rel", c.reach_rel,
-           "Cameras that look at one place: sparse points count up to this times the median camera distance from it.")
+           "Cameras that look at one place: sparse points, and surfels of glass and gloss, count up to this times the median "
+           "camera distance from it.")
       .range(0.05, 100);
-  d.option("percentile", c.percentile, "Share of the sparse points that may lie outside on each side.").range(0, 0.4);
+  d.option("percentile", c.percentile, "Share of them that may lie outside on each side.").range(0, 0.4);
   d.option("margin", c.margin, "Added on each side, relative to the longest side.").range(0, 2);
-  d.option("box", c.box,
-           "The region itself: x0 y0 z0 x1 y1 z1 in the scene frame; empty = found from cameras and sparse points.");
+  d.option(
+      "box", c.box,
+      "The region itself: x0 y0 z0 x1 y1 z1 in the scene frame; empty = found from cameras, sparse points, glass and gloss.");
 }
 
 void describe(Describer& d, MeshFusionConfig& c) {
@@ -330,7 +332,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 5,
+       .version = 6,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

@@ -15,6 +15,7 @@ namespace {
 constexpr double kMaxAimAngleDeg = 25;  // median angle between optical axis and the direction to the focus
 constexpr double kMinSpread = 0.02;
 constexpr size_t kMinPoints = 20;
+constexpr double kMostGrowth = 1;  // on each side, of the longest: by what has no sparse points
 
 // false when the axes are (nearly) parallel.
 bool find_focus(const ViewSet& set, Region& region) {
@@ -98,7 +99,14 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const 
   if (region.convergent) {
     std::vector<Vec3d> near;
     std::ranges::copy_if(unmarked, std::back_inserter(near), [&](const Vec3d& p) { return length(p - region.focus) < reach; });
-    hold(near, desc.percentile, region.box);
+    // Voxels grow with the region: pictures behind a flat mirror and stray surfels may not take all of the reach.
+    Bounds3 grown = region.box;
+    if (near.size() >= kMinPoints) hold(near, desc.percentile, grown);
+    const double most = kMostGrowth * region.extent();
+    for (size_t axis = 0; axis < 3; ++axis) {
+      region.box.low[axis] = std::max(grown.low[axis], region.box.low[axis] - most);
+      region.box.high[axis] = std::min(grown.high[axis], region.box.high[axis] + most);
+    }
   }
   const double margin = desc.margin * region.extent();
   region.box.low = region.box.low - Vec3d{margin, margin, margin};

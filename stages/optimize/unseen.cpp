@@ -185,21 +185,19 @@ class PhotoWeights {
 // `rim`: of the pixels in the photo that shows most of a surfel, kFewPixels at most.
 std::vector<uint32_t> hidden_from_all(const SplatLayer& diffuse, const SplatLayer& added, const Capture& capture, float rim) {
   PhotoWeights alone(added, capture), together(joined(diffuse, added), capture);
-  std::vector<std::vector<float>> all;  // [photo][surfel]
-  std::vector<float> least(added.size());
+  std::vector<float> most(added.size()), shown(added.size());  // pixels: in any photo, in those that would see it
   for (uint32_t photo : capture.train) {
-    all.push_back(alone.in(capture.photos[photo].levels[kUnseenLevel].view));
-    for (size_t i = 0; i < least.size(); ++i) least[i] = std::max(least[i], all.back()[i]);
-  }
-  for (float& pixels : least) pixels = std::min(kFewPixels, rim * pixels);
-  std::vector<uint8_t> shown(added.size());
-  for (size_t k = 0; k < all.size(); ++k) {
-    const std::vector<float>& left = together.in(capture.photos[capture.train[k]].levels[kUnseenLevel].view);
-    for (size_t i = 0; i < added.size(); ++i) shown[i] |= all[k][i] > least[i] && left[diffuse.size() + i] > kShows * all[k][i];
+    const View& view = capture.photos[photo].levels[kUnseenLevel].view;
+    const std::vector<float>& all = alone.in(view);
+    const std::vector<float>& left = together.in(view);
+    for (size_t i = 0; i < added.size(); ++i) {
+      most[i] = std::max(most[i], all[i]);
+      if (left[diffuse.size() + i] > kShows * all[i]) shown[i] = std::max(shown[i], all[i]);
+    }
   }
   std::vector<uint32_t> kept;
   for (size_t i = 0; i < added.size(); ++i)
-    if (!shown[i]) kept.push_back(uint32_t(i));
+    if (!(shown[i] > std::min(kFewPixels, rim * most[i]))) kept.push_back(uint32_t(i));
   return kept;
 }
 

@@ -80,6 +80,15 @@ TEST(Region, HoldsGlassWhereNoFeaturesAre) {
   EXPECT_NEAR(with.box.high.z, 0.7 + 0.1 * 1.0, 0.05) << "a tenth of the longest side beside";
   EXPECT_NEAR(with.box.low.x, without.box.low.x, 0.02);
   EXPECT_EQ(with.points, without.points);
+
+  // Pictures behind a flat mirror stand far behind it: voxels may not grow with them.
+  std::vector<Vec3d> behind;
+  for (int i = 0; i < 400; ++i) behind.push_back({0.3 * rng.uniform(), 0.1, 0.01 * i - 2});
+  RegionDesc tight;
+  tight.margin = 0;
+  EXPECT_NEAR(scene_region(set, tight, behind).box.low.z, -1, 0.05);
+  const std::vector<Vec3d> strays(behind.begin(), behind.begin() + 15);
+  EXPECT_EQ(scene_region(set, {}, strays).box.low.z, without.box.low.z) << "too few to say anything";
 }
 
 }  // namespace

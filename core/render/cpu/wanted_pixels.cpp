@@ -23,10 +23,11 @@ void WantedPixels::build(std::span<const uint8_t> wanted, int width, int height)
   before_.assign((across + 1) * (static_cast<size_t>(tiles_y) + 1), 0);
   for (size_t y = 0; y < static_cast<size_t>(tiles_y); ++y) {
     uint32_t* row = before_.data() + (y + 1) * (across + 1);
+    const uint32_t* above = row - (across + 1);
     uint32_t in_row = 0;
     for (size_t x = 0; x < across; ++x) {
       in_row += tiles_[y * across + x].blocks != 0;
-      row[x + 1] = row[x + 1 - (across + 1)] + in_row;
+      row[x + 1] = above[x + 1] + in_row;
     }
   }
 }
