@@ -88,7 +88,7 @@ int doctor_command(const Words& words) {
     fmt::print("  colmap  {} at {}\n", colmap->version, colmap->path);
   } else {
     fmt::print("  colmap  missing\n");
-    missing.push_back("colmap: apt install colmap, or set VITRINE_COLMAP (not needed with --poses)");
+    missing.push_back("colmap: apt install colmap, or set VITRINE_COLMAP (not needed with --poses that bring sparse points)");
   }
   fmt::print("  disk    {} free in {}\n", bytes_text(free_disk_bytes(fs::current_path())), fs::current_path().string());
   std::vector<std::string> names;

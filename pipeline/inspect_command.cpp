@@ -100,7 +100,6 @@ std::vector<PresetCost> preset_costs(const Graph& graph, const Subject& subject,
     settings.load({.flags = {{"preset", name, "--preset"},
                              {"input.photos", subject.photos.string(), "PHOTOS"},
                              {"input.truth", subject.truth, "the project"}}});
-    settings.find_truth();
     PresetCost c{.preset = name, .stages = {}};
     for (const StageNode& node : graph.nodes) {
       auto stage = stage_cost(node.name, settings, capture, threads);

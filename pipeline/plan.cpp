@@ -5,6 +5,7 @@
 #include "core/artifact/current.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
+#include "core/config/text.h"
 #include "pipeline/printed_key.h"
 
 namespace vitrine {
@@ -128,7 +129,8 @@ std::optional<std::vector<std::string>> Planner::inputs(const StageNode& node, c
       throw Error(ErrorKind::Usage, fmt::format("stage '{}' needs '{}' and none are given", node.name, input.name),
                   {.why = input.doc, .hint = fmt::format("--set input.{}=PATH", input.name), .code = "MISSING_INPUT"});
     }
-    if (std::find(input.skips.begin(), input.skips.end(), fs::path(path).extension().string()) != input.skips.end()) continue;
+    const std::string extension = lower_extension(path);
+    if (std::find(input.skips.begin(), input.skips.end(), extension) != input.skips.end()) continue;
     words.insert(words.end(), {"--input", input.name + "=" + path});
   }
   return words;

@@ -8,20 +8,24 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-photos="$VITRINE_ROOT/sample_data/cabinet/photos" out=out options=()
-if [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; then photos="$1"; shift; fi
+sample="$VITRINE_ROOT/sample_data/cabinet/photos" photos="" out=out options=()
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -o | --output) [ $# -gt 1 ] || { echo "error: $1 needs a folder" >&2; exit 2; }; out="$2"; shift 2 ;;
-    *) options+=("$1"); shift ;;
+    --force | -n | --dry-run | --no-preflight | --no-progress | -q | --quiet | -v | --verbose | --*=*) options+=("$1"); shift ;;
+    -*) [ $# -gt 1 ] || { echo "error: $1 needs a value; vitrine run --help lists the options" >&2; exit 2; }
+        options+=("$1" "$2"); shift 2 ;;
+    *) [ -z "$photos" ] || { echo "error: two folders of photos: '$photos' and '$1'" >&2; exit 2; }
+       photos="$1"; shift ;;
   esac
 done
+photos="${photos:-$sample}"
+[ -d "$photos" ] || { echo "error: there is no photo folder '$photos'" >&2; exit 3; }
 # Somebody has marked the glass and the metal of the sample.
-if [ "$photos" = "$VITRINE_ROOT/sample_data/cabinet/photos" ] && [[ " ${options[*]} " != *" --masks"* ]]; then
+if [ "$photos" -ef "$sample" ] && [[ " ${options[*]} " != *" --masks"* ]]; then
   options+=(--masks "$VITRINE_ROOT/sample_data/cabinet/marks.yaml")
 fi
-[ -d "$photos" ] || { echo "error: there is no photo folder '$photos'" >&2; exit 3; }
 
 install_packages "${VITRINE_PACKAGES[@]}"
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=OFF

@@ -10,7 +10,9 @@
 #include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
+#include "core/config/text.h"
 #include "pipeline/commands.h"
+#include "pipeline/given_inputs.h"
 #include "pipeline/grey_card.h"
 #include "pipeline/html_report.h"
 #include "pipeline/preflight.h"
@@ -20,6 +22,8 @@
 namespace vitrine {
 
 namespace {
+
+constexpr size_t kColumns = 74;  // of a note; further lines are indented
 
 struct RunArguments {
   std::string what, output, preset, poses, masks, normals, truth, grey_card, max_memory, log_format = "text";
@@ -40,7 +44,7 @@ CommandLine run_command_line(RunArguments& a) {
   cli.values("config", 'c', "FILE", a.configs, "YAML file with options; later files win.");
   cli.values("set", 0, "STAGE.OPTION=VALUE", a.sets, "One option; wins over files.");
   cli.value("poses", 0, "PATH", a.poses, "Known camera poses: a COLMAP model or a transforms.json.");
-  cli.value("masks", 0, "DIR", a.masks,
+  cli.value("masks", 0, "PATH", a.masks,
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
             "YAML file that "
             "marks things in a few photos.");
@@ -168,6 +172,27 @@ class PreflightOnce {
   bool told_ = false;
 };
 
+// `vitrine run PHOTOS` on a folder of an earlier run begins with the settings of this command line alone. Empty: nothing is lost
+// by it.
+std::string replaced_settings(const Graph& graph, const Settings& settings, const Target& target) {
+  if (!target.fresh || !is_project(target.project)) return {};
+  Settings before(graph);
+  try {
+    before.load({.project = target.project});
+  } catch (const Error&) {
+    return {};  // a damaged vitrine.yaml is replaced
+  }
+  const std::string changes = changed_settings(before, settings);
+  if (changes.empty()) return {};
+  std::string lines;
+  for (const std::string& part :
+       wrapped(fmt::format("note: the settings of this folder change: {} (`vitrine run {}` would keep them)", changes,
+                           target.project.string()),
+               kColumns))
+    lines += (lines.empty() ? "" : "\n      ") + part;
+  return lines;
+}
+
 int dry_run(Planner& planner, const fs::path& project) {
   int to_run = 0;
   for (const Step& step : planner.all()) {
@@ -205,13 +230,17 @@ int run_command(const Words& words) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
-  settings.find_truth();
+  check_given_inputs(settings);
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
   Planner planner(graph, settings, target.project, a.selection);
-  if (a.dry_run) return dry_run(planner, target.project);
+  const std::string replaced = replaced_settings(graph, settings, target);
+  if (a.dry_run) {
+    if (!replaced.empty()) fmt::print("{}\n", replaced);
+    return dry_run(planner, target.project);
+  }
 
   make_folders(store_of(target.project));
   const ProjectLock lock(target.project);
@@ -223,6 +252,7 @@ int run_command(const Words& words) {
                  .show_progress = !a.no_progress,
                  .command = command});
   report.open();
+  if (!replaced.empty()) report.line(replaced);
   if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),

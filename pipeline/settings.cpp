@@ -201,6 +201,7 @@ void Settings::load(const SettingsDesc& desc) {
   for (size_t i = 0; i < options.table.options.size(); ++i)
     if (options.table.options[i].origin != origins[i]) from_command.insert(options.table.options[i].path);
   if (preset_from_command) from_command.insert("preset");
+  find_truth();
 }
 
 void Settings::find_truth() {

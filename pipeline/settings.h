@@ -31,8 +31,6 @@ class Settings {
   explicit Settings(const Graph& graph);
   // Error{Usage} with all complaints of all layers.
   void load(const SettingsDesc& desc);
-  // A folder `truth` beside the photos, unless input.truth says something, be it "none".
-  void find_truth();
 
   OwnedOptions options;
   std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
@@ -42,6 +40,8 @@ class Settings {
   std::vector<std::string> stage_arguments(const StageNode& node) const;
 
  private:
+  // A folder `truth` beside the photos, unless input.truth says something, be it "none".
+  void find_truth();
   // Relative paths of input.* given by this layer start at `base`.
   void anchor_paths(const std::vector<std::string>& before, const fs::path& base);
   std::vector<std::string> input_texts() const;

@@ -1,6 +1,7 @@
 // Small text helpers of the configuration: edit distance for "did you mean", lists on one line, quoting, wrapping.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,5 +24,7 @@ std::string in_quotes(std::string_view text);
 std::string canonical_value(const Option& option);
 // Words broken into lines of at most `width` columns.
 std::vector<std::string> wrapped(std::string_view text, size_t width);
+// ".YML" -> ".yml"
+std::string lower_extension(const std::filesystem::path& path);
 
 }  // namespace vitrine

@@ -162,11 +162,12 @@ void add_facts(const Facts& sfm, const Facts& training, const Facts& mesh, const
   if (const auto points = sfm.number("points.kept")) f.facts.push_back(counted(*points, "sparse points"));
   if (const auto surfels = training.number("surfels")) {
     std::string parts;
+    double all = 0;
     for (const std::string& layer : training.at("layers").keys())
       if (const auto n = training.at("layers").member(layer).number("surfels"))
-        parts += (parts.empty() ? "" : ", ") + counted(*n, layer);
+        parts += (parts.empty() ? "" : ", ") + counted(*n, layer), all += *n;
     const bool several = training.at("layers").keys().size() > 1;
-    f.facts.push_back(counted(*surfels, "surfels") + (several ? fmt::format(" (by layer: {})", parts) : ""));
+    f.facts.push_back(counted(several ? all : *surfels, "surfels") + (several ? fmt::format(" (by layer: {})", parts) : ""));
   }
   if (const auto all = metrics.number("surfels"); all && !training.number("surfels")) f.facts.push_back(counted(*all, "surfels"));
   if (const auto steps = training.number("iterations")) f.facts.push_back(counted(*steps, "training steps"));

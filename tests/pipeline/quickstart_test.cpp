@@ -1,5 +1,6 @@
 // pipeline/quickstart.sh: which commands it calls. It runs beside a setup.sh that installs and builds nothing, and calls a
 // program that writes down its words.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/file.h"
@@ -42,6 +43,23 @@ class Quickstart : public testing::Test {
   TemporaryFolder folder;
   std::string printed;
 };
+
+TEST_F(Quickstart, FindsThePhotosWhereverTheyStand) {
+  const auto words = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"bash", (folder.path() / "pipeline/quickstart.sh").string()});
+    fs::remove(folder.path() / "calls");
+    const ProcessResult r = run_process({.arguments = arguments, .on_line = [](std::string_view) {}});
+    return r.ok() ? read_file(folder.path() / "calls") : fmt::format("code {}", r.exit_code);
+  };
+  const std::string photos = (folder.path() / "photos").string();
+  const std::string expected =
+      fmt::format("run {} -o {} --preset preview --set mesh.voxel=1 --no-progress\n", photos, out().string());
+  EXPECT_EQ(words({photos, "-o", out().string(), "--set", "mesh.voxel=1", "--no-progress"}), expected);
+  EXPECT_EQ(words({"-o", out().string(), "--set", "mesh.voxel=1", "--no-progress", photos}), expected);
+  EXPECT_EQ(words({photos, photos}), "code 2");
+  EXPECT_EQ(words({"-o", out().string(), "--preset"}), "code 2");
+  EXPECT_EQ(words({"/nowhere"}), "code 3");
+}
 
 TEST_F(Quickstart, RelightsWhatHasMaterialsOnly) {
   EXPECT_EQ(calls({"--to", "mesh"}), "run\n");

@@ -1,0 +1,40 @@
+// What a user hands in beside the photos, looked at before anything is computed: a mistyped path or a slip in a file of marks is
+// told at once, not by the stage that reads it an hour later.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/settings.h"
+
+namespace vitrine {
+
+namespace fs = std::filesystem;
+
+// The photos of a folder, with all names that users and stages have for them.
+class PhotoNames {
+ public:
+  explicit PhotoNames(const fs::path& photos);
+
+  bool empty() const { return files_.empty(); }
+  // As the ingest stage calls them: with their folders; an .exr becomes a .png; of two that differ by their extension alone the
+  // second keeps it in its stem.
+  bool has(const std::string& name) const;
+  // Also without folder or extension, as in a file of marks.
+  bool has_by_part(const std::string& name) const;
+  // The photo that is called most like it; empty if none is.
+  std::string nearest(const std::string& name) const;
+
+ private:
+  std::vector<fs::path> files_;  // relative to the folder, sorted
+};
+
+// Error{Input}: an input.* that does not exist. Error{Usage}: a file of marks that cannot be read as YAML, or marks a photo that
+// is not there.
+void check_given_inputs(const Settings& settings);
+
+// Prints what `vitrine run PHOTOS` is about to change in a folder that has settings already; empty if nothing.
+std::string changed_settings(const Settings& before, const Settings& now);
+
+}  // namespace vitrine

@@ -1,0 +1,109 @@
+// What is handed in beside the photos is looked at before anything is computed.
+#include "pipeline/given_inputs.h"
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/process.h"
+
+namespace vitrine {
+namespace {
+
+struct Answer {
+  int code;
+  std::string text;
+};
+Answer answer_of(std::vector<std::string> words) {
+  words.insert(words.begin(), (fs::path(VITRINE_BIN_DIR) / "vitrine").string());
+  Answer a;
+  const ProcessResult r =
+      run_process({.arguments = words, .on_line = [&](std::string_view line) { a.text += std::string(line) + "\n"; }});
+  a.code = r.exit_code;
+  return a;
+}
+
+class GivenInputs : public testing::Test {
+ protected:
+  GivenInputs() {
+    unsetenv("VITRINE_STAGE_DIR");
+    make_folders(photos);
+    for (const char* name : {"img_0001.jpg", "img_0002.jpg", "upper.JPG", "linear.exr"}) write_file(photos / name, "x");
+  }
+  Answer dry_run(const std::vector<std::string>& options) const {
+    std::vector<std::string> words{"run", photos.string(), "-o", (folder.path() / "out").string(), "--dry-run"};
+    words.insert(words.end(), options.begin(), options.end());
+    return answer_of(words);
+  }
+  fs::path marks(const std::string& text, const char* name = "marks.yaml") const {
+    write_file(folder.path() / name, text);
+    return folder.path() / name;
+  }
+
+  TemporaryFolder folder;
+  fs::path photos = folder.path() / "photos";
+};
+
+TEST_F(GivenInputs, PhotosHaveTheNamesThatIngestGivesThem) {
+  const PhotoNames names(photos);
+  for (const char* name : {"img_0001.jpg", "img_0001", "upper.JPG", "linear.png", "linear", "linear_exr.png"})
+    EXPECT_TRUE(names.has(name)) << name;
+  for (const char* name : {"img_0003.jpg", "linear.exr", ""}) EXPECT_FALSE(names.has(name)) << name;
+  EXPECT_TRUE(names.has_by_part("linear.exr"));
+  EXPECT_EQ(names.nearest("img_0003.jpg"), "img_0001.jpg");
+  EXPECT_TRUE(PhotoNames(folder.path() / "nowhere").empty());
+}
+
+TEST_F(GivenInputs, ThatDoNotExistEndTheRunAtOnce) {
+  for (const char* flag : {"--masks", "--poses", "--normals", "--truth"}) {
+    const Answer a = dry_run({flag, "/nowhere/at.all"});
+    EXPECT_EQ(a.code, 3) << flag;
+    EXPECT_NE(a.text.find("does not exist"), std::string::npos) << a.text;
+    EXPECT_NE(a.text.find("/nowhere/at.all"), std::string::npos) << a.text;
+    EXPECT_NE(a.text.find(flag), std::string::npos) << a.text;
+  }
+  EXPECT_EQ(dry_run({"--truth", "none"}).code, 0);
+}
+
+TEST_F(GivenInputs, MarksAreReadBeforeAnythingIsComputed) {
+  EXPECT_EQ(dry_run({"--masks", marks("marks:\n  - {photo: img_0002.jpg, class: specular, box: [1, 1, 2, 2]}\n").string()}).code,
+            0);
+  const Answer syntax = dry_run({"--masks", marks("marks: [\n").string()});
+  EXPECT_EQ(syntax.code, 2);
+  EXPECT_NE(syntax.text.find("marks.yaml:"), std::string::npos) << syntax.text;
+  for (const char* name : {"marks.yaml", "MARKS.YML"}) {
+    const Answer photo = dry_run({"--masks", marks("marks:\n  - photo: img_0022.jpg\n    class: specular\n", name).string()});
+    EXPECT_EQ(photo.code, 2);
+    EXPECT_NE(photo.text.find(std::string(name) + ":2:12"), std::string::npos) << photo.text;
+    EXPECT_NE(photo.text.find("did you mean 'img_0002.jpg'"), std::string::npos) << photo.text;
+  }
+}
+
+TEST_F(GivenInputs, SettingsThatAreReplacedAreNamed) {
+  const fs::path out = folder.path() / "out", given = marks("marks: []\n");
+  const auto run = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", photos.string(), "-o", out.string(), "--no-preflight"});
+    return answer_of(options);  // ends at ingest, whose photos are none; the settings are written before
+  };
+  EXPECT_EQ(run({"--preset", "preview", "--masks", given.string()}).text.find("note: the settings"), std::string::npos);
+  const std::string said = dry_run({}).text;
+  EXPECT_NE(said.find("preset preview -> standard"), std::string::npos) << said;
+  EXPECT_NE(said.find("masks " + given.string() + " -> none"), std::string::npos) << said;
+  EXPECT_EQ(dry_run({"--preset", "preview", "--masks", given.string()}).text.find("note: the settings"), std::string::npos);
+}
+
+// A folder `truth` beside the photos counts for all commands alike.
+TEST_F(GivenInputs, TruthBesideThePhotosIsInTheSettings) {
+  make_folders(folder.path() / "truth");
+  Settings settings(load_graph(VITRINE_BIN_DIR));
+  settings.load({.flags = {{"input.photos", photos.string(), "command line"}}});
+  EXPECT_EQ(settings.text("input.truth"), (folder.path() / "truth").string());
+  Settings without(load_graph(VITRINE_BIN_DIR));
+  without.load({.flags = {{"input.photos", photos.string(), "command line"}, {"input.truth", "none", "--truth"}}});
+  EXPECT_EQ(without.text("input.truth"), "none");
+}
+
+}  // namespace
+}  // namespace vitrine
