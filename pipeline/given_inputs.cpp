@@ -1,6 +1,7 @@
 #include "pipeline/given_inputs.h"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -10,11 +11,6 @@
 namespace vitrine {
 
 namespace {
-
-bool is_marks_file(const fs::path& path) {
-  const std::string extension = lower_extension(path);
-  return (extension == ".yaml" || extension == ".yml") && fs::is_regular_file(path);
-}
 
 void check_marks(const std::string& path, const std::string& photos) {
   const YamlFile file = read_yaml(path);
@@ -64,17 +60,23 @@ std::string PhotoNames::nearest(const std::string& name) const {
   return nearest_word(name, names);
 }
 
-void check_given_inputs(const Settings& settings) {
-  for (const Option& o : settings.options.table.options) {
-    if (!o.path.starts_with("input.") || o.path == "input.photos") continue;
-    const std::string value = o.text(), name = o.path.substr(6);
+void check_given_inputs(const Planner& planner, const Settings& settings) {
+  std::set<std::string> names;  // given now, or read by chosen stages: the others may be gone since
+  for (const StageNode& node : planner.graph().nodes)
+    for (const NodeInput& input : node.inputs)
+      if (!input.artifact && input.name != "photos" &&
+          (planner.chosen(node) || settings.from_command.contains("input." + input.name)))
+        names.insert(input.name);
+  for (const std::string& name : names) {
+    const Option& given = *settings.options.table.find("input." + name);
+    const std::string value = given.text();
     std::error_code ec;
     if (value.empty() || value == "none") continue;
     if (!fs::exists(value, ec))
       throw Error(
           ErrorKind::Input, fmt::format("input '{}' does not exist", name),
-          {.where = value, .why = fmt::format("{} names it", o.origin), .hint = "check the path", .code = "MISSING_INPUT"});
-    if (name == "masks" && is_marks_file(value)) check_marks(value, settings.text("input.photos"));
+          {.where = value, .why = fmt::format("{} names it", given.origin), .hint = "check the path", .code = "MISSING_INPUT"});
+    if (name == "masks" && is_yaml_file(value)) check_marks(value, settings.text("input.photos"));
   }
 }
 

@@ -2,15 +2,13 @@
 // told at once, not by the stage that reads it an hour later.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "pipeline/settings.h"
+#include "core/base/file.h"
+#include "pipeline/plan.h"
 
 namespace vitrine {
-
-namespace fs = std::filesystem;
 
 // The photos of a folder, with all names that users and stages have for them.
 class PhotoNames {
@@ -30,11 +28,12 @@ class PhotoNames {
   std::vector<fs::path> files_;  // relative to the folder, sorted
 };
 
-// Error{Input}: an input.* that does not exist. Error{Usage}: a file of marks that cannot be read as YAML, or marks a photo that
-// is not there.
-void check_given_inputs(const Settings& settings);
+// Of what this command gives or its chosen stages read. Error{Input}: it does not exist. Error{Usage}: a file of marks that
+// cannot be read as YAML, or marks a photo that is not there.
+void check_given_inputs(const Planner& planner, const Settings& settings);
 
-// Prints what `vitrine run PHOTOS` is about to change in a folder that has settings already; empty if nothing.
+// "preset preview -> standard, masks marks.yaml -> none"; empty where nothing differs. Of two presets only their names and the
+// inputs.
 std::string changed_settings(const Settings& before, const Settings& now);
 
 }  // namespace vitrine

@@ -13,7 +13,7 @@ while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -o | --output) [ $# -gt 1 ] || { echo "error: $1 needs a folder" >&2; exit 2; }; out="$2"; shift 2 ;;
-    --force | -n | --dry-run | --no-preflight | --no-progress | -q | --quiet | -v | --verbose | --*=*) options+=("$1"); shift ;;
+    --force | -n | --dry-run | --no-preflight | --no-progress | -q | --quiet | -v | --verbose | --*=* | -[!-]?*) options+=("$1"); shift ;;
     -*) [ $# -gt 1 ] || { echo "error: $1 needs a value; vitrine run --help lists the options" >&2; exit 2; }
         options+=("$1" "$2"); shift 2 ;;
     *) [ -z "$photos" ] || { echo "error: two folders of photos: '$photos' and '$1'" >&2; exit 2; }

@@ -10,7 +10,6 @@
 #include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
-#include "core/config/text.h"
 #include "pipeline/commands.h"
 #include "pipeline/given_inputs.h"
 #include "pipeline/grey_card.h"
@@ -22,8 +21,6 @@
 namespace vitrine {
 
 namespace {
-
-constexpr size_t kColumns = 74;  // of a note; further lines are indented
 
 struct RunArguments {
   std::string what, output, preset, poses, masks, normals, truth, grey_card, max_memory, log_format = "text";
@@ -184,13 +181,8 @@ std::string replaced_settings(const Graph& graph, const Settings& settings, cons
   }
   const std::string changes = changed_settings(before, settings);
   if (changes.empty()) return {};
-  std::string lines;
-  for (const std::string& part :
-       wrapped(fmt::format("note: the settings of this folder change: {} (`vitrine run {}` would keep them)", changes,
-                           target.project.string()),
-               kColumns))
-    lines += (lines.empty() ? "" : "\n      ") + part;
-  return lines;
+  return fmt::format("note: the settings of this folder change: {} (`vitrine run {}` would keep them)", changes,
+                     target.project.string());
 }
 
 int dry_run(Planner& planner, const fs::path& project) {
@@ -230,12 +222,12 @@ int run_command(const Words& words) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
-  check_given_inputs(settings);
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
   Planner planner(graph, settings, target.project, a.selection);
+  check_given_inputs(planner, settings);
   const std::string replaced = replaced_settings(graph, settings, target);
   if (a.dry_run) {
     if (!replaced.empty()) fmt::print("{}\n", replaced);
@@ -252,7 +244,7 @@ int run_command(const Words& words) {
                  .show_progress = !a.no_progress,
                  .command = command});
   report.open();
-  if (!replaced.empty()) report.line(replaced);
+  if (!replaced.empty()) report.note(replaced);
   if (target.fresh)
     write_project_settings(target.project, settings);
   else if (std::any_of(settings.from_command.begin(), settings.from_command.end(),

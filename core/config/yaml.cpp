@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/config/text.h"
 
 namespace vitrine {
 
@@ -153,6 +154,11 @@ void ConfigErrors::add(const YamlFile& file, SourceMark mark, size_t length, con
   if (++count_ > kMostShown) return;
   text_ +=
       fmt::format("{}:{}:{}: error: {}\n{}", file.name, mark.line, mark.column, shortened(message), excerpt(file, mark, length));
+}
+
+bool is_yaml_file(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return (extension == ".yaml" || extension == ".yml") && std::filesystem::is_regular_file(path);
 }
 
 void ConfigErrors::add(std::string_view where, const std::string& message) {

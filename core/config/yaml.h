@@ -2,6 +2,7 @@
 // A subset on purpose: one document of maps, lists and scalars; anchors, aliases and tags are errors. Parsed by yaml-cpp.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,6 +34,8 @@ struct YamlFile {
 // Syntax errors are Error{Usage} with file:line:col and an excerpt. An empty text gives a Null root.
 YamlFile parse_yaml(std::string_view text, std::string name);
 YamlFile read_yaml(const std::string& path);
+// A file, and called .yaml or .yml, in capitals too.
+bool is_yaml_file(const std::filesystem::path& path);
 
 // Complaints are collected, so that one run shows all of them.
 class ConfigErrors {

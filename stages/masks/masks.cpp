@@ -7,6 +7,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "core/config/yaml.h"
 #include "core/render/renderer.h"
 #include "stages/masks/contact_sheet.h"
 #include "stages/masks/file_source.h"
@@ -135,7 +136,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   const MaskCapture capture = read_mask_capture(context.input("sfm"));
   std::optional<MaskFolder> folder;
   std::vector<MarkedThing> marked;
-  if (const auto path = context.optional_input("masks"); path && is_marks_file(*path)) {
+  if (const auto path = context.optional_input("masks"); path && is_yaml_file(*path)) {
     marked = read_marks(*path, capture);
   } else if (path) {
     folder.emplace(*path, mask_class(config.flat).value());

@@ -3,7 +3,7 @@
 // (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
 //
 // Version history: 1 = first. 3 = polished metal has the shape of its outlines' hull.
-// 4 = behind_glass.ply. 5 = the region holds glass and gloss.
+// 4 = behind_glass.ply. 5 = the region holds glass and gloss; 6 = and grows by them no more than twofold on a side.
 #pragma once
 
 #include <string>

@@ -12,6 +12,7 @@
 #include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/config/text.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "stages/sfm/diagnosis.h"
@@ -21,11 +22,7 @@ namespace vitrine {
 
 namespace {
 
-bool is_png(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".png";
-}
+bool is_png(const std::string& name) { return lower_extension(name) == ".png"; }
 
 void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion& u) {
   const fs::path linear_to = desc.output / "linear" / (photo.stem + ".exr"), ldr_to = desc.output / "images" / photo.name;

@@ -92,6 +92,12 @@ TEST_F(GivenInputs, SettingsThatAreReplacedAreNamed) {
   EXPECT_NE(said.find("preset preview -> standard"), std::string::npos) << said;
   EXPECT_NE(said.find("masks " + given.string() + " -> none"), std::string::npos) << said;
   EXPECT_EQ(dry_run({"--preset", "preview", "--masks", given.string()}).text.find("note: the settings"), std::string::npos);
+
+  // What no chosen stage reads may be gone by now, but not what is given now.
+  fs::remove(given);
+  EXPECT_EQ(answer_of({"run", out.string(), "--dry-run", "--to", "ingest"}).code, 0);
+  EXPECT_EQ(answer_of({"run", out.string(), "--dry-run"}).code, 3);
+  EXPECT_EQ(dry_run({"--to", "ingest", "--masks", given.string()}).code, 3);
 }
 
 // A folder `truth` beside the photos counts for all commands alike.

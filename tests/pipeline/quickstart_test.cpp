@@ -56,6 +56,8 @@ TEST_F(Quickstart, FindsThePhotosWhereverTheyStand) {
       fmt::format("run {} -o {} --preset preview --set mesh.voxel=1 --no-progress\n", photos, out().string());
   EXPECT_EQ(words({photos, "-o", out().string(), "--set", "mesh.voxel=1", "--no-progress"}), expected);
   EXPECT_EQ(words({"-o", out().string(), "--set", "mesh.voxel=1", "--no-progress", photos}), expected);
+  EXPECT_EQ(words({"-j4", photos, "-o", out().string()}),
+            fmt::format("run {} -o {} --preset preview -j4\n", photos, out().string()));
   EXPECT_EQ(words({photos, photos}), "code 2");
   EXPECT_EQ(words({"-o", out().string(), "--preset"}), "code 2");
   EXPECT_EQ(words({"/nowhere"}), "code 3");

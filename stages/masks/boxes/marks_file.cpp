@@ -7,7 +7,6 @@
 #include "core/base/error.h"
 #include "core/camera/photo_marks.h"
 #include "core/camera/photo_masks.h"
-#include "core/config/text.h"
 
 namespace vitrine {
 
@@ -116,11 +115,6 @@ class Reader {
 };
 
 }  // namespace
-
-bool is_marks_file(const fs::path& path) {
-  const std::string extension = lower_extension(path);
-  return (extension == ".yaml" || extension == ".yml") && fs::is_regular_file(path);
-}
 
 std::vector<MarkedThing> read_marks(const fs::path& path, const MaskCapture& capture) { return Reader(path, capture).things(); }
 

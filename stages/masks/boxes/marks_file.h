@@ -26,7 +26,6 @@ struct MarkedThing {
   std::vector<Mark> marks;  // in two photos at least, one a photo
 };
 
-bool is_marks_file(const std::filesystem::path& path);  // a file that ends in .yaml or .yml
 // Throws Error{Usage} that shows every mistake at its line: unknown photos and classes, boxes that are none, marks outside the
 // picture or where the lens cannot be undone, things that are marked in one photo only.
 std::vector<MarkedThing> read_marks(const std::filesystem::path& path, const MaskCapture& capture);
