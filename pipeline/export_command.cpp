@@ -1,11 +1,16 @@
 // vitrine export PROJECT: the scene in other programs' formats, besides those that `vitrine run` wrote. The work is done by the
 // export stage; this command puts its files where they are wanted and never over others without being told so.
+#include <algorithm>
 #include <charconv>
 #include <iostream>
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.h"
 #include "core/config/cli.h"
+#include "core/config/text.h"
 #include "pipeline/export_folder.h"
+#include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 
@@ -45,6 +50,24 @@ Words quietness(const ExportArguments& a) {
   return words;
 }
 
+// The stage says the same of `--set formats=...`; who typed --formats is told where to read what formats there are.
+void check_formats(const std::string& given) {
+  const auto about = nlohmann::json::parse(load_graph(stage_folder()).at("export").description);
+  for (const nlohmann::json& option : about.at("options")) {
+    if (option.at("path") != "formats") continue;
+    const auto known = option.at("choices").get<std::vector<std::string>>();
+    for (const std::string& format : split_list(given)) {
+      if (std::ranges::find(known, format) != known.end()) continue;
+      const std::string near = nearest_word(format, known);
+      throw Error(ErrorKind::Usage,
+                  fmt::format("there is no format '{}'{}", format, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)),
+                  {.why = fmt::format("the formats are: {}", fmt::join(known, " ")),
+                   .hint = "`vitrine export --list` says what each holds",
+                   .code = "USAGE"});
+    }
+  }
+}
+
 // A length in metres.
 double metres(const std::string& text) {
   double value = 0;
@@ -68,6 +91,7 @@ int export_command(const Words& words) {
     return 0;
   }
   if (a.list) return run_and_tell({tool_program("export").string(), "--list"});
+  check_formats(a.formats);
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const ProjectLock lock(project);
   ToolInputs inputs{

@@ -66,7 +66,7 @@ int dispatch(const Words& words) {
 int complain(const Error& e) {
   std::fflush(stdout);
   clear_status_line();
-  fmt::print(stderr, "error: {}\n", e.what());
+  fmt::print(stderr, "{}\n", e.told());
   return exit_code(e.kind());
 }
 

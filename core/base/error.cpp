@@ -4,19 +4,32 @@ namespace vitrine {
 
 std::string_view name(ErrorKind kind) {
   switch (kind) {
-    case ErrorKind::Internal: return "INTERNAL";
-    case ErrorKind::Usage: return "USAGE";
-    case ErrorKind::Input: return "INPUT";
-    case ErrorKind::SfmFailed: return "SFM_FAILED";
-    case ErrorKind::QualityGate: return "QUALITY_GATE";
-    case ErrorKind::Resource: return "RESOURCE";
-    case ErrorKind::Dependency: return "DEPENDENCY";
-    case ErrorKind::Device: return "DEVICE";
-    case ErrorKind::Locked: return "LOCKED";
-    case ErrorKind::Diverged: return "DIVERGED";
-    case ErrorKind::Preempted: return "PREEMPTED";
-    case ErrorKind::Interrupted: return "INTERRUPTED";
-    case ErrorKind::Terminated: return "TERMINATED";
+    case ErrorKind::Internal:
+      return "INTERNAL";
+    case ErrorKind::Usage:
+      return "USAGE";
+    case ErrorKind::Input:
+      return "INPUT";
+    case ErrorKind::SfmFailed:
+      return "SFM_FAILED";
+    case ErrorKind::QualityGate:
+      return "QUALITY_GATE";
+    case ErrorKind::Resource:
+      return "RESOURCE";
+    case ErrorKind::Dependency:
+      return "DEPENDENCY";
+    case ErrorKind::Device:
+      return "DEVICE";
+    case ErrorKind::Locked:
+      return "LOCKED";
+    case ErrorKind::Diverged:
+      return "DIVERGED";
+    case ErrorKind::Preempted:
+      return "PREEMPTED";
+    case ErrorKind::Interrupted:
+      return "INTERRUPTED";
+    case ErrorKind::Terminated:
+      return "TERMINATED";
   }
   return "INTERNAL";
 }
@@ -26,6 +39,11 @@ void Error::compose() {
   if (!detail_.where.empty()) text_ += "\n  where  " + detail_.where;
   if (!detail_.why.empty()) text_ += "\n  why    " + detail_.why;
   if (!detail_.hint.empty()) text_ += "\n  try    " + detail_.hint;
+}
+
+std::string Error::told() const {
+  const bool located = std::string_view(text_).substr(0, text_.find('\n')).find(": error: ") != std::string_view::npos;
+  return located ? text_ : "error: " + text_;
 }
 
 void check_failed(const char* file, int line, const char* condition, const std::string& message) {

@@ -13,41 +13,46 @@ namespace vitrine {
 
 // The numbers are the exit codes that scripts see: never renumber.
 enum class ErrorKind : int {
-  Internal = 1,      // our bug
-  Usage = 2,         // bad flag or configuration
-  Input = 3,         // missing, unreadable or inconsistent input
-  SfmFailed = 4,     // no usable camera model
-  QualityGate = 5,   // finished, but below the gates
-  Resource = 6,      // memory, disk or time exhausted; state saved
-  Dependency = 7,    // external program missing or too old
-  Device = 8,        // requested device unusable
-  Locked = 9,        // another run owns the folder
-  Diverged = 10,     // optimisation produced NaN or collapsed
-  Preempted = 75,    // SIGTERM/SIGUSR1 with checkpoint
-  Interrupted = 130, // Ctrl-C
+  Internal = 1,       // our bug
+  Usage = 2,          // bad flag or configuration
+  Input = 3,          // missing, unreadable or inconsistent input
+  SfmFailed = 4,      // no usable camera model
+  QualityGate = 5,    // finished, but below the gates
+  Resource = 6,       // memory, disk or time exhausted; state saved
+  Dependency = 7,     // external program missing or too old
+  Device = 8,         // requested device unusable
+  Locked = 9,         // another run owns the folder
+  Diverged = 10,      // optimisation produced NaN or collapsed
+  Preempted = 75,     // SIGTERM/SIGUSR1 with checkpoint
+  Interrupted = 130,  // Ctrl-C
   Terminated = 143,
 };
 
-std::string_view name(ErrorKind kind);                 // "INPUT", "SFM_FAILED", ...
+std::string_view name(ErrorKind kind);  // "INPUT", "SFM_FAILED", ...
 inline int exit_code(ErrorKind kind) { return static_cast<int>(kind); }
 
 struct ErrorDetail {
-  std::string where = {};   // file, file:line:col, option or view: the place to look
-  std::string why = {};     // the cause, with the evidence
-  std::string hint = {};    // what to try: a command or an edit
-  std::string code = {};    // stable machine word, e.g. "SFM_TOO_FEW_REGISTERED"
+  std::string where = {};  // file, file:line:col, option or view: the place to look
+  std::string why = {};    // the cause, with the evidence
+  std::string hint = {};   // what to try: a command or an edit
+  std::string code = {};   // stable machine word, e.g. "SFM_TOO_FEW_REGISTERED"
 };
 
 class Error : public std::exception {
  public:
   Error(ErrorKind kind, std::string message, ErrorDetail detail = {})
-      : kind_(kind), message_(std::move(message)), detail_(std::move(detail)) { compose(); }
+      : kind_(kind), message_(std::move(message)), detail_(std::move(detail)) {
+    compose();
+  }
 
   ErrorKind kind() const { return kind_; }
   const std::string& message() const { return message_; }
   const ErrorDetail& detail() const { return detail_; }
   // Several lines: message, then where / why / try when given. Ready for a terminal of 80 columns.
   const char* what() const noexcept override { return text_.c_str(); }
+  // The same as the user is told it: "error: " before it, unless its first line names its place and says so itself
+  // ("marks.yaml:3:1: error: ...", "--set: error: ...").
+  std::string told() const;
 
  private:
   void compose();
@@ -62,7 +67,7 @@ class Error : public std::exception {
 }  // namespace vitrine
 
 // A broken promise of our own code: stops with ErrorKind::Internal. Always on.
-#define VITRINE_CHECK(condition, ...)                                                                       \
-  do {                                                                                                      \
-    if (!(condition)) ::vitrine::check_failed(__FILE__, __LINE__, #condition, ::fmt::format(__VA_ARGS__));  \
+#define VITRINE_CHECK(condition, ...)                                                                      \
+  do {                                                                                                     \
+    if (!(condition)) ::vitrine::check_failed(__FILE__, __LINE__, #condition, ::fmt::format(__VA_ARGS__)); \
   } while (false)

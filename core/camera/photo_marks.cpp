@@ -8,12 +8,17 @@
 
 namespace vitrine {
 
+bool names_photo(const std::string& text, const std::filesystem::path& photo) {
+  const bool plain = std::filesystem::path(photo).replace_extension() == text;
+  return photo == text || photo.filename() == text || photo.stem() == text || plain;
+}
+
 std::optional<size_t> marked_view(YamlReader& in, const YamlNode& name, std::span<const View> views) {
   std::vector<std::string> names;
   std::vector<size_t> meant;  // called so without their folder or extension
   for (size_t v = 0; v < views.size(); ++v) {
     if (views[v].name == name.text) return v;
-    if (views[v].stem() == name.text || std::filesystem::path(views[v].name).filename() == name.text) meant.push_back(v);
+    if (names_photo(name.text, views[v].name)) meant.push_back(v);
     names.push_back(views[v].name);
   }
   if (meant.size() == 1) return meant[0];

@@ -2,6 +2,7 @@
 // right, bottom]` or `polygon: [[x, y], [x, y], [x, y]]`.
 #pragma once
 
+#include <filesystem>
 #include <span>
 
 #include "core/camera/view.h"
@@ -9,6 +10,9 @@
 #include "core/math/vec.h"
 
 namespace vitrine {
+
+// Whether a mark calls the photo so: by its whole name, or without its folder or extension.
+bool names_photo(const std::string& text, const std::filesystem::path& photo);
 
 // The view that the node names: its whole name, or without folder or extension when one photo alone is called so. nullopt:
 // complained.

@@ -125,8 +125,12 @@ std::optional<std::string> Option::try_assign_list(const std::vector<std::string
     }
     **p = std::move(values);
   } else if (auto* p = std::get_if<std::vector<std::string>*>(&target)) {
-    for (const std::string& item : items)
-      if (!allowed_word(*this, item)) return fmt::format("must be {}, got \"{}\" in it", rule(), item);
+    for (const std::string& item : items) {
+      if (allowed_word(*this, item)) continue;
+      const std::string near = nearest_word(item, choices);
+      return fmt::format("must be {}, got \"{}\" in it{}", rule(), item,
+                         near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
+    }
     **p = items;
   } else {
     return fmt::format("must be {}, got a list", rule());
@@ -162,7 +166,18 @@ std::string OptionTable::nearest(std::string_view path) const {
   std::vector<std::string> words;
   for (const Option& o : options) words.push_back(o.path);
   for (const OptionGroup& g : groups) words.push_back(g.path);
-  return nearest_word(path, words);
+  const std::string near = nearest_word(path, words);
+  const size_t dot = path.find('.');
+  if (!near.empty() || dot == std::string_view::npos) return near;
+  // A slip in the first word, and the rest a longer one or another slip.
+  std::vector<std::string> heads, of_head;
+  for (const Option& o : options) heads.push_back(o.path.substr(0, o.path.find('.')));
+  const std::string head = nearest_word(path.substr(0, dot), heads);
+  if (head.empty() || head == path.substr(0, dot)) return {};
+  for (const std::string& word : words)
+    if (word.starts_with(head + ".")) of_head.push_back(word);
+  const std::string rest = nearest_word(head + std::string(path.substr(dot)), of_head);
+  return rest.empty() ? head : rest;
 }
 
 std::string OptionTable::canonical_text() const {

@@ -75,7 +75,8 @@ class OptionTable {
 
   Option* find(std::string_view path);
   const Option* find(std::string_view path) const;
-  // Nearest path or group by edit distance, for "did you mean"; empty when nothing is near.
+  // Nearest path or group by edit distance, for "did you mean"; the first word alone where nothing but that is near; empty when
+  // nothing is.
   std::string nearest(std::string_view path) const;
   // "path = value" lines sorted by path, only options that affect the result: the canonical text of the cache key.
   std::string canonical_text() const;

@@ -16,6 +16,14 @@ namespace {
 
 SourceMark mark_of(const YAML::Mark& m) { return {m.line + 1, m.column + 1}; }
 
+// A bracket that nobody closes is missed at the end, which the library gives as the line behind the last one.
+SourceMark end_of(const YamlFile& file) {
+  for (size_t line = file.lines.size(); line > 0; --line)
+    if (const size_t last = file.lines[line - 1].find_last_not_of(" \t"); last != std::string::npos)
+      return {static_cast<int>(line), static_cast<int>(last) + 2};
+  return {1, 1};
+}
+
 struct Unsupported {
   SourceMark mark;
   std::string what;
@@ -142,7 +150,8 @@ YamlFile parse_yaml(std::string_view text, std::string name) {
   } catch (const Unsupported& u) {
     errors.add(file, u.mark, 1, u.what + " are not supported: write the value out");
   } catch (const YAML::Exception& e) {
-    errors.add(file, mark_of(e.mark), 1, "not valid YAML: " + e.msg);
+    const bool at_end = e.msg.starts_with("end of");
+    errors.add(file, at_end ? end_of(file) : mark_of(e.mark), 1, "not valid YAML: " + e.msg);
   }
   errors.throw_if_any("indent with spaces, write `key: value`, and put text with special characters in quotes");
   return file;

@@ -12,11 +12,15 @@ namespace vitrine {
 
 namespace {
 
-// Lenses as photographed, by camera id.
-std::map<uint32_t, ColmapCamera> photographed_cameras(const fs::path& report) {
-  std::map<uint32_t, ColmapCamera> cameras;
+struct SfmReport {
+  std::map<uint32_t, ColmapCamera> photographed;  // lenses as photographed, by camera id
+  std::vector<std::string> without_camera;
+};
+
+SfmReport read_sfm_report(const fs::path& report) {
+  SfmReport out;
   std::error_code ec;
-  if (!fs::exists(report, ec)) return cameras;
+  if (!fs::exists(report, ec)) return out;
   read_json_file(report, "report of the sfm stage", [&](const nlohmann::json& j) {
     for (const nlohmann::json& row : j.at("cameras")) {
       const nlohmann::json& p = row.at("photographed");
@@ -26,10 +30,12 @@ std::map<uint32_t, ColmapCamera> photographed_cameras(const fs::path& report) {
           .id = p.at("id"), .model_id = type->id, .width = p.at("width"), .height = p.at("height"), .params = p.at("params")};
       if (camera.params.size() != type->parameter_count)
         throw std::invalid_argument("a camera has the wrong number of parameters");
-      cameras[camera.id] = camera;
+      out.photographed[camera.id] = camera;
     }
+    for (const nlohmann::json& photo : j.value("photos", nlohmann::json::array()))
+      if (!photo.at("registered").get<bool>()) out.without_camera.push_back(photo.at("name"));
   });
-  return cameras;
+  return out;
 }
 
 }  // namespace
@@ -39,13 +45,14 @@ MaskCapture read_mask_capture(const fs::path& sfm_folder) {
   const auto folder = find_colmap_model(sfm_folder);
   VITRINE_CHECK(folder, "a view set was read from {}", sfm_folder.string());
   const ColmapModel model = read_colmap_model(*folder);
-  const auto photographed = photographed_cameras(sfm_folder / "sfm/report.json");
+  SfmReport report = read_sfm_report(sfm_folder / "sfm/report.json");
+  capture.without_camera = std::move(report.without_camera);
   for (const View& view : capture.set.views) {
     const auto image =
         std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });
     VITRINE_CHECK(image != model.images.end(), "view {} is not in the model", view.name);
     Undistortion u{.source = colmap_pinhole(image->camera_id, view.intrinsics), .target = view.intrinsics, .identity = true};
-    if (const auto found = photographed.find(image->camera_id); found != photographed.end()) {
+    if (const auto found = report.photographed.find(image->camera_id); found != report.photographed.end()) {
       u = undistortion(found->second);
       if (u.target.width != view.intrinsics.width || u.target.height != view.intrinsics.height)
         throw Error(ErrorKind::Input, "cameras and report of the sfm stage disagree",

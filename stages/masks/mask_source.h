@@ -17,7 +17,8 @@ namespace vitrine {
 struct MaskCapture {
   std::filesystem::path sfm_folder;
   ViewSet set;
-  std::vector<Undistortion> undistortions;  // [view] from the photo as taken to the undistorted one
+  std::vector<Undistortion> undistortions;       // [view] from the photo as taken to the undistorted one
+  std::vector<std::string> without_camera = {};  // photos that sfm could not place
 };
 // An sfm artifact without its report counts as free of distortion.
 MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder);

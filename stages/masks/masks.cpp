@@ -137,7 +137,12 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   std::optional<MaskFolder> folder;
   std::vector<MarkedThing> marked;
   if (const auto path = context.optional_input("masks"); path && is_yaml_file(*path)) {
-    marked = read_marks(*path, capture);
+    Marks marks = read_marks(*path, capture);
+    marked = std::move(marks.things);
+    if (!marks.without_camera.empty())
+      context.warning("MASKS_WITHOUT_CAMERA", fmt::format("what is marked in {} does not count: sfm could not place {}",
+                                                          fmt::join(marks.without_camera, ", "),
+                                                          marks.without_camera.size() == 1 ? "that photo" : "those photos"));
   } else if (path) {
     folder.emplace(*path, mask_class(config.flat).value());
     size_t files = 0;

@@ -87,6 +87,14 @@ TEST(YamlReader, RefusesUnknownAndRepeatedKeysAtTheirPlace) {
   EXPECT_NE(all.find("2 errors"), std::string::npos) << all;
 }
 
+TEST(Yaml, WhatTheEndOfTheFileLacksIsShownOnTheLastLine) {
+  for (const char* end : {"", "\n", "\n \n"}) {
+    const std::string text = complaint(std::string("backend: cpu\nschedule: [0.5, 1") + end);
+    EXPECT_TRUE(text.starts_with("kettle.yaml:2:18: error: not valid YAML: ")) << text;
+    EXPECT_NE(text.find("    2 | schedule: [0.5, 1\n      |                  ^\n"), std::string::npos) << text;
+  }
+}
+
 TEST(Yaml, SyntaxErrorsPointAtTheirPlace) {
   const std::string text = complaint("voxel: [0.1\niterations: 3\n");
   EXPECT_NE(text.find("kettle.yaml:2:"), std::string::npos) << text;

@@ -36,6 +36,7 @@ TEST_F(GoldenMessages, OnTheCommandLine) {
   told("no output folder of a run", {"vitrine", "status", "nothing"});
   told("a project that is not there", {"vitrine", "render", "nowhere"});
   told("what to do with the store", {"vitrine", "cache", "sweep", "nothing"});
+  told("a format to export that there is not", {"vitrine", "export", "nowhere", "--formats", "mesh-gbl"});
   told("what to show of the options", {"vitrine", "config", "sho"});
   told("a stage that there is not", {"vitrine", "config", "reference", "mehs"});
   told("no project to edit", {"vitrine", "edit"});

@@ -84,7 +84,8 @@ class Marked : public testing::Test, public BallCapture {
     run_masks(config, *context);
     return context;
   }
-  std::vector<MarkedThing> read(const std::string& marks) const {
+  std::vector<MarkedThing> things_of(const std::string& marks) const { return read(marks).things; }
+  Marks read(const std::string& marks) const {
     write_file(folder.path() / "marks.yaml", marks);
     return read_marks(folder.path() / "marks.yaml", read_mask_capture(sfm()));
   }
@@ -212,12 +213,32 @@ TEST_F(Marked, MistakesAreShownAtTheirLine) {
   }
 }
 
+TEST_F(Marked, PhotosThatSfmCouldNotPlaceAreLeftOut) {
+  make_folders(sfm() / "sfm");
+  write_file(sfm() / "sfm/report.json", R"({"cameras": [], "photos": [{"name": "v0.jpg", "registered": true},
+      {"name": "left/lost.jpg", "registered": false}, {"name": "gone.jpg", "registered": false}]})");
+  const auto lost = [](const char* photo) {
+    return fmt::format("  - {{photo: {}, class: object, box: [8, 6, 40, 30]}}\n", photo);
+  };
+  const std::string text = head() + mark(0, "object") + lost("lost.jpg") + mark(3, "object") + lost("gone") + lost("gone");
+  const auto context = run(text);
+  EXPECT_TRUE(context->warnings.contains("MASKS_WITHOUT_CAMERA"));
+  const Marks marks = read(text);
+  ASSERT_EQ(marks.things.size(), 1u);
+  EXPECT_EQ(marks.things[0].marks.size(), 2u);
+  EXPECT_EQ(marks.without_camera, (std::vector<std::string>{"lost.jpg", "gone"}));
+  // Nothing is left to go by: said with the reason.
+  const Error few = error_of([&] { read(head() + mark(0, "object") + lost("lost.jpg")); });
+  EXPECT_NE(few.message().find("marked in one photo that has a camera only"), std::string::npos) << few.message();
+  EXPECT_EQ(error_of([&] { read(head() + lost("lost.jpg")); }).kind(), ErrorKind::Usage);
+}
+
 TEST_F(Marked, ThingsOfAClassAreToldApartByTheirWord) {
   const auto named = [](std::string mark, const std::string& thing) {
     return mark.replace(mark.rfind('}'), 1, fmt::format(", thing: {}}}", thing));
   };
-  const std::vector<MarkedThing> things = read(head() + named(mark(0, "specular"), "kettle") + mark(0, "specular") +
-                                               mark(3, "specular") + named(mark(4, "specular"), "kettle"));
+  const auto things = things_of(head() + named(mark(0, "specular"), "kettle") + mark(0, "specular") + mark(3, "specular") +
+                                named(mark(4, "specular"), "kettle"));
   ASSERT_EQ(things.size(), 2u);
   EXPECT_EQ(things[0].name, "specular kettle");
   EXPECT_EQ(things[1].name, "specular");
@@ -231,7 +252,8 @@ TEST_F(Marked, ThingsOfAClassAreToldApartByTheirWord) {
 TEST_F(Marked, AMarkMayHaveASizeOfItsOwn) {
   const std::string at_full =
       fmt::format("  - {{photo: v0.jpg, class: object, box: [8, 6, 40, 30], size: [{}, {}]}}\n", kWidth, kHeight);
-  const std::vector<MarkedThing> things = read(head() + at_full + "  - {photo: v3.jpg, class: object, box: [16, 12, 80, 60]}\n");
+  const std::vector<MarkedThing> things =
+      things_of(head() + at_full + "  - {photo: v3.jpg, class: object, box: [16, 12, 80, 60]}\n");
   ASSERT_EQ(things.size(), 1u);
   for (const Mark& m : things[0].marks) {
     EXPECT_EQ(m.outline.front().x, 8);
@@ -245,7 +267,7 @@ TEST_F(Marked, TheReportCountsWhatWasFoundAndMeasuresTheThing) {
   write_file(folder.path() / "marks.yaml", head() + disk(0, "object") + disk(1, "object") + disk(3, "object") +
                                                disk(5, "object") + disk(8, "object") + mark(6, "object", 8));
   const MaskCapture capture = read_mask_capture(sfm());
-  const auto masks = carry_marks({}, capture, read_marks(folder.path() / "marks.yaml", capture), [](double) {});
+  const auto masks = carry_marks({}, capture, read_marks(folder.path() / "marks.yaml", capture).things, [](double) {});
   ASSERT_EQ(masks->things.size(), 1u);
   EXPECT_EQ(masks->things[0].marks, 6u);
   EXPECT_EQ(masks->things[0].refined, size_t(kViews - 5));  // GrabCut is not asked where polygons say it
@@ -255,7 +277,7 @@ TEST_F(Marked, TheReportCountsWhatWasFoundAndMeasuresTheThing) {
 TEST_F(Marked, GlassNeedsNoColours) {
   write_file(folder.path() / "marks.yaml", head() + disk(0, "transparent") + disk(3, "transparent") + disk(6, "transparent"));
   const MaskCapture capture = read_mask_capture(sfm());
-  const std::vector<MarkedThing> things = read_marks(folder.path() / "marks.yaml", capture);
+  const std::vector<MarkedThing> things = read_marks(folder.path() / "marks.yaml", capture).things;
   fs::remove_all(sfm() / "linear");
   const auto masks = carry_marks({}, capture, things, [](double) {});
   const std::vector<uint8_t>& inside = masks->inside[5][size_t(MaskClass::Transparent)];
@@ -283,7 +305,7 @@ MaskCapture unseen_capture(const std::vector<std::pair<std::string, Intrinsics>>
 std::vector<MarkedThing> read_text(const std::string& marks, const MaskCapture& capture) {
   const TemporaryFolder folder;
   write_file(folder.path() / "marks.yaml", marks);
-  return read_marks(folder.path() / "marks.yaml", capture);
+  return read_marks(folder.path() / "marks.yaml", capture).things;
 }
 
 TEST(Marks, ExampleOfTheReadmeIsUnderstood) {

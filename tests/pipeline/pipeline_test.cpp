@@ -188,7 +188,7 @@ TEST_F(Sandbox, TyposInYamlAreShownWithTheirLine) {
   EXPECT_EQ(o.exit, 2);
   EXPECT_EQ(
       o.text,
-      "error: kettle.yaml:2:11: error: 'collect.repeat' must be an integer between 1 and 100000, got \"12k\"\n"
+      "kettle.yaml:2:11: error: 'collect.repeat' must be an integer between 1 and 100000, got \"12k\"\n"
       "    2 |   repeat: 12k\n"
       "      |           ^~~\n"
       "kettle.yaml:4:3: error: unknown key 'upper.wrod'; did you mean 'upper.word'?\n"
@@ -199,6 +199,8 @@ TEST_F(Sandbox, TyposInYamlAreShownWithTheirLine) {
   EXPECT_EQ(run({"--set", "collect.repeat=0"}).exit, 2);
   EXPECT_TRUE(run({"--set", "collect.repeat=0"})
                   .has("--set: error: 'collect.repeat' must be an integer between 1 and 100000, got \"0\""));
+  EXPECT_TRUE(run({"--set", "colect.repaet=2"}).has("unknown key 'colect.repaet'; did you mean 'collect.repeat'?"));
+  EXPECT_TRUE(run({"--set", "colect.xyzzy=2"}).has("unknown key 'colect.xyzzy'; did you mean 'collect'?"));
   EXPECT_TRUE(run({"--set", "collect.label=forbidden"}).has("collect.label must not be \"forbidden\""));
   EXPECT_TRUE(
       run({"--preset", "previw"}).has("'preset' must be one of preview, standard, got \"previw\"; did you mean \"preview\"?"));

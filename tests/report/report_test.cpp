@@ -89,6 +89,18 @@ TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
   EXPECT_TRUE(has(few.next.at(0).text, "left out"));
 }
 
+TEST(Figures, SurfelsAreCountedOverAllLayers) {
+  const TemporaryFolder folder;
+  write_output(folder.path());
+  const std::string one = page(folder.path());
+  EXPECT_TRUE(has(one, "60\u202f000 surfels")) << one.substr(one.find("sparse points"), 300);
+  EXPECT_FALSE(has(one, "by layer"));
+  write_file(folder.path() / "optimize/report.json", R"({"surfels": 40000, "iterations": 3000, "layers":
+      {"diffuse": {"surfels": 40000}, "reflection": {"surfels": 15000}, "transmittance": {"surfels": 6000}}})");
+  const std::string html = page(folder.path());
+  EXPECT_TRUE(has(html, "61\u202f000 surfels (by layer: 40\u202f000 diffuse, 15\u202f000 reflection, 6\u202f000 transmittance)"));
+}
+
 TEST(Verdict, OfAFailureNamesTheStageTheCauseAndWhatToTry) {
   const Verdict v = verdict(
       {.exit = 4,

@@ -110,7 +110,7 @@ TEST_F(StageMain, UsageErrorsSayWhatToWrite) {
   EXPECT_EQ(flag.exit, 2);
   EXPECT_EQ(flag.text, "error: unknown flag --thread; did you mean --threads?\n  try    vitrine-collect --help\n");
   EXPECT_EQ(collect({"--set", "repeet=2"}).text,
-            "error: --set: error: unknown key 'repeet'; did you mean 'repeat'?\n1 error\n  try    vitrine-collect --help lists "
+            "--set: error: unknown key 'repeet'; did you mean 'repeat'?\n1 error\n  try    vitrine-collect --help lists "
             "every option\n");
   EXPECT_EQ(collect({"--set", "label=forbidden"}).exit, 2);
   EXPECT_EQ(collect({"-j", "many"}).exit, 2);

@@ -20,7 +20,7 @@ class Reader {
  public:
   Reader(const fs::path& path, const MaskCapture& capture) : capture_(capture), in_(read_yaml(path.string())) {}
 
-  std::vector<MarkedThing> things() {
+  Marks marks() {
     const YamlNode& root = in_.root();
     in_.only_keys(root, {"size", "marks"});
     const YamlNode* marks = root.find("marks");
@@ -33,9 +33,10 @@ class Reader {
     in_.finish("stages/masks/README.md shows the format");
     for (const MarkedThing& thing : things_)
       if (thing.marks.size() < 2)
-        in_.complain(fmt::format("'{}' is marked in one photo only; where it stands takes two from different sides", thing.name));
+        in_.complain(fmt::format("'{}' is marked in {} photo{} only; where it stands takes two from different sides", thing.name,
+                                 thing.marks.empty() ? "no" : "one", lost_.empty() ? "" : " that has a camera"));
     in_.finish("mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
-    return std::move(things_);
+    return {std::move(things_), std::move(lost_)};
   }
 
  private:
@@ -88,22 +89,27 @@ class Reader {
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
-    const auto view = marked_view(in_, *photo, capture_.set.views);
+    const bool lost = std::ranges::any_of(capture_.without_camera, [&](auto& name) { return names_photo(photo->text, name); });
+    const auto view = lost ? std::nullopt : marked_view(in_, *photo, capture_.set.views);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
     if (!kind)
       in_.complain(*kind_node, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind_node->text));
     const auto own_size = size_of(node);
     const auto region = marked_region(in_, node);
-    if (!view || !kind || !region) return;
+    if ((!view && !lost) || !kind || !region) return;
     const std::optional<Vec2d> size = own_size ? own_size : common_size;
     if (!size) return in_.complain(node, "of what size was the photo that was marked? size: [width, height], here or at the top");
-    const auto line = outline(node, region->corners, *size, *view);
-    if (!line) return;
-    Mark mark{.view = *view, .box = region->box, .outline = *line};
     std::string thing_name(name(*kind));
     if (thing != nullptr) thing_name += " " + thing->text;
     auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
     if (it == things_.end()) it = things_.insert(things_.end(), {thing_name, *kind, {}});
+    if (lost) {
+      if (std::ranges::find(lost_, photo->text) == lost_.end()) lost_.push_back(photo->text);
+      return;
+    }
+    const auto line = outline(node, region->corners, *size, *view);
+    if (!line) return;
+    Mark mark{.view = *view, .box = region->box, .outline = *line};
     if (std::any_of(it->marks.begin(), it->marks.end(), [&](const Mark& m) { return m.view == *view; }))
       return in_.complain(*photo, fmt::format("'{}' is marked twice in this photo", thing_name));
     it->marks.push_back(std::move(mark));
@@ -112,10 +118,11 @@ class Reader {
   const MaskCapture& capture_;
   YamlReader in_;
   std::vector<MarkedThing> things_;
+  std::vector<std::string> lost_;
 };
 
 }  // namespace
 
-std::vector<MarkedThing> read_marks(const fs::path& path, const MaskCapture& capture) { return Reader(path, capture).things(); }
+Marks read_marks(const fs::path& path, const MaskCapture& capture) { return Reader(path, capture).marks(); }
 
 }  // namespace vitrine
