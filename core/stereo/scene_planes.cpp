@@ -62,6 +62,18 @@ ScenePlane refined(const std::vector<Sample>& samples, const ScenePlane& plane) 
   return better;
 }
 
+void measure(const std::vector<Sample>& samples, ScenePlane& plane) {
+  double sum = 0, squares = 0;
+  Vec3d mean{};
+  for (const Sample& s : samples)
+    if (lies_on(s, plane)) sum += s.weight, mean += s.weight * s.position;
+  if (!(sum > 0)) return;
+  plane.centre = mean / sum;
+  for (const Sample& s : samples)
+    if (lies_on(s, plane)) squares += s.weight * dot(s.position - plane.centre, s.position - plane.centre);
+  plane.extent = std::sqrt(squares / sum);
+}
+
 bool is_floor(const ScenePlane& plane, std::span<const StereoPhoto> photos, std::span<const DepthMap> maps,
               const std::vector<Sample>& samples) {
   if (std::abs(plane.normal.z) < kLevel) return false;
@@ -117,6 +129,7 @@ std::vector<ScenePlane> scene_planes(std::span<const StereoPhoto> photos, std::s
     best.share = support(samples, best) / total;
     if (!(best.share >= kLeastShare)) break;
     best.floor = is_floor(best, photos, maps, all);
+    measure(samples, best);
     planes.push_back(best);
     std::erase_if(samples, [&](const Sample& s) { return lies_on(s, best); });
     std::erase_if(candidates, [&](const ScenePlane& c) { return c.share < kLeastShare * total; });

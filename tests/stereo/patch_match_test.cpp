@@ -104,6 +104,11 @@ TEST(ScenePlanes, AreTheFloorAndTheWall) {
   EXPECT_NEAR(floor.offset / floor.normal.z, 0, 0.003);
   EXPECT_GT(std::abs(wall.normal.x), std::cos(0.5 * std::numbers::pi / 180));
   EXPECT_NEAR(wall.offset / wall.normal.x, -0.5, 0.003);
+  for (const ScenePlane* plane : {&floor, &wall}) {
+    EXPECT_NEAR(dot(plane->normal, plane->centre), plane->offset, 0.003);
+    EXPECT_GT(plane->extent, 0.2);
+    EXPECT_LT(plane->extent, 1);
+  }
   EXPECT_TRUE(floor.floor);
   EXPECT_FALSE(wall.floor);
   EXPECT_GT(planes[0].share + planes[1].share, 0.9);
@@ -169,7 +174,7 @@ TEST(ExtendPlanes, NothingStandsAroundACamera) {
   std::vector<StereoPhoto> room = photos(kPlainFrom);
   std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
   count_agreement(room, maps);
-  const std::vector<ScenePlane> planes{{.normal = {1, 0, 0}, .offset = kInAir}};
+  std::vector<ScenePlane> planes{{.normal = {1, 0, 0}, .offset = kInAir, .centre = {kInAir, 0, 0.5}, .extent = 1}};
   const StereoPhoto& photo = room[2];
   const Rigid world_from_cam = inverse(photo.view.cam_from_world);
   const Vec3d camera{kInAir, 0, 0.55};
@@ -189,6 +194,10 @@ TEST(ExtendPlanes, NothingStandsAroundACamera) {
     return in_air / plain;
   };
   EXPECT_GT(chosen(), 0.5);
+  // Found on a small thing elsewhere, such as a facet of something round, it is no wall.
+  planes[0].centre = {kInAir, 3, 0.5}, planes[0].extent = 0.1;
+  EXPECT_LT(chosen(), 0.01);
+  planes[0].centre = {kInAir, 0, 0.5}, planes[0].extent = 1;
   // A camera there that looks the other way sees none of it.
   StereoPhoto away = photo;
   away.view.cam_from_world = looking_at(camera, {2, 0, 0.55});
