@@ -37,6 +37,7 @@ const std::map<std::string, std::vector<std::string>, std::less<>>& alternatives
       {"match_type", {"--match_type"}},
       {"match_gpu", {"--SiftMatching.use_gpu", "--FeatureMatching.use_gpu"}},
       {"match_threads", {"--SiftMatching.num_threads", "--FeatureMatching.num_threads"}},
+      {"verify_inlier_ratio", {"--SiftMatching.min_inlier_ratio", "--TwoViewGeometry.min_inlier_ratio"}},
       {"verify_min_inliers", {"--SiftMatching.min_num_inliers", "--TwoViewGeometry.min_num_inliers"}},
       {"map_threads", {"--Mapper.num_threads"}},
       {"map_min_model_size", {"--Mapper.min_model_size"}},

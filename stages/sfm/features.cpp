@@ -14,14 +14,11 @@
 #include "core/base/timer.h"
 #include "stages/sfm/matcher.h"
 #include "stages/sfm/sfm.h"
+#include "stages/sfm/verify_chunks.h"
 
 namespace vitrine {
 
 namespace {
-
-// Chunks of pairs for the verification processes. A process costs 20 ms to start; a chunk takes seconds.
-constexpr size_t kPairsPerChunk = 128;
-constexpr size_t kMaxChunks = 16;
 
 // Photos that share one camera, in order of their first photo.
 std::vector<std::vector<size_t>> camera_groups(const std::vector<SfmPhoto>& photos, const ColmapModel* known) {
@@ -208,17 +205,18 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   if (kept_pairs.empty()) return counts;
 
   timer.restart();
-  const size_t chunks = std::min(kMaxChunks, chunk_count(kept_pairs.size(), kPairsPerChunk));
+  std::vector<size_t> sizes;
+  for (const std::vector<Match>& m : kept) sizes.push_back(m.size());
+  const std::vector<VerifyChunk> chunks = verify_chunks(sizes, static_cast<size_t>(config.min_matches));
   const fs::path slim = desc.work_folder / "verify.db";
   fs::copy_file(database, slim, fs::copy_options::overwrite_existing);
   ColmapDatabase(slim).drop_descriptors();
   ColmapDatabase target(database);
   size_t verified = 0;
-  parallel_for(chunks, 1, [&](size_t c) {
-    // Interleaved, so that every chunk has its share of overlapping pairs.
+  parallel_for(chunks.size(), 1, [&](size_t c) {
     std::vector<PhotoPair> chunk_pairs;
     std::vector<std::vector<Match>> chunk_matches;
-    for (size_t i = c; i < kept_pairs.size(); i += chunks) {
+    for (size_t i : chunks[c].pairs) {
       chunk_pairs.push_back(kept_pairs[i]);
       chunk_matches.push_back(kept[i]);
     }
@@ -227,25 +225,27 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
     const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
     fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
     Colmap own = colmap;  // the help cache is not shared between threads
-    const ProcessResult result = own.run({.command = "matches_importer",
-                                          .settings = {{"database", part.string()},
-                                                       {"match_list", list.string()},
-                                                       {"match_type", "raw"},
-                                                       {"match_gpu", "0"},
-                                                       {"match_threads", "1"},
-                                                       {"verify_min_inliers", std::to_string(config.min_matches), false},
-                                                       {"seed", std::to_string(config.seed), false}},
-                                          .working_folder = desc.work_folder,
-                                          .log = desc.work_folder / fmt::format("verify_{}.log", c)});
+    const ProcessResult result =
+        own.run({.command = "matches_importer",
+                 .settings = {{"database", part.string()},
+                              {"match_list", list.string()},
+                              {"match_type", "raw"},
+                              {"match_gpu", "0"},
+                              {"match_threads", "1"},
+                              {"verify_min_inliers", std::to_string(config.min_matches), false},
+                              {"verify_inlier_ratio", fmt::format("{:.4f}", chunks[c].inlier_ratio), false},
+                              {"seed", std::to_string(config.seed), false}},
+                 .working_folder = desc.work_folder,
+                 .log = desc.work_folder / fmt::format("verify_{}.log", c)});
     if (ColmapDatabase(part).examined_pairs() != chunk_pairs.size())
       throw_colmap_failed("matches_importer", "did not examine all pairs", result);
     const std::lock_guard lock(reporting);
     target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
     fs::remove(part);
-    ++verified;
+    verified += chunk_pairs.size();
     if (desc.progress)
-      desc.progress(double(verified) / double(chunks),
-                    fmt::format("pairs verified {}/{}", verified * kept_pairs.size() / chunks, kept_pairs.size()));
+      desc.progress(double(verified) / double(kept_pairs.size()),
+                    fmt::format("pairs verified {}/{}", verified, kept_pairs.size()));
   });
   if (desc.timing) desc.timing("verify", timer.seconds());
   return counts;

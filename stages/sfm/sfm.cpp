@@ -308,7 +308,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 4,
+                 .version = 5,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",
