@@ -15,6 +15,7 @@ namespace vitrine {
 
 struct FineTuneConfig {
   int iterations = 600;
+  bool unchanged = false;
   double rate_factor = 0.2;
   double average_from = 0.25;
   double glass_factor = 0.05;

@@ -104,7 +104,8 @@ class Refiner {
       step(0.05 + 0.05 * double(i) / double(candidates_.size()), candidates_[i].name);
       candidates_[i].heldout = meter.of(candidates_[i].scene);
     }
-    if (config_.fine_tune.iterations > 0) {
+    // A scene as optimize left it was trained to its end: more steps were never worth their time (README.md).
+    if (config_.fine_tune.iterations > 0 && (best() || config_.fine_tune.unchanged)) {
       Candidate tuned = fine_tuned(best());
       tell_motion(glass_motion(scene_.surfels.diffuse, tuned.scene.surfels.diffuse));
       tuned.heldout = meter.of(tuned.scene);

@@ -80,6 +80,7 @@ class GlassBall : public ::testing::Test {
   Json run(test::RecordingContext& context, int iterations = 0) {
     RefineConfig config;
     config.fine_tune.iterations = iterations;
+    config.fine_tune.unchanged = true;
     config.fine_tune.checkpoint_every = 3;
     run_refine(config, context);
     return Json::parse(read_file(context.output() / "refine/report.json"));
@@ -118,6 +119,19 @@ TEST_F(GlassBall, LosesWhatHangsInEmptySpace) {
   EXPECT_EQ(run(alone), report);
   EXPECT_EQ(read_file(alone.output() / "refine/gaussians/transmittance.ply"), chosen);
   set_thread_limit(0);
+}
+
+TEST_F(GlassBall, TrainsOnWhereSortingHelped) {
+  RefineConfig config;
+  config.fine_tune.iterations = 2;
+  const auto steps = [&] {
+    test::RecordingContext context(inputs());
+    run_refine(config, context);
+    return std::ranges::count_if(context.texts, [](const std::string& text) { return text.starts_with("step "); });
+  };
+  EXPECT_EQ(steps(), 0) << "what is right needs no training";
+  add_strays();
+  EXPECT_EQ(steps(), 2);
 }
 
 TEST_F(GlassBall, KeepsWhatIsRight) {
@@ -232,6 +246,7 @@ TEST_F(GlassBall, AMeshThatGlassHasLeftIsToldSo) {
   test::RecordingContext context(inputs());
   RefineConfig config;
   config.fine_tune.iterations = 4;
+  config.fine_tune.unchanged = true;
   config.fine_tune.glass_factor = 1;
   config.fine_tune.rate_factor = 10;
   config.fine_tune.rates.rate[static_cast<size_t>(Attribute::Mean)] = 0.1f;

@@ -30,7 +30,10 @@ class RecordingContext : public StageContext {
   const fs::path& scratch() const override { return scratch_.path(); }
   int threads() const override { return thread_limit(); }
   size_t max_memory_bytes() const override { return max_memory; }
-  void progress(const Progress& p) override { fractions.push_back(p.fraction); }
+  void progress(const Progress& p) override {
+    fractions.push_back(p.fraction);
+    texts.push_back(p.text);
+  }
   void metric(std::string_view name, double value) override { metrics[std::string(name)] = value; }
   void warning(std::string_view code, std::string_view text) override { warnings[std::string(code)] = text; }
   void summary(std::string_view text) override { summary_text = text; }
@@ -38,6 +41,7 @@ class RecordingContext : public StageContext {
 
   size_t max_memory = 0;
   std::vector<double> fractions;
+  std::vector<std::string> texts;
   std::map<std::string, double> metrics;
   std::map<std::string, std::string> warnings;
   std::string summary_text;
