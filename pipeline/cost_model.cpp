@@ -110,7 +110,8 @@ StageCost optimize(const Terms& t) {
               0.2 * t.option("optimize.max_gaussians") / 1000 + 2);
 }
 
-// Glass alone gives it anything to do; what masks hold is not known before.
+// Glass alone gives it anything to do; what masks hold, and whether there will be anything to train on, is not known before: at
+// most so much.
 StageCost refine(const Terms& t) {
   if (!t.capture.masks) return cost(0.1, 0.5, 90, 0.1);
   return cost(0.6 * t.photos() + t.option("refine.fine_tune.iterations") * step(t, 1, "refine.fine_tune.ray_budget"), 0.92,

@@ -52,6 +52,7 @@ Words quietness(const ExportArguments& a) {
 
 // The stage says the same of `--set formats=...`; who typed --formats is told where to read what formats there are.
 void check_formats(const std::string& given) {
+  if (given.empty()) return;
   const auto about = nlohmann::json::parse(load_graph(stage_folder()).at("export").description);
   for (const nlohmann::json& option : about.at("options")) {
     if (option.at("path") != "formats") continue;

@@ -13,6 +13,8 @@ while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -o | --output) [ $# -gt 1 ] || { echo "error: $1 needs a folder" >&2; exit 2; }; out="$2"; shift 2 ;;
+    -o?*) out="${1#-o}"; shift ;;
+    --output=*) out="${1#*=}"; shift ;;
     --force | -n | --dry-run | --no-preflight | --no-progress | -q | --quiet | -v | --verbose | --*=* | -[!-]?*) options+=("$1"); shift ;;
     -*) [ $# -gt 1 ] || { echo "error: $1 needs a value; vitrine run --help lists the options" >&2; exit 2; }
         options+=("$1" "$2"); shift 2 ;;
@@ -32,7 +34,7 @@ build "$VITRINE_ROOT/build" -DVITRINE_TESTS=OFF
 vitrine="$VITRINE_ROOT/build/bin/vitrine"
 say "run: vitrine run $photos -o $out --preset preview"
 "$vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
-[[ " ${options[*]} " != *" --dry-run "* ]] || exit 0
+[[ " ${options[*]} " != *" --dry-run "* && " ${options[*]} " != *" -n "* ]] || exit 0
 # A road that ended early (--to mesh) knows no materials, and there is nothing to relight.
 if [ -e "$out/relight/materials.ply" ]; then
   lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"

@@ -84,7 +84,7 @@ class Run : public StageContext {
       throw Error(ErrorKind::Usage, problem,
                   {.where = "options of stage '" + stage_.info.name + "'",
                    .hint = fmt::format("vitrine-{} --help", stage_.info.name),
-                   .code = "BAD_CONFIG"});
+                   .code = "USAGE"});
     if (!arguments_.max_memory.empty()) max_memory_ = parse_bytes(arguments_.max_memory, machine_memory_bytes(), "--max-memory");
     set_thread_limit(arguments_.threads);
     if (arguments_.output.empty() && arguments_.store.empty())

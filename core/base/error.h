@@ -50,8 +50,8 @@ class Error : public std::exception {
   const ErrorDetail& detail() const { return detail_; }
   // Several lines: message, then where / why / try when given. Ready for a terminal of 80 columns.
   const char* what() const noexcept override { return text_.c_str(); }
-  // The same as the user is told it: "error: " before it, unless its first line names its place and says so itself
-  // ("marks.yaml:3:1: error: ...", "--set: error: ...").
+  // The same as the user is told it: "error: " before it, unless every mistake names its place and says so itself
+  // ("marks.yaml:3:1: error: ...", "--set: error: ..."; ConfigErrors).
   std::string told() const;
 
  private:

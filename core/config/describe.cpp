@@ -169,15 +169,15 @@ std::string OptionTable::nearest(std::string_view path) const {
   const std::string near = nearest_word(path, words);
   const size_t dot = path.find('.');
   if (!near.empty() || dot == std::string_view::npos) return near;
-  // A slip in the first word, and the rest a longer one or another slip.
-  std::vector<std::string> heads, of_head;
+  // A slip in the first word, and the rest is right or another slip.
+  std::vector<std::string> heads, tails;
   for (const Option& o : options) heads.push_back(o.path.substr(0, o.path.find('.')));
   const std::string head = nearest_word(path.substr(0, dot), heads);
   if (head.empty() || head == path.substr(0, dot)) return {};
   for (const std::string& word : words)
-    if (word.starts_with(head + ".")) of_head.push_back(word);
-  const std::string rest = nearest_word(head + std::string(path.substr(dot)), of_head);
-  return rest.empty() ? head : rest;
+    if (word.starts_with(head + ".")) tails.push_back(word.substr(head.size() + 1));
+  const std::string tail = nearest_word(path.substr(dot + 1), tails);
+  return tail.empty() ? head : head + "." + tail;
 }
 
 std::string OptionTable::canonical_text() const {

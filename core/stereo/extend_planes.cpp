@@ -16,7 +16,6 @@ namespace {
 constexpr double kEdgeCost = 40;      // of a step across a full change of brightness, in pixels
 constexpr double kLongestBlind = 40;  // path that a plane is followed where no other photo looks
 constexpr double kMostStretched = 4;  // of a source's depth: how far its plane may be followed
-constexpr double kPlaneReach = 3.5;   // of a large plane's extent: a facet of a skull is no wall
 constexpr double kMostSlanted = 0.1;  // cosine between ray and normal below which a plane is not tried
 
 // Costs of a choice, in brightness.
@@ -167,7 +166,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
     const double offset = plane.offset + dot(normal, photo.view.cam_from_world.translation);
     if (!(std::abs(offset) > 1e-6)) continue;
     choices.push_back(inverse_plane(k, normal, offset));
-    reach.emplace_back(photo.view.cam_from_world * plane.centre, kPlaneReach * plane.extent);
+    reach.emplace_back(photo.view.cam_from_world * plane.centre, plane.reach());
     if (plane.floor) floors.push_back(choices.back());
   }
   const size_t far = choices.size(), local = far + 1;
@@ -186,8 +185,7 @@ DepthMap extended(std::span<const StereoPhoto> photos, std::span<const DepthMap>
            -dot(normal_towards_camera(k, plane), normalized(k.ray(x, y))) > kMostSlanted;
   };
   const auto within_reach = [&](size_t c, double x, double y) {
-    const Vec3d from_centre = k.ray(x, y) / choices[c].at(x, y) - reach[c].first;
-    return dot(from_centre, from_centre) < reach[c].second * reach[c].second;
+    return length(k.ray(x, y) / choices[c].at(x, y) - reach[c].first) < reach[c].second;
   };
   const auto allowed = [&](size_t c, const InversePlane& plane, double x, double y) {
     if (c == far) return above_floors(end, x, y);

@@ -4,6 +4,8 @@
 // squares (Schnabel et al., "Efficient RANSAC for Point-Cloud Shape Detection", 2007, without the chance).
 #pragma once
 
+#include <limits>
+
 #include "core/stereo/patch_match.h"
 
 namespace vitrine {
@@ -15,6 +17,10 @@ struct ScenePlane {
   Vec3d centre;        // of what was found of it
   double extent = 0;   // root of the mean squared distance from there
   bool floor = false;  // level, below all cameras, and nothing was found below it: no ray goes on behind it
+
+  // How far from its centre it stands to reason that the plane goes on: a facet of something round is no wall. A floor ends
+  // nowhere, as nothing is seen through it.
+  double reach() const { return floor ? std::numeric_limits<double>::infinity() : 3.5 * extent; }
 };
 
 // Largest first, at most twelve, each at least a hundredth of the surface found. `maps` after count_agreement().

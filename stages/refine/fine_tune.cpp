@@ -26,7 +26,7 @@ ImageOptions options_of(const TrainedScene& scene, const FineTuneConfig& config)
 
 void describe(Describer& d, FineTuneConfig& c) {
   d.option("iterations", c.iterations, "Training steps after surfels were sorted; 0 = none.").range(0, 10000000);
-  d.option("unchanged", c.unchanged, "Also train on a scene that nothing the mesh tells has made better.");
+  d.option("unchanged", c.unchanged, "Also where neither sorting nor bent rays made the glass better.");
   d.option("rate_factor", c.rate_factor, "Factor on the rates that a training ends with.").range(0, 10);
   d.option("average_from", c.average_from, "Part of the steps after which scenes count in the mean that is kept.").range(0, 1);
   d.option("glass_factor", c.glass_factor, "Factor on the rates of geometry and opacity where surfels are transparent.")

@@ -95,6 +95,13 @@ TEST(Yaml, WhatTheEndOfTheFileLacksIsShownOnTheLastLine) {
   }
 }
 
+TEST(Yaml, WhatIsWrongInTheMiddleIsShownThere) {
+  const std::string indented = complaint("backend: cpu\nfusion:\n  weight_cap: 5\n schedule: [0, 1]\nvoxel: 1\n");
+  EXPECT_TRUE(indented.starts_with("kettle.yaml:4:2: error: not valid YAML: ")) << indented;
+  const std::string comma = complaint("backend: cpu\nfusion: {weight_cap: 5 voxel: 3}\nvoxel: 1\n");
+  EXPECT_TRUE(comma.starts_with("kettle.yaml:2:")) << comma;
+}
+
 TEST(Yaml, SyntaxErrorsPointAtTheirPlace) {
   const std::string text = complaint("voxel: [0.1\niterations: 3\n");
   EXPECT_NE(text.find("kettle.yaml:2:"), std::string::npos) << text;

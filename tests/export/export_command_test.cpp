@@ -169,7 +169,9 @@ TEST_F(ExportCommand, BadCallsAreUsageErrors) {
   for (const Words& words : {Words{"--scale", "a foot"}, Words{"--scale", "-1"}, Words{"--scale", "3 miles"}, Words{"--format"}})
     EXPECT_EQ(error_of([&] { run(words); }).kind(), ErrorKind::Usage);
   EXPECT_EQ(run({"--axes", "up"}), exit_code(ErrorKind::Usage));
-  EXPECT_EQ(run({"--formats", "gltf"}), exit_code(ErrorKind::Usage));
+  const Error format = error_of([&] { run({"--formats", "ply-3dgs,mesh-glbb"}); });
+  EXPECT_EQ(format.kind(), ErrorKind::Usage);
+  EXPECT_EQ(format.message(), "there is no format 'mesh-glbb'; did you mean 'mesh-glb'?");
   EXPECT_FALSE(fs::exists(project() / "export"));
 }
 

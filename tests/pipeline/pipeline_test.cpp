@@ -200,7 +200,7 @@ TEST_F(Sandbox, TyposInYamlAreShownWithTheirLine) {
   EXPECT_TRUE(run({"--set", "collect.repeat=0"})
                   .has("--set: error: 'collect.repeat' must be an integer between 1 and 100000, got \"0\""));
   EXPECT_TRUE(run({"--set", "colect.repaet=2"}).has("unknown key 'colect.repaet'; did you mean 'collect.repeat'?"));
-  EXPECT_TRUE(run({"--set", "colect.xyzzy=2"}).has("unknown key 'colect.xyzzy'; did you mean 'collect'?"));
+  EXPECT_TRUE(run({"--set", "colect.xyz=2"}).has("unknown key 'colect.xyz'; did you mean 'collect'?"));
   EXPECT_TRUE(run({"--set", "collect.label=forbidden"}).has("collect.label must not be \"forbidden\""));
   EXPECT_TRUE(
       run({"--preset", "previw"}).has("'preset' must be one of preview, standard, got \"previw\"; did you mean \"preview\"?"));

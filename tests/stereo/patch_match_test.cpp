@@ -156,16 +156,23 @@ TEST(ExtendPlanes, NothingIsSeenThroughTheFloor) {
   const std::vector<StereoPhoto> room = photos();
   std::vector<DepthMap> maps = patch_match(room, {.seed = 3});
   count_agreement(room, maps);
-  const std::vector<ScenePlane> planes = scene_planes(room, maps);
+  std::vector<ScenePlane> planes = scene_planes(room, maps);
   for (size_t v = 0; v < maps.size(); ++v)
     if (v != 2) maps[v] = {};
   DepthMap& own = maps[2];
   for (int y = own.height * 2 / 3; y < own.height; ++y)
     for (int x = 0; x < own.width; ++x) own.trusted[own.index(x, y)] = 0;
-  const DepthMap map = extended(room, maps, planes, 2);
-  for (int y = own.height * 2 / 3; y < own.height; ++y)
-    for (int x = 0; x < own.width; ++x)
-      ASSERT_LT(double(map.zdepth[map.index(x, y)]) / truth(room[2], x, y).t, 1.03) << x << " " << y;
+  const auto expect_nothing_behind = [&] {
+    const DepthMap map = extended(room, maps, planes, 2);
+    for (int y = own.height * 2 / 3; y < own.height; ++y)
+      for (int x = 0; x < own.width; ++x)
+        ASSERT_LT(double(map.zdepth[map.index(x, y)]) / truth(room[2], x, y).t, 1.03) << x << " " << y;
+  };
+  expect_nothing_behind();
+  // However little of it was found.
+  ASSERT_TRUE(std::ranges::any_of(planes, &ScenePlane::floor));
+  for (ScenePlane& plane : planes) plane.centre = {-0.4, 0, 0}, plane.extent = 0.02;
+  expect_nothing_behind();
 }
 
 TEST(ExtendPlanes, NothingStandsAroundACamera) {

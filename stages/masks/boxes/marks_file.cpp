@@ -31,10 +31,11 @@ class Reader {
       for (const YamlNode& mark : marks->items) read_mark(mark, size);
     }
     in_.finish("stages/masks/README.md shows the format");
+    const std::string lost = lost_.empty() ? "" : fmt::format(" (sfm could not place {})", fmt::join(lost_, ", "));
     for (const MarkedThing& thing : things_)
       if (thing.marks.size() < 2)
-        in_.complain(fmt::format("'{}' is marked in {} photo{} only; where it stands takes two from different sides", thing.name,
-                                 thing.marks.empty() ? "no" : "one", lost_.empty() ? "" : " that has a camera"));
+        in_.complain(fmt::format("'{}' is marked in {}{}; where it stands takes two from different sides", thing.name,
+                                 thing.marks.empty() ? "no photo that has a camera" : "one photo only", lost));
     in_.finish("mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
     return {std::move(things_), std::move(lost_)};
   }
@@ -89,7 +90,9 @@ class Reader {
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
-    const bool lost = std::ranges::any_of(capture_.without_camera, [&](auto& name) { return names_photo(photo->text, name); });
+    const auto named = [&](const std::string& name) { return names_photo(photo->text, name); };
+    const bool lost =
+        std::ranges::none_of(capture_.set.views, named, &View::name) && std::ranges::any_of(capture_.without_camera, named);
     const auto view = lost ? std::nullopt : marked_view(in_, *photo, capture_.set.views);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
     if (!kind)
