@@ -16,7 +16,8 @@ namespace {
 
 constexpr float kLeastCoverage = 1 / 255.f;
 constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
-constexpr float kPaintLift = 1;         // in grains: where rays start above it
+constexpr float kMirrorLift = 1;        // in grains: where rays start above it
+constexpr float kMattLift = 2.5f;       // the same where light is scattered: terraces of the mesh throw no shadow
 constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 constexpr int kBandRows = 8;
@@ -147,7 +148,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
   const int width = g.width, height = g.height;
   const bool glass = !glass_.empty();
   if (glass) glass_.look(frame_, see_through(g));
-  const float snap = kSnap * surface_.grain(), lift = kPaintLift * surface_.grain();
+  const float snap = kSnap * surface_.grain(), lift = kMirrorLift * surface_.grain(), matt_lift = kMattLift * surface_.grain();
   const Environment& sky = lighting_.environment;
   RelitPicture out{ImageF(width, height, 3), ImageF(width, height, 3), ImageF(width, height, 1)};
 
@@ -167,19 +168,23 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     Vec3f place = ray.eye + z * ray.direction_per_z;
     // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
     // (thin coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside.
-    // Mirrors have its normals, too: training leaves theirs as the pictures in them want them.
+    // Mirrors have its normals, too: training leaves theirs as the pictures in them want them. And their rays start right there,
+    // for a picture in a mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels
+    // fill.
+    const bool mirror = mirrors(scene_.blend(), material);
     Vec3f outwards = ray.view;
     const float t = z * length(ray.direction_per_z);
     // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
     // their front has the light that falls on it, not the dark behind it.
     if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
         hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
-      place = ray.eye - hit->t * ray.view;
-      if (!hit->from_inside && mirrors(scene_.blend(), material))
-        normal = turned_to(surface_.smooth_normal(*hit, place), ray.view);
+      place = ray.eye - (mirror ? hit->t : std::min(hit->t, t)) * ray.view;
+      if (!hit->from_inside && mirror) normal = turned_to(surface_.smooth_normal(*hit, place), ray.view);
       outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
     }
-    const Vec3f origin = place + lift * outwards;
+    // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.
+    const Vec3f free = place + lift * ray.view, above = place + (mirror ? lift : matt_lift) * outwards;
+    const Vec3f origin = surface_.free_between(free, above) ? above : free;
     const ShadingFrame frame(normal);
     const Microfacet scatter(scene_.blend(), material, frame.local(ray.view));
     Vec3f radiance = PixelShader(*lit_, scatter, frame, place, origin).shade(SamplePoints(desc.seed, pixel), desc.samples);

@@ -29,6 +29,8 @@ class SceneSurface {
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0) const {
     return hits_.first_hit(origin, direction, near);
   }
+  // Nothing, not even a pane, stands between.
+  bool free_between(const Vec3f& a, const Vec3f& b) const { return !hits_.first_hit(a, b - a, 0, 1); }
   // The place where a ray meets the front of the mesh before `far`.
   std::optional<SurfacePlace> front_near(const Vec3f& origin, const Vec3f& direction, float far) const {
     const auto hit = hits_.first_hit(origin, direction, 0, far);

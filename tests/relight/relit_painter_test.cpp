@@ -8,6 +8,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/base/rng.h"
 #include "tests/relight/relit_ball.h"
 
 namespace vitrine {
@@ -165,6 +166,31 @@ TEST(RelitPainter, WhatIsSeenThroughTheFrontOfItsWallHasTheLightThere) {
   };
   EXPECT_GT(brightness(true), 0.7);
   EXPECT_LT(brightness(false), 0.05);  // the eye stands behind the wall
+}
+
+// Meshes are rough by an edge or more where surfels are smooth.
+TEST(RelitPainter, PitsAndLumpsOfTheMeshThrowNoShadows) {
+  RelitScene smooth = relit_ball({0.8f, 0.8f, 0.8f}), rough = relit_ball({0.8f, 0.8f, 0.8f});
+  const auto& mesh = smooth.mesh;
+  const float edge = length(mesh.positions[mesh.faces[0][0]] - mesh.positions[mesh.faces[0][1]]);
+  for (size_t v = 0; v < rough.mesh.positions.size(); ++v) {
+    Vec3f& p = rough.mesh.positions[v];
+    p += (3 * edge * (Rng(5, v).uniform() - 0.5f)) * normalized(p);
+  }
+  Lighting sun;
+  sun.directionals.push_back({normalized(Vec3f{0.5f, 1, 0}), {2, 2, 2}});
+  const auto picture = [&](RelitScene scene) {
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting(sun);
+    return painter.picture(view_from({1, 0, 0.2}, 96, 72)).radiance;
+  };
+  const ImageF expected = picture(std::move(smooth)), found = picture(std::move(rough));
+  int lit = 0, black = 0;
+  for (int y = 0; y < expected.height(); ++y)
+    for (int x = 0; x < expected.width(); ++x)
+      if (expected.at(x, y, 1) > 0.15) ++lit, black += found.at(x, y, 1) < 0.5 * expected.at(x, y, 1);
+  ASSERT_GT(lit, 1000);
+  EXPECT_LT(black, lit / 200) << lit;  // rays from one edge above the mesh: 106 of 3583
 }
 
 TEST(RelitPainter, AMirrorShowsTheNewEnvironment) {
