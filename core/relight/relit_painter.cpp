@@ -179,7 +179,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
         hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
       place = ray.eye - (mirror ? hit->t : std::min(hit->t, t)) * ray.view;
-      if (!hit->from_inside && mirror) normal = turned_to(surface_.smooth_normal(*hit, place), ray.view);
+      if (!hit->from_inside && mirror) normal = turned_to(surface_.smooth_normal(*hit), ray.view);
       outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
     }
     // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.

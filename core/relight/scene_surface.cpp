@@ -94,26 +94,7 @@ void SceneSurface::take_materials(const RelitScene& scene) {
 
 float SceneSurface::visibility(const Vec3f& origin, const Vec3f& direction, float far) const {
   if (!glass_) return hits_.occluded(origin, direction, 0, far) ? 0.f : 1.f;
-  float near = 0, share = 1;
-  for (int panes = 0; panes < kMostPanes; ++panes) {
-    const auto hit = hits_.first_hit(origin, direction, near, far);
-    if (!hit) return share;
-    share *= face_transmittance(hit->face);
-    if (share < kLeastShare) return 0;
-    near = next_near(hit->t);
-  }
-  return 0;
-}
-
-SurfacePlace SceneSurface::place(uint32_t face, const Vec3f& p) const {
-  const auto& f = mesh_.faces[face];
-  const Vec3f &a = mesh_.positions[f[0]], &b = mesh_.positions[f[1]], &c = mesh_.positions[f[2]];
-  const Vec3f n = cross(b - a, c - a);
-  const float area = squared_length(n);
-  if (!(area > 0)) return {face, {1, 0, 0}};
-  const float u = std::clamp(dot(cross(p - a, c - a), n) / area, 0.f, 1.f);
-  const float v = std::clamp(dot(cross(b - a, p - a), n) / area, 0.f, 1 - u);
-  return {face, {1 - u - v, u, v}};
+  return hits_.transmittance(origin, direction, far, transmittance_, kLeastShare);
 }
 
 }  // namespace vitrine

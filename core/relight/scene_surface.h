@@ -2,6 +2,7 @@
 // vertex sends on. Vertices take their materials from the surfels around them, by a short ray through them.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/relight/relit_scene.h"
@@ -30,12 +31,12 @@ class SceneSurface {
     return hits_.first_hit(origin, direction, near);
   }
   // Nothing, not even a pane, stands between.
-  bool free_between(const Vec3f& a, const Vec3f& b) const { return !hits_.first_hit(a, b - a, 0, 1); }
+  bool free_between(const Vec3f& a, const Vec3f& b) const { return !hits_.occluded(a, b - a, 0, 1); }
   // The place where a ray meets the front of the mesh before `far`.
   std::optional<SurfacePlace> front_near(const Vec3f& origin, const Vec3f& direction, float far) const {
-    const auto hit = hits_.first_hit(origin, direction, 0, far);
+    const auto hit = hits_.first_face(origin, direction, 0, far);
     if (!hit || hit->from_inside) return std::nullopt;
-    return place(hit->face, origin + hit->t * direction);
+    return place(*hit);
   }
   // Share of light that comes along a segment: 0 behind anything solid, less than 1 behind glass.
   float visibility(const Vec3f& origin, const Vec3f& direction, float far = MeshHits::kFar) const;
@@ -51,10 +52,10 @@ class SceneSurface {
   float follow(const Vec3f& origin, const Vec3f& direction, const Meet& meet) const {
     float near = 0, share = 1;
     for (int panes = 0; panes < kMostPanes; ++panes) {
-      const auto hit = hits_.first_hit(origin, direction, near);
+      const auto hit = hits_.first_face(origin, direction, near);
       if (!hit) return share;
       const float through = face_transmittance(hit->face);
-      meet(Meeting{place(hit->face, origin + hit->t * direction), share * (1 - through), !hit->from_inside});
+      meet(Meeting{place(*hit), share * (1 - through), !hit->from_inside});
       share *= through;
       if (share < kLeastShare) return 0;
       near = next_near(hit->t);
@@ -62,8 +63,8 @@ class SceneSurface {
     return 0;
   }
   // Of the vertices around, outwards; where they cancel, that of the face.
-  Vec3f smooth_normal(const MeshHit& hit, const Vec3f& position) const {
-    const Vec3f n = at(mesh_.normals, place(hit.face, position));
+  Vec3f smooth_normal(const MeshHit& hit) const {
+    const Vec3f n = at(mesh_.normals, place(hit));
     return squared_length(n) > 0 ? normalized(n) : hit.normal;
   }
   Vec3f at(const std::vector<Vec3f>& per_vertex, const SurfacePlace& place) const {
@@ -77,7 +78,10 @@ class SceneSurface {
 
   float face_transmittance(uint32_t face) const { return glass_ ? transmittance_[face] : 0.f; }
   float next_near(float t) const { return t * (1 + 4e-6f) + 1e-3f * grain_; }
-  SurfacePlace place(uint32_t face, const Vec3f& position) const;
+  static SurfacePlace place(const FaceHit& hit) {
+    const float u = std::clamp(hit.u, 0.f, 1.f), v = std::clamp(hit.v, 0.f, 1 - u);
+    return {hit.face, {1 - u - v, u, v}};
+  }
   void take_materials(const RelitScene& scene);
 
   size_t near_vertices_ = 0, near_faces_ = 0;

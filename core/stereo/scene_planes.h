@@ -14,7 +14,7 @@ struct ScenePlane {
   Vec3d normal;        // world frame, unit
   double offset = 0;   // normal.X = offset
   double share = 0;    // of the surface that stereo found in all photos
-  Vec3d centre;        // of what was found of it
+  Vec3d centre{};      // of what was found of it
   double extent = 0;   // root of the mean squared distance from there
   bool floor = false;  // level, below all cameras, and nothing was found below it: no ray goes on behind it
 

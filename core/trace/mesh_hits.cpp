@@ -33,6 +33,23 @@ void keep_first_face(const RTCFilterFunctionNArguments* args) {
   best.face = face;
 }
 
+// Everything is solid, unless it is told what lets light through.
+struct AnyFace : RTCIntersectContext {
+  const float* transmittance = nullptr;
+  float least = 0, share = 1;
+};
+void pass_panes(const RTCFilterFunctionNArguments* args) {
+  auto& any = *static_cast<AnyFace*>(args->context);
+  if (any.transmittance == nullptr) return;
+  any.share *= any.transmittance[RTCHitN_primID(args->hit, args->N, 0)];
+  if (any.share >= any.least && any.share > 0) args->valid[0] = 0;
+}
+
+FaceHit face_hit(const RTCRayHit& r) {
+  const Vec3f normal{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, direction{r.ray.dir_x, r.ray.dir_y, r.ray.dir_z};
+  return {r.ray.tfar, r.hit.primID, r.hit.u, r.hit.v, dot(normal, direction) > 0.f};
+}
+
 }  // namespace
 
 struct MeshHits::Tree {
@@ -57,6 +74,7 @@ MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {
   for (size_t f = 0; f < mesh.faces.size(); ++f)
     for (size_t c = 0; c < 3; ++c) faces[3 * f + c] = mesh.faces[f][c];
   rtcSetGeometryIntersectFilterFunction(geometry, keep_first_face);
+  rtcSetGeometryOccludedFilterFunction(geometry, pass_panes);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(tree_->scene.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -65,14 +83,24 @@ MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {
 
 MeshHits::~MeshHits() = default;
 
-std::optional<MeshHit> MeshHits::first_hit(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+RTCRayHit MeshHits::nearest(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
   RTCRayHit r = embree::ray_hit(origin, direction, near, far);
   FirstFace context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(tree_->scene.get(), &context, &r);
+  return r;
+}
+
+std::optional<FaceHit> MeshHits::first_face(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+  const RTCRayHit r = nearest(origin, direction, near, far);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const Vec3f n = normalized(Vec3f{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z});
-  return MeshHit{r.ray.tfar, n, r.hit.primID, dot(n, direction) > 0.f};
+  return face_hit(r);
+}
+
+std::optional<MeshHit> MeshHits::first_hit(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+  const RTCRayHit r = nearest(origin, direction, near, far);
+  if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return MeshHit{face_hit(r), normalized(Vec3f{r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z})};
 }
 
 std::optional<MeshHit> MeshHits::back_surface(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
@@ -92,10 +120,21 @@ std::optional<MeshHit> MeshHits::back_surface(const Vec3f& origin, const Vec3f& 
 
 bool MeshHits::occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
   RTCRay ray = embree::ray_hit(origin, direction, near, far).ray;
-  RTCIntersectContext context;
+  AnyFace context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(tree_->scene.get(), &context, &ray);
   return ray.tfar < 0.f;
+}
+
+float MeshHits::transmittance(const Vec3f& origin, const Vec3f& direction, float far, std::span<const float> of_faces,
+                              float least) const {
+  RTCRay ray = embree::ray_hit(origin, direction, 0, far).ray;
+  AnyFace context;
+  rtcInitIntersectContext(&context);
+  context.transmittance = of_faces.data();
+  context.least = least;
+  rtcOccluded1(tree_->scene.get(), &context, &ray);
+  return ray.tfar < 0.f ? 0.f : context.share;
 }
 
 }  // namespace vitrine

@@ -6,17 +6,23 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/mesh/tri_mesh.h"
 
+struct RTCRayHit;
+
 namespace vitrine {
 
-struct MeshHit {
+struct FaceHit {
   float t = 0;
-  Vec3f normal{};  // geometric, unit, outwards
   uint32_t face = 0;
+  float u = 0, v = 0;  // weights of the face's second and third corner
   bool from_inside = false;
+};
+struct MeshHit : FaceHit {
+  Vec3f normal{};  // geometric, unit, outwards
 };
 
 class MeshHits {
@@ -27,17 +33,22 @@ class MeshHits {
   MeshHits(const MeshHits&) = delete;
   MeshHits& operator=(const MeshHits&) = delete;
 
-  // The nearest surface with near < t < far.
+  // The nearest surface with near < t < far; first_face() is the same without its normal.
+  std::optional<FaceHit> first_face(const Vec3f& origin, const Vec3f& direction, float near = 0.f, float far = kFar) const;
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0.f, float far = kFar) const;
   // Where a ray that is inside a shell at `near` leaves it. Shells in the shell (glass in glass) are passed: fronts and backs
   // are counted until as many close as were opened. Where the mesh has holes and the count never closes: the last back.
   std::optional<MeshHit> back_surface(const Vec3f& origin, const Vec3f& direction, float near, float far = kFar) const;
   // Whether anything lies between near and far.
   bool occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const;
+  // Product of the transmittances (`of_faces`, one a face; 0 = solid) of all faces between 0 and far; 0 below `least`. Faces are
+  // met in any order, so that what is solid ends the search early.
+  float transmittance(const Vec3f& origin, const Vec3f& direction, float far, std::span<const float> of_faces, float least) const;
 
   static constexpr float kFar = 1e30f;
 
  private:
+  RTCRayHit nearest(const Vec3f& origin, const Vec3f& direction, float near, float far) const;
   struct Tree;
   std::unique_ptr<Tree> tree_;
 };

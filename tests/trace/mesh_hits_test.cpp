@@ -36,6 +36,42 @@ TEST(MeshHits, FirstHitOfASphereIsTheAnalyticOne) {
   EXPECT_GT(hits, 500);
 }
 
+TEST(MeshHits, WeightsOfTheCornersGiveThePlace) {
+  const TriMesh sphere = shapes::sphere({0, 0, 0}, 1, 20, 30);
+  const MeshHits mesh(sphere);
+  Rng rng(2);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3f origin{0.1f * rng.normal(), 0.1f * rng.normal(), 0.1f * rng.normal()};
+    const Vec3f direction = normalized(Vec3f{rng.normal(), rng.normal(), rng.normal()});
+    const auto hit = mesh.first_face(origin, direction);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_TRUE(hit->from_inside);
+    const auto& f = sphere.faces[hit->face];
+    const Vec3f place =
+        (1 - hit->u - hit->v) * sphere.positions[f[0]] + hit->u * sphere.positions[f[1]] + hit->v * sphere.positions[f[2]];
+    EXPECT_LT(length(place - (origin + hit->t * direction)), 1e-5f);
+  }
+}
+
+TEST(MeshHits, PanesShareTheLightAndSolidThingsStopIt) {
+  TriMesh shells = shapes::sphere({0, 0, 0}, 1, 20, 30);
+  const size_t outer = shells.faces.size();
+  shapes::append(shells, shapes::sphere({0, 0, 0}, 0.5f, 20, 30));
+  const MeshHits mesh(shells);
+  std::vector<float> of_faces(shells.faces.size(), 0.5f);
+  std::fill(of_faces.begin() + std::ptrdiff_t(outer), of_faces.end(), 0.8f);
+  const Vec3f from{0.03f, 0.02f, -3}, direction{0, 0, 1};
+  const auto through = [&](float far, float least = 0.01f) { return mesh.transmittance(from, direction, far, of_faces, least); };
+  EXPECT_EQ(through(1.5f), 1);
+  EXPECT_FLOAT_EQ(through(2.2f), 0.5f);
+  EXPECT_FLOAT_EQ(through(3), 0.5f * 0.8f);
+  EXPECT_FLOAT_EQ(through(MeshHits::kFar), 0.5f * 0.8f * 0.8f * 0.5f);
+  EXPECT_EQ(through(MeshHits::kFar, 0.2f), 0);
+  std::fill(of_faces.begin() + std::ptrdiff_t(outer), of_faces.end(), 0.f);
+  EXPECT_EQ(through(MeshHits::kFar, 0.f), 0);
+  EXPECT_FLOAT_EQ(through(2.2f), 0.5f);
+}
+
 TEST(MeshHits, BackSurfaceSkipsAShellInsideTheShell) {
   TriMesh mesh = shapes::sphere({0, 0, 0}, 1, 40, 60);
   shapes::append(mesh, shapes::sphere({0, 0, 0}, 0.5f, 40, 60));
