@@ -150,8 +150,9 @@ YamlFile parse_yaml(std::string_view text, std::string name) {
   } catch (const Unsupported& u) {
     errors.add(file, u.mark, 1, u.what + " are not supported: write the value out");
   } catch (const YAML::Exception& e) {
-    const bool at_end = e.mark.pos >= static_cast<int>(text.size());
-    errors.add(file, at_end ? end_of(file) : mark_of(e.mark), 1, "not valid YAML: " + e.msg);
+    const SourceMark mark = mark_of(e.mark), last = end_of(file);
+    const bool at_end = e.mark.pos >= static_cast<int>(text.size()) || mark.line > last.line;
+    errors.add(file, at_end ? last : mark, 1, "not valid YAML: " + e.msg);
   }
   errors.throw_if_any("indent with spaces, write `key: value`, and put text with special characters in quotes");
   return file;

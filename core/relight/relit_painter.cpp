@@ -62,6 +62,13 @@ class PixelShader {
   float visibility(const Vec3f& direction, float far = Lighting::kFar) const {
     return lit_.surface().visibility(origin_, direction, far);
   }
+  // Up to the lamp and not beyond, where its ceiling may be.
+  float visibility(const LampSample& s) const {
+    if (!(s.distance < Lighting::kFar)) return visibility(s.direction);
+    const Vec3f way = place_ + s.distance * s.direction - origin_;
+    const float distance = length(way);
+    return distance > 0 ? visibility(way / distance, distance) : 1.f;
+  }
   // Balance heuristic: radiance f cos / pdf with weight pdf / (pdf + other).
   Vec3f towards_environment(const Vec2f& u) const {
     const Environment::Sample s = light_.environment.sample(u);
@@ -76,7 +83,7 @@ class PixelShader {
     const Vec3f l = frame_.local(s.direction);
     if (!(l.z > 0)) return {};
     const float other = lamp < light_.sharp_lamps() ? 0.f : scatter_.pdf(l);
-    return (visibility(s.direction, s.distance) / (s.pdf + other)) * hadamard(scatter_.value(l), s.radiance);
+    return (visibility(s) / (s.pdf + other)) * hadamard(scatter_.value(l), s.radiance);
   }
   Vec3f along_lobe(const Vec2f& u, float choice) const {
     const Vec3f l = scatter_.sample(choice, u);
@@ -172,13 +179,14 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     // for a picture in a mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels
     // fill.
     const bool mirror = mirrors(scene_.blend(), material);
-    Vec3f outwards = ray.view;
+    Vec3f outwards = ray.view, on_mesh = place;
     const float t = z * length(ray.direction_per_z);
     // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
     // their front has the light that falls on it, not the dark behind it.
     if (const auto hit = surface_.first_hit(ray.eye, -ray.view);
         hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
-      place = ray.eye - (mirror ? hit->t : std::min(hit->t, t)) * ray.view;
+      on_mesh = ray.eye - hit->t * ray.view;
+      if (mirror || hit->t < t) place = on_mesh;
       if (!hit->from_inside && mirror) normal = turned_to(surface_.smooth_normal(*hit), ray.view);
       outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
     }
@@ -189,7 +197,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const Microfacet scatter(scene_.blend(), material, frame.local(ray.view));
     Vec3f radiance = PixelShader(*lit_, scatter, frame, place, origin).shade(SamplePoints(desc.seed, pixel), desc.samples);
     if (material.transmission > kLeastCoverage) {
-      const GlassContent::Seen seen = glass_.seen(pixel, place - lift * normal, -ray.view);
+      const GlassContent::Seen seen = glass_.seen(pixel, on_mesh - lift * normal, -ray.view);
       Vec3f through = seen.radiance;
       if (seen.rest > kLeastCoverage) {
         const LitScene::Arrival a = lit_->arriving(seen.origin, seen.direction);

@@ -94,7 +94,7 @@ void SceneSurface::take_materials(const RelitScene& scene) {
 
 float SceneSurface::visibility(const Vec3f& origin, const Vec3f& direction, float far) const {
   if (!glass_) return hits_.occluded(origin, direction, 0, far) ? 0.f : 1.f;
-  return hits_.transmittance(origin, direction, far, transmittance_, kLeastShare);
+  return hits_.transmittance(origin, direction, far, {transmittance_, kLeastShare, kSamePlace * grain_});
 }
 
 }  // namespace vitrine

@@ -51,7 +51,7 @@ class SceneSurface {
   template <class Meet>
   float follow(const Vec3f& origin, const Vec3f& direction, const Meet& meet) const {
     float near = 0, share = 1;
-    for (int panes = 0; panes < kMostPanes; ++panes) {
+    for (int panes = 0; panes < MeshHits::kMostPanes; ++panes) {
       const auto hit = hits_.first_face(origin, direction, near);
       if (!hit) return share;
       const float through = face_transmittance(hit->face);
@@ -73,11 +73,11 @@ class SceneSurface {
   }
 
  private:
-  static constexpr int kMostPanes = 12;
   static constexpr float kLeastShare = 0.01f;
+  static constexpr float kSamePlace = 1e-3f;  // in grains: faces this near to each other along a ray are one surface
 
   float face_transmittance(uint32_t face) const { return glass_ ? transmittance_[face] : 0.f; }
-  float next_near(float t) const { return t * (1 + 4e-6f) + 1e-3f * grain_; }
+  float next_near(float t) const { return t * (1 + 4e-6f) + kSamePlace * grain_; }
   static SurfacePlace place(const FaceHit& hit) {
     const float u = std::clamp(hit.u, 0.f, 1.f), v = std::clamp(hit.v, 0.f, 1 - u);
     return {hit.face, {1 - u - v, u, v}};

@@ -1,5 +1,7 @@
 #include "core/trace/mesh_hits.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -35,14 +37,24 @@ void keep_first_face(const RTCFilterFunctionNArguments* args) {
 
 // Everything is solid, unless it is told what lets light through.
 struct AnyFace : RTCIntersectContext {
-  const float* transmittance = nullptr;
-  float least = 0, share = 1;
+  const MeshHits::Panes* panes = nullptr;
+  float share = 1;
+  int passed = 0;
+  std::array<float, MeshHits::kMostPanes> at{};  // distances of panes that were passed
 };
 void pass_panes(const RTCFilterFunctionNArguments* args) {
   auto& any = *static_cast<AnyFace*>(args->context);
-  if (any.transmittance == nullptr) return;
-  any.share *= any.transmittance[RTCHitN_primID(args->hit, args->N, 0)];
-  if (any.share >= any.least && any.share > 0) args->valid[0] = 0;
+  if (any.panes == nullptr) return;
+  const float through = any.panes->transmittance[RTCHitN_primID(args->hit, args->N, 0)], t = RTCRayN_tfar(args->ray, args->N, 0);
+  if (!(through > 0)) return;
+  const auto passed = any.at.begin() + any.passed;
+  if (std::none_of(any.at.begin(), passed, [&](float at) { return std::abs(t - at) <= any.panes->same + kEdgeStep * t; })) {
+    any.share *= through;
+    if (any.share < any.panes->least || passed == any.at.end()) return;
+    *passed = t;
+    ++any.passed;
+  }
+  args->valid[0] = 0;
 }
 
 FaceHit face_hit(const RTCRayHit& r) {
@@ -56,7 +68,7 @@ struct MeshHits::Tree {
   embree::Scene scene = embree::Scene::robust();
 };
 
-MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()) {
+MeshHits::MeshHits(const TriMesh& mesh) : tree_(std::make_unique<Tree>()), faces_(mesh.faces.size()) {
   for (const auto& face : mesh.faces)
     for (const uint32_t v : face)
       if (v >= mesh.positions.size())
@@ -126,13 +138,12 @@ bool MeshHits::occluded(const Vec3f& origin, const Vec3f& direction, float near,
   return ray.tfar < 0.f;
 }
 
-float MeshHits::transmittance(const Vec3f& origin, const Vec3f& direction, float far, std::span<const float> of_faces,
-                              float least) const {
+float MeshHits::transmittance(const Vec3f& origin, const Vec3f& direction, float far, const Panes& panes) const {
+  VITRINE_CHECK(panes.transmittance.size() == faces_, "a transmittance for every face");
   RTCRay ray = embree::ray_hit(origin, direction, 0, far).ray;
   AnyFace context;
   rtcInitIntersectContext(&context);
-  context.transmittance = of_faces.data();
-  context.least = least;
+  context.panes = &panes;
   rtcOccluded1(tree_->scene.get(), &context, &ray);
   return ray.tfar < 0.f ? 0.f : context.share;
 }

@@ -41,9 +41,15 @@ class MeshHits {
   std::optional<MeshHit> back_surface(const Vec3f& origin, const Vec3f& direction, float near, float far = kFar) const;
   // Whether anything lies between near and far.
   bool occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const;
-  // Product of the transmittances (`of_faces`, one a face; 0 = solid) of all faces between 0 and far; 0 below `least`. Faces are
-  // met in any order, so that what is solid ends the search early.
-  float transmittance(const Vec3f& origin, const Vec3f& direction, float far, std::span<const float> of_faces, float least) const;
+  // Product of the transmittances of all surfaces between 0 and far. Faces are met in any order, so that what is solid ends the
+  // search early; those nearer to each other than `same` are one surface, as at an edge.
+  struct Panes {
+    std::span<const float> transmittance;  // one a face; 0 = solid
+    float least = 0;                       // a product below counts as 0
+    float same = 0;
+  };
+  static constexpr int kMostPanes = 12;  // more let nothing through
+  float transmittance(const Vec3f& origin, const Vec3f& direction, float far, const Panes& panes) const;
 
   static constexpr float kFar = 1e30f;
 
@@ -51,6 +57,7 @@ class MeshHits {
   RTCRayHit nearest(const Vec3f& origin, const Vec3f& direction, float near, float far) const;
   struct Tree;
   std::unique_ptr<Tree> tree_;
+  size_t faces_ = 0;
 };
 
 }  // namespace vitrine

@@ -193,6 +193,26 @@ TEST(RelitPainter, PitsAndLumpsOfTheMeshThrowNoShadows) {
   EXPECT_LT(black, lit / 200) << lit;  // rays from one edge above the mesh: 106 of 3583
 }
 
+TEST(RelitPainter, ALampRightBelowACeilingShines) {
+  const auto top = [](bool ceiling) {
+    RelitScene scene = relit_ball({0.8f, 0.8f, 0.8f});
+    const auto& f = scene.mesh.faces[0];
+    const float above = 1 + length(scene.mesh.positions[f[0]] - scene.mesh.positions[f[1]]);
+    if (ceiling) {
+      scene.surroundings.positions = {{-1, -1, above}, {-1, 1, above}, {1, 1, above}, {1, -1, above}};
+      scene.surroundings.colors.assign(4, {});
+      scene.surroundings.faces = {{0, 1, 2}, {0, 2, 3}};
+    }
+    Lighting lamp;
+    lamp.points.push_back({{0, 0, 1}, {1, 1, 1}});
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting(lamp);
+    return painter.picture(view_from({0.8, 0, 0.8})).radiance.at(24, 12, 1);
+  };
+  EXPECT_GT(top(false), 0.1);
+  EXPECT_NEAR(top(true), top(false), 0.01 * top(false));
+}
+
 TEST(RelitPainter, AMirrorShowsTheNewEnvironment) {
   RelitScene scene = relit_ball({0, 0, 0});
   std::ranges::fill(scene.materials.specular_weight, 1.f);

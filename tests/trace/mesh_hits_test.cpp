@@ -61,12 +61,17 @@ TEST(MeshHits, PanesShareTheLightAndSolidThingsStopIt) {
   std::vector<float> of_faces(shells.faces.size(), 0.5f);
   std::fill(of_faces.begin() + std::ptrdiff_t(outer), of_faces.end(), 0.8f);
   const Vec3f from{0.03f, 0.02f, -3}, direction{0, 0, 1};
-  const auto through = [&](float far, float least = 0.01f) { return mesh.transmittance(from, direction, far, of_faces, least); };
+  const auto through = [&](float far, float least = 0.01f) {
+    return mesh.transmittance(from, direction, far, {of_faces, least, 1e-5f});
+  };
   EXPECT_EQ(through(1.5f), 1);
   EXPECT_FLOAT_EQ(through(2.2f), 0.5f);
   EXPECT_FLOAT_EQ(through(3), 0.5f * 0.8f);
   EXPECT_FLOAT_EQ(through(MeshHits::kFar), 0.5f * 0.8f * 0.8f * 0.5f);
   EXPECT_EQ(through(MeshHits::kFar, 0.2f), 0);
+  // A ray through a pole meets thirty faces that are one surface.
+  EXPECT_FLOAT_EQ(mesh.transmittance({0, 0, -3}, direction, 2.2f, {of_faces, 0.01f, 1e-5f}), 0.5f);
+  EXPECT_FLOAT_EQ(mesh.transmittance({0, 0, -3}, direction, MeshHits::kFar, {of_faces, 0.01f, 1e-5f}), 0.5f * 0.8f * 0.8f * 0.5f);
   std::fill(of_faces.begin() + std::ptrdiff_t(outer), of_faces.end(), 0.f);
   EXPECT_EQ(through(MeshHits::kFar, 0.f), 0);
   EXPECT_FLOAT_EQ(through(2.2f), 0.5f);

@@ -31,16 +31,25 @@ class Reader {
       for (const YamlNode& mark : marks->items) read_mark(mark, size);
     }
     in_.finish("stages/masks/README.md shows the format");
-    const std::string lost = lost_.empty() ? "" : fmt::format(" (sfm could not place {})", fmt::join(lost_, ", "));
     for (const MarkedThing& thing : things_)
       if (thing.marks.size() < 2)
         in_.complain(fmt::format("'{}' is marked in {}{}; where it stands takes two from different sides", thing.name,
-                                 thing.marks.empty() ? "no photo that has a camera" : "one photo only", lost));
+                                 thing.marks.empty() ? "no photo that has a camera" : "one photo only", lost_marks_of(thing)));
     in_.finish("mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
-    return {std::move(things_), std::move(lost_)};
+    std::vector<std::string> lost;
+    for (const auto& [thing, photo] : lost_)
+      if (std::ranges::find(lost, photo) == lost.end()) lost.push_back(photo);
+    return {std::move(things_), std::move(lost)};
   }
 
  private:
+  std::string lost_marks_of(const MarkedThing& thing) const {
+    std::vector<std::string> photos;
+    for (const auto& [of, photo] : lost_)
+      if (of == thing.name) photos.push_back(photo);
+    return photos.empty() ? "" : fmt::format(" (sfm could not place {})", fmt::join(photos, ", "));
+  }
+
   std::optional<Vec2d> size_of(const YamlNode& map) {
     const YamlNode* node = map.find("size");
     if (node == nullptr) return std::nullopt;
@@ -106,10 +115,7 @@ class Reader {
     if (thing != nullptr) thing_name += " " + thing->text;
     auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
     if (it == things_.end()) it = things_.insert(things_.end(), {thing_name, *kind, {}});
-    if (lost) {
-      if (std::ranges::find(lost_, photo->text) == lost_.end()) lost_.push_back(photo->text);
-      return;
-    }
+    if (lost) return void(lost_.emplace_back(thing_name, photo->text));
     const auto line = outline(node, region->corners, *size, *view);
     if (!line) return;
     Mark mark{.view = *view, .box = region->box, .outline = *line};
@@ -121,7 +127,7 @@ class Reader {
   const MaskCapture& capture_;
   YamlReader in_;
   std::vector<MarkedThing> things_;
-  std::vector<std::string> lost_;
+  std::vector<std::pair<std::string, std::string>> lost_;  // thing, photo without camera
 };
 
 }  // namespace
