@@ -25,7 +25,7 @@ constexpr size_t kGradientBatches = 16;  // SIMD batches to a task
 struct ThreadScratch {
   Buffer<RasterSplat> local;
   Buffer<uint32_t> list, sorted;
-  Buffer<float> z_min, sorted_z;
+  Buffer<float> z_min, sorted_z, pixels;
   Buffer<unsigned char> slots;
 };
 
@@ -75,6 +75,26 @@ PassView pass_view(const RasterDesc& desc, const SplatLayer& layer) {
   return v;
 }
 
+// Planes that are not there are null. Their size is the caller's, that of the last forward().
+template <class Images>
+auto planes_of(Images& images, size_t features) {
+  using Plane = decltype(images.plane(Aov::Color).data());
+  const auto plane = [&](Aov a) { return images.plane(a).empty() ? nullptr : images.plane(a).data(); };
+  TilePlanes<Plane> out{};
+  size_t feature = 0;
+  for (const AovRow& r : kAovs) {
+    if (!r.feature) continue;
+    const size_t pixels = images.plane(r.id).size() / static_cast<size_t>(r.width);
+    for (size_t c = 0; c < static_cast<size_t>(r.width) && feature < features; ++c)
+      out.features[feature++] = plane(r.id) ? plane(r.id) + c * pixels : nullptr;
+  }
+  out.zdepth = plane(Aov::ZDepth);
+  out.alpha = plane(Aov::Alpha);
+  out.median_z = plane(Aov::MedianZ);
+  out.distortion = plane(Aov::Distortion);
+  return out;
+}
+
 class CpuRenderer final : public Renderer {
  public:
   explicit CpuRenderer(const PassTable& passes) : passes_(passes) {}
@@ -88,7 +108,6 @@ class CpuRenderer final : public Renderer {
  private:
   void project();
   TileTask tile_task(size_t tile, ThreadScratch& scratch, size_t slot_bytes);
-  void write_tile(const TileTask& task, RasterImages& out) const;
 
   const PassTable& passes_;
   const SplatLayer* layer_ = nullptr;
@@ -141,6 +160,8 @@ TileTask CpuRenderer::tile_task(size_t tile, ThreadScratch& scratch, size_t slot
   task.kept = kept_.data() + tile * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels());
   task.wanted = wanted_.all() ? nullptr : wanted_.pixels(tile);
   task.wanted_blocks = wanted_.all() ? static_cast<uint16_t>(~0u) : wanted_.blocks(tile);
+  scratch.pixels.resize(kMaxChannels * kBlocks * kLanes);
+  task.pixels = scratch.pixels.data();
   task.local = scratch.local.data();
   task.slots = scratch.slots.data();
   return task;
@@ -160,6 +181,7 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
   lists_.resize(tiles);
   kept_.resize(tiles * static_cast<size_t>(kBlocks * kLanes * view_.kept_channels()));
   out.resize(desc);
+  const TileImages images = planes_of(out, static_cast<size_t>(view_.features));
   parallel_for(tiles, 1, [&](size_t tile) {
     ThreadScratch& scratch = thread_scratch();
     TileTask task = tile_task(tile, scratch, passes_.forward_slot_bytes);
@@ -179,14 +201,13 @@ void CpuRenderer::forward(const SplatLayer& layer, const RasterDesc& desc, Raste
     TileLists& keep = lists_[tile];
     keep.fragments = {};
     task.fragments = keep.fragments.data();
-    passes_.forward_tile(view_, task);
+    passes_.forward_tile(view_, task, images);
     keep.seen.clear();
     for (size_t b = 0; b < kBlocks; ++b) {
       keep.offset[b] = static_cast<uint32_t>(keep.seen.size());
       keep.seen.insert(keep.seen.end(), task.list + offset[b], task.list + offset[b] + size[b]);
     }
     keep.offset[kBlocks] = static_cast<uint32_t>(keep.seen.size());
-    write_tile(task, out);
   });
 }
 
@@ -202,69 +223,10 @@ RasterCounts CpuRenderer::counts() const {
   return c;
 }
 
-// Blocks -> rows of the image planes, background behind the colour.
-void CpuRenderer::write_tile(const TileTask& task, RasterImages& out) const {
-  const size_t width = static_cast<size_t>(view_.width), stride = width * static_cast<size_t>(view_.height);
-  const size_t features = static_cast<size_t>(view_.features), channels = static_cast<size_t>(view_.kept_channels());
-  const float k = distortion_scale(view_.near_z, view_.far_z);
-  std::array<float*, kMaxFeatures> planes{};
-  const std::array<float*, 3> geometric{out.plane(Aov::ZDepth).data(), out.plane(Aov::Alpha).data(),
-                                        out.plane(Aov::MedianZ).data()};
-  float* distortion = out.plane(Aov::Distortion).data();
-  size_t feature = 0;
-  for (const AovRow& r : kAovs)
-    for (size_t c = 0; r.feature && feature < features && c < static_cast<size_t>(r.width); ++c)
-      planes[feature++] = out.plane(r.id).data() + c * stride;
-  const auto write_block = [&](size_t block, size_t x, size_t y, size_t columns, size_t rows) {
-    const float* kept = task.kept + block * channels * kLanes;
-    const float* alpha = kept + (features + 1) * kLanes;
-    for (size_t r = 0; r < rows; ++r) {
-      const size_t lane = r * kBlockSide, to = (y + r) * width + x;
-      const auto copy = [&](float* plane, size_t channel) {
-        for (size_t i = 0; i < columns; ++i) plane[to + i] = kept[channel * kLanes + lane + i];
-      };
-      for (size_t c = 0; c < 3; ++c)
-        for (size_t i = 0; i < columns; ++i)
-          planes[c][to + i] = kept[c * kLanes + lane + i] + (1.f - alpha[lane + i]) * view_.background[c];
-      for (size_t c = 3; c < features; ++c) copy(planes[c], c);
-      for (size_t c = 0; c < geometric.size(); ++c) copy(geometric[c], features + c);
-      for (size_t i = 0; desc_.distortion && i < columns; ++i) {
-        const float a = alpha[lane + i], q1 = kept[(features + 3) * kLanes + lane + i],
-                    q2 = kept[(features + 4) * kLanes + lane + i];
-        distortion[to + i] = k * k * std::max(0.f, a * q2 - q1 * q1);
-      }
-    }
-  };
-  for (size_t block = 0; block < kBlocks; ++block) {
-    const size_t x = static_cast<size_t>(task.x0) + block % kBlockSide * kBlockSide;
-    const size_t y = static_cast<size_t>(task.y0) + block / kBlockSide * kBlockSide;
-    const size_t height = static_cast<size_t>(view_.height);
-    if (x >= width || y >= height) continue;
-    // Constant sizes for nearly all blocks: the copies become single instructions.
-    if (x + kBlockSide <= width && y + kBlockSide <= height)
-      write_block(block, x, y, kBlockSide, kBlockSide);
-    else
-      write_block(block, x, y, std::min<size_t>(kBlockSide, width - x), std::min<size_t>(kBlockSide, height - y));
-  }
-}
-
 void CpuRenderer::backward(const BackwardInput& input, SplatLayer& grad, SurfelStatistics* statistics) {
   VITRINE_CHECK(layer_ != nullptr && input.gradients != nullptr, "backward needs a forward pass and gradients");
   VITRINE_CHECK(grad.size() == layer_->size() && grad.kind() == layer_->kind(), "gradient and layer differ in shape");
-  const size_t stride = static_cast<size_t>(view_.width) * static_cast<size_t>(view_.height);
-  TileGradients gradients{};
-  size_t feature = 0;
-  for (const AovRow& r : kAovs) {
-    if (!r.feature) continue;
-    const auto plane = input.gradients->plane(r.id);
-    for (size_t c = 0; c < static_cast<size_t>(r.width) && feature < static_cast<size_t>(view_.features); ++c)
-      gradients.planes[feature++] = plane.empty() ? nullptr : plane.data() + c * stride;
-  }
-  const auto plane = [&](Aov a) { return input.gradients->plane(a).empty() ? nullptr : input.gradients->plane(a).data(); };
-  gradients.zdepth = plane(Aov::ZDepth);
-  gradients.alpha = plane(Aov::Alpha);
-  gradients.median_z = plane(Aov::MedianZ);
-  gradients.distortion = plane(Aov::Distortion);
+  TileGradients gradients{{planes_of(*input.gradients, static_cast<size_t>(view_.features))}, nullptr, nullptr};
   gradients.error = input.error_image.empty() ? nullptr : input.error_image.data();
 
   records_.resize(binning_.instance_count() * kRecordFloats);

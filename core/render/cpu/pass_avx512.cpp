@@ -10,9 +10,11 @@
 // Each file uses the ones before it.
 // clang-format off
 #include "core/render/cpu/pass_math.h"
+#include "core/render/cpu/pass_pixels.h"
 #include "core/render/cpu/pass_lists.h"
 #include "core/render/cpu/pass_forward.h"
 #include "core/render/cpu/pass_backward.h"
+#include "core/render/cpu/pass_rows.h"
 #include "core/render/cpu/pass_project.h"
 // clang-format on
 

@@ -30,52 +30,44 @@ struct BlockGradients {
   F16 pivot;
 };
 
-// A block of an image plane; zero outside the image and for a plane that is not given.
-inline F16 load_block(const PassView& view, const float* plane, int x, int y) {
-  if (plane == nullptr) return F16(0.f);
-  const size_t width = static_cast<size_t>(view.width);
-  if (x + kBlockSide <= view.width && y + kBlockSide <= view.height)
-    return load_rows(plane + static_cast<size_t>(y) * width + x, width);
-  alignas(64) float lanes[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int px = x + lane % kBlockSide, py = y + lane / kBlockSide;
-    const bool inside = px < view.width && py < view.height;
-    lanes[lane] = inside ? plane[static_cast<size_t>(py) * width + px] : 0.f;
-  }
-  return load(lanes);
+inline void read_gradients(const PassView& view, const TileTask& task, const TileGradients& g) {
+  const PlacedTile tile = placed(view, task);
+  const int f = view.features;
+  for (int c = 0; c < f; ++c) read_plane(tile, task, c, g.features[c]);
+  read_plane(tile, task, f, g.zdepth);
+  read_plane(tile, task, f + 1, g.alpha);
+  read_plane(tile, task, f + 2, g.median_z);
+  read_plane(tile, task, f + 3, g.distortion);
+  read_plane(tile, task, f + 4, g.error);
 }
 
 template <int F, bool kDistortion>
-void load_gradients(const PassView& view, const TileTask& task, const TileGradients& g, int block, BlockGradients<F>& out) {
-  const int x = task.x0 + kBlockSide * (block % kBlockSide), y = task.y0 + kBlockSide * (block / kBlockSide);
-  const float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;
-  out.total = F16(0.f);
-  out.weight = load_block(view, g.alpha, x, y);
+void load_gradients(const PassView& view, const TileTask& task, int block, BlockGradients<F>& out) {
+  const auto channel = [&](int c) { return load(block_pixels(task, c, block)); };
+  out.weight = channel(F + 1);
   F16 columns[kLanes];
   for (int c = 0; c < F; ++c) {
-    columns[c] = out.features[c] = load_block(view, g.planes[c], x, y);
+    columns[c] = out.features[c] = channel(c);
     if (c < 3) out.weight -= F16(view.background[c]) * out.features[c];
-    out.total += out.features[c] * load(kept + c * kLanes);
   }
   columns[weight_column(F)] = F16(1.f);
-  columns[error_column(F)] = load_block(view, g.error, x, y);
+  columns[error_column(F)] = channel(F + 4);
   for (int c = 0; c < column_count(F); c += 4) {
     F16 pixels[4];
     columns_of(columns[c], columns[c + 1], columns[c + 2], columns[c + 3], pixels);
     for (int j = 0; j < 4; ++j) store_rows(out.by_pixel + j * column_count(F) + c, kBlockSide * column_count(F), pixels[j]);
   }
-  out.zdepth = load_block(view, g.zdepth, x, y);
-  out.median_z = load_block(view, g.median_z, x, y);
-  out.total += out.zdepth * load(kept + F * kLanes) + out.weight * load(kept + (F + 1) * kLanes);
-  out.kept_median = load(kept + (F + 2) * kLanes);
+  out.zdepth = channel(F);
+  out.median_z = channel(F + 2);
+  const float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;
+  out.kept_median = load(kept);
   if constexpr (kDistortion) {
     const float k = distortion_scale(view.near_z, view.far_z);
-    out.spread = F16(k * k) * load_block(view, g.distortion, x, y);
-    out.sums.a = load(kept + (F + 1) * kLanes);
-    out.sums.q1 = load(kept + (F + 3) * kLanes);
-    out.sums.q2 = load(kept + (F + 4) * kLanes);
-    out.pivot = load(kept + (F + 5) * kLanes);
-    out.total += F16(2.f) * out.spread * out.sums.value();
+    out.spread = F16(k * k) * channel(F + 3);
+    out.sums.a = load(kept + kLanes);
+    out.sums.q1 = load(kept + 2 * kLanes);
+    out.sums.q2 = load(kept + 3 * kLanes);
+    out.pivot = load(kept + 4 * kLanes);
   }
 }
 
@@ -145,11 +137,11 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
   const uint32_t* list = task.list + task.list_offset[block];
   const BlockPlace place = block_place(view, task, block);
   GradientFragment* slots = reinterpret_cast<GradientFragment*>(task.slots);
-  for (uint32_t i = 0; i < kStride; ++i) {
+  for (uint32_t i = 0; i <= kStride; ++i) {
     slots[i].be_the_eye(place.inside);
     slots[i].contribution = slots[i].sum = F16(0.f);
   }
-  slots += kStride - 1;
+  slots += kStride;
   for (uint32_t i = 1; i <= size; ++i) {
     GradientFragment& f = slots[i];
     f.local = list[i - 1];
@@ -168,7 +160,7 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
   for (uint32_t i = 1; i <= size; ++i) settle(slots, i);
 
   BlockGradients<F> g;
-  load_gradients<F, kDistortion>(view, task, gradients, block, g);
+  load_gradients<F, kDistortion>(view, task, block, g);
   const BackwardBlock<F, kDistortion> out{g, gradients.records, float(kBlockSide * (block % kBlockSide)),
                                           float(kBlockSide * (block / kBlockSide)), place.py - F16(float(task.y0))};
   for (uint32_t i = 1; i <= size; ++i) {
@@ -178,18 +170,17 @@ void backward_block(const PassView& view, const TileTask& task, const TileGradie
     f.sum = slots[i - 1].sum + f.contribution;
     GradientFragment* older = slots + f.compared_from;
     F16 front = older[-1].sum;
-    if (f.compared_from != static_cast<int32_t>(i)) {
-      const DepthOrder order(f);
-      for (; older != &f; older += kStride) {
-        for (uint32_t j = 0; j < kStride; ++j) {
-          const M16 first = order.before(older[j]);
-          front += select(first, F16(0.f), older[j].contribution);
-          older[j].front += select(first, f.contribution, F16(0.f));
-        }
+    const DepthOrder order(f);
+    for (; older != &f; older += kStride) {
+      for (uint32_t j = 0; j < kStride; ++j) {
+        const M16 first = order.before(older[j]);
+        front = add_where(~first, front, older[j].contribution);
+        older[j].front = add_where(first, older[j].front, f.contribution);
       }
     }
     f.front = front;
   }
+  g.total = slots[size].sum;
   for (uint32_t i = 1; i <= size; ++i) out.add_gradient(slots[i]);
 }
 
@@ -221,6 +212,7 @@ inline void backward_tile(const PassView& view, const TileTask& task, const Tile
     }
     __builtin_memcpy(task.local + i, task.splats + task.instances[i], sizeof(RasterSplat));
   }
+  read_gradients(view, task, gradients);
   if (view.features == 3) {
     view.distortion ? backward_blocks<3, true>(view, task, gradients) : backward_blocks<3, false>(view, task, gradients);
   } else if (view.features == 6) {

@@ -68,13 +68,7 @@ VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
   const F16 transparency = F16(1.f) - f.alpha;
   f.deepest = max(last.deepest, select(f.alpha > F16(0.f), f.z, F16(0.f)));
   f.through = max(last.through * transparency, F16(kOpaqueEnough));
-  f.compared_from = static_cast<int32_t>(n);
-  if (__builtin_expect(!any(f.z <= last.deepest), 1)) {
-    f.transmittance = last.through;
-    return;
-  }
   const DepthOrder order(f);
-  const F16 one(1.f);
   F16 dimming(1.f);
   Slot* older = slots + n;
   do {
@@ -82,8 +76,8 @@ VITRINE_INLINE void settle(Slot* slots, uint32_t n) {
     for (int j = int(kStride) - 1; j >= 0; --j) {
       Slot& o = older[j];
       const M16 first = order.before(o);
-      dimming *= select(first, one, one - o.alpha);
-      o.transmittance = select(first, o.transmittance * transparency, o.transmittance);
+      dimming = dim_where(~first, dimming, o.alpha);
+      o.transmittance = multiply_where(first, o.transmittance, transparency);
     }
   } while (any(f.z <= older[-1].deepest));
   f.transmittance = older[-1].through * dimming;
@@ -116,8 +110,8 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   sort_list(task, block);
   uint32_t* seen = task.list + task.list_offset[block];  // the unsorted list has served
   Fragment* slots = reinterpret_cast<Fragment*>(task.slots);
-  for (uint32_t i = 0; i < kStride; ++i) slots[i].be_the_eye(place.inside);
-  slots += kStride - 1;                                      // the first surfel is slot 1
+  for (uint32_t i = 0; i <= kStride; ++i) slots[i].be_the_eye(place.inside);
+  slots += kStride;                                          // the first surfel is slot 1
   uint32_t used = 0, final = 0, fragments = 0, vectors = 0;  // `final`: slots in front of all that follows
   for (uint32_t begin = 0; begin < size; begin += kBatch) {
     const F16 z_min(task.sorted_z[begin]);
@@ -149,15 +143,21 @@ void forward_block(const PassView& view, const TileTask& task, int block) {
   task.list_size[block] = used;
   task.fragments[0] += fragments;
   task.fragments[1] += vectors;
+  const F16 behind = F16(1.f) - out.alpha;
+  for (int c = 0; c < F; ++c)
+    store(block_pixels(task, c, block), c < 3 ? out.features[c] + behind * F16(view.background[c]) : out.features[c]);
+  store(block_pixels(task, F, block), out.zdepth);
+  store(block_pixels(task, F + 1, block), out.alpha);
+  store(block_pixels(task, F + 2, block), out.median_z);
   float* kept = task.kept + static_cast<size_t>(block) * static_cast<size_t>(view.kept_channels()) * kLanes;
-  for (int c = 0; c < F; ++c) store(kept + c * kLanes, out.features[c]);
-  store(kept + F * kLanes, out.zdepth);
-  store(kept + (F + 1) * kLanes, out.alpha);
-  store(kept + (F + 2) * kLanes, out.median_z);
+  store(kept, out.median_z);
   if constexpr (kDistortion) {
-    store(kept + (F + 3) * kLanes, out.q1);
-    store(kept + (F + 4) * kLanes, out.q2);
-    store(kept + (F + 5) * kLanes, out.pivot);
+    const float k = distortion_scale(view.near_z, view.far_z);
+    store(block_pixels(task, F + 3, block), F16(k * k) * max(F16(0.f), out.alpha * out.q2 - out.q1 * out.q1));
+    store(kept + kLanes, out.alpha);
+    store(kept + 2 * kLanes, out.q1);
+    store(kept + 3 * kLanes, out.q2);
+    store(kept + 4 * kLanes, out.pivot);
   }
 }
 
@@ -166,11 +166,26 @@ void forward_blocks(const PassView& view, const TileTask& task) {
   for (int block = 0; block < kBlocks; ++block) forward_block<F, kDistortion>(view, task, block);
 }
 
-inline void forward_tile(const PassView& view, const TileTask& task) {
+inline void write_images(const PassView& view, const TileTask& task, const TileImages& images) {
+  const PlacedTile tile = placed(view, task);
+  const int f = view.features;
+  for (int c = 0; c < f; ++c) write_plane(tile, task, c, images.features[c]);
+  write_plane(tile, task, f, images.zdepth);
+  write_plane(tile, task, f + 1, images.alpha);
+  write_plane(tile, task, f + 2, images.median_z);
+  if (view.distortion) write_plane(tile, task, f + 3, images.distortion);
+}
+
+inline void forward_tile(const PassView& view, const TileTask& task, const TileImages& images) {
   build_lists(task);
-  if (view.features == 3) return view.distortion ? forward_blocks<3, true>(view, task) : forward_blocks<3, false>(view, task);
-  if (view.features == 6) return view.distortion ? forward_blocks<6, true>(view, task) : forward_blocks<6, false>(view, task);
-  return view.distortion ? forward_blocks<12, true>(view, task) : forward_blocks<12, false>(view, task);
+  if (view.features == 3) {
+    view.distortion ? forward_blocks<3, true>(view, task) : forward_blocks<3, false>(view, task);
+  } else if (view.features == 6) {
+    view.distortion ? forward_blocks<6, true>(view, task) : forward_blocks<6, false>(view, task);
+  } else {
+    view.distortion ? forward_blocks<12, true>(view, task) : forward_blocks<12, false>(view, task);
+  }
+  write_images(view, task, images);
 }
 
 }  // namespace vitrine::VITRINE_SIMD

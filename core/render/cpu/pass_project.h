@@ -1,5 +1,5 @@
 // Sixteen surfels at a time: raw values -> screen records and bounds, and back from the records' sums to raw gradients
-// (README 1, 4, 8). The formulas are the kernels'; this file gathers, bounds and scatters.
+// (README 1, 4, 8). The formulas are the kernels'; this file loads, bounds and adds.
 
 namespace vitrine::VITRINE_SIMD {
 
@@ -10,26 +10,27 @@ struct LaneValues {  // raw values of sixteen surfels
   F16 material[kMaterialWidth];
 };
 
-struct LaneIndices {
-  I16 by1, by2, by3, by4, by_rest;
-};
-
 inline F16 sigmoid_of(F16 x) { return F16(1.f) / (F16(1.f) + exp(-x)); }
 
-inline LaneValues load_values(const LayerPointers& layer, const PassView& view, const LaneIndices& at) {
+inline int sh_rest_columns(const PassView& view) { return 3 * (static_cast<int>(sh_coefficient_count(view.sh_degree)) - 1); }
+
+// rows: the surfels, [kLanes].
+inline LaneValues load_values(const LayerPointers& layer, const PassView& view, const uint32_t* rows) {
   LaneValues s;
-  s.geometry.mean = {gather(layer.mean, at.by3), gather(layer.mean + 1, at.by3), gather(layer.mean + 2, at.by3)};
-  s.geometry.rotation = {gather(layer.rotation, at.by4), gather(layer.rotation + 1, at.by4), gather(layer.rotation + 2, at.by4),
-                         gather(layer.rotation + 3, at.by4)};
-  s.geometry.log_su = gather(layer.log_scale, at.by2);
-  s.geometry.log_sv = gather(layer.log_scale + 1, at.by2);
-  s.opacity = gather(layer.opacity, at.by1);
-  for (int c = 0; c < 3; ++c) s.sh[c] = gather(layer.sh_dc + c, at.by3);
-  const int rest = 3 * (static_cast<int>(sh_coefficient_count(view.sh_degree)) - 1);
-  for (int c = 0; c < rest; ++c) s.sh[3 + c] = gather(layer.sh_rest + c, at.by_rest);
+  F16 v[4];
+  load_columns(layer.mean, rows, 3, 3, v);
+  s.geometry.mean = {v[0], v[1], v[2]};
+  load_columns(layer.rotation, rows, 4, 4, v);
+  s.geometry.rotation = {v[0], v[1], v[2], v[3]};
+  load_columns(layer.log_scale, rows, 2, 2, v);
+  s.geometry.log_su = v[0];
+  s.geometry.log_sv = v[1];
+  load_columns(layer.opacity, rows, 1, 1, &s.opacity);
+  load_columns(layer.sh_dc, rows, 3, 3, s.sh);
+  load_columns(layer.sh_rest, rows, static_cast<size_t>(layer.sh_rest_width), sh_rest_columns(view), s.sh + 3);
   if (view.features == static_cast<int>(kMaxFeatures)) {
-    for (int c = 0; c < 3; ++c) s.material[c] = gather(layer.material[0] + c, at.by3);
-    for (int m = 1; m < 4; ++m) s.material[2 + m] = gather(layer.material[m], at.by1);
+    load_columns(layer.material[0], rows, 3, 3, s.material);
+    for (int m = 1; m < 4; ++m) load_columns(layer.material[m], rows, 1, 1, s.material + 2 + m);
   }
   return s;
 }
@@ -144,10 +145,9 @@ inline uint32_t project_surfels(const LayerPointers& layer, const PassView& view
   const bool low_pass = view.low_pass < float(kNoLowPass);
   uint32_t written = 0;
   for (uint32_t begin = 0; begin < count; begin += kLanes) {
-    const int at = static_cast<int>(first + begin), end = static_cast<int>(first + count) - 1;
-    const LaneIndices index{lane_indices(at, end, 1), lane_indices(at, end, 2), lane_indices(at, end, 3),
-                            lane_indices(at, end, 4), lane_indices(at, end, layer.sh_rest_width)};
-    const LaneValues s = load_values(layer, view, index);
+    uint32_t rows[kLanes];
+    for (uint32_t i = 0; i < kLanes; ++i) rows[i] = first + (begin + i < count ? begin + i : count - 1);
+    const LaneValues s = load_values(layer, view, rows);
     const Projection<F16> p = project(s.geometry, camera);
     const F16 opacity = sigmoid_of(s.opacity), near_z(view.near_z);
     const LaneBounds b = lane_bounds(p, opacity, near_z, low_pass);
@@ -246,58 +246,57 @@ inline void surfel_gradients(const PassView& view, const GradientTask& task) {
     store(sums[i] + kLanes, high);
     ids[i] = task.splats[splat].id;
   }
-  const I16 lane = lane_indices(0, kLanes - 1, static_cast<int>(kRecordFloats));
-  const auto sum = [&](int k) { return gather(sums[0] + k, lane); };
-  const LaneIndices index{load_indices(ids, 1), load_indices(ids, 2), load_indices(ids, 3), load_indices(ids, 4),
-                          load_indices(ids, task.values->sh_rest_width)};
+  uint32_t lanes[kLanes];
+  for (uint32_t i = 0; i < kLanes; ++i) lanes[i] = i;
+  F16 sum[kRecordFloats];
+  load_columns(sums[0], lanes, kRecordFloats, kRecordFloats, sum);
   const Camera<F16> camera = lane_camera(view);
-  const LaneValues s = load_values(*task.values, view, index);
+  const LaneValues s = load_values(*task.values, view, ids);
   const Projection<F16> p = project(s.geometry, camera);
   const F16 opacity = sigmoid_of(s.opacity);
   const ShColour<F16> colour = sh_colour(view.sh_degree, s.geometry.mean, camera.eye, s.sh);
   SplatMoments<F16> m;
-  m.num_u = sum(16), m.num_v = sum(17), m.den = sum(18);
-  m.num_u_x = sum(20), m.num_v_x = sum(21), m.den_x = sum(22), m.disc_x = sum(23);
-  m.num_u_y = sum(24), m.num_v_y = sum(25), m.den_y = sum(26), m.disc_y = sum(27);
-  m.weight = sum(28) + sum(30), m.z0 = sum(29) + sum(31);
+  m.num_u = sum[16], m.num_v = sum[17], m.den = sum[18];
+  m.num_u_x = sum[20], m.num_v_x = sum[21], m.den_x = sum[22], m.disc_x = sum[23];
+  m.num_u_y = sum[24], m.num_v_y = sum[25], m.den_y = sum[26], m.disc_y = sum[27];
+  m.weight = sum[28] + sum[30], m.z0 = sum[29] + sum[31];
   const SplatGrad<F16> splat = splat_grad(m, p.map, opacity);
   const bool normals = view.features >= static_cast<int>(kNormalAt + 3);
   const F16 zero(0.f);
-  const Vec3<F16> grad_normal = normals ? Vec3<F16>{sum(3), sum(4), sum(5)} : Vec3<F16>{zero, zero, zero};
+  const Vec3<F16> grad_normal = normals ? Vec3<F16>{sum[3], sum[4], sum[5]} : Vec3<F16>{zero, zero, zero};
   const ProjectionGrad<F16> g = project_vjp(s.geometry, camera, p, splat.map, grad_normal);
   F16 grad_sh[3 * kMaxShCoefficients];
-  const Vec3<F16> grad_direction = sh_colour_vjp(view.sh_degree, colour, s.sh, Vec3<F16>{sum(0), sum(1), sum(2)}, grad_sh);
+  const Vec3<F16> grad_direction = sh_colour_vjp(view.sh_degree, colour, s.sh, Vec3<F16>{sum[0], sum[1], sum[2]}, grad_sh);
   const Vec3<F16> grad_mean = g.surfel.mean + grad_direction;
 
-  const auto scatter = [&](float* to, int stride, int component, const F16& v) {
-    alignas(64) float lanes[kLanes];
-    store(lanes, v);
-    for (uint32_t i = 0; i < task.count; ++i)
-      to[static_cast<size_t>(ids[i]) * static_cast<size_t>(stride) + component] += lanes[i];
-  };
   const LayerPointers& out = *task.grad;
-  for (int c = 0; c < 3; ++c) scatter(out.mean, 3, c, grad_mean[static_cast<size_t>(c)]);
-  scatter(out.rotation, 4, 0, g.surfel.rotation.w);
-  scatter(out.rotation, 4, 1, g.surfel.rotation.x);
-  scatter(out.rotation, 4, 2, g.surfel.rotation.y);
-  scatter(out.rotation, 4, 3, g.surfel.rotation.z);
-  scatter(out.log_scale, 2, 0, g.surfel.log_su);
-  scatter(out.log_scale, 2, 1, g.surfel.log_sv);
-  scatter(out.opacity, 1, 0, splat.raw_opacity);
-  for (int c = 0; c < 3; ++c) scatter(out.sh_dc, 3, c, grad_sh[c]);
-  const int rest = 3 * (static_cast<int>(sh_coefficient_count(view.sh_degree)) - 1);
-  for (int c = 0; c < rest; ++c) scatter(out.sh_rest, out.sh_rest_width, c, grad_sh[3 + c]);
+  const auto add = [&](float* to, int width, int columns, const F16* v) {
+    add_columns(to, ids, task.count, static_cast<size_t>(width), columns, v);
+  };
+  const auto& q = g.surfel.rotation;
+  const F16 mean[3] = {grad_mean.x, grad_mean.y, grad_mean.z}, rotation[4] = {q.w, q.x, q.y, q.z};
+  const F16 log_scale[2] = {g.surfel.log_su, g.surfel.log_sv};
+  add(out.mean, 3, 3, mean);
+  add(out.rotation, 4, 4, rotation);
+  add(out.log_scale, 2, 2, log_scale);
+  add(out.opacity, 1, 1, &splat.raw_opacity);
+  add(out.sh_dc, 3, 3, grad_sh);
+  add(out.sh_rest, out.sh_rest_width, sh_rest_columns(view), grad_sh + 3);
   if (view.features == static_cast<int>(kMaxFeatures)) {
+    F16 material[kMaterialWidth];
     for (int c = 0; c < static_cast<int>(kMaterialWidth); ++c) {
-      const F16 a = sigmoid_of(s.material[c]), grad = sum(static_cast<int>(kMaterialAt) + c) * a * (F16(1.f) - a);
-      c < 3 ? scatter(out.material[0], 3, c, grad) : scatter(out.material[c - 2], 1, 0, grad);
+      const F16 a = sigmoid_of(s.material[c]);
+      material[c] = sum[static_cast<int>(kMaterialAt) + c] * a * (F16(1.f) - a);
     }
+    add(out.material[0], 3, 3, material);
+    for (int m = 1; m < 4; ++m) add(out.material[m], 1, 1, material + 2 + m);
   }
   if (task.screen_gradient == nullptr) return;
   const F16 gx = g.screen_x * F16(0.5f * float(view.width)), gy = g.screen_y * F16(0.5f * float(view.height));
-  scatter(task.screen_gradient, 1, 0, sqrt(gx * gx + gy * gy));
-  scatter(task.weight, 1, 0, sum(weight_column(view.features)));
-  scatter(task.error, 1, 0, sum(error_column(view.features)));
+  const F16 norm = sqrt(gx * gx + gy * gy);
+  add(task.screen_gradient, 1, 1, &norm);
+  add(task.weight, 1, 1, sum + weight_column(view.features));
+  add(task.error, 1, 1, sum + error_column(view.features));
 }
 
 inline const PassTable& pass_table(const char* tag) {

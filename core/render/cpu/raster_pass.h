@@ -13,6 +13,7 @@ namespace vitrine::cpu {
 inline constexpr int kTileSide = 16, kBlockSide = 4, kBlocks = 16;  // a SIMD vector is a block of 4x4 pixels
 inline constexpr int kLanes = 16;
 inline constexpr size_t kMaxFeatureSlots = 12;
+inline constexpr size_t kMaxChannels = kMaxFeatureSlots + 5;
 inline constexpr size_t kRecordFloats = 32;
 inline constexpr uint32_t kSpareSlots = 8;
 // Lists start at multiples of a vector.
@@ -51,9 +52,9 @@ struct PassView {
   float background[3];
   int width, height, sh_degree, features;
   bool distortion;
-  // Per pixel of a tile the forward pass keeps this many floats, [block][channel][lane]: the features without background, then
-  // zdepth, alpha, median_z and, with distortion, sum w q, sum w q^2, pivot.
-  int kept_channels() const { return features + (distortion ? 6 : 3); }
+  // Per pixel the forward pass keeps this many floats for the backward pass: median_z and, with distortion, alpha, sum w q,
+  // sum w q^2, pivot.
+  int kept_channels() const { return distortion ? 5 : 1; }
 };
 
 struct TileTask {
@@ -62,10 +63,11 @@ struct TileTask {
   uint32_t count;
   const RasterSplat* splats;
   const SplatBounds* bounds;
-  float* kept;             // [kBlocks][kept_channels][kLanes]
+  float* kept;             // [kBlocks][kept_channels][kLanes], written by forward, read by backward
   const uint16_t* wanted;  // [kBlocks] bits of the pixels that are; null: all
   uint16_t wanted_blocks;  // bits of the blocks that have one
   // Scratch of the calling thread.
+  float* pixels;       // [kMaxChannels][kBlocks][kLanes], channels in the order of TileImages
   RasterSplat* local;  // [count]
   // Lists of the blocks, list b from list_offset[b] on. Forward: unsorted first, with the smallest z of each surfel in the block;
   // then `list` has, in order, the surfels that were blended. Backward reads that. Indices are within the tile.
@@ -79,10 +81,17 @@ struct TileTask {
   uint32_t* fragments;   // [2] out: fragments, vectors evaluated
 };
 
-struct TileGradients {
-  const float* planes[kMaxFeatureSlots];  // per feature channel, whole image; null = zero
-  const float *zdepth, *alpha, *median_z, *distortion, *error;
-  float* records;  // [count][kRecordFloats]
+// Whole images, out of forward; their gradients, into backward, where null stands for zero. The pixels of a tile have the
+// features as their first channels, then the others in this order.
+template <class Plane>
+struct TilePlanes {
+  Plane features[kMaxFeatureSlots];
+  Plane zdepth, alpha, median_z, distortion;
+};
+using TileImages = TilePlanes<float*>;
+struct TileGradients : TilePlanes<const float*> {
+  const float* error;  // the error image, one channel more
+  float* records;      // [count][kRecordFloats]
 };
 
 struct GradientTask {
@@ -104,7 +113,7 @@ struct PassTable {
   // Projects surfels [first, first + count) of the layer; writes the visible ones one after the other, returns how many.
   uint32_t (*project)(const LayerPointers& layer, const PassView& view, uint32_t first, uint32_t count, RasterSplat* splats,
                       SplatBounds* bounds);
-  void (*forward_tile)(const PassView& view, const TileTask& task);
+  void (*forward_tile)(const PassView& view, const TileTask& task, const TileImages& images);
   void (*backward_tile)(const PassView& view, const TileTask& task, const TileGradients& gradients);
   void (*gradients)(const PassView& view, const GradientTask& task);
 };

@@ -53,21 +53,33 @@ VITRINE_INLINE void store(float* p, F16 x) {
   _mm256_store_ps(p, x.a);
   _mm256_store_ps(p + 8, x.b);
 }
-struct I16 {
-  __m256i a, b;
-};
-VITRINE_INLINE F16 load_rows(const float* p, size_t stride) {
-  return {_mm256_loadu2_m128(p + stride, p), _mm256_loadu2_m128(p + 3 * stride, p + 2 * stride)};
-}
 VITRINE_INLINE void store_rows(float* p, size_t stride, F16 x) {
   _mm256_storeu2_m128(p + stride, p, x.a);
   _mm256_storeu2_m128(p + 3 * stride, p + 2 * stride, x.b);
 }
-VITRINE_INLINE F16 gather(const float* base, I16 i) {
-  return {_mm256_i32gather_ps(base, i.a, 4), _mm256_i32gather_ps(base, i.b, 4)};
+VITRINE_INLINE F16 load_first(const float* p, uint32_t count) {
+  if (count >= 16) return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)};
+  alignas(32) float lanes[16] = {};
+  for (uint32_t i = 0; i < count; ++i) lanes[i] = p[i];
+  return load(lanes);
+}
+VITRINE_INLINE void store_first(float* p, uint32_t count, F16 x) {
+  if (count >= 16) {
+    _mm256_storeu_ps(p, x.a);
+    _mm256_storeu_ps(p + 8, x.b);
+    return;
+  }
+  alignas(32) float lanes[16];
+  store(lanes, x);
+  for (uint32_t i = 0; i < count; ++i) p[i] = lanes[i];
 }
 VITRINE_INLINE F16 iota() { return {_mm256_setr_ps(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_ps(8, 9, 10, 11, 12, 13, 14, 15)}; }
 VITRINE_INLINE F16 select(M16 m, F16 x, F16 y) { return {_mm256_blendv_ps(y.a, x.a, m.a), _mm256_blendv_ps(y.b, x.b, m.b)}; }
+VITRINE_INLINE F16 add_where(M16 m, F16 x, F16 y) { return {x.a + _mm256_and_ps(m.a, y.a), x.b + _mm256_and_ps(m.b, y.b)}; }
+VITRINE_INLINE F16 multiply_where(M16 m, F16 x, F16 y) { return select(m, x * y, x); }
+VITRINE_INLINE F16 dim_where(M16 m, F16 x, F16 y) {
+  return {_mm256_fnmadd_ps(x.a, _mm256_and_ps(m.a, y.a), x.a), _mm256_fnmadd_ps(x.b, _mm256_and_ps(m.b, y.b), x.b)};
+}
 VITRINE_INLINE F16 min(F16 x, F16 y) { return {_mm256_min_ps(x.a, y.a), _mm256_min_ps(x.b, y.b)}; }
 VITRINE_INLINE F16 max(F16 x, F16 y) { return {_mm256_max_ps(x.a, y.a), _mm256_max_ps(x.b, y.b)}; }
 VITRINE_INLINE F16 sqrt(F16 x) { return {_mm256_sqrt_ps(x.a), _mm256_sqrt_ps(x.b)}; }
@@ -132,19 +144,14 @@ VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   return {_mm256_permute2f128_ps(sa, sb, 0x20) + _mm256_permute2f128_ps(sa, sb, 0x31),
           _mm256_permute2f128_ps(sc, sd, 0x20) + _mm256_permute2f128_ps(sc, sd, 0x31)};
 }
-VITRINE_INLINE I16 lane_indices(int first, int last, int stride) {
-  const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), end = _mm256_set1_epi32(last), s = _mm256_set1_epi32(stride);
-  const __m256i i = _mm256_add_epi32(_mm256_set1_epi32(first), lane), j = _mm256_add_epi32(i, _mm256_set1_epi32(8));
-  return {_mm256_mullo_epi32(_mm256_min_epi32(i, end), s), _mm256_mullo_epi32(_mm256_min_epi32(j, end), s)};
+VITRINE_INLINE void transpose_quarters(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
+  out[0] = F16(_mm256_permute2f128_ps(a.a, b.a, 0x20), _mm256_permute2f128_ps(c.a, d.a, 0x20));
+  out[1] = F16(_mm256_permute2f128_ps(a.a, b.a, 0x31), _mm256_permute2f128_ps(c.a, d.a, 0x31));
+  out[2] = F16(_mm256_permute2f128_ps(a.b, b.b, 0x20), _mm256_permute2f128_ps(c.b, d.b, 0x20));
+  out[3] = F16(_mm256_permute2f128_ps(a.b, b.b, 0x31), _mm256_permute2f128_ps(c.b, d.b, 0x31));
 }
-VITRINE_INLINE I16 load_indices(const uint32_t* p, int stride) {
-  const __m256i s = _mm256_set1_epi32(stride);
-  return {_mm256_mullo_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)), s),
-          _mm256_mullo_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p + 8)), s)};
-}
-VITRINE_INLINE I16 shifted(I16 x, int by) {
-  const __m256i s = _mm256_set1_epi32(by);
-  return {_mm256_add_epi32(x.a, s), _mm256_add_epi32(x.b, s)};
+VITRINE_INLINE F16 from_quarters(__m128 a, __m128 b, __m128 c, __m128 d) {
+  return {_mm256_set_m128(b, a), _mm256_set_m128(d, c)};
 }
 
 }  // namespace vitrine::avx2

@@ -42,20 +42,22 @@ struct F16 {
 VITRINE_INLINE F16 load(const float* p) { return _mm512_load_ps(p); }
 VITRINE_INLINE void store(float* p, F16 a) { _mm512_store_ps(p, a.v); }
 // Four rows of four floats, `stride` apart.
-VITRINE_INLINE F16 load_rows(const float* p, size_t stride) {
-  const __m512 r0 = _mm512_castps128_ps512(_mm_loadu_ps(p));
-  const __m512 r01 = _mm512_insertf32x4(r0, _mm_loadu_ps(p + stride), 1);
-  return _mm512_insertf32x4(_mm512_insertf32x4(r01, _mm_loadu_ps(p + 2 * stride), 2), _mm_loadu_ps(p + 3 * stride), 3);
-}
 VITRINE_INLINE void store_rows(float* p, size_t stride, F16 a) {
   _mm_storeu_ps(p, _mm512_castps512_ps128(a.v));
   _mm_storeu_ps(p + stride, _mm512_extractf32x4_ps(a.v, 1));
   _mm_storeu_ps(p + 2 * stride, _mm512_extractf32x4_ps(a.v, 2));
   _mm_storeu_ps(p + 3 * stride, _mm512_extractf32x4_ps(a.v, 3));
 }
-VITRINE_INLINE F16 gather(const float* base, __m512i index) { return _mm512_i32gather_ps(index, base, 4); }
+// The first `count` of sixteen floats; the others are not touched, and read as zero.
+VITRINE_INLINE __mmask16 first_lanes(uint32_t count) { return static_cast<__mmask16>((1u << count) - 1u); }
+VITRINE_INLINE F16 load_first(const float* p, uint32_t count) { return _mm512_maskz_loadu_ps(first_lanes(count), p); }
+VITRINE_INLINE void store_first(float* p, uint32_t count, F16 a) { _mm512_mask_storeu_ps(p, first_lanes(count), a.v); }
 VITRINE_INLINE F16 iota() { return _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15); }
 VITRINE_INLINE F16 select(M16 m, F16 a, F16 b) { return _mm512_mask_blend_ps(m.m, b.v, a.v); }
+// a + b where m holds, a elsewhere; and a b; and a (1 - b). One instruction each.
+VITRINE_INLINE F16 add_where(M16 m, F16 a, F16 b) { return _mm512_mask_add_ps(a.v, m.m, a.v, b.v); }
+VITRINE_INLINE F16 multiply_where(M16 m, F16 a, F16 b) { return _mm512_mask_mul_ps(a.v, m.m, a.v, b.v); }
+VITRINE_INLINE F16 dim_where(M16 m, F16 a, F16 b) { return _mm512_mask_fnmadd_ps(a.v, m.m, b.v, a.v); }
 VITRINE_INLINE F16 min(F16 a, F16 b) { return _mm512_min_ps(a.v, b.v); }
 VITRINE_INLINE F16 max(F16 a, F16 b) { return _mm512_max_ps(a.v, b.v); }
 VITRINE_INLINE F16 sqrt(F16 a) { return _mm512_sqrt_ps(a.v); }
@@ -98,15 +100,18 @@ VITRINE_INLINE F16 sum_rows(F16 a, F16 b, F16 c, F16 d) {
   const __m512 cd = _mm512_shuffle_f32x4(c.v, d.v, 0x44) + _mm512_shuffle_f32x4(c.v, d.v, 0xEE);
   return _mm512_shuffle_f32x4(ab, cd, 0x88) + _mm512_shuffle_f32x4(ab, cd, 0xDD);
 }
-using I16 = __m512i;
-VITRINE_INLINE I16 lane_indices(int first, int last, int stride) {  // stride * min(first + lane, last)
-  const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const __m512i i = _mm512_min_epi32(_mm512_add_epi32(_mm512_set1_epi32(first), lane), _mm512_set1_epi32(last));
-  return _mm512_mullo_epi32(i, _mm512_set1_epi32(stride));
+// Quarter k of out[j] is quarter j of argument k.
+VITRINE_INLINE void transpose_quarters(F16 a, F16 b, F16 c, F16 d, F16 out[4]) {
+  const __m512 ab_low = _mm512_shuffle_f32x4(a.v, b.v, 0x44), ab_high = _mm512_shuffle_f32x4(a.v, b.v, 0xEE);
+  const __m512 cd_low = _mm512_shuffle_f32x4(c.v, d.v, 0x44), cd_high = _mm512_shuffle_f32x4(c.v, d.v, 0xEE);
+  out[0] = _mm512_shuffle_f32x4(ab_low, cd_low, 0x88);
+  out[1] = _mm512_shuffle_f32x4(ab_low, cd_low, 0xDD);
+  out[2] = _mm512_shuffle_f32x4(ab_high, cd_high, 0x88);
+  out[3] = _mm512_shuffle_f32x4(ab_high, cd_high, 0xDD);
 }
-VITRINE_INLINE I16 load_indices(const uint32_t* p, int stride) {
-  return _mm512_mullo_epi32(_mm512_loadu_si512(p), _mm512_set1_epi32(stride));
+VITRINE_INLINE F16 from_quarters(__m128 a, __m128 b, __m128 c, __m128 d) {
+  const __m512 ab = _mm512_insertf32x4(_mm512_castps128_ps512(a), b, 1);
+  return _mm512_insertf32x4(_mm512_insertf32x4(ab, c, 2), d, 3);
 }
-VITRINE_INLINE I16 shifted(I16 a, int by) { return _mm512_add_epi32(a, _mm512_set1_epi32(by)); }
 
 }  // namespace vitrine::avx512
