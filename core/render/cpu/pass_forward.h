@@ -28,8 +28,8 @@ inline BlockPlace block_place(const PassView& view, const TileTask& task, int bl
 inline constexpr float kFarAway = 1e30f;        // z where a surfel has no fragment
 inline constexpr float kOpaqueEnough = 1e-10f;  // transmittances stop here: far below any cut, far above denormals
 
-// A walk back takes strides of so many slots: more than needed does no harm, and there are fewer branches to guess. As many
-// slots in front of the first surfel stand for the eye.
+// A walk back takes strides of so many slots, and always the first of them: more than needed does no harm, and there are fewer
+// branches to guess. As many slots in front of the first surfel, and one, stand for the eye.
 inline constexpr uint32_t kStride = 4;
 
 // A surfel in a block.
