@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/stereo/revolution_axis.h"
 
 namespace vitrine {
 
@@ -29,15 +30,6 @@ constexpr size_t kSmallestPiece = 20, kFewestPoints = 200;  // of the surface: o
 
 using Profile = std::array<double, kHeights>;  // radii; 0 = nothing
 
-struct Axis {
-  Vec3d origin, along, u, v;  // u, v: across it, orthonormal
-};
-Axis axis_of(const Vec3d& origin, double tilt_x, double tilt_y) {
-  const Vec3d along = normalized(Vec3d{tilt_x, tilt_y, 1});
-  const Vec3d u = normalized(Vec3d{along.z, 0, -along.x});
-  return {origin, along, u, cross(along, u)};
-}
-
 // What the photos say about discs around an axis.
 class Rims {
  public:
@@ -49,7 +41,7 @@ class Rims {
   double step() const { return 2 * half_height_ / (kHeights - 1); }
 
   // The widest discs whose left and right ends the photos allow.
-  Profile widest(const Axis& axis) const {
+  Profile widest(const TurningAxis& axis) const {
     Profile radii{};
     parallel_for(kHeights, 2, [&](size_t i) {
       const Disc disc{axis.origin + height(i) * axis.along, axis.u, axis.v};
@@ -66,7 +58,7 @@ class Rims {
 
   // Moves the radii of `profile` to where most photos see the outline: a photo sees the rim of a disc as the outline where its
   // line of sight touches the surface there. Returns the mean distance between the outlines and the solid.
-  double fit(const Axis& axis, Profile& profile) const {
+  double fit(const TurningAxis& axis, Profile& profile) const {
     double mean = 0;
     for (int round = 0; round < kRounds; ++round) {
       const Profile now = smooth(profile);
@@ -180,35 +172,18 @@ double volume(const Profile& radii) {
   return sum;
 }
 
-// Moves the axis, x and y of its origin and, if all four `numbers` are free, its tilt, while `score` falls.
-using Place = std::array<double, 4>;
-template <class Score>
-void improve_place(double size, double first_move, size_t numbers, const Score& score, Place& place) {
-  double best = score(place);
-  for (double step = first_move; step >= kLastMove; step *= 0.5)
-    for (bool better = true; better;) {
-      better = false;
-      for (size_t i = 0; i < numbers; ++i)
-        for (double sign : {1.0, -1.0}) {
-          Place trial = place;
-          trial[i] += sign * step * (i < 2 ? size : 1.0);
-          if (const double s = score(trial); s < best - 1e-9 * std::abs(best)) best = s, place = trial, better = true;
-        }
-    }
-}
-
 std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, const Bounds3& about) {
   const Rims rims(masks, about);
   const double size = length(about.high - about.low);
-  Place place{about.centre().x, about.centre().y, 0, 0};
-  const auto axis = [&](const Place& p) { return axis_of({p[0], p[1], about.centre().z}, p[2], p[3]); };
-  improve_place(
-      size, kFirstMove, 2, [&](const Place& p) { return -volume(rims.widest(axis(p))); }, place);
+  AxisPlace place{about.centre().x, about.centre().y, 0, 0};
+  const auto axis = [&](const AxisPlace& p) { return turning_axis({p[0], p[1], about.centre().z}, p[2], p[3]); };
+  improve_axis(
+      size, kFirstMove, kLastMove, 2, [&](const AxisPlace& p) { return -volume(rims.widest(axis(p))); }, place);
   Profile profile = rims.widest(axis(place));
   rims.fit(axis(place), profile);
-  improve_place(
-      size, kFirstMove / 2, 4,
-      [&](const Place& p) {
+  improve_axis(
+      size, kFirstMove / 2, kLastMove, 4,
+      [&](const AxisPlace& p) {
         Profile trial = profile;
         return rims.fit(axis(p), trial);
       },
@@ -222,7 +197,7 @@ std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, cons
     if (run > count) count = run, first = i + 1 - run;
   }
   if (count < 4) return std::nullopt;
-  const Axis a = axis(place);
+  const TurningAxis a = axis(place);
   return SolidOfRevolution{a.origin,
                            a.along,
                            rims.height(first),

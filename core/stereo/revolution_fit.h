@@ -24,6 +24,8 @@ struct SolidOfRevolution {
   // Where a point of a hull of such voxels, which bulges and wavers around the solid, should lie; nothing for other points: of a
   // spout, a handle, the table.
   std::optional<HullSurfacePoint> smoothed(const HullSurfacePoint& p, double voxel) const;
+  // Where a ray meets it first, in units of `direction`; 0 from within.
+  std::optional<double> entry(const Vec3d& eye, const Vec3d& direction) const;
 };
 
 // One for each connected piece of a hull that lies on it for the most part. Axes start along z. What the photos do not say

@@ -173,7 +173,6 @@ Vec3d VisualHull::inwards(const Vec3d& p) const {
   return gradient;
 }
 
-// One point for every voxel that the surface passes.
 std::vector<HullSurfacePoint> VisualHull::surface() const {
   std::vector<HullSurfacePoint> points;
   for (int z = 0; z < size_[2]; ++z)

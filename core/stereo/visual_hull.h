@@ -37,13 +37,13 @@ class VisualHull {
   size_t faces() const { return box_ ? 6 : faces_.size(); }              // flat ones that normals come from
   std::span<const SolidOfRevolution> solids() const { return turned_; }  // that pieces of it are, with HullDesc::flat_faces
   double voxel() const { return voxel_; }                                // edge
+  std::vector<HullSurfacePoint> surface() const;                         // one for every voxel that it passes
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
   float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
   Vec3d inwards(const Vec3d& p) const;    // gradient of the occupancy, times 3 voxels
-  std::vector<HullSurfacePoint> surface() const;
   Bounds3 bounds_, grid_;
   double voxel_ = 0;
   int size_[3] = {0, 0, 0};

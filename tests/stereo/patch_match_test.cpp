@@ -1,5 +1,6 @@
 #include "core/stereo/patch_match.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -173,6 +173,34 @@ TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
     }
 }
 
+TEST(RevolutionFit, RaysEnterItWhereTheyFirstTouchIt) {
+  SolidOfRevolution vase{kVaseFoot, {0, 0, 1}, 0, kVaseHeight / 40, {}};
+  for (int i = 0; i <= 40; ++i) vase.radii.push_back(vase_radius(vase.step * i));
+  int met = 0;
+  for (const HullMask& m : Vase{}.masks(12))
+    for (int y = 0; y < m.mask.height(); y += 5)
+      for (int x = 0; x < m.mask.width(); x += 5) {
+        const Vec3d eye = m.view.centre_in_world();
+        const Vec3d d = normalized(transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5)));
+        double marched = 0;
+        while (marched < 2 && !Vase{}.inside(eye + marched * d)) marched += 1e-3;
+        const auto t = vase.entry(eye, d);
+        if (marched < 2 && Vase{}.inside(eye + (marched + 0.02) * d)) {  // not grazing it
+          ASSERT_TRUE(t);
+          EXPECT_NEAR(*t, marched, 5e-3);
+          EXPECT_NEAR(length(vase.nearest(eye + *t * d).position - (eye + *t * d)), 0, 1e-9);
+          ++met;
+        } else if (marched >= 2) {
+          EXPECT_TRUE(!t || *vase.entry(eye, d) > 0);
+        }
+      }
+  EXPECT_GT(met, 300);
+  EXPECT_EQ(vase.entry(kVaseFoot + Vec3d{0, 0, 0.1}, {1, 0, 0}), 0.0);
+  EXPECT_FALSE(vase.entry({1, 0, 0}, {1, 0, 0}));
+  EXPECT_FALSE(vase.entry({1, 0, kVaseHeight}, {-1, 0, 0}));  // above its top
+  EXPECT_NEAR(vase.entry(kVaseFoot + Vec3d{0.02, 0.01, 2}, {0, 0, -1}).value(), 2 - kVaseHeight, 1e-12);
+}
+
 // Against its own normals: those of a hull of voxels waver.
 TEST(RevolutionFit, AVisualHullTakesItsNormals) {
   const Vase vase;

@@ -1,0 +1,23 @@
+// A solid of revolution, put on the edges of the photos. Masks that were found in the photos one by one leave its outline where
+// what it mirrors looks like what is behind it; but an outline is in all photos on the same curve, turned about the same axis,
+// and mirrored edges are not.
+#pragma once
+
+#include <span>
+
+#include "core/image/image.h"
+#include "core/stereo/revolution_fit.h"
+
+namespace vitrine {
+
+struct EdgePhoto {
+  View view;    // intrinsics of the size of `srgb`
+  ImageF srgb;  // [h,w,3] display-referred
+};
+
+// `start` with the axis and the radii at which the photos together change most across its outline; `start` itself where fewer
+// than five photos show it. Radii move by a fifth of the largest one at most, and where the
+// surface looks far up or down, as on lids and feet, whose rims are edges as well, with those beside it.
+SolidOfRevolution drawn_to_edges(const SolidOfRevolution& start, std::span<const EdgePhoto> photos);
+
+}  // namespace vitrine
