@@ -16,8 +16,8 @@ struct EdgePhoto {
 };
 
 // `start` with the axis and the radii at which the photos together change most across its outline; `start` itself where fewer
-// than five photos show it. Radii move by a fifth of the largest one at most, and where the
-// surface looks far up or down, as on lids and feet, whose rims are edges as well, with those beside it.
+// than five photos show it. Radii move by less than a quarter of the largest one, and where the surface looks far up or down, as
+// on lids and feet, whose rims are edges as well, with those beside it.
 SolidOfRevolution drawn_to_edges(const SolidOfRevolution& start, std::span<const EdgePhoto> photos);
 
 }  // namespace vitrine

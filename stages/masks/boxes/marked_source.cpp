@@ -10,6 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/stereo/box_fit.h"
+#include "core/stereo/revolution_edges.h"
 #include "stages/masks/boxes/grab_cut.h"
 #include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
@@ -22,6 +23,9 @@ constexpr double kOneSided = 0.985;                // two photos 20 degrees apar
 constexpr size_t kFewestTight = 3;                 // polygons whose hull is nearly the thing
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
+constexpr double kSticksOut = 0.2;                 // of a solid's radius: nearer to it is its outline
+constexpr double kRoot = 0.3, kMostRoot = 32;      // of the radius; pixels: from there on it belongs to what sticks out
+constexpr size_t kMostEdgePhotos = 64;             // spread evenly: some dozens know where an edge is
 
 // Even-odd rule at pixel centres.
 std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
@@ -53,29 +57,80 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   return false;
 }
 
-// Kettles and vases: GrabCut takes away bright lids and, photo by photo, spouts. The body is the solid of revolution that the
-// outlines of all photos agree about; what sticks out of it is as in the hull of the marks, where those are tight.
-// `inside_marked`: silhouettes of `marked`.
-void add_turned(const VisualHull& marked, const std::vector<std::vector<uint8_t>>& inside_marked, bool tight,
-                const VisualHull& voted, const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
-  const std::span<const SolidOfRevolution> solids = voted.solids();
-  if (solids.empty()) return;
-  const auto sticks_out = [&](const Vec3d& p) {
-    return std::ranges::none_of(
-        solids, [&](const SolidOfRevolution& solid) { return length(solid.nearest(p).position - p) <= voted.voxel(); });
-  };
+// The photos whose edges solids of revolution are put on, at twice the size that masks have.
+std::vector<EdgePhoto> edge_photos(const BoxesConfig& config, const MaskCapture& capture) {
+  MaskCapture some{.sfm_folder = capture.sfm_folder};
+  const size_t all = capture.set.views.size(), stride = (all + kMostEdgePhotos - 1) / kMostEdgePhotos;
+  for (size_t v = 0; v < all; v += stride) some.set.views.push_back(capture.set.views[v]);
+  std::vector<EdgePhoto> photos;
+  for (const SmallPhoto& small : small_photos(some, 2 * config.max_side)) {
+    const Intrinsics& k = small.view.intrinsics;
+    EdgePhoto& photo = photos.emplace_back(EdgePhoto{small.view, ImageF(k.width, k.height, 3)});
+    const size_t pixels = photo.srgb.pixel_count();
+    for (size_t i = 0; i < 3 * pixels; ++i) photo.srgb.data()[i] = small.srgb[i % 3 * pixels + i / 3];
+  }
+  return photos;
+}
+
+// Where marks are tight they show lids, too, which GrabCut takes for background.
+std::vector<SolidOfRevolution> solids_of_hull(const VisualHull& marked, const std::vector<View>& views) {
+  std::vector<HullMask> seen;
+  const std::vector<std::vector<uint8_t>> inside = silhouettes(marked, views);
+  for (size_t v = 0; v < views.size(); ++v) seen.push_back(hull_mask(views[v], inside[v]));
+  return solids_of_revolution(seen, marked.surface(), marked.voxel());
+}
+
+bool any_near(const std::vector<uint8_t>& set, const Intrinsics& k, int x, int y, int radius) {
+  for (int v = std::max(0, y - radius); v <= std::min(k.height - 1, y + radius); ++v)
+    for (int u = std::max(0, x - radius); u <= std::min(k.width - 1, x + radius); ++u)
+      if ((u - x) * (u - x) + (v - y) * (v - y) <= radius * radius && set[size_t(v) * size_t(k.width) + size_t(u)] != 0)
+        return true;
+  return false;
+}
+
+// Kettles and vases: GrabCut takes away bright lids and, photo by photo, spouts, and leaves the outline where what the metal
+// mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about, put on
+// the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and what
+// these have along its outline alone is no part of the thing.
+void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, const VisualHull* marked,
+          const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
   parallel_for(views.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
+    std::vector<uint8_t> turned(inside[v].size(), 0);
     for (const SolidOfRevolution& solid : solids) {
-      const std::vector<uint8_t> turned = outline_mask(solid, views[v]);
-      for (size_t i = 0; i < turned.size(); ++i) inside[v][i] |= turned[i];
+      const std::vector<uint8_t> outline = outline_mask(solid, views[v]);
+      for (size_t i = 0; i < turned.size(); ++i) turned[i] |= outline[i];
     }
-    if (!tight) return;
-    inside[v] = mask_of_rays(views[v], [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
-      if (inside[v][pixel] || !inside_marked[v][pixel]) return inside[v][pixel] != 0;
-      const auto hit = marked.first_hit(eye, direction);
-      return hit && sticks_out(eye + hit->t * direction);
+    // What else is there, and what of it stands far off.
+    const Intrinsics& k = views[v].intrinsics;
+    std::vector<uint8_t> off(turned.size(), 0), far(turned.size(), 0);
+    mask_of_rays(views[v], [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
+      if (turned[pixel]) return false;
+      for (const VisualHull* hull : {&voted, marked}) {
+        if (hull == nullptr) continue;
+        const auto hit = hull->first_hit(eye, direction);
+        if (!hit) continue;
+        double distance = 1e300, radius = 0;
+        for (const SolidOfRevolution& solid : solids) {
+          const Vec3d place = eye + hit->t * direction;
+          const double d = length(solid.nearest(place).position - place);
+          if (d < distance) distance = d, radius = std::ranges::max(solid.radii);
+        }
+        if (hull == &voted || distance > voted.voxel()) off[pixel] = 1;
+        if (distance > kSticksOut * radius) far[pixel] = 1;
+      }
+      return false;
     });
+    // A spout is there up to its root: about as far from what stands off as that does from the solid.
+    double root = 0;
+    for (const SolidOfRevolution& solid : solids)
+      if (const double z = (views[v].cam_from_world * solid.origin).z; z > 0)
+        root = std::max(root, kRoot * std::ranges::max(solid.radii) * k.fx / z);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const size_t p = size_t(y) * size_t(k.width) + size_t(x);
+        inside[v][p] = turned[p] || (off[p] && any_near(far, k, x, y, int(std::min(std::ceil(root), kMostRoot))));
+      }
   });
   throw_if_interrupted();
 }
@@ -142,10 +197,16 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     desc.flat_faces = true;  // boxes and solids of revolution are asked for
     const VisualHull second(outlines, desc);
     if (!second.empty()) {
-      const auto inside_marked = std::exchange(out.inside, silhouettes(second, views));
+      out.inside = silhouettes(second, views);
       out.summary.voted = true;
       out.summary.solids = second.solids().size();
-      add_turned(hull, inside_marked, tight, second, views, out.inside);
+      if (out.summary.solids > 0) {
+        std::vector<SolidOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SolidOfRevolution>{};
+        if (solids.empty()) solids.assign(second.solids().begin(), second.solids().end());
+        const std::vector<EdgePhoto> edges = edge_photos(config, capture);
+        for (SolidOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
+        turn(solids, second, tight ? &hull : nullptr, views, out.inside);
+      }
     }
     for (size_t v = 0; v < views.size(); ++v)
       for (size_t i = 0; i < found[v].size(); ++i) out.doubted[v][i] = found[v][i] != out.inside[v][i];
