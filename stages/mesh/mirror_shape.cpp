@@ -27,8 +27,13 @@ constexpr double kCells = 16;         // along the hull: places in neighbouring 
 constexpr int kStride = 4;            // pixels of the masks between places that are looked at
 constexpr double kLeastCosine = 0.3;  // of views that tell about a place
 constexpr size_t kFewestViews = 4;
-constexpr float kNoPaint = 0.65f;  // of a part's dimmer half: less is metal
-constexpr double kCrumb = 0.05;    // of the places on the largest part: no thing of its own
+constexpr float kNoPaint = 0.65f;                // of a part's dimmer half: less is metal
+constexpr double kCrumb = 0.05;                  // of the places on the largest part: no thing of its own
+constexpr double kOnSolid = 2.5;                 // voxels: a blurred hull lies so far from the solid that it shows
+constexpr int kMarksMargin = 2;                  // pixels of the masks: outlines may be too narrow by that
+constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no outline shows the tops of lids, and a smooth
+                                                 // hull guesses better; from one to the other
+constexpr double kTurnedAlike = 0.7;             // cosine between both normals, at least
 
 ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Intrinsics& k) {
   const auto specular = read_view_mask(masks, MaskClass::Specular, photo);
@@ -79,7 +84,9 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
             frame.zdepth[size_t(y * height / marks.height()) * size_t(width) + size_t(x * width / marks.width())];
   }
   hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .dissent = kDissent, .blur_passes = kHullBlur});
-  if (!hull_->empty()) find_parts(desc, outlines);
+  if (hull_->empty()) return;
+  find_parts(desc, outlines);
+  find_solids(outlines);
 }
 
 MirrorShape::Cell MirrorShape::cell_of(const Vec3d& p) const {
@@ -159,28 +166,77 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
   for (auto& [cell, part] : part_of_) part = number[size_t(part)];
 }
 
+// Solids that metal lies on.
+void MirrorShape::find_solids(const std::vector<HullMask>& outlines) {
+  const std::vector<HullSurfacePoint> surface = hull_->surface();
+  for (SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel())) {
+    size_t metal = 0, known = 0;
+    for (const HullSurfacePoint& p : surface) {
+      if (length(solid.nearest(p.position).position - p.position) > kOnSolid * hull_->voxel()) continue;
+      const auto part = part_of_.find(cell_of(p.position));
+      if (part == part_of_.end() || part->second < 0) continue;
+      metal += parts_[size_t(part->second)].metal(), ++known;
+    }
+    if (2 * metal > known) solids_.push_back(std::move(solid));
+  }
+}
+
+// Outlines that are too narrow by a pixel leave pictures in the mirror beside them, deep inside.
+bool MirrorShape::near_marks(const ImageF& marks, int x, int y) const {
+  for (int v = std::max(0, y - kMarksMargin); v <= std::min(marks.height() - 1, y + kMarksMargin); ++v)
+    for (int u = std::max(0, x - kMarksMargin); u <= std::min(marks.width() - 1, x + kMarksMargin); ++u)
+      if (marks.at(u, v) > kHalf) return true;
+  return false;
+}
+
 void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
   if (std::ranges::none_of(parts_, &Part::metal) || marks_[i].empty()) return;
   const bool all_metal = std::ranges::all_of(parts_, &Part::metal);
   const ImageF& marks = marks_[i];
   const Intrinsics& k = frame.intrinsics;
   const Rigid world_from_cam = inverse(frame.cam_from_world);
+  const Vec3d& eye = world_from_cam.translation;
+  const auto set = [&](size_t p, double t, const Vec3d& normal, const Vec3d& direction) {
+    if (frame.zdepth[p] > 0 && frame.zdepth[p] < t - tolerance) return;  // something in front
+    const double cosine = dot(normal, direction) / length(direction);
+    frame.zdepth[p] = float(t);
+    frame.weight[p] = float(cosine * cosine / (t * t));
+  };
   parallel_for(size_t(k.height), 8, [&](size_t y) {
     for (int x = 0; x < k.width; ++x) {
-      if (!(marks.at(x * marks.width() / k.width, int(y) * marks.height() / k.height) > kHalf)) continue;
+      const int mx = x * marks.width() / k.width, my = int(y) * marks.height() / k.height;
+      const float mark = marks.at(mx, my);
+      if (mark < 0 || !near_marks(marks, mx, my)) continue;
       const size_t p = y * size_t(k.width) + size_t(x);
       const Vec3d direction = world_from_cam.rotation * k.ray(x + 0.5, double(y) + 0.5);  // z = 1: t is the z-depth
-      const auto hit = hull_->first_hit(world_from_cam.translation, direction);
-      if (!hit) {
-        if (all_metal) frame.weight[p] = 0;
+      const auto hit = hull_->first_hit(eye, direction);
+      const Vec3d place = hit ? eye + hit->t * direction : Vec3d{};
+      // The solid instead of the hull where that lies on it or passes the ray by.
+      bool passed_by = false, done = false;
+      for (const SolidOfRevolution& solid : solids_) {
+        double hulls = 0;  // share of it
+        if (hit) {
+          const HullSurfacePoint nearest = solid.nearest(place);
+          if (length(nearest.position - place) > kOnSolid * hull_->voxel() || dot(nearest.normal, hit->normal) < kTurnedAlike)
+            continue;
+          const double steep = (std::abs(dot(nearest.normal, solid.axis)) - kSteep) / (kSteepest - kSteep);
+          hulls = std::clamp(steep, 0.0, 1.0) * std::clamp(steep, 0.0, 1.0) * (3 - 2 * std::clamp(steep, 0.0, 1.0));
+        }
+        if (const auto t = solid.entry(eye, direction)) {
+          set(p, hulls > 0 ? (1 - hulls) * *t + hulls * hit->t : *t, solid.nearest(eye + *t * direction).normal, direction);
+          done = true;
+          break;
+        }
+        passed_by = passed_by || (hit && hulls < 1);
+      }
+      if (done || !(mark > kHalf)) continue;
+      if (passed_by || !hit) {
+        if (passed_by || all_metal) frame.weight[p] = 0;
         continue;
       }
-      const auto part = part_of_.find(cell_of(world_from_cam.translation + hit->t * direction));
+      const auto part = part_of_.find(cell_of(place));
       if (part == part_of_.end() || part->second < 0 || !parts_[size_t(part->second)].metal()) continue;
-      if (frame.zdepth[p] > 0 && frame.zdepth[p] < hit->t - tolerance) continue;
-      const double cosine = -dot(hit->normal, direction) / length(direction);
-      frame.zdepth[p] = float(hit->t);
-      frame.weight[p] = float(cosine * cosine / (hit->t * hit->t));
+      set(p, hit->t, hit->normal, direction);
     }
   });
 }

@@ -1,8 +1,9 @@
 // The shape of polished metal. What surfels learn there are pictures in the mirror, at their depths and with their normals; what
 // photos tell of the metal itself is its outline. Where the masks stage marks mirrors that are not glass, the fused depth is that
-// of the visual hull of their outlines (core/stereo/visual_hull); photos in which something dull stands in front, or glass, say
-// nothing there. Parts of the hull that show paint (core/stereo/visible_paint) keep their depth: a glazed pot is hollow, its hull
-// is not.
+// of the visual hull of their outlines (core/stereo/visual_hull) and, where that lies on a solid of revolution, of the solid,
+// which neither bulges nor wavers (core/stereo/revolution_fit): relit metal is what its normals make it; photos in which
+// something dull stands in front, or glass, say nothing there. Parts of the hull that show paint (core/stereo/visible_paint) keep
+// their depth: a glazed pot is hollow, its hull is not.
 #pragma once
 
 #include <array>
@@ -41,17 +42,21 @@ class MirrorShape {
     return parts_;
   }  // connected ones; none: nothing is marked, or the outlines do not close
 
-  // Puts the hull's depth where view i marks metal, but where the frame knows a surface more than `tolerance` in front of it.
-  // Marked pixels beside the hull are not fused, where all of it is metal.
+  // Puts the hull's depth, or the solid's, where view i marks metal, but where the frame knows a surface more than `tolerance` in
+  // front of it. Marked pixels beside the hull are not fused, where all of it is metal; nor those beside the solid where the hull
+  // lies on it.
   void put(size_t i, RgbdFrame& frame, double tolerance) const;
 
  private:
   using Cell = std::array<int, 3>;
   Cell cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
+  void find_solids(const std::vector<HullMask>& outlines);
+  bool near_marks(const ImageF& marks, int x, int y) const;
 
   std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
+  std::vector<SolidOfRevolution> solids_;  // of metal
   double cell_ = 1;
   std::map<Cell, int> part_of_;
   std::vector<Part> parts_;

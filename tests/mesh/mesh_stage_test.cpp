@@ -236,7 +236,8 @@ TEST_F(MirrorOnTable, OfMetalHasTheShapeOfItsOutlines) {
     angle += std::acos(std::clamp(dot(mesh.normals[v], normalized(mesh.positions[v])), -1.f, 1.f)) * 57.29578;
     count += 1;
   }
-  EXPECT_LT(angle / count, 10);
+  fmt::print("normals {:.1f} deg off, worst distance {:.3f}\n", angle / count, worst());
+  EXPECT_LT(angle / count, 3);  // measured 2.0
   EXPECT_FALSE(run("off", {{"resolution", "64"}, {"fusion.mirror_hull", "false"}}).contains("mirrors"));
   EXPECT_GT(worst(), 0.09);
 }

@@ -1,0 +1,85 @@
+// A polished vase, of which training learnt nothing: its shape is that of its outlines.
+#include "stages/mesh/mirror_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/base/file.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "tests/mesh/orbit.h"
+
+namespace vitrine {
+namespace {
+
+class PolishedVase : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i <= 40; ++i) vase.radii.push_back(0.16 + 0.04 * std::cos(9 * (vase.low + vase.step * i)));
+    views = orbit::views(12, {10, 40}, 1.4, 160);
+    sfm = folder.path() / "sfm", masks = folder.path() / "masks";
+    make_folders(sfm / "linear");
+    make_folders(masks / "masks" / "specular");
+    for (const View& view : views) {
+      const Intrinsics& k = view.intrinsics;
+      Image8 mask(k.width, k.height, 1);
+      ImageF photo(k.width, k.height, 3, 0.1f);
+      each_ray(view, [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
+        const auto t = vase.entry(eye, ray);
+        if (!t) return;
+        mask.at(x, y) = 255;
+        const Vec3d d = normalized(ray), n = vase.nearest(eye + *t * ray).normal, r = d - 2 * dot(d, n) * n;
+        for (int c = 0; c < 3; ++c) photo.at(x, y, c) = 0.4f + 0.38f * float(std::sin(2 * std::atan2(r.y, r.x)));
+      });
+      write_ldr(masks / "masks" / "specular" / (view.stem() + ".png"), mask);
+      write_exr_rgb(linear_image_path(sfm, view), photo);
+    }
+  }
+  template <class F>
+  static void each_ray(const View& view, const F& f) {
+    const Vec3d eye = view.centre_in_world();
+    for (int y = 0; y < view.intrinsics.height; ++y)
+      for (int x = 0; x < view.intrinsics.width; ++x)
+        f(x, y, eye, transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+  }
+  static RgbdFrame nothing_learnt(const View& view) {
+    const size_t pixels = size_t(view.intrinsics.width) * size_t(view.intrinsics.height);
+    return {view.intrinsics, view.cam_from_world, std::vector<float>(pixels), std::vector<float>(pixels), {}};
+  }
+
+  TemporaryFolder folder;
+  fs::path sfm, masks;
+  SolidOfRevolution vase{{0.02, 0, 0}, {0, 0, 1}, -0.2, 0.01, {}};
+  std::vector<View> views;
+};
+
+TEST_F(PolishedVase, IsTheSolidThatItWasTurnedAs) {
+  const MirrorShape shape({sfm, masks, views, views, [&](size_t i) { return nothing_learnt(views[i]); }});
+  ASSERT_EQ(shape.parts().size(), 1u);
+  ASSERT_TRUE(shape.parts()[0].metal());
+  std::vector<double> off;
+  for (size_t v = 0; v < views.size(); ++v) {
+    RgbdFrame frame = nothing_learnt(views[v]);
+    shape.put(v, frame, 0.01);
+    each_ray(views[v], [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
+      const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
+      const auto t = vase.entry(eye, ray);
+      if (!(z > 0) || !t) return;
+      const HullSurfacePoint truth = vase.nearest(eye + *t * ray);
+      if (std::abs(truth.normal.z) < 0.5)
+        off.push_back(length(vase.nearest(eye + double(z) * ray).position - (eye + double(z) * ray)));
+    });
+  }
+  ASSERT_GT(off.size(), 10000u);
+  std::ranges::sort(off);
+  fmt::print("off by {:.4f} in the median, {:.4f} for nine tenths\n", off[off.size() / 2], off[off.size() * 9 / 10]);
+  EXPECT_LT(off[off.size() / 2], 0.0015);
+  EXPECT_LT(off[off.size() * 9 / 10], 0.004);
+}
+
+}  // namespace
+}  // namespace vitrine
