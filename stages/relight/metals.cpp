@@ -15,6 +15,7 @@
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
 #include "stages/relight/light_solver.h"
+#include "stages/relight/metal_roughness.h"
 #include "stages/relight/point_grid.h"
 
 namespace vitrine {
@@ -38,7 +39,8 @@ constexpr size_t kNearFaces = 8;                                  // whose gloss
 
 struct PolishedPixels {
   std::vector<uint32_t> face;
-  std::vector<Vec3f> origins, directions, photo, light;
+  std::vector<Vec3f> origins, normals, directions, photo, light;
+  std::vector<int> view, x, y;
   std::vector<float> cosine;
   std::vector<bool> well_known;  // the mirrored ray meets what the photos look at, and it is dull
   size_t size() const { return face.size(); }
@@ -57,7 +59,7 @@ class PolishedFinder {
   Metals run() {
     const size_t surfels = d_.scene.surfels.diffuse.size();
     Metals out{{}, std::vector<int>(surfels, -1), std::vector<Vec3f>(surfels)};
-    for (const View& v : d_.views) look_at(v);
+    for (size_t v = 0; v < d_.views.size(); ++v) look_at(int(v));
     if (pixels_.size() == 0) return out;
     connect();
     drop_unsure();
@@ -71,7 +73,8 @@ class PolishedFinder {
   }
 
  private:
-  void look_at(const View& view) {
+  void look_at(int number) {
+    const View& view = d_.views[size_t(number)];
     const Intrinsics k = view.intrinsics.limited_to(d_.max_side);
     const ImageF mirrors = d_.mirrors(view, k);
     if (mirrors.empty()) return;
@@ -93,7 +96,9 @@ class PolishedFinder {
         const float* c = photo.pixel(x, y);
         if (!(cosine > kMinCosine) || std::max({c[0], c[1], c[2]}) > kBrightest) continue;
         pixels_.face.push_back(hit->face);
+        pixels_.view.push_back(number), pixels_.x.push_back(x), pixels_.y.push_back(y);
         pixels_.origins.push_back(p);
+        pixels_.normals.push_back(n);
         pixels_.directions.push_back(towards + 2 * cosine * n);
         pixels_.photo.push_back({c[0] / float(view.gain.x), c[1] / float(view.gain.y), c[2] / float(view.gain.z)});
         pixels_.cosine.push_back(cosine);
@@ -153,25 +158,32 @@ class PolishedFinder {
       const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
       if (again && thing_[again->face] >= 0) continue;
       kept.face.push_back(pixels_.face[i]);
+      kept.view.push_back(pixels_.view[i]), kept.x.push_back(pixels_.x[i]), kept.y.push_back(pixels_.y[i]);
       kept.origins.push_back(pixels_.origins[i]);
+      kept.normals.push_back(pixels_.normals[i]);
       kept.directions.push_back(pixels_.directions[i]);
       kept.photo.push_back(pixels_.photo[i]);
       kept.cosine.push_back(pixels_.cosine[i]);
       kept.well_known.push_back(again && float(not_dull_[again->face]) < kDull * float(shown_[again->face]));
     }
     pixels_ = std::move(kept);
-    const SplatLayer& layer = d_.scene.surfels.diffuse;
-    const std::unique_ptr<Tracer> tracer = make_tracer();
-    tracer->build(layer);
+    tracer_ = make_tracer();
+    tracer_->build(d_.scene.surfels.diffuse);
+    pixels_.light = light_along(pixels_.origins, pixels_.directions);
+  }
+
+  // What the trained scene, and the environment beyond, send back along rays.
+  std::vector<Vec3f> light_along(std::span<const Vec3f> origins, std::span<const Vec3f> directions) const {
     RayValues seen;
-    const std::vector<float> near(pixels_.size(), d_.reach);
-    tracer->forward({.origins = pixels_.origins, .directions = pixels_.directions, .near = near},
-                    {.sh_degree = layer.sh_degree()}, seen, nullptr);
-    pixels_.light.resize(pixels_.size());
-    for (size_t i = 0; i < pixels_.size(); ++i) {
-      pixels_.light[i] = seen.transmittance[i] * d_.environment.radiance(pixels_.directions[i]);
-      if (1 - seen.transmittance[i] > kLeastCoverage) pixels_.light[i] += seen.color[i];
+    const std::vector<float> near(origins.size(), d_.reach);
+    tracer_->forward({.origins = origins, .directions = directions, .near = near},
+                     {.sh_degree = d_.scene.surfels.diffuse.sh_degree()}, seen, nullptr);
+    std::vector<Vec3f> light(origins.size());
+    for (size_t i = 0; i < light.size(); ++i) {
+      light[i] = seen.transmittance[i] * d_.environment.radiance(directions[i]);
+      if (1 - seen.transmittance[i] > kLeastCoverage) light[i] += seen.color[i];
     }
+    return light;
   }
 
   // Mean of the photos over the views of a face, and of what is left of the dimmer half without the mirrored light of a glaze.
@@ -232,8 +244,24 @@ class PolishedFinder {
       for (size_t c = 0; c < 3; ++c) thing.reflectance[c] = float(photo[1][c] / light[1][c]);
       const float most = std::max({thing.reflectance.x, thing.reflectance.y, thing.reflectance.z});
       if (most > kBrightestMetal) thing.reflectance = (kBrightestMetal / most) * thing.reflectance;
+      thing.roughness = roughness_of_contrast(
+          well_known_of(int(t)), thing.reflectance,
+          [&](std::span<const Vec3f> origins, std::span<const Vec3f> directions) { return light_along(origins, directions); });
     }
     return things;
+  }
+
+  MirroredPixels well_known_of(int thing) const {
+    MirroredPixels out;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      if (thing_[pixels_.face[i]] != thing || !pixels_.well_known[i]) continue;
+      out.view.push_back(pixels_.view[i]), out.x.push_back(pixels_.x[i]), out.y.push_back(pixels_.y[i]);
+      out.origins.push_back(pixels_.origins[i]);
+      out.normals.push_back(pixels_.normals[i]);
+      out.towards_eye.push_back(normalized(2 * pixels_.cosine[i] * pixels_.normals[i] - pixels_.directions[i]));
+      out.photo.push_back(pixels_.photo[i]);
+    }
+    return out;
   }
 
   void spread(const std::vector<FaceShows>& shown, Metals& out) {
@@ -314,6 +342,7 @@ class PolishedFinder {
   std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
   std::vector<int> thing_;                           // [face]
   int count_ = 0;
+  std::unique_ptr<Tracer> tracer_;
   std::vector<bool> deep_;  // [surfel] so far inside a metal that it is a picture in it
   PolishedPixels pixels_;
 };
@@ -336,7 +365,9 @@ void polish_materials(const Metals& found, const TrainedScene& scene, const std:
     if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // in which nothing has both paint and a reflection of its own
     set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
     materials.transmission[i] = 0;
-    if (!thing.metal || scene.surfels.reflection.size() == 0)
+    if (thing.roughness)
+      materials.roughness[i] = *thing.roughness;
+    else if (!thing.metal || scene.surfels.reflection.size() == 0)
       materials.roughness[i] = thing.metal ? kMetalRoughness : kGlazeRoughness;
   }
 }

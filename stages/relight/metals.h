@@ -5,8 +5,9 @@
 //   metal   shows little from its dim sides: the dimmer half of the views has less than three quarters of their mean (median
 //   face).
 //           F0 = sum C / sum L  per channel, over the rays that meet what is dull of the mesh, which the photos know well;
-//           nothing is scattered. Surfels of a fifth of its brightness that training gave a quarter of its specular weight or
-//           less are handles and knobs: they keep their paint
+//           nothing is scattered, and it is as rough as the contrast of what it mirrors says (metal_roughness.h). Surfels of a
+//           fifth of its brightness that training gave a quarter of its specular weight or less are handles and knobs: they keep
+//           their paint
 //   glaze   paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the dimmer half of a face's views,
 //           for highlights are brighter than any L that is known; mean of C - D is gloss, which is none of the paint's
 // Sums and means, for normals of mirrors are never so good that a single ray meets what its pixel shows.
@@ -14,6 +15,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/camera/view.h"
@@ -42,10 +44,11 @@ struct MetalsDesc {
 };
 
 struct Polished {
-  bool metal = false;   // else a glaze
-  float dimmer = 1;     // of the mean over views: that of the dimmer half of them; the median face
-  Vec3f reflectance{};  // head on
-  size_t pixels = 0;    // that told it, over all views
+  bool metal = false;                             // else a glaze
+  float dimmer = 1;                               // of the mean over views: that of the dimmer half of them; the median face
+  Vec3f reflectance{};                            // head on
+  std::optional<float> roughness = std::nullopt;  // of metal whose mirrored surroundings are known well enough
+  size_t pixels = 0;                              // that told it, over all views
 };
 
 struct Metals {

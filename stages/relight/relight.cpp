@@ -344,6 +344,7 @@ class Decomposition {
     for (const Polished& p : polished_)
       report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
                                     {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
+                                    {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
                                     {"dimmer_half", p.dimmer},
                                     {"pixels", p.pixels}});
     write_file(out / "relight" / "report.json", report.dump(2) + "\n");
