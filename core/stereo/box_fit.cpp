@@ -136,23 +136,10 @@ double improve(const std::vector<RowSums>& photos, double step, double last_step
 
 }  // namespace
 
-Vec3d OrientedBox::corner(size_t i) const {
-  return axes * Vec3d{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
-}
-
-std::optional<HullHit> OrientedBox::first_hit(const Vec3d& origin, const Vec3d& direction) const {
-  const Vec3d o = transposed_times(axes, origin), d = transposed_times(axes, direction);
-  double near = 0, far = 1e300;
-  size_t entered = 3;
-  for (size_t i = 0; i < 3; ++i) {
-    const double a = (low[i] - o[i]) / d[i], b = (high[i] - o[i]) / d[i];
-    if (std::min(a, b) > near) near = std::min(a, b), entered = i;
-    far = std::min(far, std::max(a, b));
-  }
-  if (entered == 3 || near >= far) return std::nullopt;
-  Vec3d normal{};
-  normal[entered] = d[entered] > 0 ? -1 : 1;
-  return HullHit{near, axes * normal};
+std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction) {
+  const auto c = box.crossing(origin, direction);
+  if (!c) return std::nullopt;
+  return HullHit{c->in, box.normal(c->entered)};
 }
 
 std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least) {

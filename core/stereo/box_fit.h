@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/rigid.h"
+#include "core/math/oriented_box.h"
 #include "core/stereo/hull_mask.h"
 
 namespace vitrine {
@@ -21,13 +21,8 @@ struct HullHit {
   Vec3d normal;  // in the world, unit, against the ray
 };
 
-struct OrientedBox {
-  Mat3d axes;                    // columns: unit vectors along the edges, right-handed
-  Vec3d low, high;               // of the extent along them: a point p is inside when low <= transposed(axes) p <= high
-  Vec3d corner(size_t i) const;  // bit k of i: high along axis k
-  // Where a ray from outside enters; t in units of `direction`.
-  std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
-};
+// Where a ray from outside enters; t in units of `direction`.
+std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction);
 
 struct BoxFit {
   OrientedBox box;

@@ -207,7 +207,7 @@ float VisualHull::occupancy(const Vec3d& p) const {
 
 std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   if (empty()) return std::nullopt;
-  if (box_) return box_->first_hit(origin, direction);
+  if (box_) return vitrine::first_hit(*box_, origin, direction);
   const Vec3d d = normalized(direction);
   double near = 0, far = 1e300;
   for (size_t i = 0; i < 3; ++i) {

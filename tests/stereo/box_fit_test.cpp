@@ -85,13 +85,13 @@ TEST(BoxFit, OutlinesAreThoseOfTheMasks) {
 
 TEST(BoxFit, RaysMeetItsFaces) {
   const OrientedBox box{Mat3d::identity(), {-1, -2, -3}, {1, 2, 3}};
-  const auto hit = box.first_hit({5, 0.5, 0}, {-2, 0, 0});
+  const auto hit = first_hit(box, {5, 0.5, 0}, {-2, 0, 0});
   ASSERT_TRUE(hit);
   EXPECT_DOUBLE_EQ(hit->t, 2);
   EXPECT_EQ(hit->normal, (Vec3d{1, 0, 0}));
-  EXPECT_EQ(box.first_hit({0.5, 0, -9}, {0, 0.1, 1})->normal, (Vec3d{0, 0, -1}));
-  EXPECT_FALSE(box.first_hit({5, 2.5, 0}, {-1, 0, 0}));
-  EXPECT_FALSE(box.first_hit({5, 0, 0}, {1, 0, 0}));  // behind
+  EXPECT_EQ(first_hit(box, {0.5, 0, -9}, {0, 0.1, 1})->normal, (Vec3d{0, 0, -1}));
+  EXPECT_FALSE(first_hit(box, {5, 2.5, 0}, {-1, 0, 0}));
+  EXPECT_FALSE(first_hit(box, {5, 0, 0}, {1, 0, 0}));  // behind
 }
 
 TEST(BoxFit, WithoutAMaskThereIsNoBox) {
