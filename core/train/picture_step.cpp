@@ -57,6 +57,18 @@ void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float
   }
 }
 
+void share_glass(SplatLayer& diffuse) {
+  std::vector<uint32_t> glass;
+  for (size_t i = 0; i < diffuse.size(); ++i)
+    if (*diffuse.at(Attribute::Transmission, i) > 0) glass.push_back(static_cast<uint32_t>(i));
+  for (Attribute a : {Attribute::F0, Attribute::SpecularWeight})
+    for (size_t c = 0; c < diffuse.width(a); ++c) {
+      double sum = 0;
+      for (uint32_t i : glass) sum += double(diffuse.at(a, i)[c]);
+      for (uint32_t i : glass) diffuse.at(a, i)[c] = static_cast<float>(sum / double(glass.size()));
+    }
+}
+
 void hold_gloss(const SplatLayer& diffuse, float gloss_factor, std::vector<float>& damping) {
   damping.resize(diffuse.size(), 1.f);
   for (size_t i = 0; i < damping.size(); ++i)

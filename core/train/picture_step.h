@@ -27,6 +27,9 @@ SurfelStatistics& statistics_of(Frame& frame, LayerKind kind);
 void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float>& damping, std::span<float> error,
                 SplatLayer& grad);
 
+// One f0 and one k_s for all surfels of glass: their means.
+void share_glass(SplatLayer& diffuse);
+
 // What reflects stays where it is as far as it reflects: `damping` (empty: ones) is multiplied by 1 to `gloss_factor`. For shapes
 // that are known better than a picture in a mirror tells.
 void hold_gloss(const SplatLayer& diffuse, float gloss_factor, std::vector<float>& damping);

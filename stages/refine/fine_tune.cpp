@@ -112,6 +112,7 @@ void FineTune::update() {
          .rarest = float(config_.rates.rarest)},
         scene_.layer(kind));
   }
+  if (scene_.transmittance.size() > 0 && scene_.reflection.size() > 0) share_glass(scene_.diffuse);
 }
 
 void FineTune::average() {

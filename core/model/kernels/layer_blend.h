@@ -1,9 +1,12 @@
 // How the radiance of the three layers becomes one pixel (README 4):  C = w_d C_d + w_r C_r + w_t C_t,  per channel, with
 //   rtrgs    w_d = 1 - k_s          w_r = k_s F    w_t = k_s tau (1 - F)
-//   layered  w_d = (1-k)(1-tau)     w_r = k        w_t = (1-k) tau       k = k_s + (1 - k_s) g(k_s) F
-// F is Schlick's Fresnel term at the view angle. g fades Fresnel out where a surface has no specular weight, so that an opaque
-// pixel stays exactly its diffuse colour: g = 1 - (1 - x)^2, x = clamp((k_s - t)/(s - t), 0, 1), smooth at s, zero at the
-// threshold t below which a pixel sends no rays.
+//   layered  w_d = (1-k)(1-tau)     w_r = k        w_t = (1-k) tau       k = k_s + (1 - k_s) G F
+// F is the Fresnel term at the view angle, tau being how far the surface is a clear sheet (fresnel.h).
+//   G = g + (1 - g) tau h    g = 1 - (1 - x)^2, h = smoothstep(0, 0.001, k_s)
+// g fades Fresnel out where a surface has no specular weight, so that an opaque pixel stays exactly its diffuse colour:
+// x = clamp((k_s - t)/(s - t), 0, 1), zero at the threshold t below which a pixel sends no rays. What is clear mirrors by
+// Fresnel's law however little its k_s, and nothing at k_s = 0, for whoever wants such glass.
+//
 // a, the agreement of the normals in the pixel (surface_point.h), stands before k_s (rtrgs) or k (layered): where surfels of one
 // pixel disagree about where it looks, at the rim of a mirror, a ray in the mean direction brings nothing that belongs there.
 // Without a reflection, w_r is zero and F counts as 0 (layered: k = 0); without a transmission tau counts as 0.
@@ -19,6 +22,8 @@ enum class LayerBlend : unsigned char { RtrGs, Layered };
 inline constexpr double kMinSpecular = 1.0 / 255.0;
 // Fresnel counts in full from this specular weight on.
 inline constexpr double kFullFresnel = 0.05;
+// The same for what is clear.
+inline constexpr double kFullClear = 0.001;
 
 template <class T>
 struct BlendMaterial {  // or its gradient
@@ -48,10 +53,22 @@ T fresnel_gate_slope(const T& specular) {
 }
 
 template <class T>
+T clear_gate(const T& specular) {
+  const T x = specular / T(kFullClear);
+  return x < T(1) ? x * x * (T(3) - T(2) * x) : T(1);
+}
+template <class T>
+T clear_gate_slope(const T& specular) {
+  const T x = specular / T(kFullClear);
+  return x < T(1) ? T(6) * x * (T(1) - x) / T(kFullClear) : T(0);
+}
+
+template <class T>
 LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present) {
   LayerWeights<T> w;
-  const Fresnel<T> f = present.reflection ? schlick(m.f0, m.cosine) : Fresnel<T>{};
   const T tau = present.transmission ? m.transmission : T(0), one(1);
+  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
+  const T opaque_gate = fresnel_gate(m.specular), gate = opaque_gate + (one - opaque_gate) * tau * clear_gate(m.specular);
   for (size_t c = 0; c < 3; ++c) {
     if (blend == LayerBlend::RtrGs) {
       const T k_s = m.agreement * m.specular;
@@ -59,8 +76,7 @@ LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, Layer
       w.reflection[c] = k_s * f.value[c];
       w.transmission[c] = k_s * tau * (one - f.value[c]);
     } else {
-      const T k =
-          present.reflection ? m.agreement * (m.specular + (one - m.specular) * fresnel_gate(m.specular) * f.value[c]) : T(0);
+      const T k = present.reflection ? m.agreement * (m.specular + (one - m.specular) * gate * f.value[c]) : T(0);
       w.diffuse[c] = (one - k) * (one - tau);
       w.reflection[c] = k;
       w.transmission[c] = (one - k) * tau;
@@ -74,9 +90,11 @@ template <class T>
 BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present, const LayerWeights<T>& g) {
   BlendMaterial<T> out;
   out.agreement = T(0);
-  const Fresnel<T> f = present.reflection ? schlick(m.f0, m.cosine) : Fresnel<T>{};
   const T tau = present.transmission ? m.transmission : T(0), one(1), a = m.agreement;
-  const T gate = fresnel_gate(m.specular), gate_slope = fresnel_gate_slope(m.specular);
+  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
+  const T opaque_gate = fresnel_gate(m.specular), closed = one - opaque_gate, clear = clear_gate(m.specular);
+  const T gate = opaque_gate + closed * tau * clear;
+  const T gate_slope = fresnel_gate_slope(m.specular) * (one - tau * clear) + closed * tau * clear_gate_slope(m.specular);
   Vec3<T> grad_f{};
   T grad_tau(0);
   for (size_t c = 0; c < 3; ++c) {
@@ -95,10 +113,11 @@ BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, 
       out.specular += a * grad_k * (one - gate * F + (one - m.specular) * gate_slope * F);
       out.agreement += grad_k * full;
       grad_f[c] = a * grad_k * (one - m.specular) * gate;
+      grad_tau += a * grad_k * (one - m.specular) * closed * clear * F;
     }
   }
+  if (present.reflection) fresnel_vjp(m.f0, f, grad_f, out.f0, out.cosine, grad_tau);
   if (present.transmission) out.transmission = grad_tau;
-  if (present.reflection) schlick_vjp(m.f0, f, grad_f, out.f0, out.cosine);
   return out;
 }
 

@@ -20,9 +20,11 @@ constexpr float kReachEdges = 3;       // surfels count up to this many mean edg
 constexpr float kPlainRoughness = 1;   // of surfaces whose reflection nobody measured
 constexpr float kVisible = 1 / 255.f;  // opacity
 
-// Reflectance at normal incidence.
-Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0) {
-  return layer_weights<float>(blend, {.f0 = f0, .specular = specular, .cosine = 1}, {.reflection = true}).reflection;
+// Reflectance at normal incidence; glass reflects whatever its specular weight.
+Vec3f reflectance(LayerBlend blend, float specular, const Vec3f& f0, float tau) {
+  return layer_weights<float>(blend, {.f0 = f0, .specular = specular, .transmission = tau, .cosine = 1},
+                              {.reflection = true, .transmission = true})
+      .reflection;
 }
 
 // What passes of the light that is not reflected: glTF weighs its transmission with 1 - F by itself.
@@ -40,12 +42,13 @@ std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
     m.f0 = {kDielectricF0, kDielectricF0, kDielectricF0};
     m.roughness = kPlainRoughness;
     const float specular = sigmoid(*layer.at(Attribute::SpecularWeight, i));
-    if (transmits) m.transmission = transmission(blend, specular, sigmoid(*layer.at(Attribute::Transmission, i)));
+    const float tau = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0;
+    if (transmits) m.transmission = transmission(blend, specular, tau);
     if (!reflects) continue;
     const float* raw = layer.at(Attribute::F0, i);
-    const Vec3f found = reflectance(blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])});
+    const Vec3f found = reflectance(blend, specular, {sigmoid(raw[0]), sigmoid(raw[1]), sigmoid(raw[2])}, tau);
     // Where a surface sends no rays, its roughness was never looked at.
-    const float measured = fresnel_gate(specular);
+    const float opaque_gate = fresnel_gate(specular), measured = opaque_gate + (1 - opaque_gate) * tau;
     m.f0 = measured * found + (1 - measured) * m.f0;
     m.roughness = measured * sigmoid(*layer.at(Attribute::Roughness, i)) + (1 - measured) * kPlainRoughness;
   }
@@ -64,8 +67,8 @@ std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder,
                  .code = "RELIGHT_MISMATCH"});
   std::vector<SurfelMaterial> out(surfels);
   for (size_t i = 0; i < surfels; ++i)
-    out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i]), found.roughness[i],
-              transmission(blend, found.specular_weight[i], found.transmission[i])};
+    out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i], found.transmission[i]),
+              found.roughness[i], transmission(blend, found.specular_weight[i], found.transmission[i])};
   return out;
 }
 
