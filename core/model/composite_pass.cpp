@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
+#include "core/model/kernels/pane_blend.h"
 
 namespace vitrine {
 
@@ -30,6 +31,26 @@ Vec3f transmitted(const Frame& frame, size_t group, uint32_t pixel) {
   if (own.empty()) return radiance(frame.transmission, group);
   const size_t pixels = frame.pixel_count();
   return {own[pixel], own[pixels + pixel], own[2 * pixels + pixel]};
+}
+
+Vec3f at(const std::vector<float>& plane, size_t pixels, uint32_t pixel) {
+  return {plane[pixel], plane[pixels + pixel], plane[2 * pixels + pixel]};
+}
+
+PaneView<float> pane_view(const Frame& frame, uint32_t pixel) {
+  const PaneImages& p = frame.panes;
+  PaneView<float> v;
+  if (p.empty() || !p.shown[pixel]) return v;
+  const size_t pixels = frame.pixel_count();
+  v.near_color = at(p.near_color, pixels, pixel);
+  v.far_color = at(p.far_color, pixels, pixel);
+  v.near_open = p.near_open[pixel];
+  v.far_open = p.far_open[pixel];
+  v.far_cosine = p.far_cosine[pixel];
+  if (frame.behind.median_z.empty() || v.far_cosine == 0) return v;
+  const bool past = (frame.behind.median_z[pixel] - p.far_z[pixel]) * p.far_rise[pixel] > p.at_pane;
+  v.far_share = past || frame.behind.inner_transmittance[pixel] > 0.5f ? 1.f : 0.f;
+  return v;
 }
 
 void write(std::vector<float>& plane, size_t pixels, uint32_t pixel, const Vec3f& v) {
@@ -59,11 +80,12 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
   const GBuffer buffer(frame);
   parallel_chunks(s.groups(), kCompositeGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g) {
-      const Vec3f c_r = radiance(frame.reflection, g);
+      const Vec3f of_group = radiance(frame.reflection, g);
       for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) {
         const uint32_t pixel = s.pixels[i];
-        const Vec3f c_t = transmitted(frame, g, pixel);
         const BlendMaterial<float> material = buffer.material(pixel);
+        const Vec3f straight = transmitted(frame, g, pixel);
+        const auto [c_r, c_t] = behind_panes(pane_view(frame, pixel), material.f0, {of_group, straight});
         const LayersPresent shown = present(frame, g, i);
         const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
         const Vec3f diffuse = hadamard(w.diffuse, buffer.rgb(buffer.color, pixel));
@@ -82,10 +104,11 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
         write(l.transmission, pixels, pixel, transmission);
         if (shown.reflection) {
           write(l.reflected, pixels, pixel, c_r);
-          write(l.fresnel, pixels, pixel, schlick(material.f0, material.cosine).value);
+          write(l.fresnel, pixels, pixel,
+                fresnel(material.f0, material.cosine, shown.transmission ? material.transmission : 0.f).value);
         }
         if (shown.transmission) {
-          write(l.transmitted, pixels, pixel, c_t);
+          write(l.transmitted, pixels, pixel, straight);
           l.inner_transmittance[pixel] =
               frame.behind.radiance.empty() ? frame.transmission.inner_transmittance[g] : frame.behind.inner_transmittance[pixel];
         }
@@ -118,8 +141,10 @@ void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t 
     const LayersPresent shown = present(frame, group, i);
     if (!shown.transmission) continue;
     const LayerWeights<float> w = layer_weights(options_.blend, buffer.material(pixel), shown);
+    Vec3f ignored{};
+    const Vec3f grad = gate(frame, pixel) * hadamard(buffer.rgb(frame.grad_linear, pixel), w.transmission);
     write(frame.behind.grad_radiance, frame.pixel_count(), pixel,
-          gate(frame, pixel) * hadamard(buffer.rgb(frame.grad_linear, pixel), w.transmission));
+          behind_panes_vjp(pane_view(frame, pixel), buffer.material(pixel).f0, {}, {{}, grad}, ignored).transmitted);
   }
 }
 
@@ -138,20 +163,24 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       const BlendMaterial<float> material = buffer.material(pixel);
       const LayersPresent shown = present(frame, g, s.chosen[g]);
       const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
-      const BlendMaterial<float> grad_material =
-          layer_weights_vjp(options_.blend, material, shown,
-                            {.diffuse = hadamard(grad, buffer.rgb(buffer.color, pixel)),
-                             .reflection = hadamard(grad, radiance(frame.reflection, g)),
-                             .transmission = hadamard(grad, transmitted(frame, g, pixel))});
+      const PaneView<float> panes = pane_view(frame, pixel);
+      const PaneRadiances<float> arrived{radiance(frame.reflection, g), transmitted(frame, g, pixel)};
+      const auto [c_r, c_t] = behind_panes(panes, material.f0, arrived);
+      BlendMaterial<float> grad_material = layer_weights_vjp(options_.blend, material, shown,
+                                                             {.diffuse = hadamard(grad, buffer.rgb(buffer.color, pixel)),
+                                                              .reflection = hadamard(grad, c_r),
+                                                              .transmission = hadamard(grad, c_t)});
+      const PaneRadiances<float> grad_arrived = behind_panes_vjp(
+          panes, material.f0, arrived, {hadamard(grad, w.reflection), hadamard(grad, w.transmission)}, grad_material.f0);
       SurfacePoint<float>& point = s.grad_points[g];
       point.f0 += grad_material.f0;
       point.cosine += grad_material.cosine;
       point.agreement += grad_material.agreement;
       frame.grad_diffuse.plane(Aov::SpecularWeight)[pixel] += grad_material.specular;
       frame.grad_diffuse.plane(Aov::Transmission)[pixel] += grad_material.transmission;
-      if (shown.reflection) frame.reflection.grad_radiance[g] = hadamard(grad, w.reflection);
+      if (shown.reflection && !frame.reflection.grad_radiance.empty()) frame.reflection.grad_radiance[g] = grad_arrived.reflected;
       if (shown.transmission && frame.behind.radiance.empty())
-        frame.transmission.grad_radiance[g] = gate(frame, pixel) * hadamard(grad, w.transmission);
+        frame.transmission.grad_radiance[g] = gate(frame, pixel) * grad_arrived.transmitted;
       const bool glass = !frame.transparent_mask.empty() && frame.transparent_mask[pixel] > 0.5f;
       write(frame.grad_linear, pixels, pixel, (glass ? options_.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
     }

@@ -29,9 +29,24 @@ struct BehindGlass {
   std::vector<float> radiance, grad_radiance;  // [3,h,w]
   std::vector<float> inner_transmittance;      // [h,w] past the last surfel
   std::vector<GlassPath> path;                 // [h,w] where some glass is thick; empty without
+  std::vector<float> median_z;                 // [h,w] where half of it is passed, if so much stands there at all
   std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (composite)
   SurfelStatistics statistics;        // of the diffuse surfels that are seen so; Frame::statistics begins with them
   void clear();
+};
+
+// What the two panes of a case mirror by which a pixel's ray enters and leaves it (PanePass). Empty without a case in the
+// picture.
+struct PaneImages {
+  std::vector<uint8_t> shown;                // [h,w] the pixel looks at the case
+  std::vector<float> near_color, far_color;  // [3,h,w] of the scene
+  std::vector<float> near_open, far_open;    // [h,w] how far it shows nothing of the scene
+  std::vector<float> far_z, far_cosine;      // [h,w] of the far pane: depth, cosine of the ray with its normal; 0: there is none
+  std::vector<float> far_rise;               // [h,w] how far a step of depth beyond it leads away from it
+  float at_pane = 0;                         // what stands this near to a pane belongs to it, scene units
+  bool empty() const { return shown.empty(); }
+  void clear();
+  void start(size_t pixels);
 };
 
 struct Frame {
@@ -45,6 +60,7 @@ struct Frame {
   RasterImages diffuse;                    // channels of the diffuse pass
   ShadedPixels shaded;                     // pixels that send rays
   SecondaryRays reflection, transmission;  // their rays through the two other layers
+  PaneImages panes;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain
   std::vector<float> srgb;    // [3,h,w] what the photo should show

@@ -2,8 +2,10 @@
 // phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
+#include "core/model/glass_case.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
 #include "core/trace/tracer.h"
@@ -63,6 +65,14 @@ struct TransmissionOptions {
   std::shared_ptr<const ThickGlass> thick = nullptr;
 };
 
+// The display case whose panes are flat mirrors (PanePass). nullptr: none is known.
+struct PaneOptions {
+  std::shared_ptr<const GlassCase> glass_case = nullptr;
+  // So many surfels of the diffuse layer are mirrored, its first ones. What follows are guesses about what no photo shows; panes
+  // that photos do show know better, through the reflection layer.
+  size_t mirrored = SIZE_MAX;
+};
+
 struct CompositeOptions {
   LayerBlend blend = LayerBlend::Layered;
   // Gradient gate: where the reflected part of the picture varies strongly among neighbours, less gradient reaches the
@@ -79,6 +89,7 @@ struct ImageOptions {
   SurfaceOptions surface;
   ReflectionOptions reflection;
   TransmissionOptions transmission;
+  PaneOptions panes;
   CompositeOptions composite;
 };
 

@@ -18,6 +18,7 @@
 #include "core/model/composite_pass.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
+#include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/model/thin_glass_pass.h"
@@ -32,6 +33,7 @@ class LayeredModel : public ImageModel {
   // Owned by the model.
   DiffusePass* diffuse;
   SurfacePass* surface;
+  PanePass* panes;
   ReflectionPass* reflection;
   TransmissionPass* transmission;
   ThinGlassPass* thin_glass;

@@ -26,6 +26,20 @@ GlossyRay<float> mirror_ray(const Vec3f& view, const SurfacePoint<float>& p) {
   return ray;
 }
 
+// Panes that show the scene alone have no use for the layer.
+bool mirrored_already(const Frame& frame, size_t group) {
+  constexpr float kClosed = 1 / 255.f;
+  const PaneImages& panes = frame.panes;
+  if (panes.empty()) return false;
+  const ShadedPixels& s = frame.shaded;
+  for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
+    const uint32_t pixel = s.pixels[i];
+    const bool far_pane = panes.far_cosine[pixel] > 0;
+    if (!panes.shown[pixel] || panes.near_open[pixel] > kClosed || (far_pane && panes.far_open[pixel] > kClosed)) return false;
+  }
+  return true;
+}
+
 TraceDesc trace_desc(const ReflectionOptions& o, const SplatLayer& layer) {
   return {.sh_degree = std::min(o.sh_degree, layer.sh_degree()), .min_transmittance = o.min_transmittance};
 }
@@ -43,7 +57,7 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
     auto& out = chunks_[chunk];
     out.clear();
     for (size_t g = first; g < last; ++g) {
-      if (!s.asked(g).reflection) continue;
+      if (!s.asked(g).reflection || mirrored_already(frame, g)) continue;
       const SurfacePoint<float>& p = s.points[g];
       const Vec3f view = s.rays[g].view;
       const auto group = static_cast<uint32_t>(g);

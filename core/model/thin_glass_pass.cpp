@@ -22,7 +22,7 @@ size_t used_width(const SplatLayer& layer, Attribute a, int degree) {
 }  // namespace
 
 void BehindGlass::clear() {
-  for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &picture_weight}) plane->clear();
+  for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &median_z, &picture_weight}) plane->clear();
   path.clear();
   for (auto* sums : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) sums->clear();
 }
@@ -79,6 +79,8 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   behind.grad_radiance.assign(color.size(), 0.f);
   behind.inner_transmittance.resize(alpha.size());
   std::transform(alpha.begin(), alpha.end(), behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
+  const std::span<const float> median = picture_.plane(Aov::MedianZ);
+  behind.median_z.assign(median.begin(), median.end());
   behind.picture_weight.assign(alpha.size(), 0.f);
   if (options_.thick) bent_.forward(options_, merged_, frame);
 }

@@ -22,6 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
 constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
+constexpr const char* kCase = "case";               // a box of panes
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
@@ -40,6 +41,33 @@ void visit(Options& o, const Word& word, const Number& number) {
   number("reflection_min_transmittance", o.reflection.min_transmittance);
   number("transmission_near", o.transmission.near);
   number("transmission_min_transmittance", o.transmission.min_transmittance);
+}
+
+Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+// A box with unit, right-angled axes.
+template <class Fail>
+std::shared_ptr<const GlassCase> read_case(const nlohmann::json& json, const Fail& fail) {
+  const auto vec = [&](const nlohmann::json& j) {
+    const auto v = j.get<std::array<double, 3>>();
+    for (double x : v)
+      if (!std::isfinite(x)) throw fail("the case is not a box");
+    return Vec3d{v[0], v[1], v[2]};
+  };
+  const auto& axes = json.at("axes");
+  const Vec3d x = vec(axes.at(0)), y = vec(axes.at(1)), z = vec(axes.at(2));
+  auto out = std::make_shared<GlassCase>();
+  OrientedBox* const box = &out->box;
+  out->clear = json.at("clear").get<std::array<bool, OrientedBox::kFaces>>();
+  box->axes = {x, y, z};
+  box->low = vec(json.at("low"));
+  box->high = vec(json.at("high"));
+  constexpr double kSloppy = 1e-4;
+  bool right = length(cross(x, y) - z) < kSloppy && std::abs(dot(x, y)) < kSloppy && std::abs(length(x) - 1) < kSloppy &&
+               std::abs(length(y) - 1) < kSloppy;
+  for (size_t i = 0; i < 3; ++i) right &= box->low[i] < box->high[i];
+  if (!right) throw fail("the case is not a box");
+  return out;
 }
 
 // The shortest text that gives the same float back, not the double's seventeen digits.
@@ -77,6 +105,16 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   visit(
       options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
       [&](const char* key, float value) { json[key] = shortest(value); });
+  if (const GlassCase* glass_case = options.panes.glass_case.get()) {
+    const OrientedBox* const box = &glass_case->box;
+    Json axes = Json::array();
+    for (size_t i = 0; i < 3; ++i) {
+      const Vec3d axis = box->axes * Vec3d{i == 0 ? 1.0 : 0, i == 1 ? 1.0 : 0, i == 2 ? 1.0 : 0};
+      axes.push_back({axis.x, axis.y, axis.z});
+    }
+    json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
+    if (options.panes.mirrored != SIZE_MAX) json[kCase]["mirrored_surfels"] = options.panes.mirrored;
+  }
   if (const ThickGlass* thick = options.transmission.thick.get()) {
     json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
     write_mesh_ply(thick_glass_path(path), thick->mesh());
@@ -109,6 +147,10 @@ ImageOptions read_image_options(const fs::path& path) {
           value = json.at(key).get<float>();
           if (!(value >= 0) || !std::isfinite(value)) throw fail(fmt::format("{} is not a positive number", key));
         });
+    if (json.contains(kCase)) {
+      options.panes.glass_case = read_case(json.at(kCase), fail);
+      options.panes.mirrored = json.at(kCase).value("mirrored_surfels", SIZE_MAX);
+    }
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");

@@ -109,6 +109,9 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     write_mesh_ply(behind_glass_path(folder), content);
   ImageOptions image = scene.trained.image;
   image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
+  if (image.panes.mirrored < scene.there.diffuse.size())
+    image.panes.mirrored = static_cast<size_t>(
+        std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));
   write_image_options(folder / "optimize" / "model.json", image);
   copy(from.optimize, fs::path("optimize") / "views.json");
   if (!from.relight) return;

@@ -210,6 +210,7 @@ Hull mask_hull(const MaskHullDesc& desc) {
   if (const std::optional<BoxFit> fit = fit_box(masks, bounds)) {
     log_info("the {} is a box ({:.0f} % of the masks and of its outlines agree)", what, 100 * fit->agreement);
     put_on(fit->box, grid.cell, hull.points);
+    hull.box = fit->box;
     return hull;
   }
   const std::vector<SolidOfRevolution> turned = solids_of_revolution(masks, surface, grid.cell);

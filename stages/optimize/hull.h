@@ -4,9 +4,10 @@
 // that rays meet; here dull things that stand in front have their say, and the surface is a set of points.)
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "core/math/vec.h"
+#include "core/math/oriented_box.h"
 #include "core/render/renderer.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
@@ -18,8 +19,9 @@ struct HullPoint {
   bool known = false;      // by the shape of a box or of a solid of revolution, to a fraction of a pixel; or as a hull wavers
 };
 struct Hull {
-  std::vector<HullPoint> points;  // of the surface, on a grid
-  float spacing = 0;              // of the grid
+  std::vector<HullPoint> points;   // of the surface, on a grid
+  float spacing = 0;               // of the grid
+  std::optional<OrientedBox> box;  // where the outlines are those of one
 };
 
 // Gloss: the specular mask without the transparent one, whose pixels then say nothing.

@@ -12,6 +12,7 @@
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
+#include "stages/optimize/glass_case.h"
 #include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/neighbours.h"
@@ -318,6 +319,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
+    if (closed && hull.box) counts.glass_case = glass_case(*hull.box, desc.capture, desc.targets, found.depths, kEvidenceLevel);
     return counts;
   }
   // Everything: what no training photo shows through the glass may be what the next view shows.

@@ -6,6 +6,9 @@
 //   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
 #pragma once
 
+#include <optional>
+
+#include "core/model/glass_case.h"
 #include "core/scene/splat_scene.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
@@ -31,8 +34,9 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;  // surfels put on the hull; surfels that left the diffuse layer for them
-  size_t known = 0;            // of those on the hull, where its shape is known (HullPoint)
+  size_t hull = 0, moved = 0;           // surfels put on the hull; surfels that left the diffuse layer for them
+  size_t known = 0;                     // of those on the hull, where its shape is known (HullPoint)
+  std::optional<GlassCase> glass_case;  // glass that is a box
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);

@@ -65,6 +65,10 @@ void describe(Describer& d, ShadingConfig& c) {
            "What is seen through glass: thin shows the scene behind it straight on, the transmittance layer among it; traced "
            "sends rays through the transmittance layer alone.")
       .choices({"thin", "traced"});
+  d.option(
+      "panes", c.panes,
+      "Glass that is a box mirrors the scene in both panes that a ray passes, as flat mirrors do; off: one reflection, of the "
+      "reflection layer.");
   d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a training step; 0 = all that reflect or transmit.")
       .range(0, 100000000);
   d.option("gate", c.gate, "Damps gradients of the transmitted layer where reflections vary strongly; 0 = off.").range(0, 1000);
@@ -80,6 +84,8 @@ void describe(Describer& d, TransmittancePhase& c) {
        "Factor on the diffuse layer's rates of geometry and opacity where it is transparent: what is seen through it must not "
        "move it.")
       .range(0, 1);
+  d.option("one_glass", c.one_glass,
+           "All glass reflects alike: one f0 and one k_s for all of its surfels, which single photos would bend to their noise.");
 }
 
 void describe(Describer& d, JointPhase& c) {

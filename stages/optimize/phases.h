@@ -46,8 +46,9 @@ struct ReflectionPhase : LayerPhase {
   double surface_from = 0.36;  // rays turn and move surfaces
 };
 struct TransmittancePhase : LayerPhase {
-  double transmission = 0.98, specular_weight = 0.01, f0 = 0.04;  // of glass, to start from
-  double glass_factor = 0.05;                                     // on top, where the diffuse layer is transparent
+  double transmission = 0.98, specular_weight = 0.002, f0 = 0.077;  // of glass, to start from
+  double glass_factor = 0.05;                                       // on top, where the diffuse layer is transparent
+  bool one_glass = true;                                            // all glass has the same f0 and k_s
 };
 struct DiffusePhase {
   double specular_weight = 0.3;  // of the picture losses on gloss (specular, not transparent), until reflection begins
@@ -56,6 +57,7 @@ struct DiffusePhase {
 struct ShadingConfig {
   std::string blend = "layered", lobe = "mirror", glass = "thin";
   int ray_budget = 0;
+  bool panes = true;
   double gate = 4, diffuse_in_transparent = 1;
 };
 void describe(Describer& d, ShadingConfig& c);

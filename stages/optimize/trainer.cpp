@@ -179,6 +179,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     broken_ |= bad;
     blank |= diffuse && done.active == 0;
   }
+  if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && config().phases.transmittance.one_glass)
+    share_glass(scene_.diffuse);
   bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
   if (bad_streak_ >= kBadStreak)
     throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
@@ -247,6 +249,7 @@ void Trainer::begin_phases() {
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && counts.known > 0) gloss_known_ = 1;
+    if (counts.glass_case && config().shading.panes) case_ = std::make_shared<GlassCase>(*counts.glass_case);
     training(kind).restart(scene_.layer(kind));
   }
   if (!changed) return;
@@ -300,6 +303,8 @@ void Trainer::record(double loss, double l1) {
 ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
+  options.panes.glass_case = case_;
+  if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;
 }
 
@@ -309,7 +314,9 @@ void Trainer::set_up_passes() const {
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
   model_.transmission->options() = model_.thin_glass->options() = options.transmission;
-  model_.thin_glass->diffuse() = options.diffuse;
+  model_.thin_glass->diffuse() = model_.panes->diffuse() = options.diffuse;
+  model_.panes->transmission() = options.transmission;
+  model_.panes->options() = options.panes;
   model_.composite->options() = options.composite;
 }
 
@@ -348,6 +355,8 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(background_);
   out.value(gloss_known_);
   out.value(filled_);
+  out.value(case_ != nullptr);
+  out.value(case_ ? *case_ : GlassCase{});
   out.value(unseen_surfels_);
   out.value(from_behind_glass_);
   for (LayerKind kind : kAllLayers) {
@@ -368,6 +377,11 @@ void Trainer::load(ArchiveReader& in) {
   in.value(background_);
   in.value(gloss_known_);
   in.value(filled_);
+  bool in_case = false;
+  GlassCase glass_case;
+  in.value(in_case);
+  in.value(glass_case);
+  case_ = in_case ? std::make_shared<GlassCase>(glass_case) : nullptr;
   in.value(unseen_surfels_);
   in.value(from_behind_glass_);
   bool fits = true;

@@ -97,7 +97,8 @@ class Trainer {
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
   double background_;
-  uint8_t filled_ = 0, gloss_known_ = 0;  // what no photo shows; where the shape of what reflects is known
+  std::shared_ptr<const GlassCase> case_;  // whose panes are mirrors
+  uint8_t filled_ = 0, gloss_known_ = 0;   // what no photo shows; where the shape of what reflects is known
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel

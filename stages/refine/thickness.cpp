@@ -94,6 +94,7 @@ TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::sp
   if (auto thick = thick_glass(mesh, chosen, ior)) {
     scene.image.transmission.glass = Glass::Thin;
     scene.image.transmission.thick = std::move(thick);
+    scene.image.panes.glass_case = nullptr;  // a block of glass, not a case of panes
   }
   return scene;
 }

@@ -39,7 +39,7 @@ void describe(Describer& d, RelightConfig& c) {
 Stage relight_stage() {
   return make_stage<RelightConfig>(
       {.name = "relight",
-       .version = 11,
+       .version = 12,
        .summary = "takes the diffuse colours apart into albedo and light",
        .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                   {.name = "optimize", .doc = "The trained surfels and their training views."},

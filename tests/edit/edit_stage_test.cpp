@@ -228,6 +228,10 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   write_layer(refine / "refine/gaussians/diffuse.ply", better);
   ImageOptions options;
   options.composite.blend = LayerBlend::RtrGs;
+  auto glass_case = std::make_shared<GlassCase>();
+  glass_case->box = {Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}};
+  const size_t all = better.size();
+  options.panes = {glass_case, all - 3};
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
   auto inputs = with_edits();
@@ -238,6 +242,14 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
+  // The last three surfels are guesses; of those before them, that many are still there.
+  size_t guesses = 0;
+  for (size_t i = all - 3; i < all; ++i)
+    for (size_t k = 0; k < scene.surfels.diffuse.size(); ++k)
+      guesses += std::equal(better.at(Attribute::Mean, i), better.at(Attribute::Mean, i) + 3,
+                            scene.surfels.diffuse.at(Attribute::Mean, k));
+  ASSERT_LT(scene.surfels.diffuse.size(), all);
+  EXPECT_EQ(scene.image.panes.mirrored, scene.surfels.diffuse.size() - guesses);
 }
 
 // Both balls of solid glass, with a thing in each that glass alone shows.

@@ -5,6 +5,7 @@
 
 #include "core/scene/activation.h"
 #include "core/train/picture_step.h"
+#include "stages/optimize/glass_case.h"
 #include "tests/stereo/outlines.h"
 
 namespace vitrine {
@@ -45,6 +46,36 @@ TEST(MaskHull, OfACaseIsItsSixFaces) {
   }
 }
 
+// Photos look through the sides to a wall, and down to a floor that the case stands on; something stands in its middle.
+TEST(GlassCase, StandsOnAFloorThatIsNoPane) {
+  const OrientedBox box{Mat3d::identity(), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
+  const auto masks =
+      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
+  Capture capture;
+  Targets targets;
+  std::vector<std::vector<float>> depths;
+  for (const HullMask& m : masks) {
+    capture.train.push_back(uint32_t(capture.photos.size()));
+    capture.photos.emplace_back().levels[0].view = m.view;
+    auto& inside = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Transparent)];
+    auto& depth = depths.emplace_back();
+    const Vec3d eye = m.view.centre_in_world();
+    const int width = m.view.intrinsics.width;
+    for (size_t i = 0; i < m.mask.data().size(); ++i) {
+      inside.push_back(m.mask.data()[i] > 0 ? 255 : 0);
+      const Vec3d per_z =
+          transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(int(i) % width + 0.5, int(i) / width + 0.5));
+      const auto c = box.crossing(eye, per_z);
+      const double to_floor = (-0.29 - eye.z) / per_z.z;
+      double z = c && c->left == OrientedBox::Face{2, false} ? to_floor : 4;
+      if (c && i % 5 == 0) z = 0.5 * (c->in + c->out);
+      depth.push_back(i % 7 == 0 ? 0.f : float(z));
+    }
+  }
+  const GlassCase found = glass_case(box, capture, targets, depths, 0);
+  for (size_t f = 0; f < OrientedBox::kFaces; ++f) EXPECT_EQ(found.clear[f], f != (OrientedBox::Face{2, false}.index())) << f;
+}
+
 TEST(MaskHull, OfABallIsAsSmoothAsABall) {
   const Vec3d centre{0.05, -0.03, 0.02};
   const auto masks =
@@ -71,6 +102,28 @@ TEST(MaskHull, WhatReflectsKeepsItsShapeAsFarAsItDoes) {
   damping = {0.5f, 0.5f, 0.5f};  // of glass
   hold_gloss(layer, 0.02f, damping);
   EXPECT_NEAR(damping[2], 0.5f * (1 - 0.98f * 0.9f), 1e-5);
+}
+
+TEST(Glass, ReflectsAlikeEverywhere) {
+  SplatLayer layer(LayerKind::Diffuse, 0, 3);
+  const float tau[] = {0.9f, 0.1f, 0.8f}, k_s[] = {1, 5, 2};
+  for (size_t i = 0; i < 3; ++i) {
+    *layer.at(Attribute::Transmission, i) = logit(tau[i]);
+    *layer.at(Attribute::SpecularWeight, i) = k_s[i];
+    for (size_t c = 0; c < 3; ++c) layer.at(Attribute::F0, i)[c] = k_s[i] + float(c);
+  }
+  share_glass(layer);
+  for (const size_t glass : {0, 2}) {
+    EXPECT_EQ(*layer.at(Attribute::SpecularWeight, glass), 1.5f);
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(layer.at(Attribute::F0, glass)[c], 1.5f + float(c));
+  }
+  EXPECT_EQ(*layer.at(Attribute::SpecularWeight, 1), 5);
+  EXPECT_EQ(layer.at(Attribute::F0, 1)[2], 7);
+  SplatLayer none(LayerKind::Diffuse, 0, 1);
+  *none.at(Attribute::Transmission, 0) = -3;
+  *none.at(Attribute::F0, 0) = 0.25f;
+  share_glass(none);
+  EXPECT_EQ(*none.at(Attribute::F0, 0), 0.25f);
 }
 
 TEST(MaskHull, OfNoMaskIsNone) {

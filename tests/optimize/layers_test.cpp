@@ -5,6 +5,7 @@
 #include "core/base/parallel.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
+#include "core/stereo/box_fit.h"
 #include "stages/optimize/optimize.h"
 #include "tests/optimize/test_context.h"
 #include "tests/optimize/tiny_capture.h"
@@ -62,6 +63,49 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
   killed.after_step = nullptr;
   run_optimize(config, killed);
   EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+}
+
+// A case of glass in the middle of the scene, by its outlines: found as a box, mirrored in, remembered by checkpoints and by the
+// description of the scene.
+TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
+  const OrientedBox box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
+  const fs::path masks = folder_->path() / "case";
+  fs::create_directories(masks / "masks/transparent");
+  for (const View& view : testing::ring_of_views(18, 48, 36)) {
+    const std::vector<uint8_t> inside = outline_mask(box, view);
+    Image8 mask(48, 36, 1);
+    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
+    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
+  }
+  OptimizeConfig config = layered_config(60);
+  config.layers = "full";
+  const auto context_of = [&](const std::string& name, int threads) {
+    TestContext c = context(name);
+    c.masks = masks;
+    c.thread_count = threads;
+    return c;
+  };
+  TestContext whole = context_of("whole case", 1), killed = context_of("killed case", 3);
+  run_optimize(config, whole);
+  const ImageOptions image = read_image_options(whole.output() / "optimize/model.json");
+  ASSERT_NE(image.panes.glass_case, nullptr);
+  for (size_t i = 0; i < 8; ++i)
+    EXPECT_NEAR(image.panes.glass_case->box.distance(box.corner(i)), 0, 0.03) << "half a pixel is 0.01";
+  EXPECT_LT(image.panes.mirrored, read_layer(whole.output() / "gaussians/diffuse.ply").size()) << "guesses are not mirrored";
+  for (int stop : {8, 10, 20, 45, 59}) {  // glass begins at 9
+    killed.after_step = [stop](int step) {
+      if (step == stop) throw Stopped{};
+    };
+    EXPECT_THROW(run_optimize(config, killed), Stopped);
+  }
+  killed.after_step = nullptr;
+  run_optimize(config, killed);
+  EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  config.shading.panes = false;
+  TestContext plain = context_of("plain case", 2);
+  run_optimize(config, plain);
+  EXPECT_EQ(read_image_options(plain.output() / "optimize/model.json").panes.glass_case, nullptr);
+  EXPECT_NE(digest_folder(whole.output()), digest_folder(plain.output()));
 }
 
 TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {

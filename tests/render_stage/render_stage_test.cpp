@@ -149,6 +149,28 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   EXPECT_EQ(back.reflection.near, 0.0237f);
   EXPECT_EQ(back.transmission.near, 0.05f);
   EXPECT_EQ(back.diffuse.near_z, 0.07f);
+  EXPECT_EQ(back.panes.glass_case, nullptr);
+
+  auto glass_case = std::make_shared<GlassCase>();
+  glass_case->box = {rotation_matrix(normalized(Quatd{0.9, 0.1, -0.2, 0.3})), {-0.1, -0.2, -0.3}, {0.3, 0.2, 0.1}};
+  glass_case->clear[4] = false;
+  o.panes = {glass_case, 1234};
+  write_image_options(path, o);
+  const PaneOptions panes = read_image_options(path).panes;
+  ASSERT_NE(panes.glass_case, nullptr);
+  EXPECT_EQ(panes.mirrored, 1234u);
+  EXPECT_EQ(panes.glass_case->clear, glass_case->clear);
+  EXPECT_EQ(panes.glass_case->box.low, glass_case->box.low);
+  EXPECT_EQ(panes.glass_case->box.axes * Vec3d(1, 2, 3), glass_case->box.axes * Vec3d(1, 2, 3));
+  for (const auto& [was, is] : {std::pair("\"low\": [\n      -0.1", "\"low\": [\n      0.4"), std::pair("\"axes\"", "\"edges\""),
+                                std::pair("\"clear\": [", "\"clear\": [3, ")}) {
+    std::string text = read_file(path);
+    const size_t at = text.find(was);
+    ASSERT_NE(at, std::string::npos) << was;
+    write_file(path, text.replace(at, std::string_view(was).size(), is));
+    EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << is;
+    write_image_options(path, o);
+  }
   write_file(path, R"({"blend": "paint"})");
   EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS");
   write_file(path, "{}");

@@ -1,0 +1,53 @@
+// What the panes of a display case mirror. Where the case is known as a box, its panes are planes, and a picture in a flat mirror
+// is the picture that a camera behind the mirror takes: the scene is rasterised from there, pane by pane, without the case. Two
+// panes count in a pixel, the one that its ray enters by and, where it gets past everything inside, the one it leaves by:
+//
+//   near pane   mirrors what lies outside of it          far pane   mirrors what lies on its inner side
+//
+// (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on sample_data/cabinet; the far
+// pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
+// from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
+// Pixels take part that ask for a transmission and show the box where it is. No gradient goes through the mirrored pictures.
+// Nothing to do without PaneOptions::glass_case or without a transmittance layer.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/model/image_options.h"
+#include "core/model/kernels/pane_blend.h"
+#include "core/model/pass.h"
+
+namespace vitrine {
+
+// The camera behind a mirror: its picture, turned left to right, is what `view` sees in the plane dot(normal, p) = offset.
+View mirrored_view(const View& view, const Vec3d& normal, double offset);
+
+class PanePass final : public Pass {
+ public:
+  PanePass(const PaneOptions& options, const TransmissionOptions& transmission, const DiffuseOptions& diffuse)
+      : options_(options), transmission_(transmission), diffuse_(diffuse), renderer_(make_renderer(diffuse.backend)) {}
+  std::string_view name() const override { return "panes"; }
+  PaneOptions& options() { return options_; }
+  TransmissionOptions& transmission() { return transmission_; }
+  DiffuseOptions& diffuse() { return diffuse_; }
+
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene&, Frame&, SplatScene&) override {}
+
+ private:
+  void find_panes(const Frame& frame, PaneImages& out);
+  void mirror(const Frame& frame, OrientedBox::Face face, bool far, PaneImages& out);
+
+  PaneOptions options_;
+  TransmissionOptions transmission_;
+  DiffuseOptions diffuse_;
+  std::unique_ptr<Renderer> renderer_;
+  std::vector<uint32_t> opaque_;
+  SplatLayer merged_, beside_;                 // the scene without glass; of it what lies on one side of a pane
+  std::vector<uint8_t> near_face_, far_face_;  // [h,w] OrientedBox::Face::index, kNoFace
+  std::vector<uint8_t> wanted_;
+  RasterImages picture_;
+};
+
+}  // namespace vitrine
