@@ -1,7 +1,6 @@
 #include "core/model/pane_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"
@@ -15,7 +14,6 @@ namespace {
 constexpr uint8_t kNoFace = 255;
 constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
                                         Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
-constexpr size_t kPaneRows = 8;
 // Of the longest side of the box: the picture shows the box where its surface lies this near to it; what stands this near to a
 // pane is the pane's frame or its floor, and not seen in it.
 constexpr double kOnBox_rel = 0.05, kAtPane_rel = 0.02;
