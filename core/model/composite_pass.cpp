@@ -25,32 +25,26 @@ LayersPresent present(const Frame& frame, size_t group, uint32_t entry) {
 
 Vec3f radiance(const SecondaryRays& rays, size_t group) { return rays.radiance.empty() ? Vec3f{} : rays.radiance[group]; }
 
-// What is seen through the glass: behind thin glass every pixel has its own.
-Vec3f transmitted(const Frame& frame, size_t group, uint32_t pixel) {
-  const std::vector<float>& own = frame.behind.radiance;
-  if (own.empty()) return radiance(frame.transmission, group);
-  const size_t pixels = frame.pixel_count();
-  return {own[pixel], own[pixels + pixel], own[2 * pixels + pixel]};
-}
-
 Vec3f at(const std::vector<float>& plane, size_t pixels, uint32_t pixel) {
   return {plane[pixel], plane[pixels + pixel], plane[2 * pixels + pixel]};
 }
 
+// What is seen through the glass: behind thin glass every pixel has its own.
+Vec3f transmitted(const Frame& frame, size_t group, uint32_t pixel) {
+  const std::vector<float>& own = frame.behind.radiance;
+  return own.empty() ? radiance(frame.transmission, group) : at(own, frame.pixel_count(), pixel);
+}
+
 PaneView<float> pane_view(const Frame& frame, uint32_t pixel) {
   const PaneImages& p = frame.panes;
-  PaneView<float> v;
-  if (p.empty() || !p.shown[pixel]) return v;
+  if (p.empty() || !p.shown[pixel]) return {};
   const size_t pixels = frame.pixel_count();
-  v.near_color = at(p.near_color, pixels, pixel);
-  v.far_color = at(p.far_color, pixels, pixel);
-  v.near_open = p.near_open[pixel];
-  v.far_open = p.far_open[pixel];
-  v.far_cosine = p.far_cosine[pixel];
-  if (frame.behind.median_z.empty() || v.far_cosine == 0) return v;
-  const bool past = (frame.behind.median_z[pixel] - p.far_z[pixel]) * p.far_rise[pixel] > p.at_pane;
-  v.far_share = past || frame.behind.inner_transmittance[pixel] > 0.5f ? 1.f : 0.f;
-  return v;
+  return {.near_color = at(p.near_color, pixels, pixel),
+          .far_color = at(p.far_color, pixels, pixel),
+          .near_open = p.near_open[pixel],
+          .far_open = p.far_open[pixel],
+          .far_share = p.far_share[pixel],
+          .far_cosine = p.far_cosine[pixel]};
 }
 
 void write(std::vector<float>& plane, size_t pixels, uint32_t pixel, const Vec3f& v) {

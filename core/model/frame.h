@@ -41,9 +41,7 @@ struct PaneImages {
   std::vector<uint8_t> shown;                // [h,w] the pixel looks at the case
   std::vector<float> near_color, far_color;  // [3,h,w] of the scene
   std::vector<float> near_open, far_open;    // [h,w] how far it shows nothing of the scene
-  std::vector<float> far_z, far_cosine;      // [h,w] of the far pane: depth, cosine of the ray with its normal; 0: there is none
-  std::vector<float> far_rise;               // [h,w] how far a step of depth beyond it leads away from it
-  float at_pane = 0;                         // what stands this near to a pane belongs to it, scene units
+  std::vector<float> far_share, far_cosine;  // [h,w] whether the pixel looks out through it; cosine of the ray with its normal
   bool empty() const { return shown.empty(); }
   void clear();
   void start(size_t pixels);

@@ -17,10 +17,10 @@ P* append(ImageModel& model, const Options&... options) {
 LayeredModel::LayeredModel(const ImageOptions& options)
     : diffuse(append<DiffusePass>(*this, options.diffuse)),
       surface(append<SurfacePass>(*this, options.surface)),
-      panes(append<PanePass>(*this, options.panes, options.transmission, options.diffuse)),
+      thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
+      panes(append<PanePass>(*this, options.panes, options.diffuse.backend, *thin_glass)),
       reflection(append<ReflectionPass>(*this, options.reflection)),
       transmission(append<TransmissionPass>(*this, options.transmission)),
-      thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
       composite(append<CompositePass>(*this, options.composite)) {
   append<DisplayPass>(*this);
 }

@@ -33,10 +33,10 @@ class LayeredModel : public ImageModel {
   // Owned by the model.
   DiffusePass* diffuse;
   SurfacePass* surface;
+  ThinGlassPass* thin_glass;
   PanePass* panes;
   ReflectionPass* reflection;
   TransmissionPass* transmission;
-  ThinGlassPass* thin_glass;
   CompositePass* composite;
 };
 

@@ -5,15 +5,13 @@
 
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
-#include "core/model/thin_glass_pass.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr uint8_t kNoFace = 255;
-constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
-                                        Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
+constexpr size_t kPaneGrain = 1024;
 // Of the longest side of the box: the picture shows the box where its surface lies this near to it; what stands this near to a
 // pane is the pane's frame or its floor, and not seen in it.
 constexpr double kOnBox_rel = 0.05, kAtPane_rel = 0.02;
@@ -23,43 +21,40 @@ constexpr float kMirrorNear = 1e-3f;  // scene units before the camera behind th
 
 void PaneImages::clear() {
   shown.clear();
-  for (auto* plane : {&near_color, &far_color, &near_open, &far_open, &far_z, &far_cosine, &far_rise}) plane->clear();
+  for (auto* plane : {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine}) plane->clear();
 }
 
 void PaneImages::start(size_t pixels) {
   shown.assign(pixels, 0);
   for (auto* plane : {&near_color, &far_color}) plane->assign(3 * pixels, 0.f);
   for (auto* plane : {&near_open, &far_open}) plane->assign(pixels, 1.f);
-  for (auto* plane : {&far_z, &far_cosine, &far_rise}) plane->assign(pixels, 0.f);
+  for (auto* plane : {&far_share, &far_cosine}) plane->assign(pixels, 0.f);
 }
 
 // Behind the plane everything is mirrored, S = 1 - 2 n n^T. A camera cannot be, so it sees the mirrored room mirrored once more,
-// in x.
+// in x: its rotation is diag(-1, 1, 1) R S.
 View mirrored_view(const View& view, const Vec3d& normal, double offset) {
   View out = view;
-  const Mat3d& r = view.cam_from_world.rotation;
-  const auto in_mirror = [&](const Vec3d& v) { return v - 2 * dot(v, normal) * normal; };
-  const auto row = [&](size_t i) {
-    return in_mirror(transposed_times(r, Vec3d{i == 0 ? 1.0 : 0, i == 1 ? 1.0 : 0, i == 2 ? 1.0 : 0}));
-  };
-  const Vec3d x = -row(0), y = row(1), z = row(2);
-  out.cam_from_world.rotation = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
-  const Vec3d eye = in_mirror(view.centre_in_world()) + 2 * offset * normal;
-  out.cam_from_world.translation = -(out.cam_from_world.rotation * eye);
+  Mat3d& rotation = out.cam_from_world.rotation;
+  const Vec3d in_camera = rotation * normal, eye = view.centre_in_world();
+  for (size_t i = 0; i < 3; ++i) {
+    rotation.column(i) += -2 * normal[i] * in_camera;
+    rotation(0, i) = -rotation(0, i);
+  }
+  out.cam_from_world.translation = -(rotation * (eye - 2 * (dot(eye, normal) - offset) * normal));
   out.intrinsics.cx = view.intrinsics.width - view.intrinsics.cx;
   return out;
 }
 
-// By which panes the rays of the pixels enter and leave.
+// By which panes the rays of the pixels enter and leave, those that get past everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
   const OrientedBox& box = options_.glass_case->box;
+  const double on_box = kOnBox_rel * box.longest_side(), at_pane = kAtPane_rel * box.longest_side();
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
-  near_face_.assign(g.pixels, kNoFace);
-  far_face_.assign(g.pixels, kNoFace);
+  for (auto& faces : face_of_) faces.assign(g.pixels, kNoFace);
   const Vec3d eye = frame.view->centre_in_world();
-  const double near = kOnBox_rel * box.longest_side();
-  parallel_chunks(s.pixels.size(), 1024, [&](size_t, size_t first, size_t last) {
+  parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       if (!s.asks[i].transmission) continue;
       const uint32_t pixel = s.pixels[i];
@@ -67,60 +62,64 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       const auto crossing = box.crossing(eye, per_z);
       if (!crossing) continue;
       const double z = double(g.zdepth[pixel]) / double(g.alpha[pixel]);
-      if (std::abs(box.distance(eye + z * per_z)) > near) continue;
-      near_face_[pixel] = static_cast<uint8_t>(crossing->entered.index());
+      if (std::abs(box.distance(eye + z * per_z)) > on_box) continue;
+      face_of_[Near][pixel] = static_cast<uint8_t>(crossing->entered.index());
+      out.shown[pixel] = 1;
       if (!options_.glass_case->clear[crossing->left.index()]) continue;
       const double rise = dot(box.normal(crossing->left), per_z);
-      far_face_[pixel] = static_cast<uint8_t>(crossing->left.index());
-      out.far_z[pixel] = static_cast<float>(crossing->out);
-      out.far_rise[pixel] = static_cast<float>(rise);
+      const bool past = (double(frame.behind.median_z[pixel]) - crossing->out) * rise > at_pane;
+      if (!past && !(frame.behind.inner_transmittance[pixel] > 0.5f)) continue;
+      face_of_[Far][pixel] = static_cast<uint8_t>(crossing->left.index());
+      out.far_share[pixel] = 1;
       out.far_cosine[pixel] = static_cast<float>(rise / length(per_z));
     }
   });
 }
 
-// The picture in one pane, of all pixels whose rays enter (`far`: leave) by it.
-void PanePass::mirror(const Frame& frame, OrientedBox::Face face, bool far, PaneImages& out) {
+// The picture in one pane, of all pixels whose rays enter or leave by it.
+void PanePass::mirror(const View& view, OrientedBox::Face face, Pane pane, PaneImages& out) {
   const OrientedBox& box = options_.glass_case->box;
-  const std::vector<uint8_t>& face_of = far ? far_face_ : near_face_;
+  const std::vector<uint8_t>& face_of = face_of_[pane];
   const auto index = static_cast<uint8_t>(face.index());
-  const auto width = static_cast<size_t>(frame.view->intrinsics.width),
-             height = static_cast<size_t>(frame.view->intrinsics.height);
-  const size_t pixels = width * height;
-  const auto turned = [&](size_t pixel) { return pixel - pixel % width + (width - 1 - pixel % width); };
-  wanted_.assign(pixels, 0);
-  bool any = false;
-  for (size_t i = 0; i < pixels; ++i)
-    if (face_of[i] == index) wanted_[turned(i)] = 1, any = true;
-  if (!any) return;
-  // The mirror's own side: outside of the near pane, inside of the far one.
-  const Vec3f normal = cast<float>((far ? -1.0 : 1.0) * box.normal(face));
-  const float offset = static_cast<float>((far ? -1.0 : 1.0) * box.offset(face) + kAtPane_rel * box.longest_side());
+  const auto width = static_cast<size_t>(view.intrinsics.width);
+  const auto turned = [&](size_t pixel) { return pixel + width - 1 - 2 * (pixel % width); };
+  if (std::ranges::find(face_of, index) == face_of.end()) return;
+  wanted_.resize(face_of.size());
+  for (size_t i = 0; i < face_of.size(); ++i) wanted_[turned(i)] = face_of[i] == index;
+
+  // What lies on the mirror's own side: outside of the near pane, inside of the far one.
+  const double side = pane == Near ? 1 : -1;
+  const Vec3f normal = cast<float>(side * box.normal(face));
+  const auto offset = static_cast<float>(side * box.offset(face) + kAtPane_rel * box.longest_side());
+  const SplatLayer& merged = behind_.merged();
+  const std::span<const uint32_t> opaque = behind_.opaque();
   std::vector<uint32_t> kept;
-  for (size_t i = 0; i < merged_.size(); ++i) {
-    if (i < opaque_.size() && opaque_[i] >= options_.mirrored) continue;
-    const float* m = merged_.at(Attribute::Mean, i);
+  for (size_t i = 0; i < merged.size(); ++i) {
+    if (i < opaque.size() && opaque[i] >= options_.mirrored) continue;
+    const float* m = merged.at(Attribute::Mean, i);
     if (dot(normal, Vec3f{m[0], m[1], m[2]}) > offset) kept.push_back(static_cast<uint32_t>(i));
   }
-  if (beside_.kind() != merged_.kind() || beside_.sh_degree() != merged_.sh_degree())
-    beside_ = SplatLayer(merged_.kind(), merged_.sh_degree(), 0);
+  if (beside_.kind() != merged.kind() || beside_.sh_degree() != merged.sh_degree())
+    beside_ = SplatLayer(merged.kind(), merged.sh_degree(), 0);
   beside_.resize(kept.size());
-  parallel_chunks(kept.size(), 4096, [&](size_t, size_t first, size_t last) {
-    for (Attribute a : kShapeAndColor)
-      for (size_t k = first; k < last; ++k) std::copy_n(merged_.at(a, kept[k]), merged_.width(a), beside_.at(a, k));
+  parallel_chunks(kept.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
+    for (const AttributeRow& r : kAttributes)
+      for (size_t k = first; k < last; ++k) std::copy_n(merged.at(r.id, kept[k]), merged.width(r.id), beside_.at(r.id, k));
   });
-  const View behind = mirrored_view(*frame.view, box.normal(face), box.offset(face));
+
+  const View mirrored = mirrored_view(view, box.normal(face), box.offset(face));
   RasterDesc desc;
-  desc.intrinsics = behind.intrinsics;
-  desc.cam_from_world = behind.cam_from_world;
+  desc.intrinsics = mirrored.intrinsics;
+  desc.cam_from_world = mirrored.cam_from_world;
   desc.features = FeatureSet::ColorOnly;
   desc.near_z = kMirrorNear;
   desc.sh_degree = beside_.sh_degree();
   desc.wanted = wanted_;
   renderer_->forward(beside_, desc, picture_);
   const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
-  std::vector<float>& to = far ? out.far_color : out.near_color;
-  std::vector<float>& open = far ? out.far_open : out.near_open;
+  std::vector<float>& to = pane == Near ? out.near_color : out.far_color;
+  std::vector<float>& open = pane == Near ? out.near_open : out.far_open;
+  const size_t pixels = face_of.size();
   for (size_t i = 0; i < pixels; ++i) {
     if (face_of[i] != index) continue;
     const size_t from = turned(i);
@@ -129,20 +128,16 @@ void PanePass::mirror(const Frame& frame, OrientedBox::Face face, bool far, Pane
   }
 }
 
-void PanePass::forward(const SplatScene& scene, Frame& frame) {
+void PanePass::forward(const SplatScene&, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
-  if (!options_.glass_case || scene.transmittance.size() == 0 || frame.shaded.groups() == 0) return;
+  if (!options_.glass_case || frame.behind.radiance.empty()) return;
   out.start(frame.pixel_count());
-  out.at_pane = static_cast<float>(kAtPane_rel * options_.glass_case->box.longest_side());
   find_panes(frame, out);
-  if (std::ranges::all_of(near_face_, [](uint8_t f) { return f == kNoFace; })) return out.clear();
-  without_glass(scene, diffuse_.sh_degree, transmission_.sh_degree, opaque_, merged_);
-  for (size_t f = 0; f < OrientedBox::kFaces; ++f) {
-    mirror(frame, OrientedBox::face(f), false, out);
-    mirror(frame, OrientedBox::face(f), true, out);
-  }
-  for (size_t i = 0; i < frame.pixel_count(); ++i) out.shown[i] = near_face_[i] != kNoFace;
+  if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
+  for (size_t f = 0; f < OrientedBox::kFaces; ++f)
+    for (const Pane pane : {Near, Far}) mirror(*frame.view, OrientedBox::face(f), pane, out);
+  // They mirror before there is a reflection layer, too.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;
 }

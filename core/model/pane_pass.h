@@ -8,15 +8,17 @@
 // pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
 // Pixels take part that ask for a transmission and show the box where it is. No gradient goes through the mirrored pictures.
-// Nothing to do without PaneOptions::glass_case or without a transmittance layer.
+// Nothing to do without PaneOptions::glass_case or where ThinGlassPass, whose surfels are mirrored, had nothing to show.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "core/model/image_options.h"
 #include "core/model/kernels/pane_blend.h"
 #include "core/model/pass.h"
+#include "core/model/thin_glass_pass.h"
 
 namespace vitrine {
 
@@ -25,27 +27,26 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset);
 
 class PanePass final : public Pass {
  public:
-  PanePass(const PaneOptions& options, const TransmissionOptions& transmission, const DiffuseOptions& diffuse)
-      : options_(options), transmission_(transmission), diffuse_(diffuse), renderer_(make_renderer(diffuse.backend)) {}
+  // `behind`: the pass that draws what stands behind the glass; it comes first.
+  PanePass(const PaneOptions& options, Backend backend, const ThinGlassPass& behind)
+      : options_(options), behind_(behind), renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "panes"; }
   PaneOptions& options() { return options_; }
-  TransmissionOptions& transmission() { return transmission_; }
-  DiffuseOptions& diffuse() { return diffuse_; }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene&, Frame&, SplatScene&) override {}
 
  private:
   void find_panes(const Frame& frame, PaneImages& out);
-  void mirror(const Frame& frame, OrientedBox::Face face, bool far, PaneImages& out);
+  // The two panes that a pixel's ray passes.
+  enum Pane : unsigned char { Near, Far };
+  void mirror(const View& view, OrientedBox::Face face, Pane pane, PaneImages& out);
 
   PaneOptions options_;
-  TransmissionOptions transmission_;
-  DiffuseOptions diffuse_;
+  const ThinGlassPass& behind_;
   std::unique_ptr<Renderer> renderer_;
-  std::vector<uint32_t> opaque_;
-  SplatLayer merged_, beside_;                 // the scene without glass; of it what lies on one side of a pane
-  std::vector<uint8_t> near_face_, far_face_;  // [h,w] OrientedBox::Face::index, kNoFace
+  SplatLayer beside_;                            // of the scene without glass what lies on one side of a pane
+  std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] OrientedBox::Face::index, kNoFace
   std::vector<uint8_t> wanted_;
   RasterImages picture_;
 };

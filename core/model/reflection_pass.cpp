@@ -34,8 +34,8 @@ bool mirrored_already(const Frame& frame, size_t group) {
   const ShadedPixels& s = frame.shaded;
   for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
     const uint32_t pixel = s.pixels[i];
-    const bool far_pane = panes.far_cosine[pixel] > 0;
-    if (!panes.shown[pixel] || panes.near_open[pixel] > kClosed || (far_pane && panes.far_open[pixel] > kClosed)) return false;
+    const float open = std::max(panes.near_open[pixel], panes.far_share[pixel] * panes.far_open[pixel]);
+    if (!panes.shown[pixel] || open > kClosed) return false;
   }
   return true;
 }

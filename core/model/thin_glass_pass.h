@@ -36,6 +36,10 @@ class ThinGlassPass final : public Pass {
   std::string_view name() const override { return "thin_glass"; }
   TransmissionOptions& options() { return options_; }
   DiffuseOptions& diffuse() { return diffuse_; }
+  // Of the last forward(), where it had something to show: everything but the glass, and which of it, in this order and first,
+  // are surfels of the diffuse layer.
+  const SplatLayer& merged() const { return merged_; }
+  std::span<const uint32_t> opaque() const { return opaque_; }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;

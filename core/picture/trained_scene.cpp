@@ -108,10 +108,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   if (const GlassCase* glass_case = options.panes.glass_case.get()) {
     const OrientedBox* const box = &glass_case->box;
     Json axes = Json::array();
-    for (size_t i = 0; i < 3; ++i) {
-      const Vec3d axis = box->axes * Vec3d{i == 0 ? 1.0 : 0, i == 1 ? 1.0 : 0, i == 2 ? 1.0 : 0};
-      axes.push_back({axis.x, axis.y, axis.z});
-    }
+    for (size_t i = 0; i < 3; ++i) axes.push_back(numbers(box->axes.column(i)));
     json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
     if (options.panes.mirrored != SIZE_MAX) json[kCase]["mirrored_surfels"] = options.panes.mirrored;
   }

@@ -314,8 +314,7 @@ void Trainer::set_up_passes() const {
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
   model_.transmission->options() = model_.thin_glass->options() = options.transmission;
-  model_.thin_glass->diffuse() = model_.panes->diffuse() = options.diffuse;
-  model_.panes->transmission() = options.transmission;
+  model_.thin_glass->diffuse() = options.diffuse;
   model_.panes->options() = options.panes;
   model_.composite->options() = options.composite;
 }

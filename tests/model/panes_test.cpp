@@ -171,7 +171,9 @@ TEST(Panes, AddUpToThePixelAsWritten) {
     const Vec3f c_r = frame.reflection.radiance[group], c_t = at(frame.behind.radiance);
     const Vec3f near = at(frame.panes.near_color) + frame.panes.near_open[i] * c_r;
     const Vec3f far = at(frame.panes.far_color) + frame.panes.far_open[i] * c_r;
-    const bool open = frame.behind.inner_transmittance[i] > 0.5f || frame.behind.median_z[i] > frame.panes.far_z[i];
+    const auto crossing = s.glass->box.crossing(s.view.centre_in_world(), cast<double>(g.ray(i).direction_per_z));
+    const bool open = frame.behind.inner_transmittance[i] > 0.5f || double(frame.behind.median_z[i]) > crossing->out;
+    EXPECT_EQ(frame.panes.far_share[i], open ? 1 : 0);
     const Vec3f p = (open ? 1.f : 0.f) * fresnel(m.f0, frame.panes.far_cosine[i], 1.f).value;
     const LayerWeights<float> w = layer_weights(LayerBlend::Layered, m, {true, true});
     const Vec3f behind = c_t + hadamard(p, far - c_t);

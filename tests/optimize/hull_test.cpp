@@ -11,20 +11,25 @@
 namespace vitrine {
 namespace {
 
-// With nothing in front.
-Hull hull_in(const std::vector<HullMask>& masks, HullClass kind) {
+// Photos with masks, and nothing that the diffuse layer shows in front of them.
+struct Marked {
   Capture capture;
   Targets targets;
   std::vector<std::vector<float>> depths;
-  for (const HullMask& m : masks) {
-    capture.train.push_back(uint32_t(capture.photos.size()));
-    capture.photos.emplace_back().levels[0].view = m.view;
-    const MaskClass of = kind == HullClass::Glass ? MaskClass::Transparent : MaskClass::Specular;
-    auto& inside = targets.photos.emplace_back()[0].masks[size_t(of)];
-    for (float value : m.mask.data()) inside.push_back(value > 0 ? 255 : 0);
-    depths.emplace_back(inside.size(), 0.f);
+  Marked(const std::vector<HullMask>& masks, MaskClass of) {
+    for (const HullMask& m : masks) {
+      capture.train.push_back(uint32_t(capture.photos.size()));
+      capture.photos.emplace_back().levels[0].view = m.view;
+      auto& inside = targets.photos.emplace_back()[0].masks[size_t(of)];
+      for (float value : m.mask.data()) inside.push_back(value > 0 ? 255 : 0);
+      depths.emplace_back(inside.size(), 0.f);
+    }
   }
-  return mask_hull({.kind = kind, .capture = capture, .targets = targets, .depths = depths, .cells = 48});
+};
+
+Hull hull_in(const std::vector<HullMask>& masks, HullClass kind) {
+  const Marked photos(masks, kind == HullClass::Glass ? MaskClass::Transparent : MaskClass::Specular);
+  return mask_hull({.kind = kind, .capture = photos.capture, .targets = photos.targets, .depths = photos.depths, .cells = 48});
 }
 
 TEST(MaskHull, OfACaseIsItsSixFaces) {
@@ -51,28 +56,22 @@ TEST(GlassCase, StandsOnAFloorThatIsNoPane) {
   const OrientedBox box{Mat3d::identity(), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
   const auto masks =
       outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
-  Capture capture;
-  Targets targets;
-  std::vector<std::vector<float>> depths;
-  for (const HullMask& m : masks) {
-    capture.train.push_back(uint32_t(capture.photos.size()));
-    capture.photos.emplace_back().levels[0].view = m.view;
-    auto& inside = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Transparent)];
-    auto& depth = depths.emplace_back();
-    const Vec3d eye = m.view.centre_in_world();
-    const int width = m.view.intrinsics.width;
-    for (size_t i = 0; i < m.mask.data().size(); ++i) {
-      inside.push_back(m.mask.data()[i] > 0 ? 255 : 0);
+  Marked photos(masks, MaskClass::Transparent);
+  for (size_t photo = 0; photo < masks.size(); ++photo) {
+    const View& view = masks[photo].view;
+    const Vec3d eye = view.centre_in_world();
+    const int width = view.intrinsics.width;
+    for (size_t i = 0; i < photos.depths[photo].size(); ++i) {
       const Vec3d per_z =
-          transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(int(i) % width + 0.5, int(i) / width + 0.5));
+          transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(int(i) % width + 0.5, int(i) / width + 0.5));
       const auto c = box.crossing(eye, per_z);
       const double to_floor = (-0.29 - eye.z) / per_z.z;
       double z = c && c->left == OrientedBox::Face{2, false} ? to_floor : 4;
       if (c && i % 5 == 0) z = 0.5 * (c->in + c->out);
-      depth.push_back(i % 7 == 0 ? 0.f : float(z));
+      photos.depths[photo][i] = i % 7 == 0 ? 0.f : float(z);
     }
   }
-  const GlassCase found = glass_case(box, capture, targets, depths, 0);
+  const GlassCase found = glass_case(box, photos.capture, photos.targets, photos.depths, 0);
   for (size_t f = 0; f < OrientedBox::kFaces; ++f) EXPECT_EQ(found.clear[f], f != (OrientedBox::Face{2, false}.index())) << f;
 }
 

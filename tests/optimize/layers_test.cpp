@@ -39,6 +39,19 @@ class LayeredRun : public ::testing::Test {
     c.masks = folder_->path() / "sfm";
     return c;
   }
+  // Killed before these steps, the run ends with the bytes of one that was left alone.
+  static void expect_same_bytes(const OptimizeConfig& config, const TestContext& whole, TestContext& killed,
+                                std::initializer_list<int> stops) {
+    for (int stop : stops) {
+      killed.after_step = [stop](int step) {
+        if (step == stop) throw Stopped{};
+      };
+      EXPECT_THROW(run_optimize(config, killed), Stopped);
+    }
+    killed.after_step = nullptr;
+    run_optimize(config, killed);
+    EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  }
   static TemporaryFolder* folder_;
 };
 TemporaryFolder* LayeredRun::folder_ = nullptr;
@@ -54,15 +67,7 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
   EXPECT_GT(read_layer(whole.output() / "gaussians/transmittance.ply").size(), 0u);
   TestContext killed = context("killed");
   killed.thread_count = 3;
-  for (int stop : {12, 18, 19, 29, 31, 59}) {  // layers begin at 18 and 30
-    killed.after_step = [stop](int step) {
-      if (step == stop) throw Stopped{};
-    };
-    EXPECT_THROW(run_optimize(config, killed), Stopped);
-  }
-  killed.after_step = nullptr;
-  run_optimize(config, killed);
-  EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  expect_same_bytes(config, whole, killed, {12, 18, 19, 29, 31, 59});  // layers begin at 18 and 30
 }
 
 // A case of glass in the middle of the scene, by its outlines: found as a box, mirrored in, remembered by checkpoints and by the
@@ -92,15 +97,7 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   for (size_t i = 0; i < 8; ++i)
     EXPECT_NEAR(image.panes.glass_case->box.distance(box.corner(i)), 0, 0.03) << "half a pixel is 0.01";
   EXPECT_LT(image.panes.mirrored, read_layer(whole.output() / "gaussians/diffuse.ply").size()) << "guesses are not mirrored";
-  for (int stop : {8, 10, 20, 45, 59}) {  // glass begins at 9
-    killed.after_step = [stop](int step) {
-      if (step == stop) throw Stopped{};
-    };
-    EXPECT_THROW(run_optimize(config, killed), Stopped);
-  }
-  killed.after_step = nullptr;
-  run_optimize(config, killed);
-  EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  expect_same_bytes(config, whole, killed, {8, 10, 20, 45, 59});  // glass begins at 9
   config.shading.panes = false;
   TestContext plain = context_of("plain case", 2);
   run_optimize(config, plain);

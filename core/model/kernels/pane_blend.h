@@ -2,8 +2,7 @@
 //   C_r' = M + m C_r                         the near pane: M is what it mirrors of the scene, m what lets the reflection layer
 //                                            show (beyond the scene: a sky that no photo shows)
 //   C_t' = C_t + p (N + n C_r - C_t)         the far pane, likewise; p = s F(f0, c'): s is how much of the pixel looks out
-//   through
-//                                            it, past everything that stands in the case, c' the cosine there
+//                                            through it, past everything in the case, c' the cosine there
 // The panes are of one glass: the far one has the f0 that the pixel shows of the near one. s, c' and the mirrored pictures are
 // known from geometry and carry no gradient.
 #pragma once
