@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/image/codecs.h"
 #include "core/image/jpeg.h"
 #include "core/image/png.h"
 #include "core/image/probe.h"
@@ -39,14 +39,9 @@ cv::Mat decode(const fs::path& path, int flags) {
   if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
   if (const std::string why = implausible_size(probe_photo(bytes), bytes.size()); !why.empty()) bad_image(path, why);
   if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by our Error
   cv::Mat mat;
-  try {
-    mat = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())),
-                       flags | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& e) {
-    bad_image(path, e.what());
-  }
+  if (const std::string why = codecs().decode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION, mat); !why.empty())
+    bad_image(path, why);
   if (mat.empty()) bad_image(path, "it is damaged, or not a JPEG, PNG or TIFF");
   if (mat.total() > kMaxPixels) bad_image(path, fmt::format("{} x {} pixels are too many", mat.cols, mat.rows));
   return mat;
@@ -113,15 +108,10 @@ Image8 read_grey8(const fs::path& path) {
 namespace {
 
 std::string encoded(const std::string& extension, const cv::Mat& mat, const std::vector<int>& parameters) {
-  std::vector<uchar> bytes;
-  bool ok = false;
-  try {
-    ok = cv::imencode(extension, mat, bytes, parameters);
-  } catch (const cv::Exception& e) {
-    throw Error(ErrorKind::Internal, "cannot encode an image", {.where = extension, .why = e.what()});
-  }
-  VITRINE_CHECK(ok, "no encoder for {}", extension);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  std::string bytes;
+  if (const std::string why = codecs().encode(extension, mat, parameters, bytes); !why.empty())
+    throw Error(ErrorKind::Internal, "cannot encode an image", {.where = extension, .why = why});
+  return bytes;
 }
 
 template <class T>
