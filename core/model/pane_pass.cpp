@@ -1,6 +1,7 @@
 #include "core/model/pane_pass.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"
@@ -15,7 +16,31 @@ constexpr size_t kPaneGrain = 1024;
 // Of the longest side of the box: the picture shows the box where its surface lies this near to it; what stands this near to a
 // pane is the pane's frame or its floor, and not seen in it.
 constexpr double kOnBox_rel = 0.05, kAtPane_rel = 0.02;
+constexpr float kReach = 3.5f;        // standard deviations of a surfel's extent: beyond, it is nowhere above 1/255
+constexpr double kWindowMargin = 4;   // pixels, for the low-pass of the rasteriser
 constexpr float kMirrorNear = 1e-3f;  // scene units before the camera behind the mirror; the pane cuts, not the camera
+
+// What a picture can show; most of a scene is beside the window of a mirror, and copying it costs as much as drawing the rest.
+class Frustum {
+ public:
+  explicit Frustum(const View& view) : cam_from_world_(view.cam_from_world) {
+    const Intrinsics& k = view.intrinsics;
+    // Through the eye and an edge of the picture, inwards.
+    sides_ = {Vec3d{k.fx, 0, k.cx + kWindowMargin}, Vec3d{-k.fx, 0, k.width + kWindowMargin - k.cx},
+              Vec3d{0, k.fy, k.cy + kWindowMargin}, Vec3d{0, -k.fy, k.height + kWindowMargin - k.cy}};
+    for (Vec3d& n : sides_) n = normalized(n);
+  }
+  bool may_show(const Vec3f& mean, const float* log_scale) const {
+    const Vec3d p = cam_from_world_ * cast<double>(mean);
+    double outside = -p.z;
+    for (const Vec3d& n : sides_) outside = std::max(outside, -dot(n, p));
+    return outside <= 0 || outside <= double(kReach * std::exp(std::max(log_scale[0], log_scale[1])));
+  }
+
+ private:
+  Rigid cam_from_world_;
+  std::array<Vec3d, 4> sides_;
+};
 
 }  // namespace
 
@@ -81,11 +106,27 @@ void PanePass::mirror(const View& view, OrientedBox::Face face, Pane pane, PaneI
   const OrientedBox& box = options_.glass_case->box;
   const std::vector<uint8_t>& face_of = face_of_[pane];
   const auto index = static_cast<uint8_t>(face.index());
-  const auto width = static_cast<size_t>(view.intrinsics.width);
-  const auto turned = [&](size_t pixel) { return pixel + width - 1 - 2 * (pixel % width); };
-  if (std::ranges::find(face_of, index) == face_of.end()) return;
-  wanted_.resize(face_of.size());
-  for (size_t i = 0; i < face_of.size(); ++i) wanted_[turned(i)] = face_of[i] == index;
+  const size_t width = static_cast<size_t>(view.intrinsics.width), pixels = face_of.size();
+  // Of the whole picture only the window that these pixels lie in is drawn, turned left to right.
+  size_t left = width, right = 0, top = pixels, bottom = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    if (face_of[i] != index) continue;
+    const size_t x = width - 1 - i % width, y = i / width;
+    left = std::min(left, x), right = std::max(right, x + 1);
+    top = std::min(top, y), bottom = std::max(bottom, y + 1);
+  }
+  if (left >= right) return;
+  View mirrored = mirrored_view(view, box.normal(face), box.offset(face));
+  Intrinsics& window = mirrored.intrinsics;
+  window.width = static_cast<int>(right - left), window.height = static_cast<int>(bottom - top);
+  window.cx -= double(left), window.cy -= double(top);
+  const size_t window_pixels = (right - left) * (bottom - top);
+  const auto seen_at = [&](size_t in_window) {  // the pixel of the view
+    const size_t x = left + in_window % (right - left), y = top + in_window / (right - left);
+    return y * width + (width - 1 - x);
+  };
+  wanted_.resize(window_pixels);
+  for (size_t i = 0; i < window_pixels; ++i) wanted_[i] = face_of[seen_at(i)] == index;
 
   // What lies on the mirror's own side: outside of the near pane, inside of the far one.
   const double side = pane == Near ? 1 : -1;
@@ -93,23 +134,31 @@ void PanePass::mirror(const View& view, OrientedBox::Face face, Pane pane, PaneI
   const auto offset = static_cast<float>(side * box.offset(face) + kAtPane_rel * box.longest_side());
   const SplatLayer& merged = behind_.merged();
   const std::span<const uint32_t> opaque = behind_.opaque();
-  std::vector<uint32_t> kept;
-  for (size_t i = 0; i < merged.size(); ++i) {
-    if (i < opaque.size() && opaque[i] >= options_.mirrored) continue;
-    const float* m = merged.at(Attribute::Mean, i);
-    if (dot(normal, Vec3f{m[0], m[1], m[2]}) > offset) kept.push_back(static_cast<uint32_t>(i));
-  }
+  const Frustum frustum(mirrored);
+  chunks_.resize(chunk_count(merged.size(), kPaneGrain));
+  parallel_chunks(merged.size(), kPaneGrain, [&](size_t chunk, size_t first, size_t last) {
+    auto& kept = chunks_[chunk];
+    kept.clear();
+    for (size_t i = first; i < last; ++i) {
+      if (i < opaque.size() && opaque[i] >= options_.mirrored) continue;
+      const float* m = merged.at(Attribute::Mean, i);
+      if (dot(normal, Vec3f{m[0], m[1], m[2]}) > offset &&
+          frustum.may_show({m[0], m[1], m[2]}, merged.at(Attribute::LogScale, i)))
+        kept.push_back(static_cast<uint32_t>(i));
+    }
+  });
+  kept_.clear();
+  for (const auto& kept : chunks_) kept_.insert(kept_.end(), kept.begin(), kept.end());
   if (beside_.kind() != merged.kind() || beside_.sh_degree() != merged.sh_degree())
     beside_ = SplatLayer(merged.kind(), merged.sh_degree(), 0);
-  beside_.resize(kept.size());
-  parallel_chunks(kept.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
+  beside_.resize(kept_.size());
+  parallel_chunks(kept_.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (const AttributeRow& r : kAttributes)
-      for (size_t k = first; k < last; ++k) std::copy_n(merged.at(r.id, kept[k]), merged.width(r.id), beside_.at(r.id, k));
+      for (size_t k = first; k < last; ++k) std::copy_n(merged.at(r.id, kept_[k]), merged.width(r.id), beside_.at(r.id, k));
   });
 
-  const View mirrored = mirrored_view(view, box.normal(face), box.offset(face));
   RasterDesc desc;
-  desc.intrinsics = mirrored.intrinsics;
+  desc.intrinsics = window;
   desc.cam_from_world = mirrored.cam_from_world;
   desc.features = FeatureSet::ColorOnly;
   desc.near_z = kMirrorNear;
@@ -119,12 +168,11 @@ void PanePass::mirror(const View& view, OrientedBox::Face face, Pane pane, PaneI
   const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
   std::vector<float>& to = pane == Near ? out.near_color : out.far_color;
   std::vector<float>& open = pane == Near ? out.near_open : out.far_open;
-  const size_t pixels = face_of.size();
-  for (size_t i = 0; i < pixels; ++i) {
-    if (face_of[i] != index) continue;
-    const size_t from = turned(i);
-    for (size_t c = 0; c < 3; ++c) to[c * pixels + i] = color[c * pixels + from];
-    open[i] = 1 - alpha[from];
+  for (size_t i = 0; i < window_pixels; ++i) {
+    if (!wanted_[i]) continue;
+    const size_t at = seen_at(i);
+    for (size_t c = 0; c < 3; ++c) to[c * pixels + at] = color[c * window_pixels + i];
+    open[at] = 1 - alpha[i];
   }
 }
 

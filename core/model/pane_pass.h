@@ -45,7 +45,9 @@ class PanePass final : public Pass {
   PaneOptions options_;
   const ThinGlassPass& behind_;
   std::unique_ptr<Renderer> renderer_;
-  SplatLayer beside_;                            // of the scene without glass what lies on one side of a pane
+  std::vector<std::vector<uint32_t>> chunks_;
+  std::vector<uint32_t> kept_;
+  SplatLayer beside_;                            // of the scene without glass what one pane may show: surfels kept_
   std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] OrientedBox::Face::index, kNoFace
   std::vector<uint8_t> wanted_;
   RasterImages picture_;
