@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "core/math/turned_surface.h"
 #include "core/model/glass_case.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
@@ -20,6 +22,13 @@ struct DiffuseOptions {
   bool distortion = false;  // compute the distortion channel
   float near_z = 0.01f;     // scene units; surfels nearer to the camera's plane are not seen
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
+};
+
+// Surfaces that polished pixels show (ShapePass). nullptr: none is known.
+struct ShapeOptions {
+  std::shared_ptr<const std::vector<TurnedSurface>> shapes = nullptr;
+  float min_alpha = 0.5f;  // no surface below
+  float polished = 0.3f;   // k_s of what is
 };
 
 // Which pixels send rays, and what comes back along them to the diffuse layer.
@@ -86,6 +95,7 @@ struct CompositeOptions {
 
 struct ImageOptions {
   DiffuseOptions diffuse;
+  ShapeOptions shape;
   SurfaceOptions surface;
   ReflectionOptions reflection;
   TransmissionOptions transmission;

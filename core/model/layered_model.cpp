@@ -16,6 +16,7 @@ P* append(ImageModel& model, const Options&... options) {
 
 LayeredModel::LayeredModel(const ImageOptions& options)
     : diffuse(append<DiffusePass>(*this, options.diffuse)),
+      shape(append<ShapePass>(*this, options.shape)),
       surface(append<SurfacePass>(*this, options.surface)),
       thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
       panes(append<PanePass>(*this, options.panes, options.diffuse.backend, *thin_glass)),

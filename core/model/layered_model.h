@@ -20,6 +20,7 @@
 #include "core/model/image_model.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
+#include "core/model/shape_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/model/thin_glass_pass.h"
 #include "core/model/transmission_pass.h"
@@ -32,6 +33,7 @@ class LayeredModel : public ImageModel {
 
   // Owned by the model.
   DiffusePass* diffuse;
+  ShapePass* shape;
   SurfacePass* surface;
   ThinGlassPass* thin_glass;
   PanePass* panes;

@@ -23,6 +23,8 @@ constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
 constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
 constexpr const char* kCase = "case";               // a box of panes
+constexpr double kSloppy = 1e-4;                    // of a unit vector in the file
+constexpr const char* kShapes = "shapes";           // turned surfaces, polished
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
@@ -45,15 +47,35 @@ void visit(Options& o, const Word& word, const Number& number) {
 
 Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
+template <class Fail>
+Vec3d read_vec(const nlohmann::json& json, const Fail& fail, const char* problem) {
+  const auto v = json.get<std::array<double, 3>>();
+  for (double x : v)
+    if (!std::isfinite(x)) throw fail(problem);
+  return {v[0], v[1], v[2]};
+}
+
+template <class Fail>
+std::shared_ptr<const std::vector<TurnedSurface>> read_shapes(const nlohmann::json& json, const Fail& fail) {
+  constexpr const char* kProblem = "a turned surface is none";
+  auto out = std::make_shared<std::vector<TurnedSurface>>();
+  for (const nlohmann::json& j : json) {
+    TurnedSurface s{read_vec(j.at("origin"), fail, kProblem), read_vec(j.at("axis"), fail, kProblem), {}};
+    bool right = std::abs(length(s.axis) - 1) < kSloppy;
+    for (const auto& [radius, height] : j.at("profile").get<std::vector<std::array<double, 2>>>()) {
+      right &= radius >= 0 && std::isfinite(radius) && std::isfinite(height);
+      s.profile.push_back({radius, height});
+    }
+    if (!right || s.profile.size() < 2) throw fail(kProblem);
+    out->push_back(std::move(s));
+  }
+  return out;
+}
+
 // A box with unit, right-angled axes.
 template <class Fail>
 std::shared_ptr<const GlassCase> read_case(const nlohmann::json& json, const Fail& fail) {
-  const auto vec = [&](const nlohmann::json& j) {
-    const auto v = j.get<std::array<double, 3>>();
-    for (double x : v)
-      if (!std::isfinite(x)) throw fail("the case is not a box");
-    return Vec3d{v[0], v[1], v[2]};
-  };
+  const auto vec = [&](const nlohmann::json& j) { return read_vec(j, fail, "the case is not a box"); };
   const auto& axes = json.at("axes");
   const Vec3d x = vec(axes.at(0)), y = vec(axes.at(1)), z = vec(axes.at(2));
   auto out = std::make_shared<GlassCase>();
@@ -62,7 +84,6 @@ std::shared_ptr<const GlassCase> read_case(const nlohmann::json& json, const Fai
   box->axes = {x, y, z};
   box->low = vec(json.at("low"));
   box->high = vec(json.at("high"));
-  constexpr double kSloppy = 1e-4;
   bool right = length(cross(x, y) - z) < kSloppy && std::abs(dot(x, y)) < kSloppy && std::abs(length(x) - 1) < kSloppy &&
                std::abs(length(y) - 1) < kSloppy;
   for (size_t i = 0; i < 3; ++i) right &= box->low[i] < box->high[i];
@@ -112,6 +133,14 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
     json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
     if (options.panes.mirrored != SIZE_MAX) json[kCase]["mirrored_surfels"] = options.panes.mirrored;
   }
+  if (options.shape.shapes) {
+    Json& shapes = json[kShapes] = Json::array();
+    for (const TurnedSurface& s : *options.shape.shapes) {
+      Json profile = Json::array();
+      for (const Vec2d& p : s.profile) profile.push_back({p.x, p.y});
+      shapes.push_back({{"origin", numbers(s.origin)}, {"axis", numbers(s.axis)}, {"profile", profile}});
+    }
+  }
   if (const ThickGlass* thick = options.transmission.thick.get()) {
     json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
     write_mesh_ply(thick_glass_path(path), thick->mesh());
@@ -148,6 +177,7 @@ ImageOptions read_image_options(const fs::path& path) {
       options.panes.glass_case = read_case(json.at(kCase), fail);
       options.panes.mirrored = json.at(kCase).value("mirrored_surfels", SIZE_MAX);
     }
+    if (json.contains(kShapes)) options.shape.shapes = read_shapes(json.at(kShapes), fail);
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");

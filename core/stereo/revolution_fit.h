@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/math/turned_surface.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/hull_mask.h"
 
@@ -27,6 +28,9 @@ struct SolidOfRevolution {
   // Where a ray meets it first, in units of `direction`; 0 from within.
   std::optional<double> entry(const Vec3d& eye, const Vec3d& direction) const;
 };
+
+// With its two flat ends.
+TurnedSurface turned_surface(const SolidOfRevolution& solid);
 
 // One for each connected piece of a hull that lies on it for the most part. Axes start along z. What the photos do not say
 // (mask < 0) does not count, and a photo with something in front is outvoted.

@@ -47,6 +47,13 @@ std::optional<double> SolidOfRevolution::entry(const Vec3d& eye, const Vec3d& di
   return first;
 }
 
+TurnedSurface turned_surface(const SolidOfRevolution& solid) {
+  TurnedSurface out{solid.origin, solid.axis, {{0, solid.low}}};
+  for (size_t i = 0; i < solid.radii.size(); ++i) out.profile.push_back({solid.radii[i], solid.low + solid.step * double(i)});
+  out.profile.push_back({0, solid.top()});
+  return out;
+}
+
 std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view) {
   return mask_of_rays(view,
                       [&](size_t, const Vec3d& eye, const Vec3d& direction) { return solid.entry(eye, direction).has_value(); });

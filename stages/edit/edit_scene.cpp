@@ -16,6 +16,7 @@ namespace vitrine {
 
 namespace {
 
+constexpr double kOnShape_rel = 0.1;  // of its radius
 constexpr size_t kShellFaces = 256;
 
 template <class T>
@@ -29,6 +30,25 @@ std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t
 RelightMaterials remaining(const RelightMaterials& m, const std::vector<uint8_t>& keep) {
   return {remaining(m.albedo, keep), remaining(m.roughness, keep), remaining(m.f0, keep), remaining(m.specular_weight, keep),
           remaining(m.transmission, keep)};
+}
+
+// Solids that most of their polished surfels still lie on.
+std::shared_ptr<const std::vector<TurnedSurface>> remaining(std::shared_ptr<const std::vector<TurnedSurface>> shapes,
+                                                            const SplatLayer& surfels, const std::vector<uint8_t>& keep) {
+  if (!shapes || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return shapes;
+  auto out = std::make_shared<std::vector<TurnedSurface>>();
+  for (const TurnedSurface& shape : *shapes) {
+    size_t all = 0, left = 0;
+    for (size_t i = 0; i < surfels.size(); ++i) {
+      const float* m = surfels.at(Attribute::Mean, i);
+      const Vec3d p{m[0], m[1], m[2]};
+      if (*surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
+      if (length(shape.nearest(p).position - p) > kOnShape_rel * shape.largest_radius()) continue;
+      ++all, left += keep[i];
+    }
+    if (all > 0 && 2 * left >= all) out->push_back(shape);
+  }
+  return out->empty() ? nullptr : out;
 }
 
 fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
@@ -109,6 +129,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     write_mesh_ply(behind_glass_path(folder), content);
   ImageOptions image = scene.trained.image;
   image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
+  image.shape.shapes = remaining(image.shape.shapes, surfels.diffuse, scene.there.diffuse);
   if (image.panes.mirrored < scene.there.diffuse.size())
     image.panes.mirrored = static_cast<size_t>(
         std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));

@@ -213,12 +213,13 @@ Hull mask_hull(const MaskHullDesc& desc) {
     hull.box = fit->box;
     return hull;
   }
-  const std::vector<SolidOfRevolution> turned = solids_of_revolution(masks, surface, grid.cell);
-  if (!turned.empty()) log_info("the {} has {} solid{} of revolution", what, turned.size(), turned.size() > 1 ? "s" : "");
+  hull.solids = solids_of_revolution(masks, surface, grid.cell);
+  if (!hull.solids.empty())
+    log_info("the {} has {} solid{} of revolution", what, hull.solids.size(), hull.solids.size() > 1 ? "s" : "");
   std::vector<FlatFace> faces;
-  if (turned.empty()) faces = flat_faces(surface, grid.cell);  // which finds facets on round things as well
+  if (hull.solids.empty()) faces = flat_faces(surface, grid.cell);  // which finds facets on round things as well
   for (HullSurfacePoint p : surface) {
-    const std::optional<HullSurfacePoint> on = on_solid(turned, p, grid.cell);
+    const std::optional<HullSurfacePoint> on = on_solid(hull.solids, p, grid.cell);
     if (on) p = *on;
     if (const FlatFace* face = face_of(faces, p, grid.cell))
       p = {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};

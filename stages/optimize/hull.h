@@ -9,6 +9,7 @@
 
 #include "core/math/oriented_box.h"
 #include "core/render/renderer.h"
+#include "core/stereo/revolution_fit.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
 
@@ -19,9 +20,10 @@ struct HullPoint {
   bool known = false;      // by the shape of a box or of a solid of revolution, to a fraction of a pixel; or as a hull wavers
 };
 struct Hull {
-  std::vector<HullPoint> points;   // of the surface, on a grid
-  float spacing = 0;               // of the grid
-  std::optional<OrientedBox> box;  // where the outlines are those of one
+  std::vector<HullPoint> points;          // of the surface, on a grid
+  float spacing = 0;                      // of the grid
+  std::vector<SolidOfRevolution> solids;  // that pieces of it are
+  std::optional<OrientedBox> box;         // where the outlines are those of one
 };
 
 // Gloss: the specular mask without the transparent one, whose pixels then say nothing.

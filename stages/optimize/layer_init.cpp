@@ -28,6 +28,7 @@ constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that 
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
+constexpr size_t kLines = 96;                      // of the profile of a turned surface
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
 constexpr float kBehindGlass = 0.9f;
@@ -286,6 +287,8 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const int wanted = shaped ? phase.known_hull_points : phase.hull_points;
   const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(wanted)), color, diffuse);
   counts.hull = taken.size();
+  if (told)
+    for (const SolidOfRevolution& solid : hull.solids) counts.shapes.push_back(with_equal_lines(turned_surface(solid), kLines));
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
     counts.known += known;

@@ -50,6 +50,9 @@ void describe(Describer& d, ReflectionPhase& c) {
       .range(0, 1);
   d.option("surface_from", c.surface_from, "Part of the run after which reflections turn and move the surfaces that show them.")
       .range(0, 1);
+  d.option("shape_rate", c.shape_rate, "Step of the place and the profile of a known shape, scene units; from surface_from on.")
+      .range(0, 0.1);
+  d.option("axis_rate", c.axis_rate, "Step of the direction of its axis, radians.").range(0, 0.1);
 }
 
 void describe(Describer& d, ShadingConfig& c) {
@@ -69,6 +72,9 @@ void describe(Describer& d, ShadingConfig& c) {
       "panes", c.panes,
       "Glass that is a box mirrors the scene in both panes that a ray passes, as flat mirrors do; off: one reflection, of the "
       "reflection layer.");
+  d.option("shapes", c.shapes,
+           "Polished things that are solids of revolution have the surface of the solid, which learns from what it mirrors; off: "
+           "that of their surfels.");
   d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a training step; 0 = all that reflect or transmit.")
       .range(0, 100000000);
   d.option("gate", c.gate, "Damps gradients of the transmitted layer where reflections vary strongly; 0 = off.").range(0, 1000);
@@ -164,6 +170,12 @@ AttributeRates PhaseClock::diffuse_rates(const RatesConfig& rates, double scene_
   if (begun(LayerKind::Transmittance)) geometry = std::min(geometry, config_.transmittance.geometry_factor);
   for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale}) scale(a, geometry);
   return r;
+}
+
+ShapeRates PhaseClock::shape_rates() const {
+  const double factor = fraction_ >= config_.joint.from ? config_.joint.rate_factor : 1;
+  const ReflectionPhase& c = config_.reflection;
+  return {.origin = factor * c.shape_rate, .axis = factor * c.axis_rate, .profile = factor * c.shape_rate};
 }
 
 AttributeRates PhaseClock::rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const {

@@ -12,6 +12,7 @@
 #include "core/config/describe.h"
 #include "core/model/image_options.h"
 #include "core/optim/rates.h"
+#include "core/train/shape_training.h"
 
 namespace vitrine {
 
@@ -44,6 +45,8 @@ struct ReflectionPhase : LayerPhase {
   int known_hull_points = 3000;  // in place of hull_points: opaque surfels, which only help where they stand right
   double roughness_from = 0.4;
   double surface_from = 0.36;  // rays turn and move surfaces
+  double shape_rate = 1e-4;    // of a known shape's place and profile, scene units
+  double axis_rate = 4e-4;     // of the direction of its axis, radians
 };
 struct TransmittancePhase : LayerPhase {
   double transmission = 0.98, specular_weight = 0.002, f0 = 0.077;  // of glass, to start from
@@ -57,7 +60,7 @@ struct DiffusePhase {
 struct ShadingConfig {
   std::string blend = "layered", lobe = "mirror", glass = "thin";
   int ray_budget = 0;
-  bool panes = true;
+  bool panes = true, shapes = true;
   double gate = 4, diffuse_in_transparent = 1;
 };
 void describe(Describer& d, ShadingConfig& c);
@@ -102,6 +105,7 @@ class PhaseClock {
   ImageOptions image_options(const ShadingConfig& shading, Backend backend, int sh_degree) const;
   // Step sizes of a layer: of `rates` zero for what no phase trains yet.
   AttributeRates rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const;
+  ShapeRates shape_rates() const;
 
  private:
   double ramp(const LayerPhase& phase) const;

@@ -179,6 +179,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     broken_ |= bad;
     blank |= diffuse && done.active == 0;
   }
+  if (!shapes_.empty() && fraction() >= config().phases.reflection.surface_from)
+    shapes_.descend(model_.shape->gradients(), clock.shape_rates());
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && config().phases.transmittance.one_glass)
     share_glass(scene_.diffuse);
   bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
@@ -249,6 +251,7 @@ void Trainer::begin_phases() {
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && counts.known > 0) gloss_known_ = 1;
+    if (config().shading.shapes) shapes_ = ShapeTraining(counts.shapes);
     if (counts.glass_case && config().shading.panes) case_ = std::make_shared<GlassCase>(*counts.glass_case);
     training(kind).restart(scene_.layer(kind));
   }
@@ -304,6 +307,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.panes.glass_case = case_;
+  if (!shapes_.empty()) options.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(shapes_.shapes());
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;
 }
@@ -311,6 +315,7 @@ ImageOptions Trainer::image_options() const {
 void Trainer::set_up_passes() const {
   const ImageOptions options = image_options();
   model_.diffuse->options() = options.diffuse;
+  model_.shape->options() = options.shape;
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
   model_.transmission->options() = model_.thin_glass->options() = options.transmission;
@@ -354,6 +359,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(background_);
   out.value(gloss_known_);
   out.value(filled_);
+  shapes_.save(out);
   out.value(case_ != nullptr);
   out.value(case_ ? *case_ : GlassCase{});
   out.value(unseen_surfels_);
@@ -376,6 +382,7 @@ void Trainer::load(ArchiveReader& in) {
   in.value(background_);
   in.value(gloss_known_);
   in.value(filled_);
+  shapes_.load(in);
   bool in_case = false;
   GlassCase glass_case;
   in.value(in_case);

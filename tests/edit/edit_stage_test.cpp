@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "core/model/thick_glass.h"
 #include "core/relight/relit_scene.h"
 #include "core/scene/activation.h"
@@ -21,6 +24,16 @@ using test::TwoBalls;
 const TwoBalls& balls() {
   static const TwoBalls scene;
   return scene;
+}
+
+TurnedSurface turned_ball(const Vec3d& centre, double radius) {
+  constexpr int kLines = 32;
+  TurnedSurface out{centre, {0, 0, 1}, {}};
+  for (int i = 0; i <= kLines; ++i) {
+    const double angle = std::numbers::pi * (double(i) / kLines - 0.5);
+    out.profile.push_back({i % kLines == 0 ? 0 : radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return out;
 }
 
 class EditStage : public testing::Test {
@@ -225,6 +238,7 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   make_folders(refine / "refine/gaussians");
   SplatLayer better = balls().layer;
   for (float& v : better.values(Attribute::ShDc)) v = 0.1f;
+  for (float& v : better.values(Attribute::SpecularWeight)) v = 2;
   write_layer(refine / "refine/gaussians/diffuse.ply", better);
   ImageOptions options;
   options.composite.blend = LayerBlend::RtrGs;
@@ -232,6 +246,8 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   glass_case->box = {Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}};
   const size_t all = better.size();
   options.panes = {glass_case, all - 3};
+  options.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(
+      std::vector<TurnedSurface>{turned_ball(TwoBalls::kA, TwoBalls::kRadiusA), turned_ball(TwoBalls::kB, TwoBalls::kRadiusB)});
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
   auto inputs = with_edits();
@@ -240,6 +256,9 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   run_edit({}, context);
   const TrainedScene scene = read_trained_scene(context.output() / "edited");
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
+  ASSERT_NE(scene.image.shape.shapes, nullptr);
+  ASSERT_EQ(scene.image.shape.shapes->size(), 1u) << "what has no polished surfels left is no solid any more";
+  EXPECT_EQ((*scene.image.shape.shapes)[0].origin, TwoBalls::kA);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
   // The last three surfels are guesses; of those before them, that many are still there.

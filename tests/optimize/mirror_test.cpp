@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/base/hash.h"
 #include "core/base/json.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
@@ -76,6 +77,57 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   // Measured 18.3 -> 18.8 with AVX2 (five seeds: 18.4 -> 18.9): a diffuse layer does well on a ball, by a picture inside it, the
   // more so since the rim, which it cannot show, mirrors less in the photos, too.
   EXPECT_GT(after[1], before[1] + 0.3) << ::testing::PrintToString(before) << " -> " << ::testing::PrintToString(after);
+}
+
+// Photos large enough that outlines tell its shape: the ball is found as a solid of revolution, follows what it mirrors, and is
+// remembered by checkpoints and by the description of the scene.
+TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
+  const TemporaryFolder folder("solid-test");
+  const fs::path sfm = folder.path() / "sfm";
+  testing::write_tiny_sfm(sfm, 18, 144, 108, testing::tiny_mirror_scene());
+  OptimizeConfig config = testing::tiny_config(120);
+  config.initial.stereo_side = 48;
+  config.checkpoint_every = 20;
+  config.phases.reflection.from = 0.2;
+  config.phases.reflection.surface_from = 0.25;
+  const auto run = [&](const char* name, int threads, std::initializer_list<int> stops) {
+    TestContext context(sfm, folder.path() / name);
+    context.masks = sfm;
+    context.thread_count = threads;
+    for (int stop : stops) {
+      context.after_step = [stop](int step) {
+        if (step == stop) throw testing::Stopped{};
+      };
+      EXPECT_THROW(run_optimize(config, context), testing::Stopped);
+    }
+    context.after_step = nullptr;
+    run_optimize(config, context);
+    return context.output();
+  };
+  const auto shapes = [](const fs::path& artifact) {
+    const auto found = read_image_options(artifact / "optimize/model.json").shape.shapes;
+    return found ? *found : std::vector<TurnedSurface>();
+  };
+  const fs::path whole = run("whole", 1, {});
+  ASSERT_EQ(shapes(whole).size(), 1u);
+  EXPECT_EQ(digest_folder(whole), digest_folder(run("killed", 3, {23, 25, 31, 90})));
+  // Off the ball by how much, in the mean over its profile.
+  const auto off = [&](const fs::path& artifact) {
+    const TurnedSurface s = shapes(artifact).at(0);
+    double sum = 0, count = 0;
+    for (const Vec2d& p : s.profile)
+      for (double turn = 0; turn < 6; turn += 0.5) {
+        const Vec3d u = normalized(cross(s.axis, Vec3d{1, 0, 0})), v = cross(s.axis, u);
+        const Vec3d at = s.origin + p.y * s.axis + p.x * (std::cos(turn) * u + std::sin(turn) * v);
+        if (at.z < 0.05) continue;  // mirrors the table
+        sum += std::abs(length(at) - 0.25), ++count;
+      }
+    return sum / count;
+  };
+  // The ball mirrors a dome that no photo shows, and finds it out while its own shape is learnt: that must not lead it astray.
+  EXPECT_LT(off(whole), 0.005) << "a pixel is 0.008";
+  config.shading.shapes = false;
+  EXPECT_TRUE(shapes(run("surfels", 2, {})).empty());
 }
 
 }  // namespace

@@ -171,6 +171,29 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
     EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << is;
     write_image_options(path, o);
   }
+  o.panes = {};
+  EXPECT_EQ(back.shape.shapes, nullptr);
+  o.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(
+      std::vector<TurnedSurface>{{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}}});
+  write_image_options(path, o);
+  const auto shapes = read_image_options(path).shape.shapes;
+  ASSERT_NE(shapes, nullptr);
+  ASSERT_EQ(shapes->size(), 1u);
+  EXPECT_EQ((*shapes)[0].origin, (*o.shape.shapes)[0].origin);
+  EXPECT_EQ((*shapes)[0].axis, (*o.shape.shapes)[0].axis);
+  ASSERT_EQ((*shapes)[0].profile.size(), 3u);
+  EXPECT_EQ((*shapes)[0].profile[1].x, 0.25);
+  EXPECT_EQ((*shapes)[0].profile[1].y, 0.125);
+  for (const auto& [was, is] :
+       {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"axis\": [\n        0", "\"axis\": [\n        0.4"),
+        std::pair("\"profile\"", "\"curve\"")}) {
+    std::string text = read_file(path);
+    const size_t at = text.find(was);
+    ASSERT_NE(at, std::string::npos) << was << text;
+    write_file(path, text.replace(at, std::string_view(was).size(), is));
+    EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << is;
+    write_image_options(path, o);
+  }
   write_file(path, R"({"blend": "paint"})");
   EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS");
   write_file(path, "{}");

@@ -1,0 +1,48 @@
+// The shape of polished things whose outlines tell it. A mirror turns its picture by twice what its normal is off, and surfels of
+// polished metal, which have no texture to hold them, are off by several degrees; where the outlines in all photos are those of a
+// solid of revolution (core/stereo/revolution_fit), its surface is known to a fraction of a pixel. There pixels take place and
+// normal from the solid, after the diffuse layer is drawn and before anything is mirrored.
+//
+// A pixel takes part where the layer shows something polished, k_s above ShapeOptions::polished, that is not in front of the
+// solid by more than kOnSolid_rel of its radius: a spout, a handle. No gradient moves or turns the surfels there; what the
+// mirrored rays ask of place and normal is asked of the solid: axis and profile, some hundred numbers for all photos.
+#pragma once
+
+#include <vector>
+
+#include "core/model/image_options.h"
+#include "core/model/pass.h"
+
+namespace vitrine {
+
+// What one picture asks of a turned surface. The axis' gradient may have a part along the axis, which means nothing.
+struct TurnedGradient {
+  Vec3d origin{}, axis{};
+  std::vector<Vec2d> profile;  // [corner]
+};
+
+class ShapePass final : public Pass {
+ public:
+  explicit ShapePass(const ShapeOptions& options) : options_(options) {}
+  std::string_view name() const override { return "shape"; }
+  ShapeOptions& options() { return options_; }
+
+  // Writes the channels Normal and ZDepth of these pixels, as sums: times alpha.
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
+  const std::vector<TurnedGradient>& gradients() const { return gradients_; }  // [shape] of the last backward()
+
+ private:
+  struct Shaped {
+    uint32_t pixel, shape, line;
+    float t;  // z-depth
+    Vec3f normal;
+  };
+  void shape_gradients(const Frame& frame);
+
+  ShapeOptions options_;
+  std::vector<std::vector<Shaped>> bands_;  // of the picture of the last forward(), pixels ascending
+  std::vector<TurnedGradient> gradients_;
+};
+
+}  // namespace vitrine

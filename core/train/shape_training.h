@@ -1,0 +1,42 @@
+// The descent of turned surfaces (core/model/shape_pass.h) along what mirrored pictures ask of them: the place of the axis, its
+// direction, and each corner of the profile along its normal. Adam with one second moment for each of these three, so that a
+// corner no photo looks at stays; gradients of neighbouring corners are mixed: a profile bends slowly.
+#pragma once
+
+#include <vector>
+
+#include "core/math/turned_surface.h"
+#include "core/model/shape_pass.h"
+#include "core/optim/archive.h"
+
+namespace vitrine {
+
+struct ShapeRates {
+  double origin = 0, axis = 0, profile = 0;  // scene units, radians, scene units per step
+};
+
+class ShapeTraining {
+ public:
+  ShapeTraining() = default;
+  explicit ShapeTraining(std::vector<TurnedSurface> shapes);
+
+  const std::vector<TurnedSurface>& shapes() const { return shapes_; }
+  bool empty() const { return shapes_.empty(); }
+  // Gradients that are not finite are left out.
+  void descend(const std::vector<TurnedGradient>& gradients, const ShapeRates& rates);
+
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+
+ private:
+  struct Moments {
+    double m[4] = {}, v[2] = {};  // of origin and axis: two directions each
+    double profile_v = 0;
+    uint64_t steps = 0;
+  };
+  std::vector<TurnedSurface> shapes_;
+  std::vector<Moments> moments_;                // [shape]
+  std::vector<std::vector<double>> profile_m_;  // [shape][corner]
+};
+
+}  // namespace vitrine
