@@ -31,7 +31,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMirrorVoxels = 3;  // a surface so far in front of a mirror's outlines' hull is another thing
+constexpr double kSolidVoxels = 0.75;  // vertices so near to a solid that training learnt lie on it
+constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror's outlines' hull is another thing
 
 Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -189,10 +190,12 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   RenderedDepth rendered(config, layer, scene.image.diffuse.near_z, views);
   std::optional<MirrorShape> mirrors;
   if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
-    mirrors.emplace(MirrorShapeDesc{
-        .sfm = context.input("sfm"), .masks = *masks, .photos = set.views, .views = views, .frame_of = [&](size_t i) {
-          return rendered(i, wanted_voxel);
-        }});
+    mirrors.emplace(MirrorShapeDesc{.sfm = context.input("sfm"),
+                                    .masks = *masks,
+                                    .photos = set.views,
+                                    .views = views,
+                                    .learnt = scene.image.shape.shapes ? *scene.image.shape.shapes : std::vector<TurnedSurface>(),
+                                    .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
     if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);
@@ -254,7 +257,8 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                                    {"dimmer_half", part.dimmer},
                                    {"low", json_of(part.bounds.low)},
                                    {"high", json_of(part.bounds.high)}});
-  const TriMesh mesh = cleaned(raw, config, context, report);
+  TriMesh mesh = cleaned(raw, config, context, report);
+  if (mirrors) report["vertices_on_solids"] = mirrors->put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
   if (scene.surfels.transmittance.size() > 0)
@@ -332,7 +336,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 7,
+       .version = 8,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

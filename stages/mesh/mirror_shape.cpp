@@ -12,6 +12,7 @@
 #include "core/image/exr.h"
 #include "core/image/resample.h"
 #include "core/math/median.h"
+#include "core/mesh/mesh_topology.h"
 #include "core/stereo/visible_paint.h"
 
 namespace vitrine {
@@ -27,13 +28,13 @@ constexpr double kCells = 16;         // along the hull: places in neighbouring 
 constexpr int kStride = 4;            // pixels of the masks between places that are looked at
 constexpr double kLeastCosine = 0.3;  // of views that tell about a place
 constexpr size_t kFewestViews = 4;
-constexpr float kNoPaint = 0.65f;                // of a part's dimmer half: less is metal
-constexpr double kCrumb = 0.05;                  // of the places on the largest part: no thing of its own
-constexpr double kOnSolid = 2.5;                 // voxels: a blurred hull lies so far from the solid that it shows
-constexpr int kMarksMargin = 2;                  // pixels of the masks: outlines may be too narrow by that
+constexpr float kNoPaint = 0.65f;                 // of a part's dimmer half: less is metal
+constexpr double kCrumb = 0.05;                   // of the places on the largest part: no thing of its own
+constexpr double kOnSolid = 2.5;                  // voxels: a blurred hull lies so far from the solid that it shows
+constexpr int kMarksMargin = 2;                   // pixels of the masks: outlines may be too narrow by that
 constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no outline shows the tops of lids, and a smooth
-                                                 // hull guesses better; from one to the other
-constexpr double kTurnedAlike = 0.7;             // cosine between both normals, at least
+                                                  // hull guesses better; from one to the other
+constexpr double kTurnedAlike = 0.7;              // cosine between both normals, at least
 
 ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Intrinsics& k) {
   const auto specular = read_view_mask(masks, MaskClass::Specular, photo);
@@ -86,7 +87,7 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .dissent = kDissent, .blur_passes = kHullBlur});
   if (hull_->empty()) return;
   find_parts(desc, outlines);
-  find_solids(outlines);
+  find_solids(desc, outlines);
 }
 
 MirrorShape::Cell MirrorShape::cell_of(const Vec3d& p) const {
@@ -167,12 +168,17 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
 }
 
 // Solids that metal lies on.
-void MirrorShape::find_solids(const std::vector<HullMask>& outlines) {
+void MirrorShape::find_solids(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
   const std::vector<HullSurfacePoint> surface = hull_->surface();
-  for (SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel())) {
+  std::vector<Solid> found;
+  for (const TurnedSurface& learnt : desc.learnt) found.push_back({learnt, true});
+  if (found.empty())
+    for (const SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel()))
+      found.push_back({turned_surface(solid), false});
+  for (Solid& solid : found) {
     size_t metal = 0, known = 0;
     for (const HullSurfacePoint& p : surface) {
-      if (length(solid.nearest(p.position).position - p.position) > kOnSolid * hull_->voxel()) continue;
+      if (length(solid.surface.nearest(p.position).position - p.position) > kOnSolid * hull_->voxel()) continue;
       const auto part = part_of_.find(cell_of(p.position));
       if (part == part_of_.end() || part->second < 0) continue;
       metal += parts_[size_t(part->second)].metal(), ++known;
@@ -187,6 +193,23 @@ bool MirrorShape::near_marks(const ImageF& marks, int x, int y) const {
     for (int u = std::max(0, x - kMarksMargin); u <= std::min(marks.width() - 1, x + kMarksMargin); ++u)
       if (marks.at(u, v) > kHalf) return true;
   return false;
+}
+
+size_t MirrorShape::put_vertices(TriMesh& mesh, double tolerance) const {
+  const std::vector<Vec3f> normals = vertex_normals(mesh);
+  size_t moved = 0;
+  for (const auto& [solid, learnt] : solids_) {
+    if (!learnt) continue;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      const TurnedSurface::Place near = solid.nearest(cast<double>(mesh.positions[v]));
+      if (length(near.position - cast<double>(mesh.positions[v])) > tolerance) continue;
+      if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, a rim
+      mesh.positions[v] = cast<float>(near.position);
+      if (!mesh.normals.empty()) mesh.normals[v] = cast<float>(near.normal);
+      ++moved;
+    }
+  }
+  return moved;
 }
 
 void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
@@ -213,17 +236,18 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       const Vec3d place = hit ? eye + hit->t * direction : Vec3d{};
       // The solid instead of the hull where that lies on it or passes the ray by.
       bool passed_by = false, done = false;
-      for (const SolidOfRevolution& solid : solids_) {
+      for (const auto& [solid, learnt] : solids_) {
         double hulls = 0;  // share of it
         if (hit) {
-          const HullSurfacePoint nearest = solid.nearest(place);
+          const TurnedSurface::Place nearest = solid.nearest(place);
           if (length(nearest.position - place) > kOnSolid * hull_->voxel() || dot(nearest.normal, hit->normal) < kTurnedAlike)
             continue;
-          const double steep = (std::abs(dot(nearest.normal, solid.axis)) - kSteep) / (kSteepest - kSteep);
+          const double steep = learnt ? 0 : (std::abs(dot(nearest.normal, solid.axis)) - kSteep) / (kSteepest - kSteep);
           hulls = std::clamp(steep, 0.0, 1.0) * std::clamp(steep, 0.0, 1.0) * (3 - 2 * std::clamp(steep, 0.0, 1.0));
         }
-        if (const auto t = solid.entry(eye, direction)) {
-          set(p, hulls > 0 ? (1 - hulls) * *t + hulls * hit->t : *t, solid.nearest(eye + *t * direction).normal, direction);
+        if (const auto entry = solid.entry(eye, direction)) {
+          set(p, hulls > 0 ? (1 - hulls) * entry->t + hulls * hit->t : entry->t, solid.nearest(eye + entry->t * direction).normal,
+              direction);
           done = true;
           break;
         }

@@ -1,9 +1,9 @@
 // The shape of polished metal. What surfels learn there are pictures in the mirror, at their depths and with their normals; what
 // photos tell of the metal itself is its outline. Where the masks stage marks mirrors that are not glass, the fused depth is that
 // of the visual hull of their outlines (core/stereo/visual_hull) and, where that lies on a solid of revolution, of the solid,
-// which neither bulges nor wavers (core/stereo/revolution_fit): relit metal is what its normals make it; photos in which
-// something dull stands in front, or glass, say nothing there. Parts of the hull that show paint (core/stereo/visible_paint) keep
-// their depth: a glazed pot is hollow, its hull is not.
+// which neither bulges nor wavers (core/stereo/revolution_fit), as training learnt it from what it mirrors where it did: relit
+// metal is what its normals make it; photos in which something dull stands in front, or glass, say nothing there. Parts of the
+// hull that show paint (core/stereo/visible_paint) keep their depth: a glazed pot is hollow, its hull is not.
 #pragma once
 
 #include <array>
@@ -13,6 +13,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/turned_surface.h"
+#include "core/mesh/tri_mesh.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/mesh/rgbd_frame.h"
 
@@ -23,6 +25,7 @@ struct MirrorShapeDesc {
   const std::filesystem::path& masks;
   const std::vector<View>& photos;            // at full size
   const std::vector<View>& views;             // those that are fused
+  std::vector<TurnedSurface> learnt;          // solids that training knows (ImageOptions::shape)
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
 
@@ -46,17 +49,24 @@ class MirrorShape {
   // front of it. Marked pixels beside the hull are not fused, where all of it is metal; nor those beside the solid where the hull
   // lies on it.
   void put(size_t i, RgbdFrame& frame, double tolerance) const;
+  // Vertices no further than `tolerance` from a solid that training learnt lie on it, and have its normals: voxels leave terraces
+  // that a mirror shows. Returns how many.
+  size_t put_vertices(TriMesh& mesh, double tolerance) const;
 
  private:
   using Cell = std::array<int, 3>;
   Cell cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
-  void find_solids(const std::vector<HullMask>& outlines);
+  void find_solids(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
   bool near_marks(const ImageF& marks, int x, int y) const;
 
   std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
-  std::vector<SolidOfRevolution> solids_;  // of metal
+  struct Solid {
+    TurnedSurface surface;
+    bool learnt;  // the tops of lids as well, which no outline shows
+  };
+  std::vector<Solid> solids_;  // of metal
   double cell_ = 1;
   std::map<Cell, int> part_of_;
   std::vector<Part> parts_;
