@@ -22,11 +22,13 @@ namespace vitrine {
 struct RelitMaterial {
   Vec3f albedo{}, f0{};
   float roughness = 1, specular = 0, transmission = 0;  // specular = k_s, transmission = tau
+  float agreement = 1;                                  // of the normals that a pixel blends (core/model/README.md 4)
 };
 
 // What of the light is scattered, reflected and let through at this cosine.
 inline LayerWeights<float> relit_weights(LayerBlend blend, const RelitMaterial& m, float cosine) {
-  return layer_weights<float>(blend, {m.f0, m.specular, m.transmission, cosine}, {.reflection = true, .transmission = true});
+  return layer_weights<float>(blend, {m.f0, m.specular, m.transmission, cosine, m.agreement},
+                              {.reflection = true, .transmission = true});
 }
 
 class Microfacet {

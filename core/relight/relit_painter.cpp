@@ -166,11 +166,11 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     if (alpha < kLeastCoverage) return sky.radiance(-ray.view);
     const Vec3f blended = g.rgb(g.normal, pixel);
     Vec3f normal = turned_to(squared_length(blended) > 0 ? normalized(blended) : ray.view, ray.view);
-    const RelitMaterial material{.albedo = g.rgb(g.color, pixel) / alpha,
-                                 .f0 = g.rgb(g.f0, pixel) / alpha,
-                                 .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
-                                 .specular = g.specular[pixel] / alpha,
-                                 .transmission = glass ? g.transmission[pixel] / alpha : 0.f};
+    RelitMaterial material{.albedo = g.rgb(g.color, pixel) / alpha,
+                           .f0 = g.rgb(g.f0, pixel) / alpha,
+                           .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
+                           .specular = g.specular[pixel] / alpha,
+                           .transmission = glass ? g.transmission[pixel] / alpha : 0.f};
     const float z = surface_depth(g.zdepth[pixel], alpha, median_z[pixel]);
     Vec3f place = ray.eye + z * ray.direction_per_z;
     // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show
@@ -179,6 +179,8 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     // for a picture in a mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels
     // fill.
     const bool mirror = mirrors(scene_.blend(), material);
+    // At a rim the blended normal looks at nothing in particular; that of the mesh is one surface's.
+    material.agreement = normal_agreement(blended, alpha);
     Vec3f outwards = ray.view, on_mesh = place;
     const float t = z * length(ray.direction_per_z);
     // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
@@ -187,7 +189,10 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
         hit && hit->t < t + snap && (!surface_.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
       on_mesh = ray.eye - hit->t * ray.view;
       if (mirror || hit->t < t) place = on_mesh;
-      if (!hit->from_inside && mirror) normal = turned_to(surface_.smooth_normal(*hit), ray.view);
+      if (!hit->from_inside && mirror) {
+        normal = turned_to(surface_.smooth_normal(*hit), ray.view);
+        material.agreement = 1;
+      }
       outwards = normalized(normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
     }
     // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.
