@@ -28,7 +28,8 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   if (!options_.shapes || options_.shapes->empty() || scene.reflection.size() == 0) return;
   const std::vector<TurnedSurface>& shapes = *options_.shapes;
   std::vector<std::vector<Vec2d>> normals;
-  for (const TurnedSurface& s : shapes) normals.push_back(s.corner_normals());
+  std::vector<double> radius;
+  for (const TurnedSurface& s : shapes) normals.push_back(s.corner_normals()), radius.push_back(s.largest_radius());
   const GBuffer g(frame);
   const auto width = static_cast<size_t>(g.width);
   const Vec3d eye = frame.view->centre_in_world();
@@ -45,7 +46,7 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
       for (size_t k = 0; k < shapes.size(); ++k) {
         const auto entry = shapes[k].entry(eye, per_z);
         if (!entry) continue;
-        const double in_front = (entry->t - z) * length(per_z) / shapes[k].largest_radius();
+        const double in_front = (entry->t - z) * length(per_z) / radius[k];
         if (in_front > kOnSolid_rel || in_front < -kBehind_rel) continue;
         const TurnedPoint<double> point = turned_point(line_of(shapes[k], normals[k], entry->line), eye, per_z, entry->t);
         if (!(dot(point.normal, per_z) < 0)) continue;

@@ -1,5 +1,6 @@
 #include "core/train/shape_training.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

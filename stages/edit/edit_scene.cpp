@@ -38,12 +38,13 @@ std::shared_ptr<const std::vector<TurnedSurface>> remaining(std::shared_ptr<cons
   if (!shapes || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return shapes;
   auto out = std::make_shared<std::vector<TurnedSurface>>();
   for (const TurnedSurface& shape : *shapes) {
+    const double on_shape = kOnShape_rel * shape.largest_radius();
     size_t all = 0, left = 0;
     for (size_t i = 0; i < surfels.size(); ++i) {
       const float* m = surfels.at(Attribute::Mean, i);
       const Vec3d p{m[0], m[1], m[2]};
       if (*surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
-      if (length(shape.nearest(p).position - p) > kOnShape_rel * shape.largest_radius()) continue;
+      if (length(shape.nearest(p).position - p) > on_shape) continue;
       ++all, left += keep[i];
     }
     if (all > 0 && 2 * left >= all) out->push_back(shape);
