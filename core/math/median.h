@@ -8,6 +8,9 @@
 
 namespace vitrine {
 
+// Standard deviation of a normal distribution over its median absolute deviation.
+inline constexpr double kSigmaPerDeviation = 1.4826;
+
 // Of an even number of values the upper one of the two in the middle; they must not be empty, nor hold NaN. Puts them in another
 // order.
 template <class T>

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
+#include "core/stereo/box_search.h"
 
 namespace vitrine {
 
@@ -96,44 +97,6 @@ double mean_agreement(const std::vector<RowSums>& photos, const OrientedBox& box
   return sum / double(counted);
 }
 
-Mat3d turned(size_t axis, double angle) {
-  Quatd q{std::cos(angle / 2), 0, 0, 0};
-  (axis == 0 ? q.x : axis == 1 ? q.y : q.z) = std::sin(angle / 2);
-  return rotation_matrix(q);
-}
-
-// Moves face `i` (low and high of each axis) outwards, or turns the box about its middle by a `step`, for i = 6 to 8.
-OrientedBox moved(const OrientedBox& box, size_t i, double step) {
-  OrientedBox out = box;
-  if (i < 6) {
-    const size_t axis = i / 2;
-    (i % 2 == 0 ? out.low : out.high)[axis] += (i % 2 == 0 ? -1 : 1) * step * length(box.high - box.low);
-    return out;
-  }
-  const Vec3d middle = box.axes * (0.5 * (box.low + box.high));
-  out.axes = box.axes * turned(i - 6, step);
-  const Vec3d shift = transposed_times(out.axes, middle) - 0.5 * (box.low + box.high);
-  out.low += shift, out.high += shift;
-  return out;
-}
-
-// Pattern search: one number at a time, shorter steps where none helps.
-double improve(const std::vector<RowSums>& photos, double step, double last_step, OrientedBox& box) {
-  double best = mean_agreement(photos, box);
-  for (; step >= last_step; step *= 0.5)
-    for (bool better = true; better;) {
-      better = false;
-      for (size_t i = 0; i < 9; ++i)
-        for (double sign : {1.0, -1.0}) {
-          const OrientedBox trial = moved(box, i, sign * step);
-          if (!(trial.high.x > trial.low.x && trial.high.y > trial.low.y && trial.high.z > trial.low.z)) continue;
-          const double agreement = mean_agreement(photos, trial);
-          if (agreement > best + 1e-9) best = agreement, box = trial, better = true;
-        }
-    }
-  return best;
-}
-
 }  // namespace
 
 std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction) {
@@ -151,15 +114,16 @@ std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& ab
   if (photos.empty() || about.empty()) return std::nullopt;
   const Vec3d centre = about.centre();
   const Vec3d half = 0.5 * (about.high - about.low);
+  const auto score = [&](const OrientedBox& box) { return mean_agreement(photos, box); };
   BoxFit best;
   for (int turn = 0; turn < kTurns; ++turn) {
     OrientedBox box{turned(2, std::numbers::pi / 2 * turn / kTurns), {}, {}};
     const Vec3d c = transposed_times(box.axes, centre), h = 0.85 * half;
     box.low = c - h, box.high = c + h;
-    if (const double agreement = improve(photos, kFirstStep, kCoarseStep, box); agreement > best.agreement)
+    if (const double agreement = improve(score, kFirstStep, kCoarseStep, box); agreement > best.agreement)
       best = {box, agreement};
   }
-  best.agreement = improve(photos, kCoarseStep, kLastStep, best.box);
+  best.agreement = improve(score, kCoarseStep, kLastStep, best.box);
   if (best.agreement < least) return std::nullopt;
   return best;
 }

@@ -5,15 +5,10 @@
 
 #include <span>
 
-#include "core/image/image.h"
+#include "core/stereo/edge_photo.h"
 #include "core/stereo/revolution_fit.h"
 
 namespace vitrine {
-
-struct EdgePhoto {
-  View view;    // intrinsics of the size of `srgb`
-  ImageF srgb;  // [h,w,3] display-referred
-};
 
 // `start` with the axis and the radii at which the photos together change most across its outline; `start` itself where fewer
 // than five photos show it. Radii move by less than a quarter of the largest one, and where the surface looks far up or down, as

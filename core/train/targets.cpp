@@ -68,13 +68,15 @@ std::vector<double> load_class(const Capture& capture, const fs::path& artifact,
   return coverage;
 }
 
-// Where the masks stage has them from (its report.json). Masks without a report are the user's own.
+// Where the masks stage has them from (its report.json). Masks without a report are the user's own; display cases that it found by
+// their edges are as good as a user's.
 bool is_guessed(const fs::path& artifact, const std::string& mask) {
   const fs::path path = artifact / "masks/report.json";
   if (!fs::exists(path)) return false;
   try {
     const auto report = nlohmann::json::parse(read_file(path));
-    return report.at("classes").at(mask).at("source").get<std::string>() == "proposed";
+    const auto& row = report.at("classes").at(mask);
+    return row.at("source").get<std::string>() == "proposed" && !row.value("certain", false);
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorKind::Input, "the report of the masks is unusable",
                 {.where = path.string(), .why = e.what(), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});

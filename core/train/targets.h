@@ -30,7 +30,7 @@ struct TargetProblem {
 struct Targets {
   std::vector<std::array<TargetLevel, kLevels>> photos;  // in the order of Capture::photos
   std::array<bool, kMaskClassCount> has{};               // some photo has some of the class
-  std::array<bool, kMaskClassCount> guessed{};           // proposed by the masks stage itself, by nobody's word
+  std::array<bool, kMaskClassCount> guessed{};           // proposed by the masks stage itself, which is not sure
   bool has_normals = false;
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;

@@ -11,6 +11,12 @@
 
 namespace vitrine {
 
+namespace {
+
+constexpr size_t kMostEdgePhotos = 64;
+
+}
+
 std::vector<View> small_views(const MaskCapture& capture, int max_side) {
   std::vector<View> views = capture.set.views;
   for (View& view : views) view.intrinsics = view.intrinsics.limited_to(max_side);
@@ -32,6 +38,21 @@ std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
       for (size_t c = 0; c < 3; ++c) photos[v].srgb[c * pixels + i] = std::min(srgb.data()[3 * i + c], 1.f);
   });
   throw_if_interrupted();
+  return photos;
+}
+
+std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side) {
+  MaskCapture some;
+  some.sfm_folder = capture.sfm_folder;
+  const size_t all = capture.set.views.size(), stride = (all + kMostEdgePhotos - 1) / kMostEdgePhotos;
+  for (size_t v = 0; v < all; v += stride) some.set.views.push_back(capture.set.views[v]);
+  std::vector<EdgePhoto> photos;
+  for (const SmallPhoto& small : small_photos(some, max_side)) {
+    const Intrinsics& k = small.view.intrinsics;
+    EdgePhoto& photo = photos.emplace_back(EdgePhoto{small.view, ImageF(k.width, k.height, 3)});
+    const size_t pixels = photo.srgb.pixel_count();
+    for (size_t i = 0; i < 3 * pixels; ++i) photo.srgb.data()[i] = small.srgb[i % 3 * pixels + i / 3];
+  }
   return photos;
 }
 

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/stereo/edge_photo.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {
@@ -15,6 +16,8 @@ struct SmallPhoto {
 // `max_side` limits the longest side.
 std::vector<View> small_views(const MaskCapture& capture, int max_side);
 std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
+// For looking at their edges: not all photos of a large capture, but spread evenly; some dozens know where an edge is.
+std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side);
 
 // Gaussian, in place, of planar [channels, h, w]; clipped at the border.
 void blur_planes(std::vector<float>& planes, int width, int height, float sigma);

@@ -137,6 +137,11 @@ VisualHull hull_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& r
     m.mask = hull_mask(desc.capture, kind, v, m.view.intrinsics);
     if (!m.mask.empty()) masks.push_back(std::move(m));
   }
+  // Where glass is all that there is of gloss, nobody asks for a hull of the rest.
+  const auto marks_something = [](const HullMask& m) {
+    return std::ranges::any_of(m.mask.data(), [](float value) { return value >= 0.5f; });
+  };
+  if (kind == MaskClass::Specular && std::ranges::none_of(masks, marks_something)) masks.clear();
   VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent, .flat_faces = true});
   if (!masks.empty()) report.hulls.push_back({kind, masks.size(), !hull.empty(), hull.faces(), hull.one_sidedness()});
   return hull;

@@ -114,6 +114,59 @@ TEST(HullVote, AProposalNeedsManyViewsAndAGoodFit) {
   EXPECT_TRUE(hull_vote({}, c.capture, c.photos, c.fit, maps).unsure);
 }
 
+// A box on the floor, 0.3 wide, seen exactly: opaque, or as if it were not there; in it stands a smaller one.
+StandingBox box_on_the_floor() {
+  StandingBox standing{
+      {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .low = {-0.15, -0.15, -0.2}, .high = {0.15, 0.15, 0.1}}, 40, 10};
+  return standing;
+}
+void stand(FloorCapture& c, const OrientedBox& box) {
+  for (size_t v = 0; v < c.photos.size(); ++v) {
+    const View& view = c.photos[v].view;
+    for (int y = 0; y < kPhotoHeight; ++y)
+      for (int x = 0; x < kPhotoWidth; ++x) {
+        const Vec3d ray = transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5));
+        if (const auto crossing = box.crossing(view.centre_in_world(), ray))
+          c.fit.views[v].zdepth[size_t(y * kPhotoWidth + x)] = float(crossing->in);
+      }
+  }
+}
+
+TEST(DisplayCases, AreSeenThroughFromAllSidesAndStandOnWhatIsBelow) {
+  FloorCapture c;
+  OrientedBox figure = box_on_the_floor().box;
+  figure.low = {-0.05, -0.05, -0.3}, figure.high = {0.05, 0.05, 0};
+  stand(c, figure);
+  const std::vector<StandingBox> boxes{box_on_the_floor(), box_on_the_floor()};  // found twice
+  const auto cases = display_cases({}, boxes, c.photos, c.fit);
+  ASSERT_EQ(cases.size(), 1u);
+  EXPECT_NEAR(cases[0].box.low.z, -0.3, 0.01) << "its edges began to show a third of its height above the floor";
+  EXPECT_GT(cases[0].seen_through, 0.95);
+  // Something stands before it in one photo.
+  const View& view = c.photos[2].view;
+  const size_t middle = size_t(kPhotoHeight / 2 * kPhotoWidth + kPhotoWidth / 2);
+  ASSERT_EQ(case_mask(cases[0], c.photos[2], c.fit.views[2])[middle], 1);
+  c.fit.views[2].zdepth[middle] = float(0.3 * (view.cam_from_world * Vec3d{}).z);
+  EXPECT_EQ(case_mask(cases[0], c.photos[2], c.fit.views[2])[middle], 0);
+}
+
+TEST(DisplayCases, CratesAndTablesAreNone) {
+  FloorCapture crate;
+  OrientedBox whole = box_on_the_floor().box;
+  whole.low.z = -0.3;
+  stand(crate, whole);
+  EXPECT_TRUE(display_cases({}, std::vector{box_on_the_floor()}, crate.photos, crate.fit).empty());
+  FloorCapture table;  // only its top is opaque
+  OrientedBox top = whole;
+  top.low.z = 0.09;
+  stand(table, top);
+  EXPECT_TRUE(display_cases({}, std::vector{box_on_the_floor()}, table.photos, table.fit).empty());
+  FloorCapture air;
+  StandingBox faint = box_on_the_floor();
+  faint.rim = 3;
+  EXPECT_TRUE(display_cases({}, std::vector{faint}, air.photos, air.fit).empty());
+}
+
 TEST(Proposed, AnOpaqueSceneGetsNoMaskAndTheSameBytesEveryTime) {
   TemporaryFolder folder;
   testing::write_tiny_sfm(folder.path(), 10, 64, 48);

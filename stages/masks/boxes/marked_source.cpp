@@ -25,7 +25,6 @@ constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
 constexpr double kSticksOut = 0.2;                 // of a solid's radius: nearer to it is its outline
 constexpr double kRoot = 0.3, kMostRoot = 32;      // of the radius; pixels: from there on it belongs to what sticks out
-constexpr size_t kMostEdgePhotos = 64;             // spread evenly: some dozens know where an edge is
 
 // Even-odd rule at pixel centres.
 std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
@@ -55,21 +54,6 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
   for (int y = 0; y < k.height; ++y)
     if (at(0, y) || at(k.width - 1, y)) return true;
   return false;
-}
-
-// The photos whose edges solids of revolution are put on, at twice the size that masks have.
-std::vector<EdgePhoto> edge_photos(const BoxesConfig& config, const MaskCapture& capture) {
-  MaskCapture some{.sfm_folder = capture.sfm_folder};
-  const size_t all = capture.set.views.size(), stride = (all + kMostEdgePhotos - 1) / kMostEdgePhotos;
-  for (size_t v = 0; v < all; v += stride) some.set.views.push_back(capture.set.views[v]);
-  std::vector<EdgePhoto> photos;
-  for (const SmallPhoto& small : small_photos(some, 2 * config.max_side)) {
-    const Intrinsics& k = small.view.intrinsics;
-    EdgePhoto& photo = photos.emplace_back(EdgePhoto{small.view, ImageF(k.width, k.height, 3)});
-    const size_t pixels = photo.srgb.pixel_count();
-    for (size_t i = 0; i < 3 * pixels; ++i) photo.srgb.data()[i] = small.srgb[i % 3 * pixels + i / 3];
-  }
-  return photos;
 }
 
 // Where marks are tight they show lids, too, which GrabCut takes for background.
@@ -203,7 +187,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
       if (out.summary.solids > 0) {
         std::vector<SolidOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SolidOfRevolution>{};
         if (solids.empty()) solids.assign(second.solids().begin(), second.solids().end());
-        const std::vector<EdgePhoto> edges = edge_photos(config, capture);
+        const std::vector<EdgePhoto> edges = edge_photos(capture, 2 * config.max_side);
         for (SolidOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
         turn(solids, second, tight ? &hull : nullptr, views, out.inside);
       }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "stages/masks/proposed/display_case.h"
 #include "stages/masks/proposed/hull_vote.h"
 
 namespace vitrine {
@@ -11,6 +12,7 @@ namespace vitrine {
 struct ProposedConfig {
   QuickFitConfig fit;
   HullVoteConfig vote;
+  DisplayCaseConfig display_case;
 };
 void describe(Describer& d, ProposedConfig& c);
 
@@ -20,6 +22,8 @@ struct Proposal {
   std::vector<std::vector<uint8_t>> told;  // [view][h,w] enough views saw the point to judge it
   std::vector<Intrinsics> sizes;           // [view]
   HullVote vote;
+  std::vector<DisplayCase> cases;
+  std::vector<std::vector<uint8_t>> in_case;  // [view][h,w] the glass of one of them is seen there
   double fit_l1 = 0;
 };
 std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,

@@ -1,0 +1,27 @@
+// Boxes that stand upright, found by their edges alone: display cases, aquaria, crates. Nobody has marked them, no texture lies
+// on glass, and no stereo sees it. But an upright edge is one point of the plan, wherever one looks from, and four of them at the
+// corners of a rectangle, as high as each other, under a rim that is an edge all around: that no poster or pattern does by
+// chance.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/math/oriented_box.h"
+#include "core/stereo/edge_photo.h"
+
+namespace vitrine {
+
+struct StandingBox {
+  OrientedBox box;  // its third axis points up (+z)
+  // How far its upright edges stand out of the plan around them, and its rim out of other heights: robust standard deviations, of
+  // the posts summed over levels of height and in the mean of the four.
+  double posts = 0, rim = 0;
+};
+
+// Best first, those with at least so strong upright edges; one may stand in, on or through another. `about`: where to look; boxes
+// may be higher. The lower end of a box is only where its upright edges begin to show. Fewer than eight photos show nothing; of
+// large ones 640 pixels are looked at.
+std::vector<StandingBox> standing_boxes(std::span<const EdgePhoto> photos, const Bounds3& about, double least_posts);
+
+}  // namespace vitrine

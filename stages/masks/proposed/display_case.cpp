@@ -1,0 +1,137 @@
+#include "stages/masks/proposed/display_case.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/log.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kCaseReach = 0.6;           // of the cameras' ring: farther out nobody walks around a thing
+constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
+constexpr double kAboveCameras = 0.3;        // of the ring: cases on a table end below, whatever sparse points say
+constexpr size_t kFewestPoints = 20;
+constexpr double kOnSurface = 0.03;    // of the depth: the fit is no finer
+constexpr double kFoot = 0.15;         // share of what the fit has in the plan of a box that lies below its foot
+constexpr double kShrunk = 0.8;        // of the plan: beside a case other things stand
+constexpr double kBelow = 0.5;         // of the height: how far below where edges begin to show its foot may be
+constexpr size_t kFewestPixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
+constexpr size_t kMostAsked = 12;      // boxes
+
+// visit(z-depth of the fit or 0, crossing of the pixel's ray with the box, eye, ray)
+template <class Visit>
+void for_each_pixel(const OrientedBox& box, const SmallPhoto& photo, const FittedView& fitted, const Visit& visit) {
+  const Intrinsics& k = photo.view.intrinsics;
+  const Vec3d eye = photo.view.centre_in_world();
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      const Vec3d ray = transposed_times(photo.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+      const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
+      visit(pixel, double(fitted.zdepth[pixel]), box.crossing(eye, ray), eye, ray);
+    }
+}
+
+bool same_place(const OrientedBox& a, const OrientedBox& b) {
+  const auto holds = [](const OrientedBox& box, const OrientedBox& other) {
+    const Vec3d middle = transposed_times(box.axes, other.axes * (0.5 * (other.low + other.high)));
+    return middle.x > box.low.x && middle.x < box.high.x && middle.y > box.low.y && middle.y < box.high.y;
+  };
+  return holds(a, b) || holds(b, a);
+}
+
+// A case stands on what the fit has in its plan: all but some strays lie above its foot.
+double foot(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+  OrientedBox column = box;
+  const Vec3d middle = 0.5 * (box.low + box.high);
+  for (size_t axis = 0; axis < 2; ++axis) {
+    column.low[axis] = middle[axis] + kShrunk * (box.low[axis] - middle[axis]);
+    column.high[axis] = middle[axis] + kShrunk * (box.high[axis] - middle[axis]);
+  }
+  column.low.z -= kBelow * (box.high.z - box.low.z);
+  std::vector<double> heights;
+  for (size_t v = 0; v < photos.size(); ++v)
+    for_each_pixel(column, photos[v], fit.views[v],
+                   [&](size_t, double z, const auto& crossing, const Vec3d& eye, const Vec3d& ray) {
+                     if (crossing && z > crossing->in && z < crossing->out)
+                       heights.push_back(transposed_times(box.axes, eye + z * ray).z);
+                   });
+  if (heights.size() < kFewestPixels) return box.low.z;
+  std::sort(heights.begin(), heights.end());
+  return heights[size_t(kFoot * double(heights.size()))];
+}
+
+// Of each side that is asked the share of its pixels at which the fit sees what lies behind it; the least.
+double seen_through(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+  std::array<size_t, OrientedBox::kFaces> all{}, through{};
+  for (size_t v = 0; v < photos.size(); ++v)
+    for_each_pixel(box, photos[v], fit.views[v], [&](size_t, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
+      if (!crossing || (z > 0 && z < (1 - kOnSurface) * crossing->in)) return;
+      ++all[crossing->entered.index()];
+      through[crossing->entered.index()] += !(z > 0) || z > (1 + kOnSurface) * crossing->in;
+    });
+  double least = 1;
+  for (size_t f = 0; f < all.size(); ++f)
+    if (all[f] >= kFewestPixels) least = std::min(least, double(through[f]) / double(all[f]));
+  return least;
+}
+
+}  // namespace
+
+void describe(Describer& d, DisplayCaseConfig& c) {
+  d.option("look", c.look, "Look for display cases: boxes of glass that stand upright.");
+  d.option("least_posts", c.least_posts, "How far its upright edges must stand out of what is around them, in all.")
+      .range(0, 1000);
+  d.option("least_rim", c.least_rim, "How far its rim must stand out of other heights, standard deviations.").range(0, 1000);
+  d.option("least_seen_through", c.least_seen_through, "Share of each side at which the fit must see what lies behind.")
+      .range(0, 1);
+}
+
+Bounds3 about_standing_boxes(const ViewSet& set) {
+  std::vector<double> heights;
+  for (const ScenePoint& p : set.points)
+    if (std::hypot(p.position.x, p.position.y) < 1) heights.push_back(p.position.z);
+  if (heights.size() < kFewestPoints) return {};
+  std::sort(heights.begin(), heights.end());
+  const auto quantile = [&](double q) { return heights[size_t(q * double(heights.size() - 1))]; };
+  return {{-kCaseReach, -kCaseReach, quantile(kLow)}, {kCaseReach, kCaseReach, std::max(quantile(kHigh), kAboveCameras)}};
+}
+
+std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::span<const StandingBox> boxes,
+                                       const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+  std::vector<DisplayCase> found;
+  size_t asked = 0;
+  for (const StandingBox& standing : boxes) {
+    if (standing.rim < config.least_rim) continue;
+    if (std::ranges::any_of(found, [&](const DisplayCase& f) { return same_place(f.box, standing.box); })) continue;
+    if (++asked > kMostAsked) break;
+    DisplayCase glass{standing.box, standing.posts, standing.rim, 0};
+    glass.box.low.z = foot(glass.box, photos, fit);
+    if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, photos, fit);
+    const bool is_glass = glass.seen_through >= config.least_seen_through;
+    const Vec3d c = glass.box.axes * (0.5 * (glass.box.low + glass.box.high)), e = glass.box.high - glass.box.low;
+    const std::string text = fmt::format(
+        "masks: {} of {:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f}), told by its edges (uprights {:.0f}, rim {:.1f}); every "
+        "side is seen through at {:.0f} % of its pixels",
+        is_glass ? "a glass case" : "a box, no glass,", e.x, e.y, e.z, c.x, c.y, c.z, glass.posts, glass.rim,
+        100 * glass.seen_through);
+    if (is_glass)
+      log_info("{}", text);
+    else
+      log_debug("{}", text);
+    if (is_glass) found.push_back(glass);
+  }
+  return found;
+}
+
+std::vector<uint8_t> case_mask(const DisplayCase& glass, const SmallPhoto& photo, const FittedView& fitted) {
+  std::vector<uint8_t> mask(fitted.zdepth.size(), 0);
+  for_each_pixel(glass.box, photo, fitted, [&](size_t pixel, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
+    mask[pixel] = crossing && !(z > 0 && z < (1 - kOnSurface) * crossing->in);
+  });
+  return mask;
+}
+
+}  // namespace vitrine
