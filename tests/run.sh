@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
-# and UndefinedBehaviorSanitizer, and two suites of multi-threaded code under ThreadSanitizer.
+# and UndefinedBehaviorSanitizer.
 #
 #   tests/run.sh [--fast] [--no-sanitizers] | --races
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
-# --races           instead: all suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
+# --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
@@ -22,18 +22,13 @@ done
 
 install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}"
 
-# races SUITE...: under ThreadSanitizer
-races() {
-  build "$VITRINE_ROOT/build-thread" "${@/#/test_}" -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo
-  say "under ThreadSanitizer: $*"
-  local suite
-  for suite in "$@"; do
+if [ "$races" = 1 ]; then
+  suites=(stage optim loss render trace model)
+  build "$VITRINE_ROOT/build-thread" "${suites[@]/#/test_}" -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  say "under ThreadSanitizer: ${suites[*]}"
+  for suite in "${suites[@]}"; do
     TSAN_OPTIONS=second_deadlock_stack=1 "$VITRINE_ROOT/build-thread/bin/test_$suite" --gtest_brief=1
   done
-}
-
-if [ "$races" = 1 ]; then
-  races stage optim loss render trace model
   exit
 fi
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=ON
@@ -41,12 +36,11 @@ say "tests"
 ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$(nproc)" "${labels[@]}"
 
 if [ "$sanitizers" = 1 ]; then
-  build "$VITRINE_ROOT/build-sanitize" -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  build "$VITRINE_ROOT/build-sanitize" vitrine_tests -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo
   say "fast tests under AddressSanitizer and UndefinedBehaviorSanitizer"
   # Eight frames of where memory came from are enough, and cost a tenth less than thirty. Without intercept_tls_get_addr=0
   # the leak checker of g++ 13 and older mistakes some thread-local blocks of loaded libraries (codecs) for those of glibc 2.19,
   # reads a length where there is none, and now and then dies in a test that passed (github.com/google/sanitizers/issues/1322).
   ASAN_OPTIONS=malloc_context_size=8:intercept_tls_get_addr=0 UBSAN_OPTIONS=print_stacktrace=1 \
     ctest --test-dir "$VITRINE_ROOT/build-sanitize" --output-on-failure --no-tests=error -j "$(nproc)" -L fast
-  races stage optim  # the quick ones of --races: threads, signals, reductions
 fi

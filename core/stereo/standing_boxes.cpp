@@ -155,4 +155,10 @@ std::vector<StandingBox> standing_boxes(std::span<const EdgePhoto> photos, const
   return found;
 }
 
+OrientedBox drawn_to_edges(const OrientedBox& start, std::span<const EdgePhoto> photos) {
+  OrientedBox box = start;
+  draw_to_edges(edge_fields(photos, kFineSide), true, box);
+  return box;
+}
+
 }  // namespace vitrine

@@ -24,4 +24,8 @@ struct StandingBox {
 // large ones 640 pixels are looked at.
 std::vector<StandingBox> standing_boxes(std::span<const EdgePhoto> photos, const Bounds3& about, double least_posts);
 
+// `start`, nearly right and upright, where the photos together have most edge along its upright edges and its rim. The height of its
+// foot stays: what it stands on has edges as well.
+OrientedBox drawn_to_edges(const OrientedBox& start, std::span<const EdgePhoto> photos);
+
 }  // namespace vitrine

@@ -11,6 +11,7 @@
 #include "core/base/process.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/revolution_edges.h"
+#include "core/stereo/standing_boxes.h"
 #include "stages/masks/boxes/grab_cut.h"
 #include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
@@ -160,7 +161,8 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
 
   if (thing.kind == MaskClass::Transparent && tight)
     if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
-      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(fit->box, views[v]);
+      const OrientedBox box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
+      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(box, views[v]);
       out.summary.box_agreement = fit->agreement;
     }
   if (thing.kind != MaskClass::Transparent) {
