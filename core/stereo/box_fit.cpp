@@ -97,6 +97,15 @@ double mean_agreement(const std::vector<RowSums>& photos, const OrientedBox& box
   return sum / double(counted);
 }
 
+std::vector<RowSums> row_sums(std::span<const HullMask> masks) {
+  std::vector<RowSums> photos;
+  for (const HullMask& m : masks) {
+    photos.emplace_back(m);
+    if (photos.back().says_nothing()) photos.pop_back();
+  }
+  return photos;
+}
+
 }  // namespace
 
 std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction) {
@@ -105,12 +114,13 @@ std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, co
   return HullHit{c->in, box.normal(c->entered)};
 }
 
+double agreement(std::span<const HullMask> masks, const OrientedBox& box) {
+  const std::vector<RowSums> photos = row_sums(masks);
+  return photos.empty() ? 0 : mean_agreement(photos, box);
+}
+
 std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least) {
-  std::vector<RowSums> photos;
-  for (const HullMask& m : masks) {
-    photos.emplace_back(m);
-    if (photos.back().says_nothing()) photos.pop_back();
-  }
+  const std::vector<RowSums> photos = row_sums(masks);
   if (photos.empty() || about.empty()) return std::nullopt;
   const Vec3d centre = about.centre();
   const Vec3d half = 0.5 * (about.high - about.low);

@@ -34,6 +34,9 @@ struct BoxFit {
 // with something in front of the box is outvoted.
 std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least = kLeastBoxAgreement);
 
+// What `fit_box` makes as large as it can.
+double agreement(std::span<const HullMask> masks, const OrientedBox& box);
+
 // 1 inside the outline of the box, [h,w] of the view.
 std::vector<uint8_t> outline_mask(const OrientedBox& box, const View& view);
 

@@ -25,7 +25,8 @@ struct LayerChoice {
   }
 };
 // `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; those that the masks stage proposed
-// by itself do not count: half of what they mark is neither (stages/masks/README.md), which costs more than the layers gain.
+// by itself without being certain do not count: half of what they mark is neither (stages/masks/README.md), which costs more than the
+// layers gain.
 LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
 
 struct LayerPhase {

@@ -15,6 +15,7 @@
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
+#include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/given_poses.h"
 #include "stages/sfm/outputs.h"
 
@@ -90,6 +91,21 @@ ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const st
   return given;
 }
 
+void principal_points(ColmapModel& model, StageContext& context) {
+  const Timer timer;
+  const PrincipalPoints p = refine_principal_points(model);
+  context.timing("principal_point", timer.seconds());
+  if (!p.asked) return;
+  context.metric("principal_point_error_before", p.error_before);
+  context.metric("principal_point_error_after", p.error_after);
+  const std::string text = fmt::format("{:.1f} % of the picture off its middle takes the error from {:.2f} to {:.2f} px",
+                                       100 * p.furthest, p.error_before, p.error_after);
+  if (p.moved)
+    log_info("sfm: a principal point {}: it is used", text);
+  else
+    log_debug("sfm: a principal point {}: it stays in the middle", text);
+}
+
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
   if (const auto poses = context.optional_input("poses")) given = given_model(*poses, config, photos);
@@ -111,6 +127,7 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
     Colmap colmap;
     log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
     s = {given ? triangulate(colmap, config, desc, *given) : reconstruct(colmap, config, desc), colmap.version()};
+    if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
   }
   if (given)
     for (PhotoReport& p : s.reconstruction.photos) p.pose_missing = !p.registered;
@@ -295,6 +312,9 @@ void describe(Describer& d, SfmConfig& c) {
   d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
   d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
       .choices({"auto", "level", "ring", "mean", "nadir"});
+  d.option("principal_point", c.principal_point,
+           "Where the lens's axis meets the picture: in its middle, or (auto) elsewhere if the photos then fit clearly better.")
+      .choices({"auto", "middle"});
   d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
       .range(0, 100);
   d.option("jpeg_quality", c.jpeg_quality, "Quality of undistorted photos with JPEG names.").range(50, 100);
@@ -308,7 +328,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 5,
+                 .version = 6,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

@@ -24,6 +24,7 @@ struct SfmConfig {
   int max_features = 8192;
   double peak_threshold = 0.02 / 3;
   std::string camera_model = "SIMPLE_RADIAL";
+  std::string principal_point = "auto";
   double max_ratio = 0.8;
   double max_distance = 0.7;
   int min_matches = 15;

@@ -24,6 +24,7 @@ constexpr double kOneSided = 0.985;                // two photos 20 degrees apar
 constexpr size_t kFewestTight = 3;                 // polygons whose hull is nearly the thing
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
+constexpr double kEdgesMayDiffer = 0.02;           // from marks of a box, intersection over union
 constexpr double kSticksOut = 0.2;                 // of a solid's radius: nearer to it is its outline
 constexpr double kRoot = 0.3, kMostRoot = 32;      // of the radius; pixels: from there on it belongs to what sticks out
 
@@ -161,7 +162,8 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
 
   if (thing.kind == MaskClass::Transparent && tight)
     if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
-      const OrientedBox box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
+      OrientedBox box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
+      if (agreement(cones, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
       for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(box, views[v]);
       out.summary.box_agreement = fit->agreement;
     }

@@ -112,15 +112,14 @@ std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::spa
     if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, photos, fit);
     const bool is_glass = glass.seen_through >= config.least_seen_through;
     const Vec3d c = glass.box.axes * (0.5 * (glass.box.low + glass.box.high)), e = glass.box.high - glass.box.low;
-    const std::string text = fmt::format(
-        "masks: {} of {:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f}), told by its edges (uprights {:.0f}, rim {:.1f}); every "
-        "side is seen through at {:.0f} % of its pixels",
-        is_glass ? "a glass case" : "a box, no glass,", e.x, e.y, e.z, c.x, c.y, c.z, glass.posts, glass.rim,
-        100 * glass.seen_through);
+    const std::string place = fmt::format("{:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f})", e.x, e.y, e.z, c.x, c.y, c.z);
     if (is_glass)
-      log_info("{}", text);
-    else
-      log_debug("{}", text);
+      log_info(
+          "masks: a glass case of {}, told by its edges (masks/contact_sheet.png shows it; "
+          "--set masks.proposed.display_case.look=false if it is none)",
+          place);
+    log_debug("masks: a box of {}: upright edges {:.1f}, rim {:.1f}, every side seen through at {:.0f} % of its pixels", place,
+              glass.posts, glass.rim, 100 * glass.seen_through);
     if (is_glass) found.push_back(glass);
   }
   return found;
