@@ -161,6 +161,9 @@ TEST(DisplayCases, CratesAndTablesAreNone) {
   top.low.z = 0.09;
   stand(table, top);
   EXPECT_TRUE(display_cases({}, std::vector{box_on_the_floor()}, table.photos, table.fit).empty());
+  StandingBox unseen = box_on_the_floor();  // behind all cameras: nobody can tell
+  unseen.box.low = {40, 40, -0.2}, unseen.box.high = {41, 41, 0.1};
+  EXPECT_TRUE(display_cases({}, std::vector{unseen}, FloorCapture{}.photos, FloorCapture{}.fit).empty());
   FloorCapture air;
   StandingBox faint = box_on_the_floor();
   faint.rim = 3;

@@ -73,9 +73,13 @@ double seen_through(const OrientedBox& box, const std::vector<SmallPhoto>& photo
       through[crossing->entered.index()] += !(z > 0) || z > (1 + kOnSurface) * crossing->in;
     });
   double least = 1;
-  for (size_t f = 0; f < all.size(); ++f)
-    if (all[f] >= kFewestPixels) least = std::min(least, double(through[f]) / double(all[f]));
-  return least;
+  bool any = false;
+  for (size_t f = 0; f < all.size(); ++f) {
+    if (all[f] < kFewestPixels) continue;
+    least = std::min(least, double(through[f]) / double(all[f]));
+    any = true;
+  }
+  return any ? least : 0;
 }
 
 }  // namespace
