@@ -14,12 +14,12 @@ constexpr double kCaseReach = 0.6;           // of the cameras' ring: farther ou
 constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
 constexpr double kAboveCameras = 0.3;        // of the ring: cases on a table end below, whatever sparse points say
 constexpr size_t kFewestPoints = 20;
-constexpr double kOnSurface = 0.03;    // of the depth: the fit is no finer
-constexpr double kFoot = 0.15;         // share of what the fit has in the plan of a box that lies below its foot
-constexpr double kShrunk = 0.8;        // of the plan: beside a case other things stand
-constexpr double kBelow = 0.5;         // of the height: how far below where edges begin to show its foot may be
-constexpr size_t kFewestPixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
-constexpr size_t kMostAsked = 12;      // boxes
+constexpr double kOnSurface = 0.03;        // of the depth: the fit is no finer
+constexpr double kFoot = 0.15;             // share of what the fit has in the plan of a box that lies below its foot
+constexpr double kShrunk = 0.8;            // of the plan: beside a case other things stand
+constexpr double kBelow = 0.5;             // of the height: how far below where edges begin to show its foot may be
+constexpr size_t kFewestCasePixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
+constexpr size_t kMostAsked = 12;          // boxes
 
 // visit(z-depth of the fit or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
@@ -58,7 +58,7 @@ double foot(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const
                      if (crossing && z > crossing->in && z < crossing->out)
                        heights.push_back(transposed_times(box.axes, eye + z * ray).z);
                    });
-  if (heights.size() < kFewestPixels) return box.low.z;
+  if (heights.size() < kFewestCasePixels) return box.low.z;
   std::sort(heights.begin(), heights.end());
   return heights[size_t(kFoot * double(heights.size()))];
 }
@@ -75,7 +75,7 @@ double seen_through(const OrientedBox& box, const std::vector<SmallPhoto>& photo
   double least = 1;
   bool any = false;
   for (size_t f = 0; f < all.size(); ++f) {
-    if (all[f] < kFewestPixels) continue;
+    if (all[f] < kFewestCasePixels) continue;
     least = std::min(least, double(through[f]) / double(all[f]));
     any = true;
   }
