@@ -15,7 +15,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kCoarseSide = 320, kFineSide = 640;  // pixels: where edges are looked for in the plan; where boxes are put on them
-constexpr size_t kMostEdges = 240, kMostCandidates = 24, kFewestBoxPhotos = 8;
+constexpr size_t kMostEdges = 240, kMostPlans = 24, kFewestBoxPhotos = 8;
 constexpr double kLeastSide = 0.06, kMostAspect = 5;  // of the cameras' ring, which has the radius 1
 constexpr double kSameMiddle = 2, kSameLength = 3;    // cells: the diagonals of a rectangle
 constexpr double kWeakest = 0.45;                     // of the mean strength of four upright edges: three and a chance are no box
@@ -81,7 +81,7 @@ std::vector<Rectangle> rectangles(const UprightEdges& upright, double least_post
       if (r.run.total >= least_posts && r.run.weakest >= kWeakest * r.run.total) found.push_back(r);
     }
   std::ranges::stable_sort(found, std::greater<>(), [](const Rectangle& r) { return r.run.total; });
-  if (found.size() > kMostCandidates) found.resize(kMostCandidates);
+  if (found.size() > kMostPlans) found.resize(kMostPlans);
   return found;
 }
 
