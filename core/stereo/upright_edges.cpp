@@ -1,7 +1,6 @@
 #include "core/stereo/upright_edges.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"

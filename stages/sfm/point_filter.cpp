@@ -173,8 +173,7 @@ ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, Fi
     const double centre = upper_median(logs);
     std::vector<double> deviations(logs.size());
     for (size_t i = 0; i < logs.size(); ++i) deviations[i] = std::abs(logs[i] - centre);
-    constexpr double kSigmaOfMad = 1.4826;
-    const double limit = centre + config.outlier_sigma * kSigmaOfMad * upper_median(deviations);
+    const double limit = centre + config.outlier_sigma * kSigmaPerDeviation * upper_median(deviations);
     for (size_t i = 0; i < logs.size(); ++i)
       if (logs[i] > limit) good[ids[i]] = false, ++counts.lonely;
   }

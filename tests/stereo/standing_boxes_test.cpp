@@ -20,7 +20,7 @@ const Bounds3 kAboutGlass{{-0.32, -0.32, -0.3}, {0.32, 0.32, 0.3}};
 enum class Thing { None, Glass, TwoWires };
 constexpr double kLeastPosts = 24;
 
-// Tiles of many colours all around, far away, none of them upright; darker below.
+// Tiles of many colours all around, far away, none of them upright.
 float surrounding_tile(const Vec3d& d, int c) {
   const Vec3d p = 7.0 * Vec3d{0.8 * d.x + 0.6 * d.z, 0.48 * d.x + 0.6 * d.y - 0.64 * d.z, -0.36 * d.x + 0.8 * d.y + 0.48 * d.z};
   const uint64_t t = mix64(mix64(uint64_t(std::floor(p.x) + 99), uint64_t(std::floor(p.y) + 99)), uint64_t(std::floor(p.z) + 99));

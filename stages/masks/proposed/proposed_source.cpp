@@ -51,17 +51,22 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Mask
         standing_boxes(edge_photos(capture, kEdgeSide), about_standing_boxes(capture.set), config.display_case.least_posts);
     proposal->cases = display_cases(config.display_case, boxes, photos, fit);
   }
+  if (!proposal->cases.empty()) {  // certain; what is less so is not asked
+    parallel_for(photos.size(), 1, [&](size_t v) {
+      proposal->in_case[v].assign(proposal->told[v].size(), 0);
+      for (const DisplayCase& glass : proposal->cases) {
+        const std::vector<uint8_t> seen = case_mask(glass, photos[v], fit.views[v]);
+        for (size_t i = 0; i < seen.size(); ++i) proposal->in_case[v][i] |= seen[i];
+      }
+    });
+    return proposal;
+  }
   const std::vector<DeviationMap> deviations = view_dependence(photos, fit);
   progress(0.5 * (1 + kFitShare));
   proposal->vote = hull_vote(config.vote, capture, photos, fit, deviations);
   parallel_for(photos.size(), 1, [&](size_t v) {
     throw_if_interrupted();
     for (size_t i = 0; i < deviations[v].value.size(); ++i) proposal->told[v][i] = std::isfinite(deviations[v].value[i]);
-    proposal->in_case[v].assign(proposal->told[v].size(), 0);
-    for (const DisplayCase& glass : proposal->cases) {
-      const std::vector<uint8_t> seen = case_mask(glass, photos[v], fit.views[v]);
-      for (size_t i = 0; i < seen.size(); ++i) proposal->in_case[v][i] |= seen[i];
-    }
     if (!proposal->vote.things.empty()) proposal->things[v] = projected_things(proposal->vote, photos[v], fit.views[v]);
   });
   for (const ProposedThing& t : proposal->vote.things)

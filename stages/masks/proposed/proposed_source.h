@@ -21,8 +21,8 @@ struct Proposal {
   std::vector<std::vector<int>> things;    // [view][h,w] which thing is seen there, or -1
   std::vector<std::vector<uint8_t>> told;  // [view][h,w] enough views saw the point to judge it
   std::vector<Intrinsics> sizes;           // [view]
+  std::vector<DisplayCase> cases;  // where there is one, nothing is voted on
   HullVote vote;
-  std::vector<DisplayCase> cases;
   std::vector<std::vector<uint8_t>> in_case;  // [view][h,w] the glass of one of them is seen there
   double fit_l1 = 0;
 };

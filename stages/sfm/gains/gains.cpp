@@ -96,13 +96,13 @@ class ChannelProblem {
     minimise(new ceres::CauchyLoss(scale), scale);
   }
 
-  // 1.4826 times the median absolute residual: the standard deviation of a normal core.
+  // The standard deviation of a normal core, from the median absolute residual.
   double spread() const {
     std::vector<double> residuals;
     residuals.reserve(observations_.size());
     for (const Observation& o : observations_)
       residuals.push_back(std::abs(o.log_value - log_gain_[o.view] - log_colour_[o.point]));
-    return residuals.empty() ? 0 : 1.4826 * upper_median(std::move(residuals));
+    return residuals.empty() ? 0 : kSigmaPerDeviation * upper_median(std::move(residuals));
   }
 
   bool determined(size_t view) const { return count_[view] >= settings_.min_samples; }

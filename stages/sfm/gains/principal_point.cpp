@@ -71,13 +71,12 @@ class Adjustment {
       image.rotation = q;
       rotations_[image.id] = {q.w, q.x, q.y, q.z};
     }
-    auto* sphere = new ceres::QuaternionManifold;
     for (ColmapPoint3D& point : model_.points)
       for (const ColmapTrackElement& seen : point.track) add(point, seen);
     if (observations_ == 0) return;
+    auto* sphere = new ceres::QuaternionManifold;  // the problem's, once
     for (auto& [id, rotation] : rotations_)
-      if (problem_.HasParameterBlock(rotation.data())) problem_.SetManifold(rotation.data(), sphere), used_sphere_ = true;
-    if (!used_sphere_) delete sphere;
+      if (problem_.HasParameterBlock(rotation.data())) problem_.SetManifold(rotation.data(), sphere);
     // Where the scene stands is nobody's question.
     for (ColmapImage& image : model_.images)
       if (problem_.HasParameterBlock(&image.translation.x)) {
@@ -165,7 +164,6 @@ class Adjustment {
   ceres::HuberLoss loss_{kRobust};
   ceres::Problem problem_{options()};
   size_t observations_ = 0;
-  bool used_sphere_ = false;
 };
 
 // Plausible lenses, all of them.
