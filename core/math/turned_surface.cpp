@@ -58,14 +58,17 @@ std::vector<Vec2d> TurnedSurface::corner_normals() const {
 
 std::optional<TurnedSurface::Entry> TurnedSurface::entry(const Vec3d& eye, const Vec3d& direction) const {
   const AboutAxis ray(*this, eye, direction);
+  // The ray comes no nearer to the axis than this: most lines are out of its reach at once.
+  const double nearest = ray.a > 0 ? std::sqrt(std::max(ray.c - ray.b * ray.b / ray.a, 0.0)) * (1 - kLevel) : 0;
   std::optional<Entry> first;
   for (size_t i = 0; i + 1 < profile.size(); ++i) {
     const Vec2d &p = profile[i], &q = profile[i + 1];
+    if (p.x < nearest && q.x < nearest) continue;
     const double dx = q.x - p.x, dy = q.y - p.y;
     const auto consider = [&](double t) {
       if ((!first || t < first->t) && goes_in(ray, p, q, t)) first = Entry{t, i};
     };
-    if (std::abs(dy) < kLevel * std::hypot(dx, dy)) {
+    if (std::abs(dy) < kLevel * std::abs(dx)) {
       if (ray.climb != 0) consider((p.y - ray.h) / ray.climb);
       continue;
     }

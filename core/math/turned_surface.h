@@ -32,6 +32,12 @@ struct TurnedSurface {
   Place nearest(const Vec3d& p) const;
 };
 
+// What is asked of a turned surface. The axis' part along the axis means nothing.
+struct TurnedGradient {
+  Vec3d origin{}, axis{};
+  std::vector<Vec2d> profile;  // [corner]
+};
+
 // From a gradient on the corner normals to one on the corners, added.
 void corner_normals_vjp(const TurnedSurface& surface, const std::vector<Vec2d>& grad_normals, std::vector<Vec2d>& grad_profile);
 

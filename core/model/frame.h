@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/model/outline.h"
 #include "core/model/secondary_rays.h"
 #include "core/model/thick_glass.h"
 #include "core/render/raster_desc.h"
@@ -47,6 +48,15 @@ struct PaneImages {
   void start(size_t pixels);
 };
 
+// Pixels at the outlines of solids of revolution (OutlinePass), and the two pictures that they show side by side. Empty without.
+struct OutlineImages {
+  std::vector<uint32_t> shapes;               // [h,w] 1 + the solid that a polished pixel shows (ShapePass), 0: none
+  std::vector<OutlinePixel> pixels;           // ascending
+  std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the outline, of the solid where it is crossed
+  std::vector<float> grad_covered;            // [pixel]
+  void clear();
+};
+
 struct Frame {
   const View* view = nullptr;  // pose, gains, and intrinsics at the size of the picture
 
@@ -59,6 +69,7 @@ struct Frame {
   ShadedPixels shaded;                     // pixels that send rays
   SecondaryRays reflection, transmission;  // their rays through the two other layers
   PaneImages panes;
+  OutlineImages outline;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain
   std::vector<float> srgb;    // [3,h,w] what the photo should show

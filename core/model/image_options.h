@@ -14,6 +14,7 @@
 
 namespace vitrine {
 
+class ShapeMesh;
 class ThickGlass;
 
 struct DiffuseOptions {
@@ -24,11 +25,14 @@ struct DiffuseOptions {
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
 };
 
-// Surfaces that polished pixels show (ShapePass). nullptr: none is known.
+// Surfaces that polished pixels show (ShapePass): solids of revolution, and what stands out of them (shape_mesh.h). nullptr: none
+// is known.
 struct ShapeOptions {
   std::shared_ptr<const std::vector<TurnedSurface>> shapes = nullptr;
+  std::shared_ptr<const ShapeMesh> beside = nullptr;
   float min_alpha = 0.5f;  // no surface below
   float polished = 0.3f;   // k_s of what is
+  bool outlines = true;    // pixels at their outlines are told by them, too (OutlinePass)
 };
 
 // Which pixels send rays, and what comes back along them to the diffuse layer.

@@ -17,12 +17,14 @@ P* append(ImageModel& model, const Options&... options) {
 LayeredModel::LayeredModel(const ImageOptions& options)
     : diffuse(append<DiffusePass>(*this, options.diffuse)),
       shape(append<ShapePass>(*this, options.shape)),
+      outline(append<OutlinePass>(*this, options.shape, options.diffuse)),
       surface(append<SurfacePass>(*this, options.surface)),
       thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
       panes(append<PanePass>(*this, options.panes, options.diffuse.backend, *thin_glass)),
       reflection(append<ReflectionPass>(*this, options.reflection)),
       transmission(append<TransmissionPass>(*this, options.transmission)),
       composite(append<CompositePass>(*this, options.composite)) {
+  append<OutlineBlendPass>(*this);
   append<DisplayPass>(*this);
 }
 

@@ -18,6 +18,7 @@
 #include "core/model/composite_pass.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
+#include "core/model/outline_pass.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
 #include "core/model/shape_pass.h"
@@ -34,6 +35,7 @@ class LayeredModel : public ImageModel {
   // Owned by the model.
   DiffusePass* diffuse;
   ShapePass* shape;
+  OutlinePass* outline;
   SurfacePass* surface;
   ThinGlassPass* thin_glass;
   PanePass* panes;

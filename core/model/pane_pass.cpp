@@ -1,10 +1,10 @@
 #include "core/model/pane_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/model/frustum.h"
 #include "core/model/gbuffer.h"
 
 namespace vitrine {
@@ -16,31 +16,7 @@ constexpr size_t kPaneGrain = 1024;
 // Of the longest side of the box: the picture shows the box where its surface lies this near to it; what stands this near to a
 // pane is the pane's frame or its floor, and not seen in it.
 constexpr double kOnBox_rel = 0.05, kAtPane_rel = 0.02;
-constexpr float kReach = 3.5f;        // standard deviations of a surfel's extent: beyond, it is nowhere above 1/255
-constexpr double kWindowMargin = 4;   // pixels, for the low-pass of the rasteriser
 constexpr float kMirrorNear = 1e-3f;  // scene units before the camera behind the mirror; the pane cuts, not the camera
-
-// What a picture can show; most of a scene is beside the window of a mirror, and copying it costs as much as drawing the rest.
-class Frustum {
- public:
-  explicit Frustum(const View& view) : cam_from_world_(view.cam_from_world) {
-    const Intrinsics& k = view.intrinsics;
-    // Through the eye and an edge of the picture, inwards.
-    sides_ = {Vec3d{k.fx, 0, k.cx + kWindowMargin}, Vec3d{-k.fx, 0, k.width + kWindowMargin - k.cx},
-              Vec3d{0, k.fy, k.cy + kWindowMargin}, Vec3d{0, -k.fy, k.height + kWindowMargin - k.cy}};
-    for (Vec3d& n : sides_) n = normalized(n);
-  }
-  bool may_show(const Vec3f& mean, const float* log_scale) const {
-    const Vec3d p = cam_from_world_ * cast<double>(mean);
-    double outside = -p.z;
-    for (const Vec3d& n : sides_) outside = std::max(outside, -dot(n, p));
-    return outside <= 0 || outside <= double(kReach * std::exp(std::max(log_scale[0], log_scale[1])));
-  }
-
- private:
-  Rigid cam_from_world_;
-  std::array<Vec3d, 4> sides_;
-};
 
 }  // namespace
 

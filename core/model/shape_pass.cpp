@@ -6,14 +6,20 @@
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
 #include "core/model/kernels/turned_point.h"
+#include "core/model/shape_mesh.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kOnSolid_rel = 0.06;  // of its largest radius: surfels that show it lie this near, spouts and handles do not
-constexpr double kBehind_rel = 0.5;    // and not so far behind it: another thing, seen where the solid is gone
+// And not so far behind it: another thing, seen where the solid is gone. Gaps of its near side show its far side.
+constexpr double kBehind_rel = 2.2;
 constexpr size_t kRows = 8;
+constexpr uint32_t kBeside = UINT32_MAX;  // Shaped::shape of the mesh
+constexpr float kFarBehind = 40;          // tolerances of the mesh, for the same
+// Cosine of normals, and height above the solid in tolerances: there the mesh is the solid, which knows better.
+constexpr float kSameSurface = 0.9f, kSameHeight = 0.5f;
 
 TurnedLine<double> line_of(const TurnedSurface& s, const std::vector<Vec2d>& normals, size_t line) {
   return {s.origin, s.axis, s.profile[line], s.profile[line + 1], normals[line], normals[line + 1]};
@@ -25,6 +31,7 @@ void add(Vec2d& to, const Vec2d& v) { to.x += v.x, to.y += v.y; }
 
 void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   bands_.clear();
+  frame.outline.shapes.clear();
   if (!options_.shapes || options_.shapes->empty() || scene.reflection.size() == 0) return;
   const std::vector<TurnedSurface>& shapes = *options_.shapes;
   std::vector<std::vector<Vec2d>> normals;
@@ -34,6 +41,7 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   const auto width = static_cast<size_t>(g.width);
   const Vec3d eye = frame.view->centre_in_world();
   const std::span<float> normal = frame.diffuse.plane(Aov::Normal), zdepth = frame.diffuse.plane(Aov::ZDepth);
+  frame.outline.shapes.assign(g.pixels, 0);
   bands_.resize((static_cast<size_t>(g.height) + kRows - 1) / kRows);
   parallel_for(bands_.size(), 1, [&](size_t band) {
     const size_t end = std::min((band + 1) * kRows * width, g.pixels);
@@ -43,6 +51,7 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
       if (!(alpha > options_.min_alpha) || !(g.specular[pixel] > options_.polished * alpha)) continue;
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
       const double z = double(g.zdepth[pixel]) / double(alpha);
+      std::optional<Shaped> shown;
       for (size_t k = 0; k < shapes.size(); ++k) {
         const auto entry = shapes[k].entry(eye, per_z);
         if (!entry) continue;
@@ -52,16 +61,35 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
         if (!(dot(point.normal, per_z) < 0)) continue;
         const Shaped shaped{pixel, static_cast<uint32_t>(k), static_cast<uint32_t>(entry->line), static_cast<float>(point.t),
                             cast<float>(point.normal)};
-        for (size_t c = 0; c < 3; ++c) normal[c * g.pixels + pixel] = alpha * shaped.normal[c];
-        zdepth[pixel] = alpha * shaped.t;
-        bands_[band].push_back(shaped);
+        shown = shaped;
         break;
       }
+      if (options_.beside) beside_solids(g, pixel, shown);
+      if (!shown) continue;
+      for (size_t c = 0; c < 3; ++c) normal[c * g.pixels + pixel] = alpha * shown->normal[c];
+      zdepth[pixel] = alpha * shown->t;
+      frame.outline.shapes[pixel] = (shown->shape == kBeside ? static_cast<uint32_t>(shapes.size()) : shown->shape) + 1;
+      bands_[band].push_back(*shown);
     }
   });
 }
 
-// Of the pixels that sent rays; what losses on normals and depths want is meant for the surfels.
+// What stands out of the solids, where the pixel shows it and not the solid.
+void ShapePass::beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Shaped>& shown) const {
+  const PixelRay<float> ray = g.ray(pixel);
+  const auto entry = options_.beside->entry(ray.eye, ray.direction_per_z);
+  if (!entry || !(dot(entry->normal, ray.direction_per_z) < 0)) return;
+  const float per_z = length(ray.direction_per_z), tolerance = options_.beside->tolerance();
+  const float in_front = (entry->t - g.zdepth[pixel] / g.alpha[pixel]) * per_z;
+  if (in_front > tolerance || in_front < -kFarBehind * tolerance) return;
+  if (shown && ((entry->t - shown->t) * per_z > 0 ||
+                (dot(entry->normal, shown->normal) > kSameSurface && (shown->t - entry->t) * per_z < kSameHeight * tolerance)))
+    return;
+  shown = Shaped{pixel, kBeside, entry->face, entry->t, entry->normal, entry->u, entry->v};
+}
+
+// Of the pixels that sent rays, and of those that outlines cross; what losses on normals and depths want is meant for the
+// surfels.
 void ShapePass::shape_gradients(const Frame& frame) {
   const std::vector<TurnedSurface>& shapes = *options_.shapes;
   std::vector<std::vector<Vec2d>> normals;
@@ -72,6 +100,8 @@ void ShapePass::shape_gradients(const Frame& frame) {
     return out;
   };
   gradients_ = nothing();
+  beside_gradient_.clear();
+  std::optional<MeshSlopes> slopes;
   std::vector<TurnedGradient> on_normals = nothing();  // at the corners
   const ShadedPixels& s = frame.shaded;
   std::vector<uint32_t> group_of(frame.pixel_count(), UINT32_MAX);
@@ -84,6 +114,15 @@ void ShapePass::shape_gradients(const Frame& frame) {
       const SurfacePoint<float>& grad = s.grad_points[group];
       const Vec3f on_normal = grad.normal + grad.cosine * s.rays[group].view;
       const Vec3d per_z = cast<double>(s.rays[group].direction_per_z), on_point = cast<double>(grad.position);
+      if (at.shape == kBeside) {
+        if (!slopes) {
+          slopes.emplace(options_.beside->mesh());
+          beside_gradient_.assign(options_.beside->mesh().positions.size(), 0.0);
+        }
+        const Vec3d n = cast<double>(at.normal), along = cast<double>(on_normal) - dot(cast<double>(on_normal), n) * n;
+        slopes->add({at.t, at.normal, at.line, at.u, at.v}, along, dot(on_point, per_z) / dot(n, per_z), beside_gradient_);
+        continue;
+      }
       const TurnedLine<double> back =
           turned_point_vjp(line_of(shapes[at.shape], normals[at.shape], at.line), eye, per_z, double(at.t),
                            TurnedPoint<double>{dot(on_point, per_z), cast<double>(on_normal)});
@@ -95,12 +134,22 @@ void ShapePass::shape_gradients(const Frame& frame) {
       add(on_normals[at.shape].profile[at.line], back.n0);
       add(on_normals[at.shape].profile[at.line + 1], back.n1);
     }
+  const OutlineImages& outline = frame.outline;
+  for (size_t i = 0; i < outline.grad_covered.size(); ++i) {
+    const OutlinePixel& p = outline.pixels[i];
+    if (outline.grad_covered[i] == 0) continue;
+    if (p.shape < shapes.size())
+      outline_vjp(p, shapes[p.shape], double(outline.grad_covered[i]), gradients_[p.shape]);
+    else if (!beside_gradient_.empty())
+      outline_vjp(p, *options_.beside, double(outline.grad_covered[i]), beside_gradient_);
+  }
   for (size_t k = 0; k < shapes.size(); ++k) corner_normals_vjp(shapes[k], on_normals[k].profile, gradients_[k].profile);
 }
 
 // N = A n and Z = A z, n and z of the solid.
 void ShapePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   gradients_.clear();
+  beside_gradient_.clear();
   if (bands_.empty()) return;
   shape_gradients(frame);
   const size_t pixels = frame.pixel_count();

@@ -8,6 +8,7 @@
 // mirrored rays ask of place and normal is asked of the solid: axis and profile, some hundred numbers for all photos.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/model/image_options.h"
@@ -15,11 +16,7 @@
 
 namespace vitrine {
 
-// What one picture asks of a turned surface. The axis' gradient may have a part along the axis, which means nothing.
-struct TurnedGradient {
-  Vec3d origin{}, axis{};
-  std::vector<Vec2d> profile;  // [corner]
-};
+class GBuffer;
 
 class ShapePass final : public Pass {
  public:
@@ -31,18 +28,23 @@ class ShapePass final : public Pass {
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
   const std::vector<TurnedGradient>& gradients() const { return gradients_; }  // [shape] of the last backward()
+  // [vertex] of the mesh, along its normal; empty where the picture does not show it.
+  const std::vector<double>& beside_gradient() const { return beside_gradient_; }
 
  private:
   struct Shaped {
-    uint32_t pixel, shape, line;
-    float t;  // z-depth
+    uint32_t pixel, shape, line;  // line: of the profile; of the mesh: the face
+    float t;                      // z-depth
     Vec3f normal;
+    float u = 0, v = 0;  // in the face
   };
+  void beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Shaped>& shown) const;
   void shape_gradients(const Frame& frame);
 
   ShapeOptions options_;
   std::vector<std::vector<Shaped>> bands_;  // of the picture of the last forward(), pixels ascending
   std::vector<TurnedGradient> gradients_;
+  std::vector<double> beside_gradient_;
 };
 
 }  // namespace vitrine

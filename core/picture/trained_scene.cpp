@@ -10,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/shape_mesh.h"
 #include "core/model/thick_glass.h"
 #include "core/scene/scene_io.h"
 
@@ -27,6 +28,10 @@ constexpr double kSloppy = 1e-4;                    // of a unit vector in the f
 constexpr const char* kShapes = "shapes";           // turned surfaces, polished
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
+constexpr const char* kBesideShapes = "beside_shapes";  // what stands out of those; the mesh beside the file
+constexpr const char* kOutlines = "outlines";
+
+fs::path beside_shapes_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kBesideShapes); }
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
 // Every word and number of the file, in its order: one table for both directions.
@@ -141,6 +146,11 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
       shapes.push_back({{"origin", numbers(s.origin)}, {"axis", numbers(s.axis)}, {"profile", profile}});
     }
   }
+  if (options.shape.shapes) json[kOutlines] = options.shape.outlines;
+  if (const ShapeMesh* beside = options.shape.beside.get()) {
+    json[kBesideShapes] = {{"tolerance", shortest(beside->tolerance())}};
+    write_mesh_ply(beside_shapes_path(path), beside->mesh());
+  }
   if (const ThickGlass* thick = options.transmission.thick.get()) {
     json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
     write_mesh_ply(thick_glass_path(path), thick->mesh());
@@ -178,6 +188,14 @@ ImageOptions read_image_options(const fs::path& path) {
       options.panes.mirrored = json.at(kCase).value("mirrored_surfels", SIZE_MAX);
     }
     if (json.contains(kShapes)) options.shape.shapes = read_shapes(json.at(kShapes), fail);
+    options.shape.outlines = json.value(kOutlines, options.shape.outlines);
+    if (json.contains(kBesideShapes)) {
+      const float tolerance = json.at(kBesideShapes).at("tolerance").get<float>();
+      TriMesh mesh = read_mesh_ply(beside_shapes_path(path));
+      if (!(tolerance > 0) || !std::isfinite(tolerance) || mesh.faces.empty())
+        throw fail("what stands out of turned surfaces is unusable");
+      options.shape.beside = std::make_shared<const ShapeMesh>(std::move(mesh), tolerance);
+    }
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");

@@ -13,6 +13,7 @@ namespace vitrine {
 
 struct ShapeRates {
   double origin = 0, axis = 0, profile = 0;  // scene units, radians, scene units per step
+  double beside = 0;                         // of what stands out of them (mesh_training.h), scene units
 };
 
 class ShapeTraining {

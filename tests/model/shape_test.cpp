@@ -7,7 +7,10 @@
 #include "core/base/rng.h"
 #include "core/math/dual.h"
 #include "core/math/turned_surface.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/model/gbuffer.h"
 #include "core/model/kernels/turned_point.h"
+#include "core/model/shape_mesh.h"
 #include "core/train/shape_training.h"
 #include "tests/model/exact_model.h"
 #include "tests/model/tiny_rooms.h"
@@ -219,6 +222,82 @@ TEST(ShapePass, PolishedPixelsHaveThePlaceAndTheNormalOfTheSolid) {
     (*r.shapes)[0].origin = r.centre + away * r.room.normal;
     EXPECT_TRUE(own()) << away;
   }
+}
+
+// Surfels that do not close let the far side of the solid through, which cannot be seen.
+TEST(ShapePass, GapsOfTheNearSideShowTheSolid) {
+  BallRoom r;
+  (*r.shapes)[0] = ball(r.room.point + 0.3 * r.room.normal, 0.5, {0.3, 1, 0.2});  // the sheet is its far half
+  LayeredModel model(r.options);
+  Frame frame;
+  model.forward(r.room.scene, r.room.view, frame);
+  const auto width = static_cast<uint32_t>(r.room.view.intrinsics.width),
+             height = static_cast<uint32_t>(r.room.view.intrinsics.height);
+  const uint32_t middle = (height / 2) * width + width / 2;
+  EXPECT_EQ(frame.outline.shapes[middle], 1u);
+  const GBuffer g(frame);
+  const PixelRay<float> ray = g.ray(middle);
+  const Vec3d place = cast<double>(ray.eye + (g.zdepth[middle] / g.alpha[middle]) * ray.direction_per_z);
+  EXPECT_NEAR(length(place - (*r.shapes)[0].origin), 0.5, 0.01);
+}
+
+// A spout in front of a ball, as a mesh; both learn.
+TEST(ShapePass, AMeshTellsWhatStandsOutOfTheSolid) {
+  BallRoom r;
+  TriMesh patch;  // before the sheet by less than its tolerance, turned by 39 degrees, over a half of the picture
+  const Vec3d x = normalized(cross(r.room.normal, Vec3d{0, 1, 0})), y = cross(r.room.normal, x);
+  const Vec3d n = normalized(r.room.normal - 0.8 * x), along = cross(y, n);
+  for (const auto& [u, v] : {std::pair{0., -2.}, {0.3, -2.}, {0.3, 2.}, {0., 2.}})
+    patch.positions.push_back(cast<float>(r.room.point + 0.1 * r.room.normal + u * along + v * y));
+  patch.faces = {{0, 1, 2}, {0, 2, 3}};
+  const auto facing = [](TriMesh m, const Vec3d& towards) {
+    if (dot(cast<double>(vertex_normals(m)[0]), towards) < 0)
+      for (auto& f : m.faces) std::swap(f[1], f[2]);
+    return m;
+  };
+  r.options.shape.beside = std::make_shared<ShapeMesh>(facing(patch, n), 0.3f);
+  LayeredModel model(r.options);
+  Frame frame;
+  r.loss(model, frame);
+  const GBuffer g(frame);
+  size_t of_mesh = 0, of_ball = 0;
+  for (uint32_t i = 0; i < g.pixels; ++i) {
+    const Vec3d normal = cast<double>(normalized(g.rgb(g.normal, i)));
+    if (frame.outline.shapes[i] == 1) {
+      ++of_ball;
+      continue;
+    }
+    ++of_mesh;
+    EXPECT_NEAR(dot(normal, n), 1, 1e-4);
+    const PixelRay<float> ray = g.ray(i);
+    const Vec3d place = cast<double>(ray.eye + (g.zdepth[i] / g.alpha[i]) * ray.direction_per_z);
+    EXPECT_NEAR(dot(place - (r.room.point + 0.1 * r.room.normal), n), 0, 1e-4);
+  }
+  EXPECT_GT(of_mesh, 10u);
+  EXPECT_GT(of_ball, 10u);
+  start_gradient(frame);
+  SplatScene grad = r.room.scene.zeros_like();
+  model.backward(r.room.scene, frame, grad);
+  EXPECT_GT(length(model.shape->gradients().at(0).origin), 0);
+  ASSERT_EQ(model.shape->beside_gradient().size(), 4u);
+  for (double v : model.shape->beside_gradient()) EXPECT_NE(v, 0);
+  // Its back is not seen, and a mesh far in front is another thing.
+  const auto picture = [&](TriMesh mesh) {
+    ImageOptions options = r.options;
+    options.shape.beside = std::make_shared<ShapeMesh>(std::move(mesh), 0.3f);
+    Frame f;
+    LayeredModel(options).forward(r.room.scene, r.room.view, f);
+    return f.srgb;
+  };
+  ImageOptions none = r.options;
+  none.shape.beside = nullptr;
+  Frame without;
+  LayeredModel(none).forward(r.room.scene, r.room.view, without);
+  EXPECT_NE(frame.srgb, without.srgb);
+  EXPECT_EQ(picture(facing(patch, -n)), without.srgb);
+  TriMesh behind = facing(patch, n);
+  for (Vec3f& p : behind.positions) p -= cast<float>(1.0 * r.room.normal);
+  EXPECT_EQ(picture(behind), without.srgb);
 }
 
 // The ball's numbers and, with the ball there, those of the layers.

@@ -1,0 +1,322 @@
+#include "core/model/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/parallel.h"
+#include "core/model/kernels/outline_coverage.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kAround = 24;            // points of a ring of the profile that tell where the picture shows it
+constexpr double kOutlineNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
+constexpr int kGrow = 2;               // pixels; the outline's direction is that in which the solid ends within them
+constexpr double kEdgeReach = 2;       // pixels along that direction in which the edge must lie
+constexpr double kBeside = 0.75;       // pixels to either side, between which the edge is straight
+constexpr int kHalvings = 10;          // of kEdgeReach: the edge is known to a 500th of a pixel
+
+struct Window {
+  int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom excluded
+  int width() const { return right - left; }
+  int height() const { return bottom - top; }
+};
+
+// Around points of a surface; none where one is behind the camera or all are beside the picture.
+class Extent {
+ public:
+  explicit Extent(const View& view) : view_(view) {}
+  void add(const Vec3d& place) {
+    const Intrinsics& k = view_.intrinsics;
+    const Vec3d p = view_.cam_from_world * place;
+    behind_ |= p.z < kOutlineNear;
+    if (behind_) return;
+    const double at[2] = {k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy};
+    for (size_t c = 0; c < 2; ++c) low_[c] = std::min(low_[c], at[c]), high_[c] = std::max(high_[c], at[c]);
+  }
+  std::optional<Window> window() const {
+    if (behind_) return std::nullopt;
+    constexpr int kMore = kOutlineBand + kGrow + 2;
+    const auto within = [](double x, int end) { return static_cast<int>(std::clamp(x, 0.0, double(end))); };
+    const Intrinsics& k = view_.intrinsics;
+    const Window w{within(low_[0] - kMore, k.width), within(low_[1] - kMore, k.height), within(high_[0] + kMore, k.width),
+                   within(high_[1] + kMore, k.height)};
+    if (w.width() <= 0 || w.height() <= 0) return std::nullopt;
+    return w;
+  }
+
+ private:
+  const View& view_;
+  bool behind_ = false;
+  double low_[2] = {1e300, 1e300}, high_[2] = {-1e300, -1e300};
+};
+
+std::optional<Window> window_of(const TurnedSurface& s, const View& view) {
+  Extent extent(view);
+  const Vec3d u = normalized(cross(s.axis, std::abs(s.axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), v = cross(s.axis, u);
+  for (const Vec2d& corner : s.profile)
+    for (int i = 0; i < kAround; ++i) {
+      const double a = 2 * 3.14159265358979 * i / kAround;
+      extent.add(s.origin + corner.y * s.axis + corner.x * (std::cos(a) * u + std::sin(a) * v));
+    }
+  return extent.window();
+}
+
+std::optional<Window> window_of(const ShapeMesh& mesh, const View& view) {
+  Extent extent(view);
+  for (const Vec3f& p : mesh.mesh().positions) extent.add(cast<double>(p));
+  return extent.window();
+}
+
+// Windows that overlap become one.
+std::vector<Window> merged(std::vector<Window> windows) {
+  for (size_t i = 0; i < windows.size(); ++i)
+    for (size_t j = i + 1; j < windows.size(); ++j) {
+      Window &a = windows[i], &b = windows[j];
+      if (a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom) continue;
+      a = {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right), std::max(a.bottom, b.bottom)};
+      windows.erase(windows.begin() + ptrdiff_t(j));
+      j = i;  // the larger one may meet those before
+    }
+  return windows;
+}
+
+class WindowOutline {
+ public:
+  WindowOutline(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view, const Window& window)
+      : shapes_(shapes), beside_(beside), view_(view), window_(window), eye_(view.centre_in_world()) {
+    for (const TurnedSurface& s : shapes) normals_.push_back(s.corner_normals());
+  }
+
+  std::vector<OutlinePixel> pixels();
+
+ private:
+  // Where a ray meets the first of all surfaces.
+  struct Met {
+    double t;
+    uint32_t shape, line;
+    Vec3f normal{};  // of the mesh alone
+    float u = 0, v = 0;
+  };
+  struct End {
+    double distance;
+    Met met;  // of the last ray that meets anything
+  };
+  size_t at(int x, int y) const { return static_cast<size_t>(y * window_.width() + x); }
+  // A ray through window coordinates, the pixels' centres at .5.
+  Vec3d ray(double x, double y) const {
+    return transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(window_.left + x, window_.top + y));
+  }
+  std::optional<Met> met(double x, double y) const;
+  std::optional<End> end_along(double x, double y, const Vec2d& out) const;
+  bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }
+  bool beside_edge(int x, int y) const;
+  std::optional<OutlinePixel> crossed(int x, int y) const;
+  // Between the corners of the line that was met.
+  double along(const Vec3d& place, const Met& m) const;
+  Vec3f normal(const Vec3d& place, const Met& m) const;
+
+  const std::vector<TurnedSurface>& shapes_;
+  const ShapeMesh* const beside_;
+  std::vector<std::vector<Vec2d>> normals_;  // [shape][corner]
+  const View& view_;
+  const Window window_;
+  const Vec3d eye_;
+  std::vector<std::optional<Met>> met_;  // [window] by the pixels' middles
+};
+
+std::optional<WindowOutline::Met> WindowOutline::met(double x, double y) const {
+  const Vec3d direction = ray(x, y);
+  std::optional<Met> first;
+  for (size_t k = 0; k < shapes_.size(); ++k)
+    if (const auto e = shapes_[k].entry(eye_, direction); e && (!first || e->t < first->t))
+      first = Met{e->t, static_cast<uint32_t>(k), static_cast<uint32_t>(e->line)};
+  if (!beside_) return first;
+  if (const auto e = beside_->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
+    first = Met{double(e->t), static_cast<uint32_t>(shapes_.size()), e->face, e->normal, e->u, e->v};
+  return first;
+}
+
+bool WindowOutline::beside_edge(int x, int y) const {
+  const bool own = hit(x, y);
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, window_.height() - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, window_.width() - 1); ++u)
+      if (hit(u, v) != own) return true;
+  return false;
+}
+
+double WindowOutline::along(const Vec3d& place, const Met& m) const {
+  const TurnedSurface& s = shapes_[m.shape];
+  const Vec3d q = place - s.origin;
+  const double h = dot(q, s.axis), r = length(q - h * s.axis);
+  const Vec2d &a = s.profile[m.line], &b = s.profile[m.line + 1];
+  const double dx = b.x - a.x, dy = b.y - a.y;
+  return std::clamp(((r - a.x) * dx + (h - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+}
+
+Vec3f WindowOutline::normal(const Vec3d& place, const Met& m) const {
+  if (m.shape == shapes_.size()) return m.normal;
+  const TurnedSurface& s = shapes_[m.shape];
+  const Vec3d q = place - s.origin, across = q - dot(q, s.axis) * s.axis;
+  const double r = length(across), w = along(place, m);
+  const Vec2d &a = normals_[m.shape][m.line], &b = normals_[m.shape][m.line + 1];
+  const Vec2d n{(1 - w) * a.x + w * b.x, (1 - w) * a.y + w * b.y};
+  return cast<float>(normalized((r > 0 ? n.x / r : 0) * across + n.y * s.axis));
+}
+
+// How far along `out` from window coordinates (x, y) the solid ends, within kEdgeReach either way.
+std::optional<WindowOutline::End> WindowOutline::end_along(double x, double y, const Vec2d& out) const {
+  const auto at_distance = [&](double d) { return met(x + d * out.x, y + d * out.y); };
+  auto here = at_distance(0);
+  double inside = here ? 0 : -kEdgeReach, outside = here ? kEdgeReach : 0;
+  auto last = here ? here : at_distance(inside);
+  if (!last || (here && at_distance(outside))) return std::nullopt;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    if (const auto m = at_distance(middle))
+      inside = middle, last = m;
+    else
+      outside = middle;
+  }
+  return End{inside, *last};
+}
+
+// The edge as a straight line through the pixel; none where the neighbourhood does not tell its direction or has no one edge.
+std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
+  Vec2d inwards{};
+  for (int v = std::max(y - kGrow, 0); v <= std::min(y + kGrow, window_.height() - 1); ++v)
+    for (int u = std::max(x - kGrow, 0); u <= std::min(x + kGrow, window_.width() - 1); ++u)
+      if (hit(u, v)) inwards.x += u - x, inwards.y += v - y;
+  const double size = std::hypot(inwards.x, inwards.y);
+  if (!(size > 0)) return std::nullopt;
+  Vec2d out{-inwards.x / size, -inwards.y / size};
+  // Pixels count coarsely; the edge beside the pixel's middle, to either side, tells the direction better.
+  const double mx = x + 0.5, my = y + 0.5;
+  const auto left = end_along(mx - kBeside * out.y, my + kBeside * out.x, out),
+             right = end_along(mx + kBeside * out.y, my - kBeside * out.x, out);
+  if (left && right) {
+    const double slope = (left->distance - right->distance) / (2 * kBeside), l = std::hypot(1.0, slope);
+    out = {(out.x + slope * out.y) / l, (out.y - slope * out.x) / l};
+  }
+  const auto end = end_along(mx, my, out);
+  if (!end) return std::nullopt;
+  const double inside = end->distance;
+  const Met& last = end->met;
+  const EdgeInPixel<double> edge = edge_in_pixel(inside, out);
+  if (!(edge.covered > 0) || !(edge.covered < 1)) return std::nullopt;
+  OutlinePixel p{.shape = last.shape,
+                 .covered = static_cast<float>(edge.covered),
+                 .crossed = true,
+                 .line = last.line,
+                 .u = last.u,
+                 .v = last.v};
+  p.place = eye_ + last.t * ray(mx + inside * out.x, my + inside * out.y);
+  if (last.shape < shapes_.size()) p.along = static_cast<float>(along(p.place, last));
+  const Vec3d in_camera = view_.cam_from_world * p.place;
+  const Intrinsics& k = view_.intrinsics;
+  const double gx = out.x * k.fx / in_camera.z, gy = out.y * k.fy / in_camera.z;
+  p.grows = edge.length *
+            transposed_times(view_.cam_from_world.rotation, Vec3d{gx, gy, -(gx * in_camera.x + gy * in_camera.y) / in_camera.z});
+  // The middle of what is covered, half way from the edge to where the pixel ends.
+  const double far_side = -0.5 * (std::abs(out.x) + std::abs(out.y)), middle = 0.5 * (inside + far_side);
+  const auto shown = met(mx + middle * out.x, my + middle * out.y);
+  const Vec3d direction = shown ? ray(mx + middle * out.x, my + middle * out.y) : Vec3d{};
+  p.z = static_cast<float>(shown ? shown->t : last.t);
+  p.normal = shown ? normal(eye_ + shown->t * direction, *shown) : normal(p.place, last);
+  return p;
+}
+
+std::vector<OutlinePixel> WindowOutline::pixels() {
+  const int width = window_.width(), height = window_.height();
+  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
+  met_.assign(count, std::nullopt);
+  parallel_for(static_cast<size_t>(height), 4, [&](size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < width; ++x) met_[at(x, y)] = met(x + 0.5, y + 0.5);
+  });
+  std::vector<std::vector<std::pair<size_t, OutlinePixel>>> rows(static_cast<size_t>(height));
+  parallel_for(rows.size(), 4, [&](size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < width; ++x)
+      if (beside_edge(x, y))
+        if (auto p = crossed(x, y)) rows[row].emplace_back(at(x, y), *p);
+  });
+  // The band: whichever crossed pixel is nearest.
+  std::vector<float> nearest(count, 1e9f);
+  std::vector<uint32_t> own(count, UINT32_MAX), beside(count, UINT32_MAX);
+  std::vector<OutlinePixel> edge;
+  for (const auto& row : rows)
+    for (const auto& [where, p] : row) {
+      own[where] = static_cast<uint32_t>(edge.size());
+      edge.push_back(p);
+      const int x = static_cast<int>(where) % width, y = static_cast<int>(where) / width;
+      for (int v = std::max(y - kOutlineBand, 0); v <= std::min(y + kOutlineBand, height - 1); ++v)
+        for (int u = std::max(x - kOutlineBand, 0); u <= std::min(x + kOutlineBand, width - 1); ++u) {
+          const auto away = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
+          if (away >= nearest[at(u, v)] || away > float(kOutlineBand * kOutlineBand)) continue;
+          nearest[at(u, v)] = away, beside[at(u, v)] = own[where];
+        }
+    }
+  std::vector<OutlinePixel> out;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const size_t i = at(x, y);
+      if (beside[i] == UINT32_MAX) continue;
+      OutlinePixel p = edge[beside[i]];
+      if (own[i] == UINT32_MAX) p = {.shape = p.shape, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
+      p.pixel = static_cast<uint32_t>((window_.top + y) * view_.intrinsics.width + window_.left + x);
+      if (!p.crossed && met_[i]) {
+        p.shape = met_[i]->shape;
+        p.z = static_cast<float>(met_[i]->t);
+        p.normal = normal(eye_ + met_[i]->t * ray(x + 0.5, y + 0.5), *met_[i]);
+      }
+      out.push_back(p);
+    }
+  return out;
+}
+
+}  // namespace
+
+std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view) {
+  std::vector<Window> windows;
+  for (const TurnedSurface& s : shapes) {
+    const auto window = window_of(s, view);
+    if (window) windows.push_back(*window);
+  }
+  if (beside)
+    if (const auto window = window_of(*beside, view)) windows.push_back(*window);
+  std::vector<OutlinePixel> out;
+  for (const Window& window : merged(std::move(windows))) {
+    const std::vector<OutlinePixel> in_window = WindowOutline(shapes, beside, view, window).pixels();
+    out.insert(out.end(), in_window.begin(), in_window.end());
+  }
+  std::ranges::sort(out, {}, &OutlinePixel::pixel);
+  return out;
+}
+
+// place = o + h a + r u, (r, h) on the line; a turned axis takes u along: du = -(u.da) a.
+void outline_vjp(const OutlinePixel& at, const TurnedSurface& shape, double grad_covered, TurnedGradient& grad) {
+  const Vec3d g = grad_covered * at.grows, q = at.place - shape.origin;
+  const double h = dot(q, shape.axis);
+  const Vec3d across = q - h * shape.axis;
+  const double r = length(across);
+  const Vec3d u = r > 0 ? across / r : Vec3d{};
+  grad.origin += g;
+  grad.axis += h * g - (r * dot(g, shape.axis)) * u;
+  const double radius = dot(g, u), height = dot(g, shape.axis), w = double(at.along);
+  Vec2d &p = grad.profile[at.line], &n = grad.profile[at.line + 1];
+  p.x += (1 - w) * radius, p.y += (1 - w) * height;
+  n.x += w * radius, n.y += w * height;
+}
+
+void outline_vjp(const OutlinePixel& at, const ShapeMesh& mesh, double grad_covered, std::vector<double>& grad) {
+  const float weight[] = {1 - at.u - at.v, at.u, at.v};
+  for (size_t c = 0; c < 3; ++c) {
+    const uint32_t v = mesh.mesh().faces[at.line][c];
+    grad[v] += grad_covered * double(weight[c]) * dot(at.grows, cast<double>(mesh.mesh().normals[v]));
+  }
+}
+
+}  // namespace vitrine

@@ -1,0 +1,307 @@
+#include "core/model/outline_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/model/frustum.h"
+#include "core/model/gbuffer.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kOutlineGrain = 1024;    // surfels
+constexpr double kShowsSolid_rel = 0.06;  // of its largest radius: its surfels lie this near to it
+constexpr double kInFront_rel = 0.005;    // what is in front by more is something else
+constexpr double kLikeSolid = 0.7;        // cosine between the normals of a surfel of the solid and of the solid
+constexpr float kCoreAlpha = 0.9f;        // a pixel shows the solid alone
+constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the outline
+constexpr int kDonorReach = 2 * kOutlineBand + kDonorSlack;
+constexpr uint8_t kAtEdge = 1, kInside = 2;  // in_band_
+constexpr float kThinDonor = 2;    // pixels from the outline: the least for materials, where there is no pixel farther inside
+constexpr float kDullRest = 0.1f;  // what stands behind is shown with its diffuse colour alone: k_s and tau at most
+constexpr Aov kMaterials[] = {Aov::Color, Aov::F0, Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
+constexpr Aov kShownByRest[] = {Aov::Color,        Aov::Normal, Aov::F0,    Aov::Roughness, Aov::SpecularWeight,
+                                Aov::Transmission, Aov::ZDepth, Aov::Alpha, Aov::MedianZ};
+
+size_t width_of(Aov a) { return static_cast<size_t>(row(a).width); }
+
+// Pixels around one, nearest first.
+std::vector<std::pair<int, int>> around_by_distance() {
+  std::vector<std::pair<int, int>> out;
+  for (int y = -kDonorReach; y <= kDonorReach; ++y)
+    for (int x = -kDonorReach; x <= kDonorReach; ++x)
+      if (x * x + y * y <= kDonorReach * kDonorReach) out.emplace_back(x, y);
+  std::ranges::stable_sort(out, {}, [](const auto& p) { return p.first * p.first + p.second * p.second; });
+  return out;
+}
+
+// A solid and where it is at all, for those who ask for many points.
+struct Located {
+  const TurnedSurface* shape;
+  Vec3d centre;
+  double reach, near;
+};
+std::vector<Located> located(const std::vector<TurnedSurface>& shapes) {
+  std::vector<Located> out;
+  for (const TurnedSurface& s : shapes) {
+    const double near = kShowsSolid_rel * s.largest_radius(), middle = 0.5 * (s.profile.front().y + s.profile.back().y);
+    double reach = 0;
+    for (const Vec2d& p : s.profile) reach = std::max(reach, std::hypot(p.x, p.y - middle));
+    out.push_back({&s, s.origin + middle * s.axis, reach + near, near});
+  }
+  return out;
+}
+
+Vec3d surfel_normal(const SplatLayer& layer, size_t i) {
+  const float* q = layer.at(Attribute::Rotation, i);
+  return rotation_matrix(normalized(Quatd{q[0], q[1], q[2], q[3]})).column(2);
+}
+
+bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& solids, const ShapeOptions& options) {
+  const float* m = diffuse.at(Attribute::Mean, i);
+  const Vec3d mean{m[0], m[1], m[2]};
+  const float polished = options.polished;
+  if (options.beside && sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)
+    if (const auto normal = options.beside->near({m[0], m[1], m[2]}))
+      if (std::abs(dot(surfel_normal(diffuse, i), cast<double>(*normal))) > kLikeSolid) return true;
+  for (const Located& s : solids) {
+    if (length(mean - s.centre) > s.reach || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
+    const TurnedSurface::Place place = s.shape->nearest(mean);
+    if (length(place.position - mean) > s.near) continue;
+    if (std::abs(dot(surfel_normal(diffuse, i), place.normal)) > kLikeSolid) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void OutlineImages::clear() {
+  pixels.clear();
+  shapes.clear();
+  for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
+}
+
+// The surfels that `window` may show, but for those of the solids.
+void OutlinePass::without_solids(const SplatLayer& diffuse, const View& window) {
+  const Frustum frustum(window);
+  const std::vector<Located> solids = located(*options_.shapes);
+  chunks_.resize(chunk_count(diffuse.size(), kOutlineGrain));
+  parallel_chunks(diffuse.size(), kOutlineGrain, [&](size_t chunk, size_t first, size_t last) {
+    auto& kept = chunks_[chunk];
+    kept.clear();
+    for (size_t i = first; i < last; ++i) {
+      const float* m = diffuse.at(Attribute::Mean, i);
+      if (frustum.may_show({m[0], m[1], m[2]}, diffuse.at(Attribute::LogScale, i)) && !shows(diffuse, i, solids, options_))
+        kept.push_back(static_cast<uint32_t>(i));
+    }
+  });
+  kept_.clear();
+  for (const auto& kept : chunks_) kept_.insert(kept_.end(), kept.begin(), kept.end());
+  if (rest_.sh_degree() != diffuse.sh_degree()) rest_ = SplatLayer(diffuse.kind(), diffuse.sh_degree(), 0);
+  rest_.resize(kept_.size());
+  parallel_chunks(kept_.size(), kOutlineGrain, [&](size_t, size_t first, size_t last) {
+    for (const AttributeRow& r : kAttributes)
+      for (size_t k = first; k < last; ++k) std::copy_n(diffuse.at(r.id, kept_[k]), diffuse.width(r.id), rest_.at(r.id, k));
+  });
+}
+
+void OutlinePass::draw_rest(const SplatScene& scene, Frame& frame) {
+  const OutlineImages& out = frame.outline;
+  const int width = frame.view->intrinsics.width;
+  int right = 0, bottom = 0;
+  left_ = top_ = INT32_MAX;
+  for (const OutlinePixel& p : out.pixels) {
+    const int x = static_cast<int>(p.pixel) % width, y = static_cast<int>(p.pixel) / width;
+    left_ = std::min(left_, x), right = std::max(right, x + 1), top_ = std::min(top_, y), bottom = std::max(bottom, y + 1);
+  }
+  window_ = *frame.view;
+  Intrinsics& k = window_.intrinsics;
+  k.width = right - left_, k.height = bottom - top_;
+  k.cx -= left_, k.cy -= top_;
+  without_solids(scene.diffuse, window_);
+  wanted_.assign(static_cast<size_t>(k.width) * static_cast<size_t>(k.height), 0);
+  for (const OutlinePixel& p : out.pixels) wanted_[in_window(p.pixel, width)] = 1;
+  RasterDesc desc;
+  desc.intrinsics = k;
+  desc.cam_from_world = window_.cam_from_world;
+  desc.features = FeatureSet::Material;
+  desc.near_z = diffuse_.near_z;
+  desc.sh_degree = std::min(diffuse_.sh_degree, rest_.sh_degree());
+  desc.wanted = wanted_;
+  renderer_->forward(rest_, desc, picture_);
+  gradients_.reset(desc);
+}
+
+uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
+  static const std::vector<std::pair<int, int>> around = around_by_distance();
+  const int width = frame.view->intrinsics.width, height = frame.view->intrinsics.height;
+  const int x = static_cast<int>(at.pixel) % width, y = static_cast<int>(at.pixel) / width;
+  const std::span<const float> alpha = frame.diffuse.plane(Aov::Alpha);
+  uint32_t thin = UINT32_MAX;
+  const float reach = float(kOutlineBand + kDonorSlack) + (at.covered == 1 ? -at.away : at.away);
+  for (const auto& [dx, dy] : around) {
+    if (float(dx * dx + dy * dy) > reach * reach) break;
+    const int u = x + dx, v = y + dy;
+    if (u < 0 || v < 0 || u >= width || v >= height) continue;
+    const auto pixel = static_cast<uint32_t>(v * width + u);
+    const uint32_t shape = frame.outline.shapes[pixel], mesh = static_cast<uint32_t>(options_.shapes->size()) + 1;
+    const bool alike = shape == at.shape + 1 || (shape != 0 && (shape == mesh || at.shape + 1 == mesh));
+    if (!alike || !(alpha[pixel] > kCoreAlpha) || in_band_[pixel] == kAtEdge) continue;
+    if (in_band_[pixel] == 0) return pixel;
+    if (thin == UINT32_MAX) thin = pixel;
+  }
+  return thin;  // a spout, all of which is near its outline
+}
+
+// Whether the two pictures side by side are what the pixel shows.
+bool OutlinePass::fits(const OutlinePixel& at, const Frame& frame) const {
+  const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
+  const float alpha = picture_.plane(Aov::Alpha)[w];
+  if (!(alpha > options_.min_alpha)) return at.covered == 1;
+  if (at.covered == 0) return true;
+  const double per_z = length(GBuffer(frame).ray(at.pixel).direction_per_z);
+  const double in_front = (double(at.z) - double(picture_.plane(Aov::ZDepth)[w]) / double(alpha)) * per_z;
+  if (in_front > kInFront_rel * (*options_.shapes)[std::min<size_t>(at.shape, options_.shapes->size() - 1)].largest_radius())
+    return false;
+  return at.covered == 1 ||
+         std::max(picture_.plane(Aov::SpecularWeight)[w], picture_.plane(Aov::Transmission)[w]) <= kDullRest * alpha;
+}
+
+void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) const {
+  const size_t pixels = frame.pixel_count();
+  if (at.covered == 0) {
+    const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
+    for (const Aov a : kShownByRest)
+      for (size_t c = 0; c < width_of(a); ++c)
+        frame.diffuse.plane(a)[c * pixels + at.pixel] = picture_.plane(a)[c * wanted_.size() + w];
+  } else {
+    for (const Aov a : kMaterials)
+      for (size_t c = 0; c < width_of(a); ++c)
+        frame.diffuse.plane(a)[c * pixels + at.pixel] = frame.diffuse.plane(a)[c * pixels + donor];
+    const float alpha = frame.diffuse.plane(Aov::Alpha)[donor];
+    frame.diffuse.plane(Aov::Alpha)[at.pixel] = alpha;
+    frame.diffuse.plane(Aov::ZDepth)[at.pixel] = alpha * at.z;
+    frame.diffuse.plane(Aov::MedianZ)[at.pixel] = at.z;
+    for (size_t c = 0; c < 3; ++c) frame.diffuse.plane(Aov::Normal)[c * pixels + at.pixel] = alpha * at.normal[c];
+  }
+  for (size_t c = 0; c < 3; ++c) frame.linear[c * pixels + at.pixel] = frame.diffuse.plane(Aov::Color)[c * pixels + at.pixel];
+}
+
+void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
+  OutlineImages& out = frame.outline;
+  donors_.clear();
+  out.pixels.clear();
+  if (!options_.outlines || out.shapes.empty()) return out.clear();
+  std::vector<OutlinePixel> candidates = outline_pixels(*options_.shapes, options_.beside.get(), *frame.view);
+  in_band_.assign(frame.pixel_count(), 0);
+  for (const OutlinePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
+  for (const OutlinePixel& p : candidates)
+    if (const uint32_t from = donor(p, frame); from != UINT32_MAX) out.pixels.push_back(p), donors_.push_back(from);
+  if (out.pixels.empty()) return out.clear();
+  draw_rest(scene, frame);
+  size_t kept = 0;
+  for (size_t i = 0; i < out.pixels.size(); ++i)
+    if (fits(out.pixels[i], frame)) out.pixels[kept] = out.pixels[i], donors_[kept++] = donors_[i];
+  out.pixels.resize(kept), donors_.resize(kept);
+  if (kept == 0) return out.clear();
+  out.rest.assign(3 * kept, 0.f), out.grad_rest.assign(3 * kept, 0.f), out.solid.assign(3 * kept, 0.f);
+  const std::span<const float> color = picture_.plane(Aov::Color);
+  for (size_t i = 0; i < kept; ++i) {
+    const OutlinePixel& p = out.pixels[i];
+    for (size_t c = 0; c < 3; ++c)
+      out.rest[3 * i + c] = color[c * wanted_.size() + in_window(p.pixel, frame.view->intrinsics.width)];
+    show(p, donors_[i], frame);
+  }
+}
+
+// What losses and later passes ask of a pixel's channels is asked of where they came from.
+void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
+  OutlineImages& out = frame.outline;
+  if (out.pixels.empty()) return;
+  const size_t pixels = frame.pixel_count(), window = wanted_.size();
+  const int width = frame.view->intrinsics.width;
+  RasterImages& asked = frame.grad_diffuse;
+  blame_.assign(frame.error_image.empty() ? 0 : window, 0.f);
+  for (size_t i = 0; i < out.pixels.size(); ++i) {
+    const OutlinePixel& p = out.pixels[i];
+    const size_t w = in_window(p.pixel, width);
+    for (size_t c = 0; c < 3; ++c) {
+      asked.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
+      frame.grad_linear[c * pixels + p.pixel] = 0;
+      gradients_.plane(Aov::Color)[c * window + w] += out.grad_rest[3 * i + c];
+    }
+    if (p.covered == 0) {
+      for (const Aov a : kShownByRest)
+        for (size_t c = 0; c < width_of(a); ++c) gradients_.plane(a)[c * window + w] += asked.plane(a)[c * pixels + p.pixel];
+    } else {
+      for (const Aov a : kMaterials)
+        for (size_t c = 0; c < width_of(a); ++c) asked.plane(a)[c * pixels + donors_[i]] += asked.plane(a)[c * pixels + p.pixel];
+      float alpha = asked.plane(Aov::Alpha)[p.pixel] + p.z * asked.plane(Aov::ZDepth)[p.pixel];
+      for (size_t c = 0; c < 3; ++c) alpha += p.normal[c] * asked.plane(Aov::Normal)[c * pixels + p.pixel];
+      asked.plane(Aov::Alpha)[donors_[i]] += alpha;
+    }
+    for (const AovRow& r : kAovs)
+      for (size_t c = 0; c < width_of(r.id) && !asked.plane(r.id).empty(); ++c) asked.plane(r.id)[c * pixels + p.pixel] = 0;
+    if (blame_.empty()) continue;
+    blame_[w] = (1 - p.covered) * frame.error_image[p.pixel];
+    frame.error_image[p.pixel] = 0;  // no surfel of the solid shows there
+  }
+  if (grad_rest_.size() != rest_.size() || grad_rest_.sh_degree() != rest_.sh_degree())
+    grad_rest_ = rest_.zeros_like();
+  else
+    grad_rest_.fill(0.f);
+  for (auto* values : {&statistics_.screen_gradient, &statistics_.weight, &statistics_.error}) values->assign(rest_.size(), 0.f);
+  renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_rest_, &statistics_);
+  SurfelStatistics& seen = frame.behind.statistics;  // DiffusePass begins with these
+  for (auto* values : {&seen.screen_gradient, &seen.weight, &seen.error}) values->resize(scene.diffuse.size(), 0.f);
+  parallel_chunks(kept_.size(), kOutlineGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t k = first; k < last; ++k) {
+      const size_t i = kept_[k];
+      for (const AttributeRow& r : kAttributes)
+        for (size_t c = 0, n = rest_.width(r.id); c < n; ++c) grad.diffuse.at(r.id, i)[c] += grad_rest_.at(r.id, k)[c];
+      seen.screen_gradient[i] += statistics_.screen_gradient[k];
+      seen.weight[i] += statistics_.weight[k];
+      seen.error[i] += statistics_.error[k];
+    }
+  });
+}
+
+void OutlineBlendPass::forward(const SplatScene&, Frame& frame) {
+  OutlineImages& out = frame.outline;
+  const size_t pixels = frame.pixel_count();
+  LayerImages& layers = frame.layers;
+  for (size_t i = 0; i < out.pixels.size(); ++i) {
+    const OutlinePixel& p = out.pixels[i];
+    if (p.covered == 0 || p.covered == 1) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t at = c * pixels + p.pixel;
+      const float rest = (1 - p.covered) * out.rest[3 * i + c];
+      out.solid[3 * i + c] = frame.linear[at];
+      frame.linear[at] = p.covered * frame.linear[at] + rest;
+      if (layers.diffuse.empty()) continue;
+      for (auto* plane : {&layers.diffuse, &layers.reflection, &layers.transmission}) (*plane)[at] *= p.covered;
+      layers.diffuse[at] += rest;
+    }
+  }
+}
+
+void OutlineBlendPass::backward(const SplatScene&, Frame& frame, SplatScene&) {
+  OutlineImages& out = frame.outline;
+  const size_t pixels = frame.pixel_count();
+  out.grad_covered.assign(out.pixels.size(), 0.f);
+  for (size_t i = 0; i < out.pixels.size(); ++i) {
+    const OutlinePixel& p = out.pixels[i];
+    if (p.covered == 0 || p.covered == 1) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      float& grad = frame.grad_linear[c * pixels + p.pixel];
+      out.grad_covered[i] += grad * (out.solid[3 * i + c] - out.rest[3 * i + c]);
+      out.grad_rest[3 * i + c] = (1 - p.covered) * grad;
+      grad *= p.covered;
+    }
+  }
+}
+
+}  // namespace vitrine
