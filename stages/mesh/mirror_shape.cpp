@@ -185,6 +185,7 @@ void MirrorShape::find_solids(const MirrorShapeDesc& desc, const std::vector<Hul
     }
     if (2 * metal > known) solids_.push_back(std::move(solid));
   }
+  if (!solids_.empty()) beside_ = desc.beside;
 }
 
 // Outlines that are too narrow by a pixel leave pictures in the mirror beside them, deep inside.
@@ -198,6 +199,10 @@ bool MirrorShape::near_marks(const ImageF& marks, int x, int y) const {
 size_t MirrorShape::put_vertices(TriMesh& mesh, double tolerance) const {
   const std::vector<Vec3f> normals = vertex_normals(mesh);
   size_t moved = 0;
+  if (beside_ && !mesh.normals.empty())
+    for (size_t v = 0; v < mesh.positions.size(); ++v)
+      if (const auto normal = beside_->near(mesh.positions[v]); normal && dot(*normal, normals[v]) > float(kTurnedAlike))
+        mesh.normals[v] = *normal, ++moved;
   for (const auto& [solid, learnt] : solids_) {
     if (!learnt) continue;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -234,6 +239,16 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       const Vec3d direction = world_from_cam.rotation * k.ray(x + 0.5, double(y) + 0.5);  // z = 1: t is the z-depth
       const auto hit = hull_->first_hit(eye, direction);
       const Vec3d place = hit ? eye + hit->t * direction : Vec3d{};
+      // What stands out of a solid, where it is in front of that.
+      if (const auto out = beside_ ? beside_->entry(cast<float>(eye), cast<float>(direction)) : std::nullopt) {
+        bool in_front = true;
+        for (const auto& [solid, learnt] : solids_)
+          if (const auto entry = solid.entry(eye, direction)) in_front &= double(out->t) < entry->t;
+        if (in_front) {
+          set(p, double(out->t), cast<double>(out->normal), direction);
+          continue;
+        }
+      }
       // The solid instead of the hull where that lies on it or passes the ray by.
       bool passed_by = false, done = false;
       for (const auto& [solid, learnt] : solids_) {

@@ -10,11 +10,13 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/math/turned_surface.h"
 #include "core/mesh/tri_mesh.h"
+#include "core/model/shape_mesh.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/mesh/rgbd_frame.h"
 
@@ -26,6 +28,7 @@ struct MirrorShapeDesc {
   const std::vector<View>& photos;            // at full size
   const std::vector<View>& views;             // those that are fused
   std::vector<TurnedSurface> learnt;          // solids that training knows (ImageOptions::shape)
+  std::shared_ptr<const ShapeMesh> beside;    // what stands out of them, or nullptr
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
 
@@ -50,7 +53,7 @@ class MirrorShape {
   // lies on it.
   void put(size_t i, RgbdFrame& frame, double tolerance) const;
   // Vertices no further than `tolerance` from a solid that training learnt lie on it, and have its normals: voxels leave terraces
-  // that a mirror shows. Returns how many.
+  // that a mirror shows. Those on what stands out of it have normals of that. Returns how many.
   size_t put_vertices(TriMesh& mesh, double tolerance) const;
 
  private:
@@ -66,7 +69,8 @@ class MirrorShape {
     TurnedSurface surface;
     bool learnt;  // the tops of lids as well, which no outline shows
   };
-  std::vector<Solid> solids_;  // of metal
+  std::vector<Solid> solids_;                // of metal
+  std::shared_ptr<const ShapeMesh> beside_;  // of metal, too
   double cell_ = 1;
   std::map<Cell, int> part_of_;
   std::vector<Part> parts_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/math/oriented_box.h"
+#include "core/mesh/tri_mesh.h"
 #include "core/render/renderer.h"
 #include "core/stereo/revolution_fit.h"
 #include "core/train/capture.h"
@@ -17,12 +18,14 @@ namespace vitrine {
 
 struct HullPoint {
   Vec3f position, normal;  // outwards, unit
-  bool known = false;      // by the shape of a box or of a solid of revolution, to a fraction of a pixel; or as a hull wavers
+  bool known = false;      // by a box, a solid of revolution or a fine hull, to a fraction of a pixel; or as a hull wavers
+  float apart = 1;         // distance to its neighbours, of the hull's spacing
 };
 struct Hull {
   std::vector<HullPoint> points;          // of the surface, on a grid
   float spacing = 0;                      // of the grid
   std::vector<SolidOfRevolution> solids;  // that pieces of it are
+  TriMesh beside;                         // what stands out of the solids: spouts, ears
   std::optional<OrientedBox> box;         // where the outlines are those of one
 };
 

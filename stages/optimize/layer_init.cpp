@@ -28,6 +28,7 @@ constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that 
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
+constexpr float kBesideTolerance = 1.5f;           // of the spacing of the hull
 constexpr size_t kLines = 96;                      // of the profile of a turned surface
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
@@ -191,7 +192,7 @@ std::vector<uint32_t> append_hull(const LayerInitDesc& desc, const Hull& hull, s
       layer.at(Attribute::Mean, i)[c] = point.position[c];
       layer.at(Attribute::ShDc, i)[c] = sh_dc[c];
     }
-    set(layer, Attribute::LogScale, i, kHullScale * spacing);
+    set(layer, Attribute::LogScale, i, kHullScale * spacing * double(point.apart));
     set(layer, Attribute::Opacity, i, kHullOpacity);
     for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
       set(layer, a, i, row(a).initial);
@@ -287,8 +288,11 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const int wanted = shaped ? phase.known_hull_points : phase.hull_points;
   const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(wanted)), color, diffuse);
   counts.hull = taken.size();
-  if (told)
+  if (told) {
     for (const SolidOfRevolution& solid : hull.solids) counts.shapes.push_back(with_equal_lines(turned_surface(solid), kLines));
+    counts.beside = hull.beside;
+    counts.beside_tolerance = kBesideTolerance * hull.spacing;
+  }
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
     counts.known += known;

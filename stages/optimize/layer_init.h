@@ -34,9 +34,11 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;           // surfels put on the hull; surfels that left the diffuse layer for them
-  size_t known = 0;                     // of those on the hull, where its shape is known (HullPoint)
-  std::vector<TurnedSurface> shapes;    // that gloss is
+  size_t hull = 0, moved = 0;         // surfels put on the hull; surfels that left the diffuse layer for them
+  size_t known = 0;                   // of those on the hull, where its shape is known (HullPoint)
+  std::vector<TurnedSurface> shapes;  // that gloss is
+  TriMesh beside;                     // what stands out of them, and how far surfels that show it lie behind it, at most
+  float beside_tolerance = 0;
   std::optional<GlassCase> glass_case;  // glass that is a box
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.

@@ -25,8 +25,8 @@ struct LayerChoice {
   }
 };
 // `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; those that the masks stage proposed
-// by itself without being certain do not count: half of what they mark is neither (stages/masks/README.md), which costs more than the
-// layers gain.
+// by itself without being certain do not count: half of what they mark is neither (stages/masks/README.md), which costs more than
+// the layers gain.
 LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
 
 struct LayerPhase {
@@ -45,9 +45,11 @@ struct ReflectionPhase : LayerPhase {
   double known_specular_weight = 0.9, known_f0 = 0.8, known_factor = 0.02;
   int known_hull_points = 3000;  // in place of hull_points: opaque surfels, which only help where they stand right
   double roughness_from = 0.4;
-  double surface_from = 0.36;  // rays turn and move surfaces
-  double shape_rate = 1e-4;    // of a known shape's place and profile, scene units
-  double axis_rate = 4e-4;     // of the direction of its axis, radians
+  double surface_from = 0.36;   // rays turn and move surfaces
+  double outlines_from = 0.36;  // known shapes tell the pixels at their outlines
+  double shape_rate = 1e-4;     // of a known shape's place and profile, scene units
+  double beside_rate = 5e-5;    // of the surface of what stands out of it, scene units
+  double axis_rate = 4e-4;      // of the direction of its axis, radians
 };
 struct TransmittancePhase : LayerPhase {
   double transmission = 0.98, specular_weight = 0.002, f0 = 0.077;  // of glass, to start from
@@ -61,7 +63,7 @@ struct DiffusePhase {
 struct ShadingConfig {
   std::string blend = "layered", lobe = "mirror", glass = "thin";
   int ray_budget = 0;
-  bool panes = true, shapes = true;
+  bool panes = true, shapes = true, outlines = true;
   double gate = 4, diffuse_in_transparent = 1;
 };
 void describe(Describer& d, ShadingConfig& c);

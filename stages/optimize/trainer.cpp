@@ -179,8 +179,10 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     broken_ |= bad;
     blank |= diffuse && done.active == 0;
   }
-  if (!shapes_.empty() && fraction() >= config().phases.reflection.surface_from)
+  if (!shapes_.empty() && fraction() >= config().phases.reflection.surface_from) {
     shapes_.descend(model_.shape->gradients(), clock.shape_rates());
+    beside_shapes_.descend(model_.shape->beside_gradient(), clock.shape_rates().beside);
+  }
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && config().phases.transmittance.one_glass)
     share_glass(scene_.diffuse);
   bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
@@ -251,7 +253,10 @@ void Trainer::begin_phases() {
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && counts.known > 0) gloss_known_ = 1;
-    if (config().shading.shapes) shapes_ = ShapeTraining(counts.shapes);
+    if (kind == LayerKind::Reflection && config().shading.shapes) {
+      shapes_ = ShapeTraining(counts.shapes);
+      beside_shapes_ = MeshTraining(counts.beside, counts.beside_tolerance);
+    }
     if (counts.glass_case && config().shading.panes) case_ = std::make_shared<GlassCase>(*counts.glass_case);
     training(kind).restart(scene_.layer(kind));
   }
@@ -308,6 +313,7 @@ ImageOptions Trainer::image_options() const {
   options.diffuse.near_z = setup_.capture.near_z;
   options.panes.glass_case = case_;
   if (!shapes_.empty()) options.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(shapes_.shapes());
+  options.shape.beside = beside_shapes_.shape();
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;
 }
@@ -315,7 +321,8 @@ ImageOptions Trainer::image_options() const {
 void Trainer::set_up_passes() const {
   const ImageOptions options = image_options();
   model_.diffuse->options() = options.diffuse;
-  model_.shape->options() = options.shape;
+  model_.shape->options() = model_.outline->options() = options.shape;
+  model_.outline->diffuse() = options.diffuse;
   model_.surface->options() = options.surface;
   model_.reflection->options() = options.reflection;
   model_.transmission->options() = model_.thin_glass->options() = options.transmission;

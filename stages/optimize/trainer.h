@@ -11,6 +11,7 @@
 #include "core/stereo/scene_planes.h"
 #include "core/train/capture.h"
 #include "core/train/layer_training.h"
+#include "core/train/mesh_training.h"
 #include "core/train/shape_training.h"
 #include "core/train/targets.h"
 #include "stages/optimize/optimize.h"
@@ -99,6 +100,7 @@ class Trainer {
   std::vector<ScenePlane> planes_;
   double background_;
   std::shared_ptr<const GlassCase> case_;  // whose panes are mirrors
+  MeshTraining beside_shapes_;             // what stands out of those
   ShapeTraining shapes_;                   // of polished metal
   uint8_t filled_ = 0, gloss_known_ = 0;   // what no photo shows; where the shape of what reflects is known
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;

@@ -16,6 +16,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(gloss_known_);
   out.value(filled_);
   shapes_.save(out);
+  beside_shapes_.save(out);
   out.value(case_ != nullptr);
   out.value(case_ ? *case_ : GlassCase{});
   out.value(unseen_surfels_);
@@ -39,6 +40,7 @@ void Trainer::load(ArchiveReader& in) {
   in.value(gloss_known_);
   in.value(filled_);
   shapes_.load(in);
+  beside_shapes_.load(in);
   bool in_case = false;
   GlassCase glass_case;
   in.value(in_case);

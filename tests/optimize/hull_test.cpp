@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
 #include "core/train/picture_step.h"
 #include "stages/optimize/glass_case.h"
@@ -89,6 +90,57 @@ TEST(MaskHull, OfABallIsAsSmoothAsABall) {
     angle += std::acos(std::clamp(dot(normalized(from), cast<double>(p.normal)), -1.0, 1.0)) * 57.3 / double(hull.points.size());
   }
   EXPECT_LT(angle, 5);
+}
+
+// How far apart a ray and a rod between two points are.
+double distance_to_rod(const Vec3d& eye, const Vec3d& direction, const Vec3d& from, const Vec3d& to) {
+  double best = 1e9;
+  for (int i = 0; i <= 100; ++i) {
+    const Vec3d p = from + 0.01 * i * (to - from), q = p - eye;
+    best = std::min(best, length(q - dot(q, direction) / dot(direction, direction) * direction));
+  }
+  return best;
+}
+double distance_to_rod(const Vec3d& p, const Vec3d& from, const Vec3d& to) {
+  const double t = std::clamp(dot(p - from, to - from) / dot(to - from, to - from), 0.0, 1.0);
+  return length(p - from - t * (to - from));
+}
+
+// A ball with a spout: the ball is a solid of revolution, the spout a mesh that stands out of it.
+TEST(MaskHull, OfAKettleKnowsItsSpout) {
+  constexpr double kBall = 0.25, kSpout = 0.035;
+  const Vec3d from{0.2, 0, 0.05}, to{0.42, 0, 0.16};
+  const auto masks = outlines(30, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+    return meets_ball({0, 0, 0}, kBall, eye, d) || distance_to_rod(eye, d, from, to) < kSpout;
+  });
+  const Hull hull = hull_in(masks, HullClass::Gloss);
+  ASSERT_EQ(hull.solids.size(), 1u);
+  ASSERT_GT(hull.beside.faces.size(), 200u);
+  const std::vector<Vec3f> normals = vertex_normals(hull.beside);
+  double off = 0, angle = 0;
+  size_t count = 0;
+  for (size_t v = 0; v < normals.size(); ++v) {
+    const Vec3d p = cast<double>(hull.beside.positions[v]);
+    EXPECT_LT(std::min(distance_to_rod(p, from, to) - kSpout, std::abs(length(p) - kBall)), 0.02)
+        << "nothing but the spout and its root";
+    if (length(p) < kBall + kSpout || distance_to_rod(p, from, to) > 1.5 * kSpout) continue;
+    const double t = std::clamp(dot(p - from, to - from) / dot(to - from, to - from), 0.0, 1.0);
+    const Vec3d out = normalized(p - from - t * (to - from));
+    off += std::abs(distance_to_rod(p, from, to) - kSpout);
+    angle += std::acos(std::clamp(dot(out, cast<double>(normals[v])), -1.0, 1.0)) * 57.3;
+    ++count;
+  }
+  ASSERT_GT(count, 200u);
+  EXPECT_LT(off / double(count), 0.004);  // a third of a pixel
+  EXPECT_LT(angle / double(count), 9);
+  // Surfels stand closer together on the spout than on the ball.
+  size_t on_ball = 0, on_spout = 0;
+  for (const HullPoint& p : hull.points) {
+    EXPECT_TRUE(p.known);
+    (p.apart < 1 ? on_spout : on_ball) += 1;
+  }
+  const double ball = 4 * std::numbers::pi * kBall * kBall, spout = 2 * std::numbers::pi * kSpout * 0.25;
+  EXPECT_GT(double(on_spout) / spout, 3 * double(on_ball) / ball);
 }
 
 TEST(MaskHull, WhatReflectsKeepsItsShapeAsFarAsItDoes) {

@@ -1,0 +1,155 @@
+#include "stages/optimize/fine_hull.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/mesh/clean_openmesh.h"
+#include "core/mesh/iso_surface.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kSoftPadding = 4;  // cells around the bounds, so that the surface closes
+constexpr int kSoftening = 4;    // passes of 1 2 1 over the field: outlines of some dozen photos are facets
+constexpr float kHullLevel = 0.5f;
+constexpr int kFineSmoothing = 10;  // Taubin's passes over the mesh: what is left of the cells' steps
+
+// Mask values between pixel centres; a pixel of another class has no say. Negative: none at all.
+float softly(const HullJudge& judge, double x, double y) {
+  const Intrinsics& k = judge.view->intrinsics;
+  const double u = std::clamp(x - 0.5, 0.0, double(k.width - 1)), v = std::clamp(y - 0.5, 0.0, double(k.height - 1));
+  const int left = std::min(int(u), k.width - 2), top = std::min(int(v), k.height - 2);
+  double sum = 0, weights = 0;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const size_t pixel = size_t(top + j) * size_t(k.width) + size_t(left + i);
+      if (!judge.says.other.empty() && judge.says.other[pixel] >= 128) continue;
+      const double w = (i ? u - left : 1 - (u - left)) * (j ? v - top : 1 - (v - top));
+      sum += w * double(judge.says.mask[pixel]) / 255, weights += w;
+    }
+  return weights > 0 ? static_cast<float>(sum / weights) : -1.f;
+}
+
+// How far inside: what all but the share that may err agree on.
+float soft_occupancy(const std::vector<HullJudge>& judges, const Vec3d& p, std::vector<float>& said) {
+  said.clear();
+  int seen = 0, inside = 0;
+  for (const HullJudge& judge : judges) {
+    const Intrinsics& k = judge.view->intrinsics;
+    const Vec3d q = judge.view->cam_from_world * p;
+    if (q.z <= 0) continue;
+    const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
+    if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
+    const float value = softly(judge, x, y);
+    if (value < 0) continue;
+    ++seen;
+    inside += value >= kHullLevel;
+    const float depth = judge.depth[size_t(y) * size_t(k.width) + size_t(x)];
+    if (value >= kHullLevel || !(depth > 0 && depth < kHullInFront * float(q.z))) said.push_back(value);
+  }
+  if (inside < kHullFewestPhotos || inside < kHullSeenShare * double(judges.size()) || inside < kHullInsideShare * seen) return 0;
+  const auto doubted = said.begin() + ptrdiff_t(kHullOutsideShare * double(said.size()));
+  std::nth_element(said.begin(), doubted, said.end());
+  return *doubted;
+}
+
+struct SoftGrid {
+  Vec3d origin;
+  double cell;
+  std::array<size_t, 3> size;
+  std::vector<float> field;
+  size_t index(size_t x, size_t y, size_t z) const { return (z * size[1] + y) * size[0] + x; }
+  Vec3d centre(size_t x, size_t y, size_t z) const {
+    return origin + cell * Vec3d{double(x) + 0.5, double(y) + 0.5, double(z) + 0.5};
+  }
+};
+
+void soften(SoftGrid& grid) {
+  std::vector<float> before;
+  for (int pass = 0; pass < kSoftening; ++pass)
+    for (size_t axis = 0; axis < 3; ++axis) {
+      before = grid.field;
+      const size_t step = axis == 0 ? 1 : axis == 1 ? grid.size[0] : grid.size[0] * grid.size[1];
+      parallel_for(grid.size[2], 4, [&](size_t z) {
+        for (size_t y = 0; y < grid.size[1]; ++y)
+          for (size_t x = 0; x < grid.size[0]; ++x) {
+            const size_t i = grid.index(x, y, z), at = axis == 0 ? x : axis == 1 ? y : z;
+            if (at == 0 || at + 1 == grid.size[axis]) continue;
+            grid.field[i] = 0.25f * (before[i - step] + 2 * before[i] + before[i + step]);
+          }
+      });
+    }
+}
+
+TriMesh surface_of(const SoftGrid& grid) {
+  const Vec3d half = 0.5 * grid.cell * Vec3d{1, 1, 1};
+  const Vec3d extent = grid.cell * Vec3d{double(grid.size[0]), double(grid.size[1]), double(grid.size[2])};
+  TsdfVolume volume({.bounds = {grid.origin + half, grid.origin + extent - half}, .voxel = grid.cell});
+  volume.touch_all();
+  volume.allocate();
+  parallel_for(volume.block_count(), 8, [&](size_t b) {
+    const BlockCoord& at = volume.coord(b);
+    TsdfBlock& block = volume.block(b);
+    for (int z = 0; z < TsdfBlock::kSide; ++z)
+      for (int y = 0; y < TsdfBlock::kSide; ++y)
+        for (int x = 0; x < TsdfBlock::kSide; ++x) {
+          const size_t cell[] = {size_t(at.x * TsdfBlock::kSide + x), size_t(at.y * TsdfBlock::kSide + y),
+                                 size_t(at.z * TsdfBlock::kSide + z)};
+          if (cell[0] >= grid.size[0] || cell[1] >= grid.size[1] || cell[2] >= grid.size[2]) continue;
+          const int i = TsdfBlock::index(x, y, z);
+          block.distance[size_t(i)] = 1 - 2 * grid.field[grid.index(cell[0], cell[1], cell[2])];
+          block.weight[size_t(i)] = 1;
+        }
+  });
+  TriMesh mesh = iso_surface(volume);
+  taubin_smooth(mesh, {.iterations = kFineSmoothing});
+  return mesh;
+}
+
+}  // namespace
+
+FineHull fine_hull(const std::vector<HullJudge>& judges, const Bounds3& bounds, double cell,
+                   const std::function<int(const Vec3d&)>& known) {
+  SoftGrid grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
+  for (size_t c = 0; c < 3; ++c) grid.size[c] = size_t(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
+  grid.field.assign(grid.size[0] * grid.size[1] * grid.size[2], 0.f);
+  parallel_for(grid.size[2], 1, [&](size_t z) {
+    std::vector<float> said;
+    for (size_t y = 0; y < grid.size[1]; ++y)
+      for (size_t x = 0; x < grid.size[0]; ++x) {
+        const Vec3d p = grid.centre(x, y, z);
+        const int told = known(p);
+        grid.field[grid.index(x, y, z)] = told >= 0 ? float(told) : soft_occupancy(judges, p, said);
+      }
+  });
+  soften(grid);
+  std::vector<std::vector<HullSurfacePoint>> slices(grid.size[2]);
+  parallel_for(grid.size[2], 1, [&](size_t z) {
+    if (z < 2 || z + 2 >= grid.size[2]) return;
+    for (size_t y = 2; y + 2 < grid.size[1]; ++y)
+      for (size_t x = 2; x + 2 < grid.size[0]; ++x) {
+        const size_t i = grid.index(x, y, z), across[] = {1, grid.size[0], grid.size[0] * grid.size[1]};
+        const float here = grid.field[i];
+        if (here < kHullLevel) continue;
+        bool last = false;
+        Vec3d slope{};
+        for (size_t c = 0; c < 3; ++c) {
+          last |= grid.field[i - across[c]] < kHullLevel || grid.field[i + across[c]] < kHullLevel;
+          slope[c] = double(grid.field[i + across[c]] - grid.field[i - across[c]]) / (2 * cell);
+        }
+        if (!last || !(length(slope) > 0)) continue;
+        const double steep = length(slope), down = std::min(double(here - kHullLevel) / steep, cell);
+        const Vec3d outwards = -slope / steep;
+        slices[z].push_back({grid.centre(x, y, z) + down * outwards, outwards});
+      }
+  });
+  FineHull out;
+  for (const auto& slice : slices) out.points.insert(out.points.end(), slice.begin(), slice.end());
+  out.mesh = surface_of(grid);
+  return out;
+}
+
+}  // namespace vitrine
