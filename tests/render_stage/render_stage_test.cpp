@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/image/metrics.h"
+#include "core/model/shape_mesh.h"
 #include "core/picture/picture_views.h"
 #include "core/picture/trained_scene.h"
 #include "tests/evaluate/tiny_capture.h"
@@ -192,6 +193,28 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
     ASSERT_NE(at, std::string::npos) << was << text;
     write_file(path, text.replace(at, std::string_view(was).size(), is));
     EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << is;
+    write_image_options(path, o);
+  }
+  // Outlines as the run had them; a mesh of what stands out of the solid, beside the file.
+  EXPECT_TRUE(read_image_options(path).shape.outlines);
+  TriMesh spout;
+  spout.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.25f, 0.125f}};
+  spout.faces = {{0, 1, 2}};
+  o.shape.beside = std::make_shared<ShapeMesh>(spout, 0.0625f);
+  o.shape.outlines = false;
+  write_image_options(path, o);
+  const ShapeOptions out = read_image_options(path).shape;
+  EXPECT_FALSE(out.outlines);
+  ASSERT_NE(out.beside, nullptr);
+  EXPECT_EQ(out.beside->tolerance(), 0.0625f);
+  EXPECT_EQ(out.beside->mesh().positions, spout.positions);
+  EXPECT_EQ(out.beside->mesh().faces, spout.faces);
+  for (const char* tolerance : {"0.0", "-1.0", "\"wide\""}) {
+    std::string text = read_file(path);
+    const size_t at = text.find("0.0625");
+    ASSERT_NE(at, std::string::npos) << text;
+    write_file(path, text.replace(at, 6, tolerance));
+    EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << tolerance;
     write_image_options(path, o);
   }
   write_file(path, R"({"blend": "paint"})");
