@@ -73,12 +73,13 @@ std::optional<Window> window_of(const ShapeMesh& mesh, const View& view) {
 // Windows that overlap become one.
 std::vector<Window> merged(std::vector<Window> windows) {
   for (size_t i = 0; i < windows.size(); ++i)
-    for (size_t j = i + 1; j < windows.size(); ++j) {
+    for (size_t j = 0; j < windows.size(); ++j) {
+      if (j == i) continue;
       Window &a = windows[i], &b = windows[j];
       if (a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom) continue;
       a = {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right), std::max(a.bottom, b.bottom)};
       windows.erase(windows.begin() + ptrdiff_t(j));
-      j = i;  // the larger one may meet those before
+      return merged(std::move(windows));  // the larger one may meet those before
     }
   return windows;
 }
