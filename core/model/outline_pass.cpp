@@ -225,9 +225,11 @@ void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
   const int width = frame.view->intrinsics.width;
   RasterImages& asked = frame.grad_diffuse;
   blame_.assign(frame.error_image.empty() ? 0 : window, 0.f);
-  for (size_t i = 0; i < out.pixels.size(); ++i) {
+  // Backwards, as donors of thin parts are pixels of outlines themselves.
+  for (size_t i = out.pixels.size(); i-- > 0;) {
     const OutlinePixel& p = out.pixels[i];
     const size_t w = in_window(p.pixel, width);
+    const bool own = p.covered > 0 && donors_[i] == p.pixel;  // it keeps its materials
     for (size_t c = 0; c < 3; ++c) {
       asked.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
       frame.grad_linear[c * pixels + p.pixel] = 0;
@@ -238,9 +240,16 @@ void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
         for (size_t c = 0; c < width_of(a); ++c) gradients_.plane(a)[c * window + w] += asked.plane(a)[c * pixels + p.pixel];
     } else {
       for (const Aov a : kMaterials)
-        for (size_t c = 0; c < width_of(a); ++c) asked.plane(a)[c * pixels + donors_[i]] += asked.plane(a)[c * pixels + p.pixel];
+        for (size_t c = 0; c < width_of(a) && !own; ++c)
+          asked.plane(a)[c * pixels + donors_[i]] += asked.plane(a)[c * pixels + p.pixel];
       float alpha = asked.plane(Aov::Alpha)[p.pixel] + p.z * asked.plane(Aov::ZDepth)[p.pixel];
       for (size_t c = 0; c < 3; ++c) alpha += p.normal[c] * asked.plane(Aov::Normal)[c * pixels + p.pixel];
+      if (own) {
+        for (const Aov a : {Aov::Normal, Aov::ZDepth, Aov::MedianZ})
+          for (size_t c = 0; c < width_of(a); ++c) asked.plane(a)[c * pixels + p.pixel] = 0;
+        asked.plane(Aov::Alpha)[p.pixel] = alpha;
+        continue;
+      }
       asked.plane(Aov::Alpha)[donors_[i]] += alpha;
     }
     for (const AovRow& r : kAovs)

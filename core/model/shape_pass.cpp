@@ -140,8 +140,10 @@ void ShapePass::shape_gradients(const Frame& frame) {
     if (outline.grad_covered[i] == 0) continue;
     if (p.shape < shapes.size())
       outline_vjp(p, shapes[p.shape], double(outline.grad_covered[i]), gradients_[p.shape]);
-    else if (!beside_gradient_.empty())
+    else {
+      beside_gradient_.resize(options_.beside->mesh().positions.size(), 0.0);
       outline_vjp(p, *options_.beside, double(outline.grad_covered[i]), beside_gradient_);
+    }
   }
   for (size_t k = 0; k < shapes.size(); ++k) corner_normals_vjp(shapes[k], on_normals[k].profile, gradients_[k].profile);
 }
