@@ -280,8 +280,8 @@ TriMesh add_fine(const std::vector<HullJudge>& judges, const Bounds3& bounds, st
     if (due < 1) continue;
     due -= 1;
     if (on) p = *on;
-    points.push_back(
-        {cast<float>(p.position), cast<float>(p.normal), true, on ? 1.f : static_cast<float>(1 / std::sqrt(kCrowd))});
+    points.push_back({cast<float>(p.position), cast<float>(p.normal), true,
+                      on ? 1.f : static_cast<float>(std::sqrt(share / std::min(1.0, kCrowd * share)))});
   }
   return beside(std::move(fine.mesh), judges, solids, cell);
 }
