@@ -12,6 +12,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kAround = 24;            // points of a ring of the profile that tell where the picture shows it
+constexpr double kBetween_rel = 0.01;  // of its extent: a ring reaches so far beyond these points, 1 - cos(pi/24), at most
 constexpr double kOutlineNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
 constexpr int kGrow = 2;               // pixels; the outline's direction is that in which the solid ends within them
 constexpr double kEdgeReach = 2;       // pixels along that direction in which the edge must lie
@@ -38,11 +39,11 @@ class Extent {
   }
   std::optional<Window> window() const {
     if (behind_) return std::nullopt;
-    constexpr int kMore = kOutlineBand + kGrow + 2;
+    const double more = kOutlineBand + kGrow + 2 + kBetween_rel * std::max(high_[0] - low_[0], high_[1] - low_[1]);
     const auto within = [](double x, int end) { return static_cast<int>(std::clamp(x, 0.0, double(end))); };
     const Intrinsics& k = view_.intrinsics;
-    const Window w{within(low_[0] - kMore, k.width), within(low_[1] - kMore, k.height), within(high_[0] + kMore, k.width),
-                   within(high_[1] + kMore, k.height)};
+    const Window w{within(low_[0] - more, k.width), within(low_[1] - more, k.height), within(high_[0] + more, k.width),
+                   within(high_[1] + more, k.height)};
     if (w.width() <= 0 || w.height() <= 0) return std::nullopt;
     return w;
   }
@@ -84,10 +85,16 @@ std::vector<Window> merged(std::vector<Window> windows) {
   return windows;
 }
 
+// What a picture shows all of: what reaches behind the camera is left out.
+struct InPicture {
+  std::vector<uint32_t> shapes;
+  const ShapeMesh* beside = nullptr;
+};
+
 class WindowOutline {
  public:
-  WindowOutline(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view, const Window& window)
-      : shapes_(shapes), beside_(beside), view_(view), window_(window), eye_(view.centre_in_world()) {
+  WindowOutline(const std::vector<TurnedSurface>& shapes, const InPicture& shown, const View& view, const Window& window)
+      : shapes_(shapes), shown_(shown), view_(view), window_(window), eye_(view.centre_in_world()) {
     for (const TurnedSurface& s : shapes) normals_.push_back(s.corner_normals());
   }
 
@@ -120,7 +127,7 @@ class WindowOutline {
   Vec3f normal(const Vec3d& place, const Met& m) const;
 
   const std::vector<TurnedSurface>& shapes_;
-  const ShapeMesh* const beside_;
+  const InPicture& shown_;
   std::vector<std::vector<Vec2d>> normals_;  // [shape][corner]
   const View& view_;
   const Window window_;
@@ -131,11 +138,11 @@ class WindowOutline {
 std::optional<WindowOutline::Met> WindowOutline::met(double x, double y) const {
   const Vec3d direction = ray(x, y);
   std::optional<Met> first;
-  for (size_t k = 0; k < shapes_.size(); ++k)
+  for (uint32_t k : shown_.shapes)
     if (const auto e = shapes_[k].entry(eye_, direction); e && (!first || e->t < first->t))
-      first = Met{e->t, static_cast<uint32_t>(k), static_cast<uint32_t>(e->line)};
-  if (!beside_) return first;
-  if (const auto e = beside_->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
+      first = Met{e->t, k, static_cast<uint32_t>(e->line)};
+  if (!shown_.beside) return first;
+  if (const auto e = shown_.beside->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
     first = Met{double(e->t), static_cast<uint32_t>(shapes_.size()), e->face, e->normal, e->u, e->v};
   return first;
 }
@@ -282,15 +289,14 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 
 std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view) {
   std::vector<Window> windows;
-  for (const TurnedSurface& s : shapes) {
-    const auto window = window_of(s, view);
-    if (window) windows.push_back(*window);
-  }
+  InPicture shown;
+  for (uint32_t k = 0; k < shapes.size(); ++k)
+    if (const auto window = window_of(shapes[k], view)) windows.push_back(*window), shown.shapes.push_back(k);
   if (beside)
-    if (const auto window = window_of(*beside, view)) windows.push_back(*window);
+    if (const auto window = window_of(*beside, view)) windows.push_back(*window), shown.beside = beside;
   std::vector<OutlinePixel> out;
   for (const Window& window : merged(std::move(windows))) {
-    const std::vector<OutlinePixel> in_window = WindowOutline(shapes, beside, view, window).pixels();
+    const std::vector<OutlinePixel> in_window = WindowOutline(shapes, shown, view, window).pixels();
     out.insert(out.end(), in_window.begin(), in_window.end());
   }
   std::ranges::sort(out, {}, &OutlinePixel::pixel);

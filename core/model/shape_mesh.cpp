@@ -22,7 +22,9 @@ double corner_angle(const Vec3d& at, const Vec3d& a, const Vec3d& b) {
 }
 
 std::array<int, 3> cell_of(const Vec3f& p, float size) {
-  return {int(std::floor(p.x / size)), int(std::floor(p.y / size)), int(std::floor(p.z / size))};
+  constexpr float kFarthest = 1 << 20;  // what lies beyond shares a cell
+  const auto along = [&](float x) { return int(std::floor(std::clamp(x / size, -kFarthest, kFarthest))); };
+  return {along(p.x), along(p.y), along(p.z)};
 }
 uint64_t key(const std::array<int, 3>& cell) {
   constexpr uint64_t kBits = 21, kMask = (1u << kBits) - 1;

@@ -18,6 +18,7 @@ constexpr double kBehind_rel = 2.2;
 constexpr size_t kRows = 8;
 constexpr uint32_t kBeside = UINT32_MAX;  // Shaped::shape of the mesh
 constexpr float kFarBehind = 40;          // tolerances of the mesh, for the same
+constexpr double kGrazing = 0.05;         // cosine to the ray: where it is less, the place along the ray says nothing of the mesh
 // Cosine of normals, and height above the solid in tolerances: there the mesh is the solid, which knows better.
 constexpr float kSameSurface = 0.9f, kSameHeight = 0.5f;
 
@@ -88,8 +89,8 @@ void ShapePass::beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Sh
   shown = Shaped{pixel, kBeside, entry->face, entry->t, entry->normal, entry->u, entry->v};
 }
 
-// Of the pixels that sent rays, and of those that outlines cross; what losses on normals and depths want is meant for the
-// surfels.
+// Of the pixels that sent rays, and of those that outlines cross, for their outline alone: it was not their middle that mirrored
+// (OutlinePass). What losses on normals and depths want is meant for the surfels.
 void ShapePass::shape_gradients(const Frame& frame) {
   const std::vector<TurnedSurface>& shapes = *options_.shapes;
   std::vector<std::vector<Vec2d>> normals;
@@ -106,6 +107,8 @@ void ShapePass::shape_gradients(const Frame& frame) {
   const ShadedPixels& s = frame.shaded;
   std::vector<uint32_t> group_of(frame.pixel_count(), UINT32_MAX);
   for (size_t g = 0; g < s.groups(); ++g) group_of[s.chosen_pixel(g)] = static_cast<uint32_t>(g);
+  for (const OutlinePixel& p : frame.outline.pixels)
+    if (p.crossed) group_of[p.pixel] = UINT32_MAX;
   const Vec3d eye = frame.view->centre_in_world();
   for (const auto& band : bands_)
     for (const Shaped& at : band) {
@@ -120,7 +123,8 @@ void ShapePass::shape_gradients(const Frame& frame) {
           beside_gradient_.assign(options_.beside->mesh().positions.size(), 0.0);
         }
         const Vec3d n = cast<double>(at.normal), along = cast<double>(on_normal) - dot(cast<double>(on_normal), n) * n;
-        slopes->add({at.t, at.normal, at.line, at.u, at.v}, along, dot(on_point, per_z) / dot(n, per_z), beside_gradient_);
+        const double against = std::min(dot(n, per_z), -kGrazing * length(per_z));
+        slopes->add({at.t, at.normal, at.line, at.u, at.v}, along, dot(on_point, per_z) / against, beside_gradient_);
         continue;
       }
       const TurnedLine<double> back =

@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/iso_surface.h"
+#include "stages/optimize/hull_grid.h"
 
 namespace vitrine {
 
@@ -21,11 +22,11 @@ constexpr int kFineSmoothing = 10;  // Taubin's passes over the mesh: what is le
 float softly(const HullJudge& judge, double x, double y) {
   const Intrinsics& k = judge.view->intrinsics;
   const double u = std::clamp(x - 0.5, 0.0, double(k.width - 1)), v = std::clamp(y - 0.5, 0.0, double(k.height - 1));
-  const int left = std::min(int(u), k.width - 2), top = std::min(int(v), k.height - 2);
+  const int left = std::max(std::min(int(u), k.width - 2), 0), top = std::max(std::min(int(v), k.height - 2), 0);
   double sum = 0, weights = 0;
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i) {
-      const size_t pixel = size_t(top + j) * size_t(k.width) + size_t(left + i);
+      const size_t pixel = size_t(std::min(top + j, k.height - 1)) * size_t(k.width) + size_t(std::min(left + i, k.width - 1));
       if (!judge.says.other.empty() && judge.says.other[pixel] >= 128) continue;
       const double w = (i ? u - left : 1 - (u - left)) * (j ? v - top : 1 - (v - top));
       sum += w * double(judge.says.mask[pixel]) / 255, weights += w;
@@ -56,35 +57,22 @@ float soft_occupancy(const std::vector<HullJudge>& judges, const Vec3d& p, std::
   return *doubted;
 }
 
-struct SoftGrid {
-  Vec3d origin;
-  double cell;
-  std::array<size_t, 3> size;
-  std::vector<float> field;
-  size_t index(size_t x, size_t y, size_t z) const { return (z * size[1] + y) * size[0] + x; }
-  Vec3d centre(size_t x, size_t y, size_t z) const {
-    return origin + cell * Vec3d{double(x) + 0.5, double(y) + 0.5, double(z) + 0.5};
-  }
-};
-
-void soften(SoftGrid& grid) {
+void soften(HullGrid<float>& grid) {
   std::vector<float> before;
   for (int pass = 0; pass < kSoftening; ++pass)
     for (size_t axis = 0; axis < 3; ++axis) {
-      before = grid.field;
-      const size_t step = axis == 0 ? 1 : axis == 1 ? grid.size[0] : grid.size[0] * grid.size[1];
-      parallel_for(grid.size[2], 4, [&](size_t z) {
-        for (size_t y = 0; y < grid.size[1]; ++y)
-          for (size_t x = 0; x < grid.size[0]; ++x) {
-            const size_t i = grid.index(x, y, z), at = axis == 0 ? x : axis == 1 ? y : z;
-            if (at == 0 || at + 1 == grid.size[axis]) continue;
-            grid.field[i] = 0.25f * (before[i - step] + 2 * before[i] + before[i + step]);
-          }
+      before = grid.values;
+      const size_t step = axis == 0 ? grid.index(1, 0, 0) : axis == 1 ? grid.index(0, 1, 0) : grid.index(0, 0, 1);
+      grid.each([&](int x, int y, int z) {
+        const int at = axis == 0 ? x : axis == 1 ? y : z;
+        if (at == 0 || at + 1 == grid.size[axis]) return;
+        const size_t i = grid.index(x, y, z);
+        grid.values[i] = 0.25f * (before[i - step] + 2 * before[i] + before[i + step]);
       });
     }
 }
 
-TriMesh surface_of(const SoftGrid& grid) {
+TriMesh surface_of(const HullGrid<float>& grid) {
   const Vec3d half = 0.5 * grid.cell * Vec3d{1, 1, 1};
   const Vec3d extent = grid.cell * Vec3d{double(grid.size[0]), double(grid.size[1]), double(grid.size[2])};
   TsdfVolume volume({.bounds = {grid.origin + half, grid.origin + extent - half}, .voxel = grid.cell});
@@ -96,12 +84,11 @@ TriMesh surface_of(const SoftGrid& grid) {
     for (int z = 0; z < TsdfBlock::kSide; ++z)
       for (int y = 0; y < TsdfBlock::kSide; ++y)
         for (int x = 0; x < TsdfBlock::kSide; ++x) {
-          const size_t cell[] = {size_t(at.x * TsdfBlock::kSide + x), size_t(at.y * TsdfBlock::kSide + y),
-                                 size_t(at.z * TsdfBlock::kSide + z)};
-          if (cell[0] >= grid.size[0] || cell[1] >= grid.size[1] || cell[2] >= grid.size[2]) continue;
-          const int i = TsdfBlock::index(x, y, z);
-          block.distance[size_t(i)] = 1 - 2 * grid.field[grid.index(cell[0], cell[1], cell[2])];
-          block.weight[size_t(i)] = 1;
+          const int cell[] = {at.x * TsdfBlock::kSide + x, at.y * TsdfBlock::kSide + y, at.z * TsdfBlock::kSide + z};
+          if (!grid.has(cell[0], cell[1], cell[2])) continue;
+          const auto i = static_cast<size_t>(TsdfBlock::index(x, y, z));
+          block.distance[i] = 1 - 2 * grid.at(cell[0], cell[1], cell[2]);
+          block.weight[i] = 1;
         }
   });
   TriMesh mesh = iso_surface(volume);
@@ -113,38 +100,36 @@ TriMesh surface_of(const SoftGrid& grid) {
 
 FineHull fine_hull(const std::vector<HullJudge>& judges, const Bounds3& bounds, double cell,
                    const std::function<int(const Vec3d&)>& known) {
-  SoftGrid grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
-  for (size_t c = 0; c < 3; ++c) grid.size[c] = size_t(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
-  grid.field.assign(grid.size[0] * grid.size[1] * grid.size[2], 0.f);
-  parallel_for(grid.size[2], 1, [&](size_t z) {
-    std::vector<float> said;
-    for (size_t y = 0; y < grid.size[1]; ++y)
-      for (size_t x = 0; x < grid.size[0]; ++x) {
-        const Vec3d p = grid.centre(x, y, z);
-        const int told = known(p);
-        grid.field[grid.index(x, y, z)] = told >= 0 ? float(told) : soft_occupancy(judges, p, said);
-      }
+  HullGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
+  for (size_t c = 0; c < 3; ++c) grid.size[c] = int(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
+  grid.values.assign(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0.f);
+  grid.each([&](int x, int y, int z) {
+    thread_local std::vector<float> said;
+    const Vec3d p = grid.centre(x, y, z);
+    const int told = known(p);
+    grid.values[grid.index(x, y, z)] = told >= 0 ? float(told) : soft_occupancy(judges, p, said);
   });
   soften(grid);
-  std::vector<std::vector<HullSurfacePoint>> slices(grid.size[2]);
-  parallel_for(grid.size[2], 1, [&](size_t z) {
-    if (z < 2 || z + 2 >= grid.size[2]) return;
-    for (size_t y = 2; y + 2 < grid.size[1]; ++y)
-      for (size_t x = 2; x + 2 < grid.size[0]; ++x) {
-        const size_t i = grid.index(x, y, z), across[] = {1, grid.size[0], grid.size[0] * grid.size[1]};
-        const float here = grid.field[i];
-        if (here < kHullLevel) continue;
-        bool last = false;
-        Vec3d slope{};
-        for (size_t c = 0; c < 3; ++c) {
-          last |= grid.field[i - across[c]] < kHullLevel || grid.field[i + across[c]] < kHullLevel;
-          slope[c] = double(grid.field[i + across[c]] - grid.field[i - across[c]]) / (2 * cell);
-        }
-        if (!last || !(length(slope) > 0)) continue;
-        const double steep = length(slope), down = std::min(double(here - kHullLevel) / steep, cell);
-        const Vec3d outwards = -slope / steep;
-        slices[z].push_back({grid.centre(x, y, z) + down * outwards, outwards});
-      }
+  std::vector<std::vector<HullSurfacePoint>> slices(size_t(grid.size[2]));
+  const size_t across[] = {grid.index(1, 0, 0), grid.index(0, 1, 0), grid.index(0, 0, 1)};
+  grid.each([&](int x, int y, int z) {
+    const int at[] = {x, y, z};
+    for (size_t c = 0; c < 3; ++c)
+      if (at[c] < 2 || at[c] + 2 >= grid.size[c]) return;
+    const size_t i = grid.index(x, y, z);
+    const float here = grid.values[i];
+    if (here < kHullLevel) return;
+    bool last = false;
+    Vec3d slope{};
+    for (size_t c = 0; c < 3; ++c) {
+      const float before = grid.values[i - across[c]], after = grid.values[i + across[c]];
+      last |= before < kHullLevel || after < kHullLevel;
+      slope[c] = double(after - before) / (2 * cell);
+    }
+    if (!last || !(length(slope) > 0)) return;
+    const double steep = length(slope), down = std::min(double(here - kHullLevel) / steep, cell);
+    const Vec3d outwards = -slope / steep;
+    slices[size_t(z)].push_back({grid.centre(x, y, z) + down * outwards, outwards});
   });
   FineHull out;
   for (const auto& slice : slices) out.points.insert(out.points.end(), slice.begin(), slice.end());

@@ -96,6 +96,13 @@ TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
   // Behind the camera and beside the picture there is none.
   EXPECT_TRUE(outline_pixels({bottle(before(v, 0.1))}, nullptr, v).empty());
   EXPECT_TRUE(outline_pixels({bottle(before(v, 2) + Vec3d{9, 0, 0})}, nullptr, v).empty());
+  // Nor where another solid is in the picture.
+  const auto beside_it = outline_pixels({bottle(before(v, 0.1)), s}, nullptr, v);
+  ASSERT_EQ(beside_it.size(), pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    EXPECT_EQ(beside_it[i].pixel, pixels[i].pixel);
+    EXPECT_EQ(beside_it[i].shape, 1u);
+  }
 }
 
 // A weight that varies over the picture, times what is covered: the solid's numbers against differences.
@@ -127,32 +134,26 @@ TEST(Outline, GradientsMatchDifferences) {
     }
     return out;
   };
-  const auto differ = [&](double gradient, double& value, double step) {
-    const double was = value;
-    value = was + step;
-    const double above = whole();
-    value = was - step;
-    const double below = whole();
-    value = was;
-    exact.push_back(float(gradient)), differences.push_back((above - below) / (2 * step));
+  const auto differ = [&](double gradient, double& value, const auto& f, double step) {
+    exact.push_back(float(gradient)), differences.push_back(finite_difference(value, f, step));
   };
-  for (size_t c = 0; c < 3; ++c) differ(g.origin[c], s.origin[c], 3e-3);
+  for (size_t c = 0; c < 3; ++c) differ(g.origin[c], s.origin[c], whole, 3e-3);
   expect_grad_close(exact, differences, {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05}, "origin");
   exact.clear(), differences.clear();
   // The axis keeps its length: along two directions across it.
   const Vec3d axis = s.axis, side = normalized(cross(axis, Vec3d{0, 0, 1}));
   for (const Vec3d& way : {side, cross(axis, side)}) {
-    const auto turned = [&](double by) {
+    double by = 0;
+    const auto turned = [&] {
       s.axis = normalized(axis + by * way);
-      const double out = whole();
-      s.axis = axis;
-      return out;
+      return whole();
     };
-    exact.push_back(float(dot(g.axis, way))), differences.push_back((turned(5e-3) - turned(-5e-3)) / 1e-2);
+    differ(dot(g.axis, way), by, turned, 5e-3);
+    s.axis = axis;
   }
   expect_grad_close(exact, differences, {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.1}, "axis");
   exact.clear(), differences.clear();
-  for (size_t i = 1; i + 1 < s.profile.size(); ++i) differ(g.profile[i].x, s.profile[i].x, 2e-3);
+  for (size_t i = 1; i + 1 < s.profile.size(); ++i) differ(g.profile[i].x, s.profile[i].x, whole, 2e-3);
   expect_grad_close(exact, differences, {.relative_l2 = 8e-2, .bias = 5e-2, .row_floor = 0.15}, "radii");
 }
 
@@ -274,13 +275,7 @@ TEST(OutlinePass, GradientsMatchDifferences) {
   std::vector<float> exact;
   std::vector<double> differences;
   const auto number = [&](double gradient, auto& value, double step) {
-    const auto was = value;
-    value = static_cast<std::decay_t<decltype(value)>>(double(was) + step);
-    const double above = loss();
-    value = static_cast<std::decay_t<decltype(value)>>(double(was) - step);
-    const double below = loss();
-    value = was;
-    exact.push_back(float(gradient)), differences.push_back((above - below) / (2 * step));
+    exact.push_back(float(gradient)), differences.push_back(finite_difference(value, loss, step));
   };
   const TurnedGradient of_ball = model.shape->gradients().at(0);
   TurnedSurface& ball = (*b.shapes)[0];

@@ -28,8 +28,10 @@ struct Marked {
   }
 };
 
-Hull hull_in(const std::vector<HullMask>& masks, HullClass kind) {
-  const Marked photos(masks, kind == HullClass::Glass ? MaskClass::Transparent : MaskClass::Specular);
+Hull hull_in(const std::vector<HullMask>& masks, HullClass kind, bool carried = false) {
+  const MaskClass mask = kind == HullClass::Glass ? MaskClass::Transparent : MaskClass::Specular;
+  Marked photos(masks, mask);
+  photos.targets.carried[size_t(mask)] = carried;
   return mask_hull({.kind = kind, .capture = photos.capture, .targets = photos.targets, .depths = photos.depths, .cells = 48});
 }
 
@@ -141,6 +143,50 @@ TEST(MaskHull, OfAKettleKnowsItsSpout) {
   }
   const double ball = 4 * std::numbers::pi * kBall * kBall, spout = 2 * std::numbers::pi * kSpout * 0.25;
   EXPECT_GT(double(on_spout) / spout, 3 * double(on_ball) / ball);
+}
+
+// Masks that were carried from few marks have humps beside the root of a spout: those are the ball.
+TEST(MaskHull, OfAKettleHasNoHumpsBesideItsSpout) {
+  constexpr double kBall = 0.25;
+  const Vec3d from{0.2, 0, 0.05}, to{0.42, 0, 0.16};
+  const auto on_ball = [](double turn) { return 0.26 * Vec3d{std::cos(turn), std::sin(turn), 0}; };
+  const auto masks = outlines(30, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+    return meets_ball({0, 0, 0}, kBall, eye, d) || distance_to_rod(eye, d, from, to) < 0.035 ||
+           distance_to_rod(eye, d, on_ball(0.6), on_ball(0.9)) < 0.02;
+  });
+  const Hull hull = hull_in(masks, HullClass::Gloss, true);
+  ASSERT_EQ(hull.solids.size(), 1u);
+  ASSERT_GT(hull.beside.faces.size(), 200u);
+  for (const Vec3f& p : hull.beside.positions) EXPECT_GT(distance_to_rod(cast<double>(p), on_ball(0.6), on_ball(0.9)), 0.03);
+  size_t on_hump = 0;
+  for (const HullPoint& p : hull.points) {
+    const Vec3d place = cast<double>(p.position);
+    if (distance_to_rod(place, on_ball(0.65), on_ball(0.85)) > 0.03 || length(place) < kBall - 0.01) continue;
+    EXPECT_LT(length(place), kBall + 0.008);
+    ++on_hump;
+  }
+  EXPECT_GT(on_hump, 8u);
+}
+
+// A post in the same box as the ball and its spout, and not of them.
+TEST(MaskHull, OfAKettleLeavesItsNeighbourAlone) {
+  const Vec3d from{0.2, 0, 0.05}, to{0.42, 0, 0.16}, foot{0.38, -0.2, -0.15}, top{0.38, 0.1, -0.15};
+  constexpr double kPost = 0.03;
+  const auto masks = outlines(30, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+    return meets_ball({0, 0, 0}, 0.25, eye, d) || distance_to_rod(eye, d, from, to) < 0.035 ||
+           distance_to_rod(eye, d, foot, top) < kPost;
+  });
+  const Hull hull = hull_in(masks, HullClass::Gloss);
+  ASSERT_EQ(hull.solids.size(), 1u);
+  ASSERT_GT(hull.beside.faces.size(), 200u);
+  for (const Vec3f& p : hull.beside.positions) EXPECT_GT(distance_to_rod(cast<double>(p), foot, top), 2 * kPost);
+  size_t on_post = 0;
+  for (const HullPoint& p : hull.points) {
+    if (distance_to_rod(cast<double>(p.position), foot, top) > 2 * kPost) continue;
+    EXPECT_FALSE(p.known) << "as a hull wavers";
+    ++on_post;
+  }
+  EXPECT_GT(on_post, 50u);
 }
 
 TEST(MaskHull, WhatReflectsKeepsItsShapeAsFarAsItDoes) {

@@ -82,19 +82,22 @@ GradReport expect_grad_close(const std::vector<A>& actual, const std::vector<E>&
   return r;
 }
 
-// d f / d x[i] by central differences; f reads x.
+// d f / d x by central differences; f reads x.
+template <class T, class F>
+double finite_difference(T& x, F f, double step = 1e-6) {
+  const T kept = x;
+  x = static_cast<T>(double(kept) + step);
+  const double above = f();
+  x = static_cast<T>(double(kept) - step);
+  const double below = f();
+  x = kept;
+  return (above - below) / (2 * step);
+}
+
 template <class F>
 std::vector<double> finite_differences(std::vector<double>& x, F f, double step = 1e-6) {
   std::vector<double> g;
-  for (double& v : x) {
-    const double kept = v;
-    v = kept + step;
-    const double above = f();
-    v = kept - step;
-    const double below = f();
-    v = kept;
-    g.push_back((above - below) / (2 * step));
-  }
+  for (double& v : x) g.push_back(finite_difference(v, f, step));
   return g;
 }
 

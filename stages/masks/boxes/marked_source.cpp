@@ -13,6 +13,7 @@
 #include "core/stereo/revolution_edges.h"
 #include "core/stereo/standing_boxes.h"
 #include "stages/masks/boxes/grab_cut.h"
+#include "stages/masks/boxes/up_to_root.h"
 #include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
 
@@ -26,7 +27,6 @@ constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
 constexpr double kEdgesMayDiffer = 0.02;           // from marks of a box, intersection over union
 constexpr double kSticksOut = 0.2;                 // of a solid's radius: nearer to it is its outline
-constexpr double kRoot = 0.3, kMostRoot = 32;      // of the radius; pixels: from there on it belongs to what sticks out
 
 // Even-odd rule at pixel centres.
 std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
@@ -66,14 +66,6 @@ std::vector<SolidOfRevolution> solids_of_hull(const VisualHull& marked, const st
   return solids_of_revolution(seen, marked.surface(), marked.voxel());
 }
 
-bool any_near(const std::vector<uint8_t>& set, const Intrinsics& k, int x, int y, int radius) {
-  for (int v = std::max(0, y - radius); v <= std::min(k.height - 1, y + radius); ++v)
-    for (int u = std::max(0, x - radius); u <= std::min(k.width - 1, x + radius); ++u)
-      if ((u - x) * (u - x) + (v - y) * (v - y) <= radius * radius && set[size_t(v) * size_t(k.width) + size_t(u)] != 0)
-        return true;
-  return false;
-}
-
 // Kettles and vases: GrabCut takes away bright lids and, photo by photo, spouts, and leaves the outline where what the metal
 // mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about, put on
 // the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and what
@@ -88,7 +80,6 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
       for (size_t i = 0; i < turned.size(); ++i) turned[i] |= outline[i];
     }
     // What else is there, and what of it stands far off.
-    const Intrinsics& k = views[v].intrinsics;
     std::vector<uint8_t> off(turned.size(), 0), far(turned.size(), 0);
     mask_of_rays(views[v], [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
       if (turned[pixel]) return false;
@@ -96,9 +87,9 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
         if (hull == nullptr) continue;
         const auto hit = hull->first_hit(eye, direction);
         if (!hit) continue;
+        const Vec3d place = eye + hit->t * direction;
         double distance = 1e300, radius = 0;
         for (const SolidOfRevolution& solid : solids) {
-          const Vec3d place = eye + hit->t * direction;
           const double d = length(solid.nearest(place).position - place);
           if (d < distance) distance = d, radius = std::ranges::max(solid.radii);
         }
@@ -107,16 +98,7 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
       }
       return false;
     });
-    // A spout is there up to its root: about as far from what stands off as that does from the solid.
-    double root = 0;
-    for (const SolidOfRevolution& solid : solids)
-      if (const double z = (views[v].cam_from_world * solid.origin).z; z > 0)
-        root = std::max(root, kRoot * std::ranges::max(solid.radii) * k.fx / z);
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        const size_t p = size_t(y) * size_t(k.width) + size_t(x);
-        inside[v][p] = turned[p] || (off[p] && any_near(far, k, x, y, int(std::min(std::ceil(root), kMostRoot))));
-      }
+    inside[v] = with_what_sticks_out(turned, off, far, views[v].intrinsics);
   });
   throw_if_interrupted();
 }
