@@ -2,25 +2,31 @@
 # Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
 # and UndefinedBehaviorSanitizer.
 #
-#   tests/run.sh [--fast] [--no-sanitizers] | --races
+#   tests/run.sh [--fast] [--no-sanitizers] | --races | --external
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
 # --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
+# --external        instead: what other people's programs say about exported files, and long runs of sfm; installs npm and Chromium
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
-labels=(-LE external) sanitizers=1 races=0
+labels=(-LE external) sanitizers=1 races=0 programs=()
 for argument in "$@"; do
   case "$argument" in
     --fast) labels=(-L fast) ;;
     --no-sanitizers) sanitizers=0 ;;
     --races) races=1 ;;
-    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --external)
+      labels=(-L external) sanitizers=0
+      command -v npm >/dev/null || programs+=(nodejs npm)
+      { command -v chromium || command -v google-chrome; } >/dev/null || programs+=(chromium)
+      ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "error: unknown option '$argument'" >&2; exit 2 ;;
   esac
 done
 
-install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}"
+install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}" ${programs[@]:+"${programs[@]}"}
 
 if [ "$races" = 1 ]; then
   suites=(stage optim loss render trace model)

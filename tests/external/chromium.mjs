@@ -7,7 +7,7 @@ import { launch } from 'puppeteer-core';
 export function open_chromium(options) {
   const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
   if (!chromium) {
-    console.error('chromium is missing: apt-get install chromium');
+    console.error('chromium is missing: tests/run.sh --external installs it');
     process.exit(7);
   }
   return launch({ executablePath: chromium, ...options, args: ['--no-sandbox', '--disable-dev-shm-usage', ...(options?.args ?? [])] });
