@@ -10,16 +10,16 @@
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
-labels=(-LE external) sanitizers=1 races=0 programs=()
+labels=(-LE external) sanitizers=1 races=0 programs=() jobs="$(nproc)"
 for argument in "$@"; do
   case "$argument" in
     --fast) labels=(-L fast) ;;
     --no-sanitizers) sanitizers=0 ;;
     --races) races=1 ;;
     --external)
-      labels=(-L external) sanitizers=0
+      labels=(-L external) sanitizers=0 jobs=1  # they share a folder of npm packages
       command -v npm >/dev/null || programs+=(nodejs npm)
-      { command -v chromium || command -v google-chrome; } >/dev/null || programs+=(chromium)
+      [ -x /usr/bin/chromium ] || [ -x /usr/bin/google-chrome ] || programs+=(chromium)
       ;;
     -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "error: unknown option '$argument'" >&2; exit 2 ;;
@@ -39,7 +39,7 @@ if [ "$races" = 1 ]; then
 fi
 build "$VITRINE_ROOT/build" -DVITRINE_TESTS=ON
 say "tests"
-ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$(nproc)" "${labels[@]}"
+ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$jobs" "${labels[@]}"
 
 if [ "$sanitizers" = 1 ]; then
   build "$VITRINE_ROOT/build-sanitize" vitrine_tests -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo

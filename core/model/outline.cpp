@@ -85,17 +85,18 @@ std::vector<Window> merged(std::vector<Window> windows) {
   return windows;
 }
 
-// What a picture shows all of: what reaches behind the camera is left out.
-struct InPicture {
-  std::vector<uint32_t> shapes;
-  const ShapeMesh* beside = nullptr;
+// What reaches behind the camera has no outline, but hides what is behind it.
+struct Surfaces {
+  const std::vector<TurnedSurface>& shapes;
+  const ShapeMesh* beside;
+  std::vector<uint8_t> outlined;  // [shape], then the mesh
 };
 
 class WindowOutline {
  public:
-  WindowOutline(const std::vector<TurnedSurface>& shapes, const InPicture& shown, const View& view, const Window& window)
-      : shapes_(shapes), shown_(shown), view_(view), window_(window), eye_(view.centre_in_world()) {
-    for (const TurnedSurface& s : shapes) normals_.push_back(s.corner_normals());
+  WindowOutline(const Surfaces& surfaces, const View& view, const Window& window)
+      : shapes_(surfaces.shapes), surfaces_(surfaces), view_(view), window_(window), eye_(view.centre_in_world()) {
+    for (const TurnedSurface& s : shapes_) normals_.push_back(s.corner_normals());
   }
 
   std::vector<OutlinePixel> pixels();
@@ -127,7 +128,7 @@ class WindowOutline {
   Vec3f normal(const Vec3d& place, const Met& m) const;
 
   const std::vector<TurnedSurface>& shapes_;
-  const InPicture& shown_;
+  const Surfaces& surfaces_;
   std::vector<std::vector<Vec2d>> normals_;  // [shape][corner]
   const View& view_;
   const Window window_;
@@ -138,11 +139,11 @@ class WindowOutline {
 std::optional<WindowOutline::Met> WindowOutline::met(double x, double y) const {
   const Vec3d direction = ray(x, y);
   std::optional<Met> first;
-  for (uint32_t k : shown_.shapes)
+  for (uint32_t k = 0; k < shapes_.size(); ++k)
     if (const auto e = shapes_[k].entry(eye_, direction); e && (!first || e->t < first->t))
       first = Met{e->t, k, static_cast<uint32_t>(e->line)};
-  if (!shown_.beside) return first;
-  if (const auto e = shown_.beside->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
+  if (!surfaces_.beside) return first;
+  if (const auto e = surfaces_.beside->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
     first = Met{double(e->t), static_cast<uint32_t>(shapes_.size()), e->face, e->normal, e->u, e->v};
   return first;
 }
@@ -212,6 +213,7 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   if (!end) return std::nullopt;
   const double inside = end->distance;
   const Met& last = end->met;
+  if (!surfaces_.outlined[last.shape]) return std::nullopt;
   const EdgeInPixel<double> edge = edge_in_pixel(inside, out);
   if (!(edge.covered > 0) || !(edge.covered < 1)) return std::nullopt;
   OutlinePixel p{.shape = last.shape,
@@ -271,7 +273,7 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const size_t i = at(x, y);
-      if (beside[i] == UINT32_MAX) continue;
+      if (beside[i] == UINT32_MAX || (met_[i] && !surfaces_.outlined[met_[i]->shape])) continue;
       OutlinePixel p = edge[beside[i]];
       if (own[i] == UINT32_MAX) p = {.shape = p.shape, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
       p.pixel = static_cast<uint32_t>((window_.top + y) * view_.intrinsics.width + window_.left + x);
@@ -289,14 +291,15 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 
 std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view) {
   std::vector<Window> windows;
-  InPicture shown;
-  for (uint32_t k = 0; k < shapes.size(); ++k)
-    if (const auto window = window_of(shapes[k], view)) windows.push_back(*window), shown.shapes.push_back(k);
-  if (beside)
-    if (const auto window = window_of(*beside, view)) windows.push_back(*window), shown.beside = beside;
+  Surfaces surfaces{shapes, beside, std::vector<uint8_t>(shapes.size() + 1, 0)};
+  for (size_t k = 0; k <= shapes.size(); ++k) {
+    if (k == shapes.size() && !beside) continue;
+    const auto window = k < shapes.size() ? window_of(shapes[k], view) : window_of(*beside, view);
+    if (window) windows.push_back(*window), surfaces.outlined[k] = 1;
+  }
   std::vector<OutlinePixel> out;
   for (const Window& window : merged(std::move(windows))) {
-    const std::vector<OutlinePixel> in_window = WindowOutline(shapes, shown, view, window).pixels();
+    const std::vector<OutlinePixel> in_window = WindowOutline(surfaces, view, window).pixels();
     out.insert(out.end(), in_window.begin(), in_window.end());
   }
   std::ranges::sort(out, {}, &OutlinePixel::pixel);

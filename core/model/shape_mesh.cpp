@@ -23,7 +23,7 @@ double corner_angle(const Vec3d& at, const Vec3d& a, const Vec3d& b) {
 
 std::array<int, 3> cell_of(const Vec3f& p, float size) {
   constexpr float kFarthest = 1 << 20;  // what lies beyond shares a cell
-  const auto along = [&](float x) { return int(std::floor(std::clamp(x / size, -kFarthest, kFarthest))); };
+  const auto along = [&](float x) { return int(std::floor(std::fmax(-kFarthest, std::fmin(x / size, kFarthest)))); };
   return {along(p.x), along(p.y), along(p.z)};
 }
 uint64_t key(const std::array<int, 3>& cell) {

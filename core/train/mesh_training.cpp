@@ -83,14 +83,14 @@ void MeshTraining::load(ArchiveReader& in) {
   in.value(v_);
   in.value(steps_);
   if (!(tolerance > 0)) return;
-  for (const auto& f : mesh.faces)
-    if (std::ranges::max(f) >= mesh.positions.size())
-      throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                  {.why = "a face of what stands out of solids has no such vertex",
-                   .hint = "the stage begins anew without it",
-                   .code = "BAD_CHECKPOINT"});
+  const bool vertices =
+      std::ranges::all_of(mesh.faces, [&](const auto& f) { return std::ranges::max(f) < mesh.positions.size(); });
+  if (!vertices || m_.size() != mesh.positions.size() || !std::isfinite(tolerance))
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = "the mesh of what stands out of solids does not hang together",
+                 .hint = "the stage begins anew without it",
+                 .code = "BAD_CHECKPOINT"});
   shape_ = std::make_shared<ShapeMesh>(std::move(mesh), tolerance);
-  m_.resize(shape_->mesh().positions.size());
   find_neighbours();
 }
 

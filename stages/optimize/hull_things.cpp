@@ -64,15 +64,19 @@ class StandingOut {
     std::set<std::array<int, 3>> taken;  // cubes of kThinning cells: one of each is enough
     for (size_t v = 0; v < above.size(); ++v) {
       const Vec3d p = cast<double>(mesh.positions[v]), q = p / (kThinning * cell);
-      if (is_far(above[v]) && taken.insert({int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}).second)
+      if (above[v].far && taken.insert({int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}).second)
         far_.push_back({p, above[v].height});
     }
   }
   bool operator()(const Vec3d& p, const Vec3d& normal) const {
+    for (const SolidOfRevolution& solid : solids_) {
+      const HullSurfacePoint on = solid.nearest(p);
+      const double height = dot(p - on.position, on.normal);
+      if (height < kSunk * cell_ || (height < kBulge * cell_ && dot(on.normal, normal) > kLikeTheSolid)) return false;
+    }
+    if (!carried_) return true;
     const Above above = nearest(p);
-    if (above.height < kSunk * cell_ || (above.height < kBulge * cell_ && dot(above.on.normal, normal) > kLikeTheSolid))
-      return false;
-    return !carried_ || is_far(above) || on_the_way(p, above.height);
+    return above.far || on_the_way(p, above.height);
   }
   // What bulges off a solid is the solid.
   std::optional<HullSurfacePoint> bulges_off(const Vec3d& p) const {
@@ -80,12 +84,13 @@ class StandingOut {
     if (!carried_ || above.height > kHugs_rel * above.radius || on_the_way(p, above.height)) return std::nullopt;
     return above.on;
   }
-  bool is_far(const Vec3d& p) const { return is_far(nearest(p)); }
+  bool is_far(const Vec3d& p) const { return nearest(p).far; }
 
  private:
   struct Above {
     double height = 1e300, radius = 0;
     HullSurfacePoint on;
+    bool far = true;  // of all solids
   };
   struct Far {
     Vec3d place;
@@ -95,12 +100,13 @@ class StandingOut {
     Above out;
     for (const SolidOfRevolution& solid : solids_) {
       const HullSurfacePoint on = solid.nearest(p);
-      if (const double height = dot(p - on.position, on.normal); height < out.height)
-        out = {height, std::ranges::max(solid.radii), on};
+      const double height = dot(p - on.position, on.normal), radius = std::ranges::max(solid.radii);
+      const bool far = out.far && height > kFarOut_rel * radius;
+      if (height < out.height) out = {height, radius, on};
+      out.far = far;
     }
     return out;
   }
-  bool is_far(const Above& above) const { return above.height > kFarOut_rel * above.radius; }
   bool on_the_way(const Vec3d& p, double height) const {
     const Far* best = nullptr;
     double distance = 1e300;
@@ -147,7 +153,7 @@ TriMesh add_fine(const std::vector<HullJudge>& judges, const Bounds3& bounds, st
                  const HullGrid<uint32_t>& of, const std::vector<int8_t>& told, bool carried, std::vector<HullPoint>& points) {
   const double coarse = of.cell;
   const Vec3d extent = bounds.high - bounds.low;
-  const double cell = std::min(coarse, std::max({extent.x, extent.y, extent.z}) / kFineCells);
+  const double cell = std::min(coarse, std::max({extent.x, extent.y, extent.z, coarse}) / kFineCells);
   const double share = (cell / coarse) * (cell / coarse);
   double on_due = 0, off_due = 0;
   FineHull fine = fine_hull(judges, bounds, cell, [&](const Vec3d& p) {

@@ -196,6 +196,7 @@ TEST(Marks, WhatSticksOutIsThereUpToItsRootAndNothingBesideIt) {
   EXPECT_GT(humps, 40u);
   EXPECT_LT(kept, humps / 4) << "of " << humps;  // the pixels next to the bar
   EXPECT_EQ(with_what_sticks_out(solid, off, std::vector<uint8_t>(pixels), k), solid) << "nothing is far";
+  EXPECT_EQ(with_what_sticks_out(std::vector<uint8_t>(pixels), off, far, k), far) << "the solid is beside the picture";
 }
 
 TEST_F(Marked, SameMarksSameBytes) {

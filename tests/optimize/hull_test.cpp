@@ -152,7 +152,7 @@ TEST(MaskHull, OfAKettleHasNoHumpsBesideItsSpout) {
   const auto on_ball = [](double turn) { return 0.26 * Vec3d{std::cos(turn), std::sin(turn), 0}; };
   const auto masks = outlines(30, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
     return meets_ball({0, 0, 0}, kBall, eye, d) || distance_to_rod(eye, d, from, to) < 0.035 ||
-           distance_to_rod(eye, d, on_ball(0.6), on_ball(0.9)) < 0.02;
+           distance_to_rod(eye, d, on_ball(0.15), on_ball(0.9)) < 0.02;
   });
   const Hull hull = hull_in(masks, HullClass::Gloss, true);
   ASSERT_EQ(hull.solids.size(), 1u);

@@ -35,7 +35,11 @@ std::vector<uint8_t> with_what_sticks_out(const std::vector<uint8_t>& solid, con
                                           const std::vector<uint8_t>& far, const Intrinsics& k) {
   std::vector<uint8_t> out = solid;
   const auto any = [](const std::vector<uint8_t>& set) { return std::ranges::any_of(set, [](uint8_t v) { return v != 0; }); };
-  if (!any(far) || !any(solid)) return out;
+  if (!any(far)) return out;
+  if (!any(solid)) {  // the photo shows the spout alone
+    for (size_t p = 0; p < out.size(); ++p) out[p] = off[p] && far[p];
+    return out;
+  }
   const Nearest to_far = nearest_of(far, k), to_solid = nearest_of(solid, k);
   for (size_t p = 0; p < out.size(); ++p) {
     const float straight = to_solid.distance[to_far.pixel[p]];
