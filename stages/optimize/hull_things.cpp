@@ -24,24 +24,27 @@ constexpr double kHugs_rel = 0.15;       // of the largest radius: what is lower
 constexpr double kThinning = 2;          // of the fine cells
 constexpr double kCrowd = 6;  // of its other parts, spouts and handles, which bend faster than the solid: points in place of one
 
-// What the hull says of a place: 1 inside of `thing`, 0 outside of it, -1 near its surface.
-std::vector<int8_t> told_of(uint32_t thing, const HullGrid<uint32_t>& of) {
-  std::vector<int8_t> told(of.values.size());
+// Of a cell: the thing it is of or, near the surface of things, the nearest one.
+struct NearestThing {
+  uint32_t thing = 0;
+  bool near_surface = false;
+};
+HullGrid<NearestThing> nearest_things(const HullGrid<uint32_t>& of) {
+  HullGrid<NearestThing> out{of.origin, of.cell, of.size, std::vector<NearestThing>(of.values.size())};
   of.each([&](int x, int y, int z) {
     const uint32_t own = of.at(x, y, z);
-    uint32_t nearest = own;  // thing
+    NearestThing& found = out.values[of.index(x, y, z)];
+    found.thing = own;
     int distance = own != 0 ? 0 : INT32_MAX;
-    bool near = false;
     for (int k = -kNearSurface; k <= kNearSurface; ++k)
       for (int j = -kNearSurface; j <= kNearSurface; ++j)
         for (int i = -kNearSurface; i <= kNearSurface; ++i) {
           const uint32_t other = of.at(x + i, y + j, z + k);
-          near |= other != own;
-          if (const int d = i * i + j * j + k * k; other != 0 && d < distance) distance = d, nearest = other;
+          found.near_surface |= other != own;
+          if (const int d = i * i + j * j + k * k; other != 0 && d < distance) distance = d, found.thing = other;
         }
-    told[of.index(x, y, z)] = nearest != thing ? 0 : near ? -1 : 1;
   });
-  return told;
+  return out;
 }
 
 void append(TriMesh& to, const TriMesh& more) {
@@ -50,9 +53,8 @@ void append(TriMesh& to, const TriMesh& more) {
   for (const auto& f : more.faces) to.faces.push_back({first + f[0], first + f[1], first + f[2]});
 }
 
-// What stands out of the solids, up to its root. A hull bulges: under a foot and above a lid, where no outline says otherwise,
-// and beside a spout, where masks that were carried from few marks have too much. What is far out is no bulge, nor is what lies
-// on its way to the solid.
+// What stands out of the solids, up to its root. Masks that were carried from few marks have too much beside a spout: of theirs
+// only what is far out counts, and what lies on its way to the solid.
 class StandingOut {
  public:
   // `mesh`: with normals.
@@ -149,16 +151,17 @@ TriMesh beside(TriMesh mesh, const std::vector<HullJudge>& judges, const Standin
 
 // The surface of one thing: on the solid as many points as the coarse grid has, elsewhere kCrowd times as many. Returns what
 // stands out of the solids.
-TriMesh add_fine(const std::vector<HullJudge>& judges, const Bounds3& bounds, std::span<const SolidOfRevolution> solids,
-                 const HullGrid<uint32_t>& of, const std::vector<int8_t>& told, bool carried, std::vector<HullPoint>& points) {
-  const double coarse = of.cell;
+TriMesh add_fine(uint32_t thing, const Bounds3& bounds, const HullGrid<NearestThing>& nearest,
+                 const std::vector<HullJudge>& judges, std::span<const SolidOfRevolution> solids, bool carried,
+                 std::vector<HullPoint>& points) {
+  const double coarse = nearest.cell;
   const Vec3d extent = bounds.high - bounds.low;
   const double cell = std::min(coarse, std::max({extent.x, extent.y, extent.z, coarse}) / kFineCells);
   const double share = (cell / coarse) * (cell / coarse);
   double on_due = 0, off_due = 0;
   FineHull fine = fine_hull(judges, bounds, cell, [&](const Vec3d& p) {
-    const auto [x, y, z] = of.cell_of(p);
-    return of.has(x, y, z) ? int(told[of.index(x, y, z)]) : 0;
+    const NearestThing at = nearest.at(p);
+    return at.thing != thing ? 0 : at.near_surface ? -1 : 1;
   });
   fine.mesh.normals = vertex_normals(fine.mesh);
   const StandingOut stands_out(fine.mesh, solids, cell, carried);
@@ -221,8 +224,10 @@ void add_things(const HullThings& things, const std::vector<HullJudge>& judges, 
   of.each_in_order([&](int x, int y, int z) {
     if (const uint32_t thing = of.at(x, y, z); thing != 0 && thing <= bounds.size()) bounds[thing - 1].extend(of.centre(x, y, z));
   });
+  if (bounds.empty()) return;
+  const HullGrid<NearestThing> nearest = nearest_things(of);
   for (uint32_t k = 0; k < bounds.size(); ++k)
-    append(hull.beside, add_fine(judges, bounds[k], hull.solids, of, told_of(k + 1, of), carried, hull.points));
+    append(hull.beside, add_fine(k + 1, bounds[k], nearest, judges, hull.solids, carried, hull.points));
 }
 
 }  // namespace vitrine
