@@ -38,6 +38,9 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.height = j.at("height").get<int>();
       p.original_width = j.at("original_width").get<int>();
       p.original_height = j.at("original_height").get<int>();
+      p.orientation = j.at("orientation").get<int>();
+      if (p.orientation < 1 || p.orientation > 8)
+        throw_bad_json(path, kPhotoListFormat, "photo '" + p.name + "' has no EXIF orientation of 1 to 8");
       p.focal_px = optional_number(j.at("focal_px"));
       p.focal_source = j.at("focal_source").get<std::string>();
       p.exposure_ev = optional_number(j.at("exposure_ev"));
@@ -65,6 +68,7 @@ void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) 
                     {"height", p.height},
                     {"original_width", p.original_width},
                     {"original_height", p.original_height},
+                    {"orientation", p.orientation},
                     {"focal_px", json_of(p.focal_px)},
                     {"focal_source", p.focal_source},
                     {"exposure_ev", json_of(p.exposure_ev)},

@@ -9,6 +9,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/image/upright.h"
 #include "core/math/color.h"
 #include "core/photo/photo_files.h"
 
@@ -43,25 +44,6 @@ size_t repair(ImageF& image) {
 
 }  // namespace
 
-ImageF upright(const ImageF& stored, int orientation) {
-  if (orientation <= 1 || orientation > 8) return stored;
-  const int w = stored.width(), h = stored.height(), channels = stored.channels();
-  const bool turned = orientation >= 5;
-  ImageF out(turned ? h : w, turned ? w : h, channels);
-  // Where row 0 and column 0 of the stored image belong (EXIF 2.32, tag 0x0112):
-  //   1 top left  2 top right  3 bottom right  4 bottom left  5 left top  6 right top  7 right bottom  8 left bottom
-  const bool mirror_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
-  const bool mirror_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const int across = turned ? y : x, down = turned ? x : y;
-      const int to_x = mirror_x ? out.width() - 1 - across : across, to_y = mirror_y ? out.height() - 1 - down : down;
-      std::copy_n(stored.pixel(x, y), channels, out.pixel(to_x, to_y));
-    }
-  }
-  return out;
-}
-
 Developed develop(const fs::path& path, int max_side) {
   Developed d;
   const PhotoHead head = read_photo_head(path);
@@ -87,6 +69,7 @@ Developed develop(const fs::path& path, int max_side) {
   Photo& photo = d.photo;
   photo.original_width = d.linear.width();
   photo.original_height = d.linear.height();
+  photo.orientation = probe.format == PhotoFormat::Exr ? 1 : std::clamp(exif.orientation, 1, 8);
   const Intrinsics limited = Intrinsics{photo.original_width, photo.original_height, 1, 1, 0, 0}.limited_to(max_side);
   photo.width = std::max(limited.width, 1);
   photo.height = std::max(limited.height, 1);

@@ -17,9 +17,6 @@ struct Developed {
 // Throws Error{Input} when the file is empty, damaged or truncated.
 Developed develop(const std::filesystem::path& path, int max_side);
 
-// The image that a viewer shows for a stored image with EXIF orientation 1..8.
-ImageF upright(const ImageF& stored, int orientation);
-
 // Bytes that `develop` needs at its peak for a photo of so many pixels.
 size_t develop_bytes(size_t pixels);
 

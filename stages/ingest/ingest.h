@@ -1,7 +1,7 @@
 // Ingest: a folder of photographs becomes upright linear EXR files, 8-bit copies for structure from motion, and
 // ingest/photos.json with what EXIF knows about focal length and exposure (README.md).
 //
-// Version history: 1 = JPEG, PNG, TIFF, EXR.
+// Version history: 1 = JPEG, PNG, TIFF, EXR; 2 = photos.json holds the EXIF orientation.
 #pragma once
 
 #include "stages/stage.h"

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/camera/compacted.h"
 #include "core/math/median.h"
 #include "stages/sfm/sfm.h"
 
@@ -89,52 +90,6 @@ double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>&
       smallest_cosine = std::min(smallest_cosine, dot(a, b) / std::max(1e-300, length(a) * length(b)));
     }
   return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
-}
-
-ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep) {
-  std::map<uint32_t, size_t> image_at;
-  for (size_t i = 0; i < model.images.size(); ++i) image_at[model.images[i].id] = i;
-  // New index of every 2D point that still has a 3D point.
-  constexpr uint32_t kGone = ~uint32_t{0};
-  std::vector<std::vector<uint32_t>> new_index(model.images.size());
-  std::vector<ColmapPoint3D> kept;
-  for (ColmapPoint3D& p : model.points) {
-    std::erase_if(p.track, [&](const ColmapTrackElement& t) {
-      return model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id != p.id;
-    });
-    if (!keep(p)) {
-      for (const ColmapTrackElement& t : p.track)
-        model.images[image_at.at(t.image_id)].points[t.point2d_index].point3d_id = kNoPoint3D;
-      continue;
-    }
-    const uint64_t id = kept.size() + 1;
-    for (const ColmapTrackElement& t : p.track) {
-      ColmapImage& image = model.images[image_at.at(t.image_id)];
-      std::vector<uint32_t>& index = new_index[image_at.at(t.image_id)];
-      index.resize(image.points.size(), kGone);
-      index[t.point2d_index] = 0;  // marked; numbered below
-    }
-    p.id = id;
-    kept.push_back(std::move(p));
-  }
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    new_index[i].resize(model.images[i].points.size(), kGone);
-    std::vector<ColmapPoint2D> left;
-    for (size_t k = 0; k < new_index[i].size(); ++k) {
-      if (new_index[i][k] == kGone) continue;
-      new_index[i][k] = static_cast<uint32_t>(left.size());
-      left.push_back(model.images[i].points[k]);
-    }
-    model.images[i].points = std::move(left);
-  }
-  for (ColmapPoint3D& p : kept)
-    for (ColmapTrackElement& t : p.track) {
-      const size_t i = image_at.at(t.image_id);
-      t.point2d_index = new_index[i][t.point2d_index];
-      model.images[i].points[t.point2d_index].point3d_id = p.id;
-    }
-  model.points = std::move(kept);
-  return model;
 }
 
 ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, FilterCounts& counts) {

@@ -2,7 +2,6 @@
 // space (mean distance to the eight nearest points, judged on a log scale against all points).
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,9 +17,6 @@ struct FilterCounts {
 
 ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, FilterCounts& counts);
 
-// Keeps the points for which `keep` holds; 2D points without a 3D point leave; ids become 1..n; tracks follow. Observations whose
-// 2D point lost its 3D point are first taken out of the tracks.
-ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPoint3D&)>& keep);
 // Largest angle between two viewing rays of the track, radians.
 double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>& centres_of_track);
 // Mean distance to the `k` nearest other points.

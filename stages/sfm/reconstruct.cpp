@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/timer.h"
+#include "core/camera/compacted.h"
 #include "stages/sfm/features.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/rotation_pairs.h"

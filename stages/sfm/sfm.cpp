@@ -16,7 +16,7 @@
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
-#include "stages/sfm/given_poses.h"
+#include "core/camera/given_poses.h"
 #include "stages/sfm/outputs.h"
 
 namespace vitrine {

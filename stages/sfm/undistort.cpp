@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "stages/sfm/point_filter.h"
+#include "core/camera/compacted.h"
 
 namespace vitrine {
 

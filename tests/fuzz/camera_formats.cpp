@@ -3,7 +3,7 @@
 #include "core/camera/colmap_files.h"
 #include "core/camera/mask_files.h"
 #include "core/camera/view_set.h"
-#include "stages/sfm/given_poses.h"
+#include "core/camera/given_poses.h"
 #include "tests/fuzz/entry.h"
 
 namespace vitrine {

@@ -10,7 +10,7 @@
 #include "core/image/ldr.h"
 #include "core/light/radiance_hdr.h"
 #include "core/loss/safetensors.h"
-#include "stages/sfm/given_poses.h"
+#include "core/camera/given_poses.h"
 #include "tests/fuzz/entry.h"
 #include "tests/support/error_of.h"
 

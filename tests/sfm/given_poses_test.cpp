@@ -1,4 +1,4 @@
-#include "stages/sfm/given_poses.h"
+#include "core/camera/given_poses.h"
 
 #include <gtest/gtest.h>
 
