@@ -46,6 +46,8 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.exposure_ev = optional_number(j.at("exposure_ev"));
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
+      p.color_profile = j.value("color_profile", "");
+      p.color_source = j.value("color_source", "");
       constexpr int kMaxSide = 1 << 20;
       for (int side : {p.width, p.height, p.original_width, p.original_height})
         if (side <= 0 || side > kMaxSide) throw_bad_json(path, kPhotoListFormat, "photo '" + p.name + "' has no size");
@@ -73,7 +75,9 @@ void write_photo_list(const fs::path& folder, const std::vector<Photo>& photos) 
                     {"focal_source", p.focal_source},
                     {"exposure_ev", json_of(p.exposure_ev)},
                     {"camera", p.camera},
-                    {"time", p.time}});
+                    {"time", p.time},
+                    {"color_profile", p.color_profile},
+                    {"color_source", p.color_source}});
   }
   write_json_file(folder / "ingest" / "photos.json", {{"photos", list}});
 }

@@ -22,6 +22,8 @@ struct Photo {
   std::optional<double> exposure_ev;  // log2(N^2 / (t S/100)): the scene luminance this photo was exposed for
   std::string camera;                 // maker and model, or empty
   std::string time;                   // EXIF DateTimeOriginal, "YYYY:MM:DD HH:MM:SS", or empty
+  std::string color_profile;          // "sRGB", "Display P3", "linear Rec. 709": what the file's numbers stood for
+  std::string color_source;           // what said so: "icc", "exif ColorSpace", "png cICP", "float linear", "assumed sRGB", ...
   bool operator==(const Photo&) const = default;
 };
 

@@ -1,6 +1,6 @@
 #include "core/image/probe.h"
 
-#include <functional>
+#include "core/image/segments.h"
 
 #include <fmt/format.h>
 
@@ -12,14 +12,6 @@ constexpr std::string_view kPngMagic("\x89PNG\r\n\x1a\n", 8);
 constexpr std::string_view kExrMagic("\x76\x2f\x31\x01", 4);
 constexpr std::string_view kExifMagic("Exif\0\0", 6);
 
-// An unsigned number of `n` bytes; 0 beyond the end, which no valid field that we ask for holds.
-uint64_t number(std::string_view b, size_t at, size_t n, bool big_endian) {
-  if (at > b.size() || b.size() - at < n) return 0;
-  uint64_t v = 0;
-  for (size_t i = 0; i < n; ++i) v = v << 8 | static_cast<unsigned char>(b[at + (big_endian ? i : n - 1 - i)]);
-  return v;
-}
-
 PhotoFormat format_of(std::string_view b) {
   if (b.starts_with("\xff\xd8\xff")) return PhotoFormat::Jpeg;
   if (b.starts_with(kPngMagic)) return PhotoFormat::Png;
@@ -28,58 +20,19 @@ PhotoFormat format_of(std::string_view b) {
   return PhotoFormat::Unknown;
 }
 
-// Visits the segments of a JPEG up to the first scan: marker, and the payload's bytes. Stops when `visit` returns false.
-// Returns the place behind the start-of-scan marker, 0 when the bytes end before it.
-size_t visit_jpeg(std::string_view b, const std::function<bool(unsigned marker, std::string_view payload)>& visit) {
-  size_t at = 2;
-  while (at + 4 <= b.size() && static_cast<unsigned char>(b[at]) == 0xff) {
-    const unsigned marker = static_cast<unsigned char>(b[at + 1]);
-    if (marker == 0xff) {  // fill byte
-      ++at;
-      continue;
-    }
-    if (marker == 0xda) return at + 2;
-    if (marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8)) {  // no payload
-      at += 2;
-      continue;
-    }
-    const size_t length = number(b, at + 2, 2, true);
-    if (length < 2) return 0;
-    if (!visit(marker, b.substr(at + 4, length - 2))) return 0;
-    at += 2 + length;
-  }
-  return 0;
-}
-
-bool is_start_of_frame(unsigned marker) {  // SOF0..15 without DHT, JPG, DAC
-  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-}
-
-// Visits the chunks of a PNG. Returns whether IEND was met.
-bool visit_png(std::string_view b, const std::function<void(std::string_view type, std::string_view data)>& visit) {
-  size_t at = kPngMagic.size();
-  while (at + 12 <= b.size()) {
-    const size_t length = number(b, at, 4, true);
-    const std::string_view type = b.substr(at + 4, 4);
-    if (type == "IEND") return true;
-    if (visit) visit(type, b.substr(at + 8, length));
-    at += 12 + length;
-  }
-  return false;
-}
-
 void probe_tiff(std::string_view b, Probe& probe) {
   const bool big = b[0] == 'M';
-  const size_t directory = number(b, 4, 4, big), entries = number(b, directory, 2, big);
+  const size_t directory = number_at(b, 4, 4, big), entries = number_at(b, directory, 2, big);
   for (size_t i = 0; i < entries; ++i) {
     const size_t entry = directory + 2 + 12 * i;
     if (entry + 12 > b.size()) return;
-    const uint64_t tag = number(b, entry, 2, big), type = number(b, entry + 2, 2, big), count = number(b, entry + 4, 4, big);
-    const uint64_t value = number(b, entry + 8, type == 3 ? 2 : 4, big);
+    const uint64_t tag = number_at(b, entry, 2, big), type = number_at(b, entry + 2, 2, big),
+                   count = number_at(b, entry + 4, 4, big);
+    const uint64_t value = number_at(b, entry + 8, type == 3 ? 2 : 4, big);
     if (tag == 256) probe.width = value;
     if (tag == 257) probe.height = value;
     // SampleFormat: one short per channel, in the entry up to two, else behind an offset. 3 = IEEE floating point.
-    if (tag == 339) probe.float_samples = (count > 2 ? number(b, number(b, entry + 8, 4, big), 2, big) : value) == 3;
+    if (tag == 339) probe.float_samples = (count > 2 ? number_at(b, number_at(b, entry + 8, 4, big), 2, big) : value) == 3;
   }
 }
 
@@ -88,7 +41,7 @@ void probe_exr(std::string_view b, Probe& probe) {
   const size_t at = b.find(kWindow);
   if (at == std::string_view::npos) return;
   int32_t box[4];
-  for (size_t i = 0; i < 4; ++i) box[i] = static_cast<int32_t>(number(b, at + kWindow.size() + 4 + 4 * i, 4, false));
+  for (size_t i = 0; i < 4; ++i) box[i] = static_cast<int32_t>(number_at(b, at + kWindow.size() + 4 + 4 * i, 4, false));
   const int64_t width = int64_t(box[2]) - box[0] + 1, height = int64_t(box[3]) - box[1] + 1;
   if (width > 0 && height > 0) probe.width = static_cast<uint64_t>(width), probe.height = static_cast<uint64_t>(height);
 }
@@ -100,16 +53,16 @@ Probe probe_photo(std::string_view b) {
   probe.format = format_of(b);
   switch (probe.format) {
     case PhotoFormat::Jpeg:
-      visit_jpeg(b, [&](unsigned marker, std::string_view payload) {
+      jpeg_segments(b, [&](unsigned marker, std::string_view payload) {
         if (!is_start_of_frame(marker)) return true;
-        probe.height = number(payload, 1, 2, true);
-        probe.width = number(payload, 3, 2, true);
+        probe.height = number_at(payload, 1, 2, true);
+        probe.width = number_at(payload, 3, 2, true);
         return false;
       });
       break;
     case PhotoFormat::Png:
-      probe.width = number(b, 16, 4, true);
-      probe.height = number(b, 20, 4, true);
+      probe.width = number_at(b, 16, 4, true);
+      probe.height = number_at(b, 20, 4, true);
       break;
     case PhotoFormat::Tiff:
       probe_tiff(b, probe);
@@ -138,13 +91,13 @@ std::string missing_end(std::string_view b) {
   switch (format_of(b)) {
     case PhotoFormat::Jpeg: {
       // Inside a scan every 0xff is followed by 0x00 or a restart marker, so the first end marker behind it is the real one.
-      const size_t scan = visit_jpeg(b, [](unsigned, std::string_view) { return true; });
+      const size_t scan = jpeg_segments(b, [](unsigned, std::string_view) { return true; });
       if (scan == 0) return "the JPEG ends before its picture data: the file is truncated or damaged";
       if (b.find("\xff\xd9", scan) == std::string_view::npos) return "the JPEG has no end marker: the file is truncated";
       return "";
     }
     case PhotoFormat::Png:
-      return visit_png(b, {}) ? "" : "the PNG has no end chunk: the file is truncated";
+      return png_chunks(b, {}) ? "" : "the PNG has no end chunk: the file is truncated";
     default:
       return "";
   }
@@ -154,14 +107,14 @@ std::string exif_block(std::string_view b) {
   std::string block;
   switch (format_of(b)) {
     case PhotoFormat::Jpeg:
-      visit_jpeg(b, [&](unsigned marker, std::string_view payload) {
+      jpeg_segments(b, [&](unsigned marker, std::string_view payload) {
         if (marker != 0xe1 || !payload.starts_with(kExifMagic)) return true;
         block = payload;
         return false;
       });
       break;
     case PhotoFormat::Png:
-      visit_png(b, [&](std::string_view type, std::string_view data) {
+      png_chunks(b, [&](std::string_view type, std::string_view data) {
         if (type == "eXIf") block = std::string(kExifMagic).append(data);
       });
       break;

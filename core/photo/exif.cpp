@@ -97,6 +97,8 @@ Exif parse_exif(std::string_view block) {
   exif.camera = camera_name(text(d, EXIF_IFD_0, EXIF_TAG_MAKE), text(d, EXIF_IFD_0, EXIF_TAG_MODEL));
   exif.time = text(d, EXIF_IFD_EXIF, EXIF_TAG_DATE_TIME_ORIGINAL);
   if (exif.time.empty()) exif.time = text(d, EXIF_IFD_0, EXIF_TAG_DATE_TIME);
+  if (const auto space = positive(d, EXIF_IFD_EXIF, EXIF_TAG_COLOR_SPACE)) exif.color_space = static_cast<int>(*space);
+  exif.interoperability = text(d, EXIF_IFD_INTEROPERABILITY, EXIF_TAG_INTEROPERABILITY_INDEX);
   return exif;
 }
 

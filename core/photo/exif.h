@@ -15,6 +15,8 @@ struct Exif {
   double pixel_x = 0, pixel_y = 0;      // size of the photo when EXIF was written, 0 = not said
   std::optional<double> exposure_s, f_number, iso;
   std::string camera, time;
+  int color_space = -1;          // ColorSpace: 1 = sRGB, 2 = Adobe RGB, 65535 = uncalibrated; -1 = not said
+  std::string interoperability;  // InteroperabilityIndex: "R98", "R03" (Adobe RGB), or empty
 };
 
 // `block` as exif_block returns it; damaged blocks give what could be read, an empty one the defaults.

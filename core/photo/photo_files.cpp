@@ -114,7 +114,10 @@ PhotoHead read_photo_head(const fs::path& path) {
   if (probe.format == PhotoFormat::Unknown) throw_unusable("its content is neither JPEG, PNG, TIFF nor EXR");
   if (const std::string why = implausible_size(probe, bytes.size()); !why.empty()) throw_unusable(why);
   if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(missing);
-  return {probe, parse_exif(exif_block(bytes)), digest_bytes(bytes)};
+  PhotoHead head{probe, parse_exif(exif_block(bytes)), digest_bytes(bytes), {}, has_alpha(bytes, probe.format)};
+  head.color = color_of(bytes, probe, head.exif);
+  if (!head.color.refusal.empty()) throw_unusable(head.color.refusal);
+  return head;
 }
 
 std::string skipped_text(const PhotoFolder& folder) {

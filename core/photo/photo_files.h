@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "core/base/hash.h"
-#include "core/photo/exif.h"
 #include "core/image/probe.h"
+#include "core/photo/exif.h"
+#include "core/photo/photo_color.h"
 
 namespace vitrine {
 
@@ -35,8 +36,10 @@ struct PhotoHead {
   Probe probe;
   Exif exif;
   Digest digest;  // of the file's bytes
+  PhotoColor color;
+  bool alpha = false;  // the file has an alpha channel
 };
-// Throws Error{Input} when the file is empty, truncated, of a kind we do not read, or too large.
+// Throws Error{Input} when the file is empty, truncated, of a kind we do not read, too large, or has colours of print.
 PhotoHead read_photo_head(const std::filesystem::path& path);
 
 // "3 x .cr2, 1 x .txt"

@@ -1,48 +1,15 @@
 #include "stages/ingest/develop.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/camera/view.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/image/upright.h"
-#include "core/math/color.h"
-#include "core/photo/photo_files.h"
+#include "core/photo/linear_photo.h"
 
 namespace vitrine::ingest {
-
-namespace {
-
-constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that we write
-
-// All values of 8 and 16 bit samples are multiples of 1/65535, so one table decodes both exactly.
-void decode_srgb(ImageF& image) {
-  static const std::vector<float> table = [] {
-    std::vector<float> t(65536);
-    for (size_t i = 0; i < t.size(); ++i) t[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 65535.0));
-    return t;
-  }();
-  // The comparison also catches NaN, which a float file in disguise may hold.
-  for (float& v : image.data()) v = v > 0 ? table[static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f)] : 0.0f;
-}
-
-size_t repair(ImageF& image) {
-  size_t repaired = 0;
-  for (float& v : image.data()) {
-    if (!std::isfinite(v)) {
-      v = 0;
-      ++repaired;
-    }
-    v = std::clamp(v, 0.0f, kHalfMax);
-  }
-  return repaired;
-}
-
-}  // namespace
 
 Developed develop(const fs::path& path, int max_side) {
   Developed d;
@@ -50,16 +17,10 @@ Developed develop(const fs::path& path, int max_side) {
   const Probe& probe = head.probe;
   const Exif& exif = head.exif;
 
-  if (probe.format == PhotoFormat::Exr) {
-    d.linear = read_exr_rgb(path);
-    d.repaired_pixels = repair(d.linear);
-  } else {
-    d.linear = read_srgb(path);
-    if (probe.float_samples)
-      d.repaired_pixels = repair(d.linear);
-    else
-      decode_srgb(d.linear);
-  }
+  LinearPhoto decoded = read_linear_photo(path, head);
+  d.linear = std::move(decoded.linear);
+  d.repaired_pixels = decoded.repaired_values;
+  d.color = color_facts(head.color, !decoded.alpha.empty());
   if (d.linear.empty())
     throw Error(ErrorKind::Input, "a photo cannot be used",
                 {.where = path.string(), .why = "it has no pixels", .hint = "take it out of the folder", .code = "BAD_PHOTO"});
@@ -82,6 +43,8 @@ Developed develop(const fs::path& path, int max_side) {
   photo.exposure_ev = exposure_ev(exif);
   photo.camera = exif.camera;
   photo.time = exif.time;
+  photo.color_profile = d.color.profile;
+  photo.color_source = d.color.source;
   return d;
 }
 

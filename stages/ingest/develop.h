@@ -5,13 +5,15 @@
 
 #include "core/camera/photo_list.h"
 #include "core/image/image.h"
+#include "core/photo/photo_color.h"
 
 namespace vitrine::ingest {
 
 struct Developed {
-  ImageF linear;               // upright, [h, w, 3]
-  Photo photo;                 // all but name, stem and source
-  size_t repaired_pixels = 0;  // EXR: not finite, set to 0
+  ImageF linear;  // upright, [h, w, 3]
+  Photo photo;    // all but name, stem and source
+  ColorFacts color;
+  size_t repaired_pixels = 0;  // floating-point samples: not finite, set to 0
 };
 
 // Throws Error{Input} when the file is empty, damaged or truncated.

@@ -28,6 +28,7 @@ constexpr size_t kMinPhotos = 2;  // one photo has no depth
 struct Outcome {
   Photo photo;
   std::string failure;  // empty = developed
+  ColorFacts color;
   size_t repaired_pixels = 0;
 };
 
@@ -67,6 +68,7 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
   outcome.photo.name = file.name;
   outcome.photo.stem = file.stem;
   outcome.photo.source = file.source;
+  outcome.color = std::move(developed.color);
   outcome.repaired_pixels = developed.repaired_pixels;
   write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
   write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
@@ -114,7 +116,24 @@ void report_folder(const PhotoFolder& folder, StageContext& context) {
                                 unread, skipped_text(folder)));
 }
 
-void report_photos(const std::vector<Photo>& photos, size_t left_out, StageContext& context) {
+// Says what was taken for granted of colours and alpha. Returns what was converted, for the summary.
+std::string report_colors(const std::vector<Outcome>& outcomes, StageContext& context) {
+  std::vector<const ColorFacts*> colors;
+  for (const Outcome& o : outcomes) colors.push_back(o.failure.empty() ? &o.color : nullptr);
+  for (const ColorNote& note : color_notes(colors)) {
+    std::string code = "PHOTO_" + note.code;
+    for (char& c : code)
+      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    const std::string text = fmt::format("{}: {}; {}", note.what, note.why, note.hint);
+    if (note.warning)
+      context.warning(code, text);
+    else
+      log_info("{}", text);
+  }
+  return colors_text(colors);
+}
+
+void report_photos(const std::vector<Photo>& photos, const std::string& colors, size_t left_out, StageContext& context) {
   std::set<std::pair<int, int>> sizes;
   size_t with_focal = 0, with_exposure = 0;
   double darkest = 1e300, brightest = -1e300;
@@ -138,11 +157,11 @@ void report_photos(const std::vector<Photo>& photos, size_t left_out, StageConte
                     fmt::format("the photos have {} sizes ({}): each keeps its own camera", sizes.size(), list));
   }
   const Photo& first = photos.front();
-  context.summary(fmt::format("{} photos{}{}{}{}", photos.size(),
+  context.summary(fmt::format("{} photos{}{}{}{}{}", photos.size(),
                               sizes.size() == 1 ? fmt::format("  {} x {}", first.width, first.height) : "",
                               first.camera.empty() ? "" : "  " + first.camera,
                               with_focal > 0 ? fmt::format("  focal known for {}", with_focal) : "  no focal length",
-                              left_out > 0 ? fmt::format("  {} left out", left_out) : ""));
+                              colors.empty() ? "" : "  " + colors, left_out > 0 ? fmt::format("  {} left out", left_out) : ""));
 }
 
 void run(const IngestConfig& config, StageContext& context) {
@@ -173,7 +192,7 @@ void run(const IngestConfig& config, StageContext& context) {
   if (left_out > 0) context.warning("PHOTOS_LEFT_OUT", fmt::format("{} photos are left out:\n         {}", left_out, failures));
   if (repaired > 0) context.warning("PIXELS_NOT_FINITE", fmt::format("{} values that are not numbers were set to 0", repaired));
   write_photo_list(context.output(), photos);
-  report_photos(photos, left_out, context);
+  report_photos(photos, report_colors(outcomes, context), left_out, context);
 }
 
 }  // namespace

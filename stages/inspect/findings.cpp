@@ -48,6 +48,7 @@ class Judge {
     if (!usable_.empty()) {
       size();
       cameras();
+      colors();
       sharpness();
       texture();
       exposure();
@@ -165,6 +166,14 @@ class Judge {
       say({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
            "their EXIF data was removed or is incomplete", "use the photos as the camera wrote them",
            those([](const PhotoFacts& p) { return !p.focal_px; })});
+  }
+
+  void colors() {
+    std::vector<const ColorFacts*> facts;
+    for (const PhotoFacts& p : photos_) facts.push_back(p.usable() ? &p.color : nullptr);
+    for (ColorNote& note : color_notes(facts))
+      say({note.code, note.warning ? Severity::Warning : Severity::Note, std::move(note.what), std::move(note.why),
+           std::move(note.hint), std::move(note.photos)});
   }
 
   void sharpness() {

@@ -31,6 +31,9 @@ Json photo_json(const PhotoFacts& p) {
   j["height"] = p.height;
   j["camera"] = p.camera;
   j["time"] = p.time;
+  j["color_profile"] = p.color.profile;
+  j["color_source"] = p.color.source;
+  j["alpha"] = p.color.alpha;
   j["focal_px"] = or_null(p.focal_px);
   j["exposure_ev"] = or_null(p.exposure_ev);
   j["blur_px_at_1600"] = or_null(p.blur());

@@ -5,9 +5,9 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/photo/linear_photo.h"
 
 namespace vitrine {
 
@@ -22,12 +22,13 @@ ImageF reduced(ImageF image) {
   return resized(image, std::max(int(image.width() * s + 0.5), 1), std::max(int(image.height() * s + 0.5), 1));
 }
 
-Image8 small_picture(const fs::path& path, const Probe& probe) {
-  if (probe.format == PhotoFormat::Exr) return srgb8_from_linear(reduced(read_exr_rgb(path)));
-  if (probe.float_samples) return srgb8_from_linear(reduced(read_srgb(path)));
+Image8 small_picture(const fs::path& path, const PhotoHead& head) {
+  const Probe& probe = head.probe;
+  if (probe.format == PhotoFormat::Exr || probe.float_samples)
+    return srgb8_from_linear(reduced(read_linear_photo(path, head).linear));
   int reduction = 1;
   while (reduction < 8 && int(std::max(probe.width, probe.height)) / (2 * reduction) >= kMeasuredSide) reduction *= 2;
-  return read_srgb8(path, reduction);
+  return srgb_of(read_srgb8(path, reduction), head.color);
 }
 
 PhotoFacts facts_of(const PhotoFile& file) {
@@ -35,7 +36,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
   f.name = file.name;
   try {
     const PhotoHead head = read_photo_head(file.path);
-    const Image8 picture = small_picture(file.path, head.probe);
+    const Image8 picture = small_picture(file.path, head);
     f.measures = measured(picture);
     const bool turned = head.exif.orientation >= 5 && head.probe.format != PhotoFormat::Tiff;
     f.width = int(head.probe.width), f.height = int(head.probe.height);
@@ -46,6 +47,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
     f.camera = head.exif.camera;
     f.time = head.exif.time;
     f.digest = head.digest.hex();
+    f.color = color_facts(head.color, has_varying_alpha(file.path, head));
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     f.failure = e.detail().why.empty() ? e.message() : e.detail().why;

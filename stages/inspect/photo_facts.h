@@ -15,6 +15,7 @@ struct PhotoFacts {
   std::optional<double> focal_px;  // at that size
   std::optional<double> exposure_ev;
   std::string camera, time, digest;
+  ColorFacts color;
   PhotoMeasures measures;
 
   bool usable() const { return failure.empty(); }

@@ -1,0 +1,178 @@
+#include "core/image/color_profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/math/color.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kTable = 65536;            // all values of 8 and 16 bit samples are multiples of 1/65535
+constexpr Vec3d kD50{0.9642, 1.0, 0.8249};  // as ICC profiles have it
+
+// Variants of sRGB differ by rounding: 0.001 in the matrix; the small profiles that web services write, by one step of 8 bits
+// of the curve. Its nearest neighbours (gamma 2.2, Rec. 601 primaries) are ten times as far away.
+constexpr double kSameMatrix = 0.005, kSameCurve = 1.5 / 255;
+
+Mat3d inverse(const Mat3d& m) {
+  const double d = determinant(m);
+  return transposed(Mat3d{cross(m.c1, m.c2) / d, cross(m.c2, m.c0) / d, cross(m.c0, m.c1) / d});
+}
+
+Mat3d diagonal(const Vec3d& v) { return {{v.x, 0, 0}, {0, v.y, 0}, {0, 0, v.z}}; }
+
+// Bradford: cone responses are scaled so that one white becomes the other.
+Mat3d adaptation(const Vec3d& from, const Vec3d& to) {
+  const Mat3d cones{{0.8951, -0.7502, 0.0389}, {0.2664, 1.7135, -0.0685}, {-0.1614, 0.0367, 1.0296}};
+  const Vec3d a = cones * from, b = cones * to;
+  return inverse(cones) * diagonal({b.x / a.x, b.y / a.y, b.z / a.z}) * cones;
+}
+
+Vec3d xyz(double x, double y) { return {x, y, 1 - x - y}; }
+
+bool is_rec709(const Mat3d& m) {
+  for (size_t i = 0; i < 9; ++i)
+    if (!(std::abs(m(i / 3, i % 3) - (i / 3 == i % 3)) < kSameMatrix)) return false;
+  return true;
+}
+
+bool is_srgb_curve(const std::vector<float>& table) {
+  for (size_t i = 0; i < kTable; i += 257)
+    if (!(std::abs(srgb_from_linear(double(table[i])) - double(i) / (kTable - 1)) < kSameCurve)) return false;
+  return true;
+}
+
+const std::vector<float>& srgb_table() {
+  static const std::vector<float> table = [] {
+    std::vector<float> t(kTable);
+    for (size_t i = 0; i < t.size(); ++i) t[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 65535.0));
+    return t;
+  }();
+  return table;
+}
+
+// The comparison also catches NaN, which a float file in disguise may hold.
+size_t index_of(float v) { return v > 0 ? static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f) : 0; }
+
+}  // namespace
+
+Mat3d xyz_d50_from(const Chromaticities& c) {
+  const Mat3d directions{xyz(c.red_x, c.red_y), xyz(c.green_x, c.green_y), xyz(c.blue_x, c.blue_y)};
+  const Vec3d white = xyz(c.white_x, c.white_y) / c.white_y;
+  return adaptation(white, kD50) * directions * diagonal(inverse(directions) * white);
+}
+
+Mat3d rec709_from_xyz_d50() {
+  static const Mat3d m = inverse(xyz_d50_from(kRec709));
+  return m;
+}
+
+ColorProfile::ColorProfile(std::string name, const std::vector<Curve>& curves, const Mat3d& rec709_from_rgb)
+    : name_(std::move(name)), curves_(curves) {
+  if (curves_.size() == 1) curves_.resize(3, curves_[0]);
+  for (size_t c = 0; c < curves_.size(); ++c) {
+    tables_[c].resize(kTable);
+    for (size_t i = 0; i < kTable; ++i) tables_[c][i] = static_cast<float>(curves_[c](double(i) / (kTable - 1)));
+  }
+  if (is_rec709(rec709_from_rgb)) {
+    if (curves_.empty()) kind_ = Kind::Rec709, name_ = "linear Rec. 709";
+    if (!curves_.empty() && std::all_of(tables_.begin(), tables_.end(), &is_srgb_curve)) kind_ = Kind::Srgb, name_ = "sRGB";
+    if (kind_ == Kind::Srgb) tables_ = {};
+  }
+  for (size_t c = 1; c < 3; ++c)
+    if (tables_[c] == tables_[0]) tables_[c].clear();
+  for (size_t i = 0; i < 9; ++i) m_[i] = static_cast<float>(rec709_from_rgb(i / 3, i % 3));
+}
+
+ColorProfile::ColorProfile(std::string name, PixelFunction to_linear)
+    : name_(std::move(name)), kind_(Kind::Function), function_(std::move(to_linear)) {}
+
+void ColorProfile::multiply(float* rgb, size_t pixels) const {
+  const std::array<float, 9> m = m_;
+  for (size_t i = 0; i < pixels; ++i, rgb += 3) {
+    const float r = rgb[0], g = rgb[1], b = rgb[2];
+    rgb[0] = m[0] * r + m[1] * g + m[2] * b;
+    rgb[1] = m[3] * r + m[4] * g + m[5] * b;
+    rgb[2] = m[6] * r + m[7] * g + m[8] * b;
+  }
+}
+
+namespace {
+
+constexpr size_t kChunk = 1 << 14;  // pixels
+
+}  // namespace
+
+void ColorProfile::to_linear(ImageF& image) const {
+  if (kind_ == Kind::Srgb) {
+    const std::vector<float>& table = srgb_table();
+    for (float& v : image.data()) v = v > 0 ? table[index_of(v)] : 0.0f;
+    return;
+  }
+  if (kind_ == Kind::Function || curves_.empty()) {
+    float_to_linear(image);
+    return;
+  }
+  const float* const red = tables_[0].data();
+  const float* const green = tables_[1].empty() ? red : tables_[1].data();
+  const float* const blue = tables_[2].empty() ? red : tables_[2].data();
+  parallel_chunks(image.pixel_count(), kChunk, [&](size_t, size_t begin, size_t end) {
+    float* p = image.data().data() + 3 * begin;
+    for (size_t i = 0; i < end - begin; ++i) {
+      p[3 * i] = red[index_of(p[3 * i])];
+      p[3 * i + 1] = green[index_of(p[3 * i + 1])];
+      p[3 * i + 2] = blue[index_of(p[3 * i + 2])];
+    }
+    multiply(p, end - begin);
+  });
+}
+
+void ColorProfile::float_to_linear(ImageF& image) const {
+  if (kind_ == Kind::Rec709) return;
+  parallel_chunks(image.pixel_count(), kChunk, [&](size_t, size_t begin, size_t end) {
+    float* const p = image.data().data() + 3 * begin;
+    if (kind_ == Kind::Function) {
+      std::vector<float> from(p, p + 3 * (end - begin));
+      function_(from.data(), p, static_cast<unsigned>(end - begin));
+      return;
+    }
+    for (size_t i = 0; !curves_.empty() && i < 3 * (end - begin); ++i) {
+      const double v = p[i], linear = kind_ == Kind::Srgb ? linear_from_srgb(std::abs(v)) : curves_[i % 3](std::abs(v));
+      p[i] = static_cast<float>(std::copysign(linear, v));
+    }
+    if (kind_ != Kind::Srgb) multiply(p, end - begin);
+  });
+}
+
+ColorProfilePtr srgb_profile() {
+  static const ColorProfilePtr p = std::make_shared<ColorProfile>(
+      "sRGB", std::vector<ColorProfile::Curve>{[](double v) { return linear_from_srgb(v); }}, Mat3d::identity());
+  return p;
+}
+
+ColorProfilePtr linear_rec709_profile() {
+  static const ColorProfilePtr p =
+      std::make_shared<ColorProfile>("linear Rec. 709", std::vector<ColorProfile::Curve>{}, Mat3d::identity());
+  return p;
+}
+
+ColorProfilePtr adobe_rgb_profile() {
+  static const ColorProfilePtr p =
+      primaries_profile("Adobe RGB (1998)", kAdobeRgb, [](double v) { return std::pow(v, 563.0 / 256); });
+  return p;
+}
+
+ColorProfilePtr primaries_profile(std::string name, const Chromaticities& primaries, const ColorProfile::Curve& curve) {
+  constexpr double kLargest = 100;  // of a matrix of real primaries; ACES AP0 has 2.5
+  if (!(primaries.white_y > 0)) return nullptr;
+  const Mat3d m = rec709_from_xyz_d50() * xyz_d50_from(primaries);
+  for (size_t i = 0; i < 9; ++i)
+    if (!(std::abs(m(i / 3, i % 3)) < kLargest)) return nullptr;
+  if (!(std::abs(determinant(m)) > 1 / kLargest)) return nullptr;
+  return std::make_shared<ColorProfile>(std::move(name), curve ? std::vector{curve} : std::vector<ColorProfile::Curve>{}, m);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,69 @@
+// The colours of a file as linear Rec. 709 (D65), the space of every picture inside:
+//   linear = M curve(encoded)
+// with one curve per channel and one matrix M (primaries; Bradford adaptation when the white is another), or, for profiles that
+// are tables, a function from Little CMS (core/image/icc.h). Values outside of 0..1 are kept: a saturated red of Display P3 has a
+// negative green in Rec. 709.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+#include "core/math/vec.h"
+
+namespace vitrine {
+
+// CIE xy of the primaries and of white.
+struct Chromaticities {
+  double red_x = 0, red_y = 0, green_x = 0, green_y = 0, blue_x = 0, blue_y = 0, white_x = 0, white_y = 0;
+};
+inline constexpr Chromaticities kRec709{0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
+inline constexpr Chromaticities kDisplayP3{0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290};
+inline constexpr Chromaticities kAdobeRgb{0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.3290};
+
+// Linear RGB of these primaries as XYZ under D50, the connection space of ICC profiles. Not finite for impossible primaries.
+Mat3d xyz_d50_from(const Chromaticities& c);
+Mat3d rec709_from_xyz_d50();
+
+class ColorProfile {
+ public:
+  using Curve = std::function<double(double)>;                                // encoded -> linear, odd: f(-x) = -f(x)
+  using PixelFunction = std::function<void(const float*, float*, unsigned)>;  // [n, 3] -> [n, 3], callable from several threads
+
+  // `curves` empty: the values are linear already.
+  ColorProfile(std::string name, const std::vector<Curve>& curves, const Mat3d& rec709_from_rgb);
+  ColorProfile(std::string name, PixelFunction to_linear);
+
+  const std::string& name() const { return name_; }  // "sRGB", "Display P3", "linear Rec. 709"
+  bool is_srgb() const { return kind_ == Kind::Srgb; }
+  bool has_rec709_primaries() const { return kind_ == Kind::Srgb || kind_ == Kind::Rec709; }
+
+  // [h, w, 3], values of 8 or 16 bit samples over 255 or 65535. sRGB is decoded exactly, by a table of all 65536 values.
+  void to_linear(ImageF& image) const;
+  // The same for floating-point samples, which may lie outside of 0..1. They are finite.
+  void float_to_linear(ImageF& image) const;
+
+ private:
+  enum class Kind { Srgb, Rec709, Matrix, Function };
+  void multiply(float* rgb, size_t pixels) const;
+
+  std::string name_;
+  Kind kind_ = Kind::Matrix;
+  std::vector<Curve> curves_;                          // none, or 3
+  std::array<std::vector<float>, 3> tables_;           // [65536] of the curves; one that equals the first is empty
+  std::array<float, 9> m_{1, 0, 0, 0, 1, 0, 0, 0, 1};  // rows
+  PixelFunction function_;
+};
+
+using ColorProfilePtr = std::shared_ptr<const ColorProfile>;
+ColorProfilePtr srgb_profile();
+ColorProfilePtr linear_rec709_profile();
+ColorProfilePtr adobe_rgb_profile();  // Adobe RGB (1998): gamma 563 / 256
+// The matrix is checked: nullptr for primaries that no light has.
+ColorProfilePtr primaries_profile(std::string name, const Chromaticities& primaries, const ColorProfile::Curve& curve = {});
+
+}  // namespace vitrine
