@@ -33,17 +33,33 @@ Mat3d adaptation(const Vec3d& from, const Vec3d& to) {
 
 Vec3d xyz(double x, double y) { return {x, y, 1 - x - y}; }
 
-bool is_rec709(const Mat3d& m) {
+bool same_matrix(const Mat3d& a, const Mat3d& b) {
   for (size_t i = 0; i < 9; ++i)
-    if (!(std::abs(m(i / 3, i % 3) - (i / 3 == i % 3)) < kSameMatrix)) return false;
+    if (!(std::abs(a(i / 3, i % 3) - b(i / 3, i % 3)) < kSameMatrix)) return false;
   return true;
 }
 
-bool is_srgb_curve(const std::vector<float>& table) {
-  for (size_t i = 0; i < kTable; i += 257)
-    if (!(std::abs(srgb_from_linear(double(table[i])) - double(i) / (kTable - 1)) < kSameCurve)) return false;
+// Compared as an eye would, in steps of sRGB.
+bool same_curve(const std::vector<float>& table, const ColorProfile::Curve& curve) {
+  for (size_t i = 0; i < kTable; i += 257) {
+    const double other = curve(double(i) / (kTable - 1));
+    if (!(std::abs(srgb_from_linear(double(table[i])) - srgb_from_linear(other)) < kSameCurve)) return false;
+  }
   return true;
 }
+
+double srgb_curve(double v) { return linear_from_srgb(v); }
+double adobe_curve(double v) { return std::pow(v, 563.0 / 256); }
+double prophoto_curve(double v) { return std::pow(v, 1.8); }
+
+struct KnownSpace {
+  const char* name;
+  Chromaticities primaries;
+  ColorProfile::Curve curve;
+};
+const KnownSpace kKnownSpaces[] = {{"Display P3", kDisplayP3, srgb_curve},
+                                   {"Adobe RGB (1998)", kAdobeRgb, adobe_curve},
+                                   {"ProPhoto RGB", kProPhoto, prophoto_curve}};
 
 const std::vector<float>& srgb_table() {
   static const std::vector<float> table = [] {
@@ -77,11 +93,16 @@ ColorProfile::ColorProfile(std::string name, const std::vector<Curve>& curves, c
     tables_[c].resize(kTable);
     for (size_t i = 0; i < kTable; ++i) tables_[c][i] = static_cast<float>(curves_[c](double(i) / (kTable - 1)));
   }
-  if (is_rec709(rec709_from_rgb)) {
+  const auto has_curve = [&](const Curve& curve) {
+    return !curves_.empty() && std::all_of(tables_.begin(), tables_.end(), [&](const auto& t) { return same_curve(t, curve); });
+  };
+  if (same_matrix(rec709_from_rgb, Mat3d::identity())) {
     if (curves_.empty()) kind_ = Kind::Rec709, name_ = "linear Rec. 709";
-    if (!curves_.empty() && std::all_of(tables_.begin(), tables_.end(), &is_srgb_curve)) kind_ = Kind::Srgb, name_ = "sRGB";
-    if (kind_ == Kind::Srgb) tables_ = {};
+    if (has_curve(srgb_curve)) kind_ = Kind::Srgb, name_ = "sRGB", tables_ = {};
   }
+  for (const KnownSpace& known : kKnownSpaces)
+    if (same_matrix(rec709_from_rgb, rec709_from_xyz_d50() * xyz_d50_from(known.primaries)) && has_curve(known.curve))
+      name_ = known.name;
   for (size_t c = 1; c < 3; ++c)
     if (tables_[c] == tables_[0]) tables_[c].clear();
   for (size_t i = 0; i < 9; ++i) m_[i] = static_cast<float>(rec709_from_rgb(i / 3, i % 3));
@@ -148,8 +169,8 @@ void ColorProfile::float_to_linear(ImageF& image) const {
 }
 
 ColorProfilePtr srgb_profile() {
-  static const ColorProfilePtr p = std::make_shared<ColorProfile>(
-      "sRGB", std::vector<ColorProfile::Curve>{[](double v) { return linear_from_srgb(v); }}, Mat3d::identity());
+  static const ColorProfilePtr p =
+      std::make_shared<ColorProfile>("sRGB", std::vector<ColorProfile::Curve>{srgb_curve}, Mat3d::identity());
   return p;
 }
 
@@ -160,8 +181,7 @@ ColorProfilePtr linear_rec709_profile() {
 }
 
 ColorProfilePtr adobe_rgb_profile() {
-  static const ColorProfilePtr p =
-      primaries_profile("Adobe RGB (1998)", kAdobeRgb, [](double v) { return std::pow(v, 563.0 / 256); });
+  static const ColorProfilePtr p = primaries_profile("Adobe RGB (1998)", kAdobeRgb, adobe_curve);
   return p;
 }
 

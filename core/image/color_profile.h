@@ -24,6 +24,7 @@ struct Chromaticities {
 inline constexpr Chromaticities kRec709{0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290};
 inline constexpr Chromaticities kDisplayP3{0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290};
 inline constexpr Chromaticities kAdobeRgb{0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.3290};
+inline constexpr Chromaticities kProPhoto{0.7347, 0.2653, 0.1596, 0.8404, 0.0366, 0.0001, 0.3457, 0.3585};
 
 // Linear RGB of these primaries as XYZ under D50, the connection space of ICC profiles. Not finite for impossible primaries.
 Mat3d xyz_d50_from(const Chromaticities& c);
@@ -34,7 +35,7 @@ class ColorProfile {
   using Curve = std::function<double(double)>;                                // encoded -> linear, odd: f(-x) = -f(x)
   using PixelFunction = std::function<void(const float*, float*, unsigned)>;  // [n, 3] -> [n, 3], callable from several threads
 
-  // `curves` empty: the values are linear already.
+  // `curves` empty: the values are linear already. Well-known spaces get their usual name, whatever `name` calls them.
   ColorProfile(std::string name, const std::vector<Curve>& curves, const Mat3d& rec709_from_rgb);
   ColorProfile(std::string name, PixelFunction to_linear);
 

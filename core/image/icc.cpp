@@ -156,7 +156,7 @@ IccProfile matrix_profile(const std::shared_ptr<Lcms>& lcms) {
   const Vec3d white = m * Vec3d{1, 1, 1};
   for (size_t c = 0; c < 3; ++c)
     if (!(white[c] > kDimmest && white[c] < kBrightest)) return unusable(*lcms, "its primaries do not add up to white");
-  if (!(determinant(m) > kLeast)) return unusable(*lcms, "its primaries lie on a line");
+  if (!(std::abs(determinant(m)) > kLeast)) return unusable(*lcms, "its primaries lie on a line");
   bool linear = true;
   for (double v : {0.1, 0.5, 0.9})
     for (const auto& f : curves) linear = linear && std::abs(f(v) - v) < 1e-5;
@@ -195,7 +195,9 @@ IccProfile read_icc(std::string_view bytes) {
     return unusable(*lcms, fmt::format("it is for pictures of the colour space '{}'", four_letters(space)));
   if (const auto cicp = cicp_of(lcms->profile))
     if (const ColorProfilePtr profile = cicp_profile(*cicp)) return {.profile = profile, .problem = {}};
-  if (cmsIsCLUT(lcms->profile, INTENT_RELATIVE_COLORIMETRIC, LCMS_USED_AS_INPUT)) return table_profile(lcms);
+  // Of another intent, too: the library then takes that one.
+  for (const cmsTagSignature table : {cmsSigAToB1Tag, cmsSigAToB0Tag, cmsSigDToB1Tag, cmsSigDToB0Tag})
+    if (cmsIsTag(lcms->profile, table)) return table_profile(lcms);
   return matrix_profile(lcms);
 }
 

@@ -13,6 +13,7 @@
 #include "core/image/jpeg.h"
 #include "core/image/png.h"
 #include "core/image/probe.h"
+#include "core/image/segments.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -34,11 +35,12 @@ bool truncated_jpeg(const std::string& bytes) {
 }
 
 cv::Mat decode(const fs::path& path, int flags) {
-  const std::string bytes = read_file(path);
+  std::string bytes = read_file(path);
   if (bytes.empty()) bad_image(path, "the file is empty");
   if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
   if (const std::string why = implausible_size(probe_photo(bytes), bytes.size()); !why.empty()) bad_image(path, why);
   if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
+  if (probe_photo(bytes).format == PhotoFormat::Png) bytes = png_pixels(bytes);
   cv::Mat mat;
   if (const std::string why = codecs().decode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION, mat); !why.empty())
     bad_image(path, why);

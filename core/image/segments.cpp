@@ -49,6 +49,20 @@ bool png_chunks(std::string_view b, const std::function<void(std::string_view ty
   return false;
 }
 
+std::string png_pixels(std::string_view b) {
+  std::string out(b.substr(0, 8));
+  size_t at = 8;
+  while (at + 12 <= b.size()) {
+    const size_t size = 12 + number_at(b, at, 4, true);
+    const std::string_view type = b.substr(at + 4, 4);
+    const bool critical = (type[0] & 0x20) == 0;
+    if (critical || type == "tRNS") out += b.substr(at, size);
+    at += size;
+    if (type == "IEND") break;
+  }
+  return out;
+}
+
 namespace {
 
 size_t tiff_type_size(unsigned type) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace vitrine {
@@ -20,6 +21,9 @@ bool is_start_of_frame(unsigned marker);
 
 // Visits the chunks of a PNG. Returns whether IEND was met.
 bool png_chunks(std::string_view bytes, const std::function<void(std::string_view type, std::string_view data)>& visit);
+
+// A PNG with what its pixels need only: no profile, text or gamma, of which libpng writes its opinion to stderr.
+std::string png_pixels(std::string_view bytes);
 
 // A field of the directory that holds the largest picture (a thumbnail may come first); of another one when that lacks it.
 struct TiffField {

@@ -351,8 +351,8 @@ std::vector<ColorNote> color_notes(std::span<const ColorFacts* const> photos) {
     if (p.alpha) alpha.push_back(i);
   }
   if (!problems.empty())
-    notes.push_back({.code = "unusable_profiles",
-                     .warning = true,
+    notes.push_back({.finding = "unusable_profiles",
+                     .warning_code = "PHOTO_PROFILE_UNUSABLE",
                      .what = fmt::format("the colours of {} are taken as sRGB, but may be others", counted(problems.size())),
                      .why = photos[problems[0]]->problem,
                      .hint = "export the photos as sRGB, or with their profile",
@@ -360,22 +360,24 @@ std::vector<ColorNote> color_notes(std::span<const ColorFacts* const> photos) {
   if (groups.size() > 1) {
     std::string list;
     for (const auto& [name, members] : groups) list += fmt::format("{}{} x {}", list.empty() ? "" : ", ", members.size(), name);
-    notes.push_back({.code = "mixed_profiles",
-                     .warning = true,
+    notes.push_back({.finding = "mixed_profiles",
+                     .warning_code = "PHOTO_PROFILES_DIFFER",
                      .what = fmt::format("the photos have {} colour profiles", groups.size()),
                      .why = list + "; each photo is converted by its own, and a wrong one shows as a tint",
                      .hint = "export all photos in the same way",
                      .photos = {}});
   }
   if (const std::string text = colors_text(photos); !text.empty())
-    notes.push_back({.code = "color_profiles",
-                     .what = text,
-                     .why = "the colour profile of the photos is applied",
-                     .hint = "nothing; colours outside of sRGB are kept in linear pictures and clipped in 8-bit ones",
-                     .photos = {}});
+    notes.push_back(
+        {.finding = "color_profiles",
+         .warning_code = {},
+         .what = text,
+         .why = "what the files say of their colours is applied; colours outside of sRGB are clipped in 8-bit pictures",
+         .hint = "nothing to do",
+         .photos = {}});
   if (!alpha.empty())
-    notes.push_back({.code = "alpha_not_used",
-                     .warning = true,
+    notes.push_back({.finding = "alpha_not_used",
+                     .warning_code = "PHOTO_ALPHA_NOT_USED",
                      .what = fmt::format("{} an alpha channel, which is not used",
                                          alpha.size() == 1 ? "1 photo has" : fmt::format("{} photos have", alpha.size())),
                      .why = "the pixels that it hides are taken as they are in the file, often black",

@@ -32,8 +32,8 @@ bool has_alpha(std::string_view bytes, PhotoFormat format);
 
 // What a person should know of the colours of a set of photos.
 struct ColorNote {
-  std::string code;      // "unusable_profiles"
-  bool warning = false;  // else a note
+  std::string finding;       // of inspect: "mixed_profiles"
+  std::string warning_code;  // of ingest: "PHOTO_PROFILES_DIFFER"; empty: nothing to warn of
   std::string what, why, hint;
   std::vector<size_t> photos;  // indices
 };

@@ -121,14 +121,10 @@ std::string report_colors(const std::vector<Outcome>& outcomes, StageContext& co
   std::vector<const ColorFacts*> colors;
   for (const Outcome& o : outcomes) colors.push_back(o.failure.empty() ? &o.color : nullptr);
   for (const ColorNote& note : color_notes(colors)) {
-    std::string code = "PHOTO_" + note.code;
-    for (char& c : code)
-      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-    const std::string text = fmt::format("{}: {}; {}", note.what, note.why, note.hint);
-    if (note.warning)
-      context.warning(code, text);
+    if (!note.warning_code.empty())
+      context.warning(note.warning_code, fmt::format("{}: {}; {}", note.what, note.why, note.hint));
     else
-      log_info("{}", text);
+      log_info("{}: {}", note.what, note.why);
   }
   return colors_text(colors);
 }

@@ -172,8 +172,8 @@ class Judge {
     std::vector<const ColorFacts*> facts;
     for (const PhotoFacts& p : photos_) facts.push_back(p.usable() ? &p.color : nullptr);
     for (ColorNote& note : color_notes(facts))
-      say({note.code, note.warning ? Severity::Warning : Severity::Note, std::move(note.what), std::move(note.why),
-           std::move(note.hint), std::move(note.photos)});
+      say({note.finding, note.warning_code.empty() ? Severity::Note : Severity::Warning, std::move(note.what),
+           std::move(note.why), std::move(note.hint), std::move(note.photos)});
   }
 
   void sharpness() {

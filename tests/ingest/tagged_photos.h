@@ -1,0 +1,216 @@
+// ICC profiles made with Little CMS, and photos that carry them: JPEG segments, PNG chunks, TIFF tags, EXR attributes.
+#pragma once
+
+#include <lcms2.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "core/image/color_profile.h"
+#include "tests/ingest/tiny_photos.h"
+
+namespace vitrine::test {
+
+using Profile = std::shared_ptr<void>;
+inline Profile owned(cmsHPROFILE p) {
+  return {p, [](void* h) { cmsCloseProfile(h); }};
+}
+
+inline cmsToneCurve* srgb_tone() {
+  const double parameters[] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+  return cmsBuildParametricToneCurve(nullptr, 4, parameters);
+}
+
+inline Profile rgb_profile(const Chromaticities& c, cmsToneCurve* curve, const char* name) {
+  const cmsCIExyY white{c.white_x, c.white_y, 1};
+  const cmsCIExyYTRIPLE primaries{{c.red_x, c.red_y, 1}, {c.green_x, c.green_y, 1}, {c.blue_x, c.blue_y, 1}};
+  cmsToneCurve* const curves[] = {curve, curve, curve};
+  const Profile p = owned(cmsCreateRGBProfile(&white, &primaries, curves));
+  cmsFreeToneCurve(curve);
+  cmsMLU* const text = cmsMLUalloc(nullptr, 1);
+  cmsMLUsetASCII(text, "en", "US", name);
+  cmsWriteTag(p.get(), cmsSigProfileDescriptionTag, text);
+  cmsMLUfree(text);
+  return p;
+}
+
+inline Profile display_p3() { return rgb_profile(kDisplayP3, srgb_tone(), "Display P3"); }
+inline Profile adobe_rgb() { return rgb_profile(kAdobeRgb, cmsBuildGamma(nullptr, 563.0 / 256), "Adobe RGB (1998)"); }
+inline Profile prophoto() { return rgb_profile(kProPhoto, cmsBuildGamma(nullptr, 1.8), "ProPhoto RGB"); }
+inline Profile linear_rec709() { return rgb_profile(kRec709, cmsBuildGamma(nullptr, 1.0), "linear"); }
+
+inline std::string icc_bytes(const Profile& profile) {
+  cmsUInt32Number size = 0;
+  cmsSaveProfileToMem(profile.get(), nullptr, &size);
+  std::string bytes(size, '\0');
+  cmsSaveProfileToMem(profile.get(), bytes.data(), &size);
+  return bytes;
+}
+
+// Pixels of three floats from one space to another as Little CMS sees it: relative colorimetric, not clipped.
+inline ImageF converted(const ImageF& image, const Profile& from, const Profile& to) {
+  ImageF out(image.width(), image.height(), 3);
+  const std::shared_ptr<void> transform(cmsCreateTransform(from.get(), TYPE_RGB_FLT, to.get(), TYPE_RGB_FLT,
+                                                           INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOCACHE | cmsFLAGS_NOOPTIMIZE),
+                                        [](void* t) { cmsDeleteTransform(t); });
+  cmsDoTransform(transform.get(), image.data().data(), out.data().data(), static_cast<cmsUInt32Number>(image.pixel_count()));
+  return out;
+}
+
+template <class T>
+Image<T> quantised(const ImageF& image, double largest) {
+  Image<T> out(image.width(), image.height(), image.channels());
+  for (size_t i = 0; i < out.data().size(); ++i)
+    out.data()[i] = static_cast<T>(std::lround(std::clamp(double(image.data()[i]), 0.0, 1.0) * largest));
+  return out;
+}
+inline Image8 in_8_bits(const ImageF& image) { return quantised<uint8_t>(image, 255); }
+inline Image16 in_16_bits(const ImageF& image) { return quantised<uint16_t>(image, 65535); }
+
+// `order`: numbers of the parts as they come in the file, from 1; empty: all in order.
+inline void add_icc_to_jpeg(const fs::path& jpeg, const std::string& icc, size_t parts = 1, std::vector<size_t> order = {}) {
+  for (size_t i = 1; order.size() < parts && i <= parts; ++i) order.push_back(i);
+  const std::string bytes = read_file(jpeg);
+  const size_t each = (icc.size() + parts - 1) / parts;
+  Fields out(true);
+  for (size_t number : order) {
+    const std::string part = icc.substr((number - 1) * each, each);
+    out.raw("\xff\xe2");
+    out.u16(static_cast<unsigned>(part.size() + 16));
+    out.raw(std::string("ICC_PROFILE\0", 12) + char(number) + char(parts));
+    out.raw(part);
+  }
+  write_file(jpeg, bytes.substr(0, 2) + out.bytes + bytes.substr(2));
+}
+
+inline std::string png_chunk(const std::string& type, const std::string& data) {
+  Fields out(true);
+  out.u32(static_cast<unsigned>(data.size()));
+  out.raw(type + data);
+  const std::string checked = type + data;
+  out.u32(static_cast<unsigned>(crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))));
+  return out.bytes;
+}
+inline std::string icc_chunk(const std::string& icc) {
+  std::string packed(compressBound(icc.size()), '\0');
+  uLongf size = packed.size();
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(icc.data()), icc.size());
+  packed.resize(size);
+  return png_chunk("iCCP", std::string("profile\0\0", 9) + packed);
+}
+inline std::string numbers_chunk(const std::string& type, const std::vector<unsigned>& numbers) {
+  Fields data(true);
+  for (unsigned n : numbers) data.u32(n);
+  return png_chunk(type, data.bytes);
+}
+// Behind IHDR.
+inline void add_to_png(const fs::path& png, const std::string& chunks) {
+  const std::string bytes = read_file(png);
+  constexpr size_t kHead = 8 + 25;
+  write_file(png, bytes.substr(0, kHead) + chunks + bytes.substr(kHead));
+}
+
+// An uncompressed TIFF of 8 or 16 bits, of 3 or 4 channels (alpha, not associated), with a profile where `icc` is not empty; as a
+// BigTIFF on request.
+template <class T>
+std::string tagged_tiff(const Image<T>& image, const std::string& icc, bool bigtiff = false) {
+  const unsigned w = static_cast<unsigned>(image.width()), h = static_cast<unsigned>(image.height());
+  const unsigned channels = static_cast<unsigned>(image.channels()), bits = 8 * sizeof(T);
+  struct Entry {
+    unsigned tag, type;
+    std::string bytes;
+  };
+  const auto shorts = [](std::vector<unsigned> v) {
+    Fields f(false);
+    for (unsigned n : v) f.u16(n);
+    return f.bytes;
+  };
+  const auto word = [](unsigned v) {
+    Fields f(false);
+    f.u32(v);
+    return f.bytes;
+  };
+  std::vector<Entry> entries{{256, 4, word(w)},
+                             {257, 4, word(h)},
+                             {258, 3, shorts(std::vector<unsigned>(channels, bits))},
+                             {259, 3, shorts({1})},
+                             {262, 3, shorts({2})},
+                             {273, 4, word(0)},
+                             {277, 3, shorts({channels})},
+                             {278, 4, word(h)},
+                             {279, 4, word(w * h * channels * bits / 8)},
+                             {284, 3, shorts({1})}};
+  if (channels == 4) entries.push_back({338, 3, shorts({2})});
+  if (!icc.empty()) entries.push_back({34675, 7, icc});
+  const unsigned offset = bigtiff ? 8 : 4;
+  const auto number = [&](Fields& f, unsigned v) {
+    f.u32(v);
+    if (bigtiff) f.u32(0);
+  };
+  const unsigned first = bigtiff ? 16 : 8;
+  const unsigned behind = first + (bigtiff ? 8 : 2) + static_cast<unsigned>(entries.size()) * (bigtiff ? 20 : 12) + offset;
+  unsigned values = 0;
+  for (const Entry& e : entries)
+    if (e.bytes.size() > offset) values += static_cast<unsigned>(e.bytes.size() + e.bytes.size() % 2);
+  entries[5].bytes = word(behind + values);
+  Fields out(false);
+  out.raw("II");
+  out.u16(bigtiff ? 43 : 42);
+  if (bigtiff) out.u16(8), out.u16(0);
+  number(out, first);
+  if (bigtiff)
+    number(out, static_cast<unsigned>(entries.size()));
+  else
+    out.u16(static_cast<unsigned>(entries.size()));
+  std::string out_of_line;
+  for (const Entry& e : entries) {
+    out.u16(e.tag), out.u16(e.type);
+    number(out, static_cast<unsigned>(e.bytes.size() / (e.type == 3 ? 2 : e.type == 4 ? 4 : 1)));
+    if (e.bytes.size() <= offset) {
+      std::string padded = e.bytes;
+      padded.resize(offset);
+      out.raw(padded);
+    } else {
+      number(out, behind + static_cast<unsigned>(out_of_line.size()));
+      out_of_line += e.bytes + std::string(e.bytes.size() % 2, '\0');
+    }
+  }
+  number(out, 0);
+  out.raw(out_of_line);
+  for (T v : image.data()) {
+    if (bits == 16)
+      out.u16(v);
+    else
+      out.raw(std::string(1, static_cast<char>(v)));
+  }
+  return out.bytes;
+}
+
+// Puts a chromaticities attribute into an EXR of at most 16 rows: one block, whose offset moves.
+inline void add_chromaticities(const fs::path& exr, const Chromaticities& c) {
+  std::string bytes = read_file(exr);
+  Fields attribute(false);
+  attribute.raw(std::string("chromaticities\0chromaticities\0", 30));
+  attribute.u32(32);
+  for (double v : {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y}) {
+    const float f = static_cast<float>(v);
+    attribute.raw({reinterpret_cast<const char*>(&f), 4});
+  }
+  size_t at = 8;  // attributes: name, type, size, bytes; an empty name ends them
+  const auto skip_word = [&] { at = bytes.find('\0', at) + 1; };
+  while (bytes[at] != '\0') {
+    skip_word(), skip_word();
+    uint32_t size = 0;
+    std::copy_n(bytes.data() + at, 4, reinterpret_cast<char*>(&size));
+    at += 4 + size;
+  }
+  uint64_t block = 0;
+  std::copy_n(bytes.data() + at + 1, 8, reinterpret_cast<char*>(&block));
+  block += attribute.bytes.size();
+  std::copy_n(reinterpret_cast<const char*>(&block), 8, bytes.data() + at + 1);
+  write_file(exr, bytes.substr(0, 8) + attribute.bytes + bytes.substr(8));
+}
+
+}  // namespace vitrine::test
