@@ -9,6 +9,30 @@
 
 namespace vitrine {
 
+namespace {
+
+// The file is called like the photo, extension included: where the folder of photos is given for the masks, it is the photo.
+bool called_like_photo(const MaskFile& file, const std::string& photo) {
+  const auto lowered = [](std::string text) {
+    for (char& c : text)
+      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+  };
+  return lowered(file.path.filename().string()) == lowered(std::filesystem::path(photo).filename().string());
+}
+
+// A mask, or nothing for a photo without an alpha channel that varies: it masks nothing.
+std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& photo) {
+  try {
+    return read_mask(file);
+  } catch (const Error& e) {
+    if (e.detail().code != "MASK_NOT_GREY" || !called_like_photo(file, photo)) throw;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarity == "black"), files_(desc.photos.size()) {
   const std::string class_name(name(desc.kind));
   for (size_t i = 0; i < files_.size(); ++i) {
@@ -26,10 +50,15 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
                              std::filesystem::path(desc.photos.front()).replace_extension(".png").string(), desc.off_setting),
          .code = "MASKS_MATCH_NO_PHOTO"});
   std::vector<MaskExtent> extents(files_.size());
-  std::vector<uint8_t> left_out(files_.size(), 0);
+  std::vector<uint8_t> left_out(files_.size(), 0), photo_itself(files_.size(), 0);
   parallel_for(files_.size(), 1, [&](size_t i) {
     if (!files_[i] || interrupt_signal() != 0) return;
-    const ImageF mask = at(i);
+    const std::optional<ImageF> read = mask_or_photo(*files_[i], desc.photos[i]);
+    if (!read) {
+      left_out[i] = photo_itself[i] = 1;
+      return;
+    }
+    const ImageF mask = with_polarity(*read);
     if (desc.usable && !desc.usable(i, *files_[i], mask))
       left_out[i] = 1;
     else
@@ -38,6 +67,13 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
   throw_if_interrupted();
   for (size_t i = 0; i < files_.size(); ++i)
     if (left_out[i]) files_[i].reset(), --matched_;
+  photos_themselves_ = static_cast<size_t>(std::count(photo_itself.begin(), photo_itself.end(), 1));
+  if (matched_ == 0 && photos_themselves_ > 0)
+    throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),
+                {.where = desc.folder.path().string(),
+                 .why = fmt::format("its {} files are photos, and none has an alpha channel that varies", photos_themselves_),
+                 .hint = fmt::format("give a folder of masks, or --set {}", desc.off_setting),
+                 .code = "MASKS_ARE_PHOTOS"});
   MaskExtent all;
   for (const MaskExtent& e : extents) {
     if (e.masks == 0) continue;
@@ -68,7 +104,10 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
 
 ImageF PhotoMasks::at(size_t photo) const {
   VITRINE_CHECK(files_[photo], "photo {} has no mask", photo);
-  ImageF mask = read_mask(*files_[photo]);
+  return with_polarity(read_mask(*files_[photo]));
+}
+
+ImageF PhotoMasks::with_polarity(ImageF mask) const {
   if (black_belongs_)
     for (float& v : mask.data()) v = 1 - v;
   return mask;

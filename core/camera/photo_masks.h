@@ -33,13 +33,16 @@ class PhotoMasks {
   size_t matched() const { return matched_; }  // photos with a mask
   const std::optional<MaskFile>& file(size_t photo) const { return files_[photo]; }
   ImageF at(size_t photo) const;  // of a photo with a mask; 1 = belongs to the class; size as in the file
+  // Files that are the photo itself, without an alpha channel that varies: they are no masks.
+  size_t photos_themselves() const { return photos_themselves_; }
   bool black_belongs() const { return black_belongs_; }
   std::set<std::string> conventions() const;
 
  private:
+  ImageF with_polarity(ImageF mask) const;
   bool black_belongs_ = false;
   std::vector<std::optional<MaskFile>> files_;
-  size_t matched_ = 0;
+  size_t matched_ = 0, photos_themselves_ = 0;
 };
 
 // Same picture at another size: sides in proportion, up to the rounding of one pixel of the smaller one.

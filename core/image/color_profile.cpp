@@ -111,6 +111,14 @@ ColorProfile::ColorProfile(std::string name, const std::vector<Curve>& curves, c
 ColorProfile::ColorProfile(std::string name, PixelFunction to_linear)
     : name_(std::move(name)), kind_(Kind::Function), function_(std::move(to_linear)) {}
 
+bool ColorProfile::is_finite() const {
+  constexpr float kLargest = 1000;
+  for (const auto& table : tables_)
+    for (float v : table)
+      if (!(std::abs(v) < kLargest)) return false;
+  return true;
+}
+
 void ColorProfile::multiply(float* rgb, size_t pixels) const {
   const std::array<float, 9> m = m_;
   for (size_t i = 0; i < pixels; ++i, rgb += 3) {

@@ -43,6 +43,8 @@ class ColorProfile {
   bool is_srgb() const { return kind_ == Kind::Srgb; }
   bool has_rec709_primaries() const { return kind_ == Kind::Srgb || kind_ == Kind::Rec709; }
 
+  bool is_finite() const;  // false: its curves give numbers that no light has
+
   // [h, w, 3], values of 8 or 16 bit samples over 255 or 65535. sRGB is decoded exactly, by a table of all 65536 values.
   void to_linear(ImageF& image) const;
   // The same for floating-point samples, which may lie outside of 0..1. They are finite.

@@ -161,7 +161,8 @@ IccProfile matrix_profile(const std::shared_ptr<Lcms>& lcms) {
   for (double v : {0.1, 0.5, 0.9})
     for (const auto& f : curves) linear = linear && std::abs(f(v) - v) < 1e-5;
   if (linear) curves.clear();
-  return {.profile = std::make_shared<ColorProfile>(description(lcms->profile), curves, m), .problem = {}};
+  const auto profile = std::make_shared<ColorProfile>(description(lcms->profile), curves, m);
+  return profile->is_finite() ? IccProfile{.profile = profile, .problem = {}} : unusable(*lcms, "one of its curves is damaged");
 }
 
 IccProfile table_profile(const std::shared_ptr<Lcms>& lcms) {

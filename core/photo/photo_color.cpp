@@ -378,10 +378,10 @@ std::vector<ColorNote> color_notes(std::span<const ColorFacts* const> photos) {
   if (!alpha.empty())
     notes.push_back({.finding = "alpha_not_used",
                      .warning_code = "PHOTO_ALPHA_NOT_USED",
-                     .what = fmt::format("{} an alpha channel, which is not used",
+                     .what = fmt::format("{} an alpha channel, which is used only as a mask",
                                          alpha.size() == 1 ? "1 photo has" : fmt::format("{} photos have", alpha.size())),
                      .why = "the pixels that it hides are taken as they are in the file, often black",
-                     .hint = "--masks PHOTOS takes the alpha as the mask of the object",
+                     .hint = "--masks PHOTOS takes the alpha of PNG and TIFF photos as the mask of the object",
                      .photos = alpha});
   return notes;
 }

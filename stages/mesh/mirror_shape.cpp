@@ -104,7 +104,8 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
     const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.mask.width(), o.mask.height());
     ImageF& grey = shown.emplace_back(photo.width(), photo.height(), 1);
     for (size_t p = 0; p < grey.data().size(); ++p)
-      for (size_t c = 0; c < 3; ++c) grey.data()[p] += photo.data()[3 * p + c] / float(3 * o.view.gain[c]);
+      for (size_t c = 0; c < 3; ++c)  // negative: a colour outside of Rec. 709
+        grey.data()[p] += std::max(photo.data()[3 * p + c], 0.f) / float(3 * o.view.gain[c]);
   }
   std::map<Cell, std::vector<float>> dimmer;
   std::vector<float> luminances;

@@ -79,7 +79,8 @@ class PolishedFinder {
     const ImageF mirrors = d_.mirrors(view, k);
     if (mirrors.empty()) return;
     const ImageF marked = d_.glass_or_mirrors(view, k);
-    const ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
+    ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
+    for (float& v : photo.data()) v = std::max(v, 0.f);  // colours outside of Rec. 709; no reflectance is negative
     const Rigid world_from_cam = inverse(view.cam_from_world);
     const Vec3f eye = cast<float>(world_from_cam.translation);
     for (int y = 0; y < k.height; ++y)

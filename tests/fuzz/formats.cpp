@@ -9,6 +9,7 @@ std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_c
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), onnx_corpus(),
     weights_corpus();
+std::vector<std::string> icc_corpus(), tagged_photo_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
   using namespace std::string_view_literals;
@@ -73,6 +74,14 @@ std::span<const FuzzFormat> fuzz_formats() {
        photo_corpus,
        {"\xff\xd9", "\xff\xda", "\xff\xc0", "\xff\xc2", "\xff\xc4", "IHDR", "IDAT", "PLTE", "tRNS", "eXIf", "IEND", "Exif\0\0"sv,
         "II*\0"sv, "MM\0*"sv}},
+      {"icc",
+       fuzz_icc,
+       icc_corpus,
+       {"acsp", "RGB ", "GRAY", "CMYK", "XYZ ", "Lab ", "curv", "para", "mft2", "mAB ", "rTRC", "A2B0"}},
+      {"tagged_photo",
+       fuzz_photo,
+       tagged_photo_corpus,
+       {"ICC_PROFILE\0"sv, "\xff\xe2", "iCCP", "cICP", "gAMA", "cHRM", "sRGB", "acsp", "\x73\x87"}},
       {"onnx",
        fuzz_onnx,
        onnx_corpus,

@@ -311,29 +311,7 @@ TEST_F(Colors, OfPrintAreRefused) {
 }
 
 TEST_F(Colors, ProfilesThatAreTablesGoThroughLittleCms) {
-  // Display P3 as a table of 17^3 Lab colours.
-  const test::Profile p3 = test::display_p3(), lab = test::owned(cmsCreateLab4Profile(nullptr));
-  const std::shared_ptr<void> to_lab(
-      cmsCreateTransform(p3.get(), TYPE_RGB_16, lab.get(), TYPE_LabV2_16, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOOPTIMIZE),
-      [](void* t) { cmsDeleteTransform(t); });
-  cmsStage* const table = cmsStageAllocCLut16bit(nullptr, 17, 3, 3, nullptr);
-  cmsStageSampleCLut16bit(
-      table,
-      [](const cmsUInt16Number* in, cmsUInt16Number* out, void* transform) -> cmsInt32Number {
-        cmsDoTransform(transform, in, out, 1);
-        return 1;
-      },
-      to_lab.get(), 0);
-  cmsPipeline* const pipeline = cmsPipelineAlloc(nullptr, 3, 3);
-  cmsPipelineInsertStage(pipeline, cmsAT_END, table);
-  const test::Profile scanner = test::owned(cmsCreateProfilePlaceholder(nullptr));
-  cmsSetProfileVersion(scanner.get(), 2.1);
-  cmsSetDeviceClass(scanner.get(), cmsSigInputClass);
-  cmsSetColorSpace(scanner.get(), cmsSigRgbData);
-  cmsSetPCS(scanner.get(), cmsSigLabData);
-  cmsWriteTag(scanner.get(), cmsSigMediaWhitePointTag, cmsD50_XYZ());
-  ASSERT_TRUE(cmsWriteTag(scanner.get(), cmsSigAToB0Tag, pipeline));
-  cmsPipelineFree(pipeline);
+  const test::Profile p3 = test::display_p3(), scanner = test::table_profile(p3, 17);
   const ImageF truth = coloured_blocks();
   const fs::path tagged = png16("p3.png", in_space(truth, p3), test::icc_chunk(test::icc_bytes(scanner)));
   EXPECT_EQ(color_at(tagged).problem, "");

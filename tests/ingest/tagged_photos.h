@@ -41,6 +41,33 @@ inline Profile adobe_rgb() { return rgb_profile(kAdobeRgb, cmsBuildGamma(nullptr
 inline Profile prophoto() { return rgb_profile(kProPhoto, cmsBuildGamma(nullptr, 1.8), "ProPhoto RGB"); }
 inline Profile linear_rec709() { return rgb_profile(kRec709, cmsBuildGamma(nullptr, 1.0), "linear"); }
 
+// The same space as a table of steps^3 Lab colours (version 2, lut16).
+inline Profile table_profile(const Profile& space, unsigned steps) {
+  const Profile lab = owned(cmsCreateLab4Profile(nullptr));
+  const std::shared_ptr<void> to_lab(
+      cmsCreateTransform(space.get(), TYPE_RGB_16, lab.get(), TYPE_LabV2_16, INTENT_RELATIVE_COLORIMETRIC, cmsFLAGS_NOOPTIMIZE),
+      [](void* t) { cmsDeleteTransform(t); });
+  cmsStage* const table = cmsStageAllocCLut16bit(nullptr, steps, 3, 3, nullptr);
+  cmsStageSampleCLut16bit(
+      table,
+      [](const cmsUInt16Number* in, cmsUInt16Number* out, void* transform) -> cmsInt32Number {
+        cmsDoTransform(transform, in, out, 1);
+        return 1;
+      },
+      to_lab.get(), 0);
+  cmsPipeline* const pipeline = cmsPipelineAlloc(nullptr, 3, 3);
+  cmsPipelineInsertStage(pipeline, cmsAT_END, table);
+  const Profile scanner = owned(cmsCreateProfilePlaceholder(nullptr));
+  cmsSetProfileVersion(scanner.get(), 2.1);
+  cmsSetDeviceClass(scanner.get(), cmsSigInputClass);
+  cmsSetColorSpace(scanner.get(), cmsSigRgbData);
+  cmsSetPCS(scanner.get(), cmsSigLabData);
+  cmsWriteTag(scanner.get(), cmsSigMediaWhitePointTag, cmsD50_XYZ());
+  cmsWriteTag(scanner.get(), cmsSigAToB0Tag, pipeline);
+  cmsPipelineFree(pipeline);
+  return scanner;
+}
+
 inline std::string icc_bytes(const Profile& profile) {
   cmsUInt32Number size = 0;
   cmsSaveProfileToMem(profile.get(), nullptr, &size);
