@@ -103,8 +103,8 @@ ColorProfile::Curve curve_of(const std::shared_ptr<Lcms>& lcms, cmsTagSignature 
     f = [lcms, curve](double v) { return double(cmsEvalToneCurveFloat(curve, float(v))); };
   }
   const double dark = f(0), middle = f(0.5), bright = f(1);
-  constexpr double kLargest = 16;
-  return dark >= -0.5 && middle >= dark && bright > middle && bright < kLargest ? f : ColorProfile::Curve{};
+  constexpr double kLargest = 16, kLeast = 1e-4;  // below: a gamma above 13
+  return dark >= -0.5 && middle > dark + kLeast && bright > middle && bright < kLargest ? f : ColorProfile::Curve{};
 }
 
 IccProfile unusable(const Lcms& lcms, std::string why) {
