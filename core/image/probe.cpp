@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "core/image/jpeg_structure.h"
+#include "core/image/tiff_pages.h"
+
 namespace vitrine {
 
 namespace {
@@ -23,7 +26,7 @@ uint64_t number(std::string_view b, size_t at, size_t n, bool big_endian) {
 PhotoFormat format_of(std::string_view b) {
   if (b.starts_with("\xff\xd8\xff")) return PhotoFormat::Jpeg;
   if (b.starts_with(kPngMagic)) return PhotoFormat::Png;
-  if (b.starts_with(std::string_view("II*\0", 4)) || b.starts_with(std::string_view("MM\0*", 4))) return PhotoFormat::Tiff;
+  if (is_tiff(b)) return PhotoFormat::Tiff;
   if (b.starts_with(kExrMagic)) return PhotoFormat::Exr;
   return PhotoFormat::Unknown;
 }
@@ -69,18 +72,25 @@ bool visit_png(std::string_view b, const std::function<void(std::string_view typ
 }
 
 void probe_tiff(std::string_view b, Probe& probe) {
-  const bool big = b[0] == 'M';
-  const size_t directory = number(b, 4, 4, big), entries = number(b, directory, 2, big);
-  for (size_t i = 0; i < entries; ++i) {
-    const size_t entry = directory + 2 + 12 * i;
-    if (entry + 12 > b.size()) return;
-    const uint64_t tag = number(b, entry, 2, big), type = number(b, entry + 2, 2, big), count = number(b, entry + 4, 4, big);
-    const uint64_t value = number(b, entry + 8, type == 3 ? 2 : 4, big);
-    if (tag == 256) probe.width = value;
-    if (tag == 257) probe.height = value;
-    // SampleFormat: one short per channel, in the entry up to two, else behind an offset. 3 = IEEE floating point.
-    if (tag == 339) probe.float_samples = (count > 2 ? number(b, number(b, entry + 8, 4, big), 2, big) : value) == 3;
-  }
+  const TiffPages pages = tiff_pages(b);
+  if (pages.pages.empty()) return;
+  const TiffPage& page = pages.chosen();
+  probe.width = page.width;
+  probe.height = page.height;
+  probe.float_samples = page.sample_format == 3;
+  probe.orientation = static_cast<int>(page.orientation);
+}
+
+// libexif begins with the first directory: that is set to the picture's where only it has EXIF fields. It knows no BigTIFF.
+std::string tiff_exif_block(std::string_view b) {
+  const TiffPages pages = tiff_pages(b);
+  if (pages.big || pages.pages.empty()) return {};
+  std::string block = std::string(kExifMagic).append(b);
+  const TiffPage& page = pages.chosen();
+  if (page.exif && !pages.pages[0].exif)
+    for (size_t i = 0; i < 4; ++i)
+      block[kExifMagic.size() + 4 + i] = static_cast<char>(page.directory >> 8 * (pages.big_endian ? 3 - i : i));
+  return block;
 }
 
 void probe_exr(std::string_view b, Probe& probe) {
@@ -136,13 +146,8 @@ std::string implausible_size(const Probe& probe, size_t file_bytes) {
 
 std::string missing_end(std::string_view b) {
   switch (format_of(b)) {
-    case PhotoFormat::Jpeg: {
-      // Inside a scan every 0xff is followed by 0x00 or a restart marker, so the first end marker behind it is the real one.
-      const size_t scan = visit_jpeg(b, [](unsigned, std::string_view) { return true; });
-      if (scan == 0) return "the JPEG ends before its picture data: the file is truncated or damaged";
-      if (b.find("\xff\xd9", scan) == std::string_view::npos) return "the JPEG has no end marker: the file is truncated";
-      return "";
-    }
+    case PhotoFormat::Jpeg:
+      return jpeg_structure(b).damage;
     case PhotoFormat::Png:
       return visit_png(b, {}) ? "" : "the PNG has no end chunk: the file is truncated";
     default:
@@ -166,7 +171,7 @@ std::string exif_block(std::string_view b) {
       });
       break;
     case PhotoFormat::Tiff:
-      block = std::string(kExifMagic).append(b);
+      block = tiff_exif_block(b);
       break;
     default:
       break;

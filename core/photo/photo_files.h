@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/hash.h"
-#include "core/photo/exif.h"
 #include "core/image/probe.h"
+#include "core/photo/exif.h"
 
 namespace vitrine {
 
@@ -35,6 +35,7 @@ struct PhotoHead {
   Probe probe;
   Exif exif;
   Digest digest;  // of the file's bytes
+  std::vector<std::string> notes;  // what is left out or assumed (core/image/picture_file.h)
 };
 // Throws Error{Input} when the file is empty, truncated, of a kind we do not read, or too large.
 PhotoHead read_photo_head(const std::filesystem::path& path);

@@ -63,8 +63,7 @@ Developed develop(const fs::path& path, int max_side) {
   if (d.linear.empty())
     throw Error(ErrorKind::Input, "a photo cannot be used",
                 {.where = path.string(), .why = "it has no pixels", .hint = "take it out of the folder", .code = "BAD_PHOTO"});
-  // OpenCV turns TIFF files upright by itself.
-  if (probe.format != PhotoFormat::Tiff && exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
+  if (exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
 
   Photo& photo = d.photo;
   photo.original_width = d.linear.width();
