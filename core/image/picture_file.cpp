@@ -15,6 +15,7 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
     return file;
   }
   file.probe = probe_photo(bytes);
+  if (file.refusal = implausible_size(file.probe, bytes.size()); !file.refusal.empty()) return file;
   switch (file.probe.format) {
     case PhotoFormat::Unknown:
       file.refusal = foreign_content(bytes, extension);
@@ -23,7 +24,7 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
       const JpegStructure structure = jpeg_structure(bytes);
       file.refusal = structure.refusal.empty() ? structure.damage : structure.refusal;
       if (const std::string trailer = jpeg_trailer(bytes, structure.end); file.refusal.empty() && !trailer.empty())
-        file.notes.push_back(fmt::format("a JPEG with {} behind the picture: only the picture is read", trailer));
+        file.aside = fmt::format("a JPEG with {} behind the picture: only the picture is read", trailer);
       break;
     }
     case PhotoFormat::Tiff: {
@@ -37,7 +38,6 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
       file.refusal = missing_end(bytes);
       break;
   }
-  if (file.refusal.empty()) file.refusal = implausible_size(file.probe, bytes.size());
   return file;
 }
 

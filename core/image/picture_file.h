@@ -14,6 +14,7 @@ struct PictureFile {
   Probe probe;
   std::string refusal;             // why it is not read, and the way out; empty when it is
   std::vector<std::string> notes;  // one clause for each thing that is left out or assumed: "a TIFF whose first page ..."
+  std::string aside;               // what the file holds beside the picture, as cameras intend: "a JPEG with a film behind ..."
 };
 
 // `extension` (with its dot) is for the sentence.

@@ -81,18 +81,6 @@ void probe_tiff(std::string_view b, Probe& probe) {
   probe.orientation = static_cast<int>(page.orientation);
 }
 
-// libexif begins with the first directory: that is set to the picture's where only it has EXIF fields. It knows no BigTIFF.
-std::string tiff_exif_block(std::string_view b) {
-  const TiffPages pages = tiff_pages(b);
-  if (pages.big || pages.pages.empty()) return {};
-  std::string block = std::string(kExifMagic).append(b);
-  const TiffPage& page = pages.chosen();
-  if (page.exif && !pages.pages[0].exif)
-    for (size_t i = 0; i < 4; ++i)
-      block[kExifMagic.size() + 4 + i] = static_cast<char>(page.directory >> 8 * (pages.big_endian ? 3 - i : i));
-  return block;
-}
-
 void probe_exr(std::string_view b, Probe& probe) {
   constexpr std::string_view kWindow("dataWindow\0box2i\0", 17);
   const size_t at = b.find(kWindow);

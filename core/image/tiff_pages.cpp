@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "core/image/tiff_directory.h"
+
 namespace vitrine {
 
 namespace {
 
-constexpr size_t kMaxPages = 4096, kMaxEntries = 4096, kMaxValues = 1024;
+constexpr size_t kMaxPages = 4096, kMaxValues = 1024;
 
 enum TiffTag : unsigned {
   kNewSubfileType = 254,
@@ -47,77 +49,6 @@ enum TiffPhotometric : unsigned {
   kLogLuv = 32845,
 };
 
-class TiffBytes {
- public:
-  TiffBytes(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
-  bool holds(uint64_t at, uint64_t n) const { return at <= bytes_.size() && n <= bytes_.size() - at; }
-  // 0 beyond the end.
-  uint64_t number(uint64_t at, size_t n) const {
-    if (!holds(at, n)) return 0;
-    uint64_t v = 0;
-    for (size_t i = 0; i < n; ++i) v = v << 8 | static_cast<unsigned char>(bytes_[at + (big_endian_ ? i : n - 1 - i)]);
-    return v;
-  }
-  std::string_view text(uint64_t at, uint64_t n) const { return holds(at, n) ? bytes_.substr(at, n) : std::string_view(); }
-
- private:
-  std::string_view bytes_;
-  bool big_endian_;
-};
-
-size_t size_of_type(uint64_t type) {
-  switch (type) {
-    case 1:  // BYTE
-    case 2:  // ASCII
-    case 6:  // SBYTE
-    case 7:  // UNDEFINED
-      return 1;
-    case 3:  // SHORT
-      return 2;
-    case 4:   // LONG
-    case 13:  // IFD
-      return 4;
-    case 16:  // LONG8
-    case 18:  // IFD8
-      return 8;
-    default:
-      return 0;  // no whole number
-  }
-}
-
-// One directory, its place and its entries.
-class TiffDirectory {
- public:
-  TiffDirectory(const TiffBytes& in, bool big, uint64_t at) : in_(in), big_(big), at_(at) {
-    entries_ = in.number(at, big ? 8 : 2);
-    whole_ = entries_ > 0 && entries_ <= kMaxEntries && in.holds(at, head() + entries_ * entry_size() + offset_size());
-    if (!whole_) entries_ = 0;
-  }
-  bool whole() const { return whole_; }
-  uint64_t next() const { return whole_ ? in_.number(at_ + head() + entries_ * entry_size(), offset_size()) : 0; }
-
-  template <class F>
-  void each(F&& visit) const {
-    for (uint64_t i = 0; i < entries_; ++i) {
-      const uint64_t entry = at_ + head() + i * entry_size();
-      const uint64_t type = in_.number(entry + 2, 2), count = in_.number(entry + 4, offset_size());
-      const size_t size = size_of_type(type);
-      const uint64_t inline_at = entry + 4 + offset_size();
-      uint64_t values = inline_at;
-      if (size > 0 && count > offset_size() / size) values = in_.number(inline_at, offset_size());
-      visit(static_cast<unsigned>(in_.number(entry, 2)), size, count, values);
-    }
-  }
-
- private:
-  uint64_t head() const { return big_ ? 8 : 2; }
-  uint64_t entry_size() const { return big_ ? 20 : 12; }
-  size_t offset_size() const { return big_ ? 8 : 4; }
-  const TiffBytes& in_;
-  bool big_, whole_ = false;
-  uint64_t at_, entries_ = 0;
-};
-
 std::string lower_case_of(std::string_view s) {
   std::string out(s);
   for (char& c : out)
@@ -138,18 +69,19 @@ TiffReadPage tiff_page_of(const TiffBytes& in, const TiffDirectory& directory, u
   p.directory = at;
   uint64_t old_type = 0, new_type = 0;
   std::vector<uint64_t> bits, formats;
-  directory.each([&](unsigned tag, size_t size, uint64_t count, uint64_t values) {
-    const auto value = [&](uint64_t i) { return in.number(values + i * size, size); };
+  directory.each([&](const TiffEntry& e) {
+    const auto value = [&](uint64_t i) { return in.number(e.values + i * e.size, e.size); };
     const auto list = [&] {
       std::vector<uint64_t> all;
-      for (uint64_t i = 0; i < std::min<uint64_t>(count, kMaxValues); ++i) all.push_back(value(i));
+      for (uint64_t i = 0; i < std::min<uint64_t>(e.count, kMaxValues); ++i) all.push_back(value(i));
       return all;
     };
-    if (tag == kDngVersion) r.dng = true;
-    if (tag == kExifDirectory) p.exif = true;
-    if (size == 0 || count == 0) return;
+    if (e.tag == kDngVersion) r.dng = true;
+
+    if (e.tag == kMake && e.type == 2) r.make = lower_case_of(in.text(e.values, std::min<uint64_t>(e.count, 64)));
+    if (!is_tiff_whole_number(e.type) || e.count == 0) return;
     const auto one = [&] { return static_cast<unsigned>(value(0)); };
-    switch (tag) {
+    switch (e.tag) {
       case kNewSubfileType:
         new_type = value(0);
         break;
@@ -186,8 +118,8 @@ TiffReadPage tiff_page_of(const TiffBytes& in, const TiffDirectory& directory, u
       case kSubDirectories:
         r.sub_directories = list();
         break;
-      case kMake:
-        r.make = lower_case_of(in.text(values, std::min<uint64_t>(count, 64)));
+      case kExifDirectory:
+        p.exif_directory = value(0);
         break;
       case kColourMap: {
         const std::vector<uint64_t> all = list();
@@ -378,7 +310,6 @@ std::vector<std::string> tiff_notes(const TiffPages& t) {
     notes.push_back(fmt::format("a TIFF of {} channels: {} of unknown meaning {} left out", p.samples, c.dropped,
                                 c.dropped == 1 ? "is" : "are"));
   if (t.damaged) notes.emplace_back("a TIFF with damaged further pages: they are left out");
-  if (t.big) notes.emplace_back("a BigTIFF, whose EXIF is not read: no focal length and no exposure are known");
   return notes;
 }
 

@@ -23,7 +23,7 @@ struct TiffPage {
   bool planar = false;        // one plane of strips or tiles per channel
   bool reduced = false, mask = false;
   bool sub_directory = false;
-  bool exif = false;                           // it has a directory of EXIF fields
+  uint64_t exif_directory = 0;                 // the place of its EXIF fields; 0 = none
   std::vector<uint16_t> palette;               // ColorMap: all reds, all greens, all blues, of 16 bits
   std::optional<std::vector<unsigned>> extra;  // ExtraSamples: 0 unspecified, 1 associated alpha, 2 unassociated alpha
 };
@@ -41,6 +41,10 @@ struct TiffPages {
 bool is_tiff(std::string_view bytes);  // classic or BigTIFF
 // `bytes` may be the beginning of a file; directories behind it are then missing. No pages: there is no directory.
 TiffPages tiff_pages(std::string_view bytes);
+
+// Its EXIF fields as a small classic TIFF of their own, "Exif\0\0" before it: libexif knows no BigTIFF, begins with the first
+// page, and searches 64 KiB, behind which most programs write their directories. Empty when there are none.
+std::string tiff_exif_block(std::string_view bytes);
 
 // How many channels of `page` are the colours (1 or 3), and where its alpha is, if it has one.
 struct TiffChannels {

@@ -34,8 +34,9 @@ void assign_names(std::vector<PhotoFile>& photos);
 struct PhotoHead {
   Probe probe;
   Exif exif;
-  Digest digest;  // of the file's bytes
-  std::vector<std::string> notes;  // what is left out or assumed (core/image/picture_file.h)
+  Digest digest;                   // of the file's bytes
+  std::vector<std::string> notes;  // what is left out or assumed, and what is beside the picture (core/image/picture_file.h)
+  std::string aside;
 };
 // Throws Error{Input} when the file is empty, truncated, of a kind we do not read, or too large.
 PhotoHead read_photo_head(const std::filesystem::path& path);

@@ -1,7 +1,6 @@
 #include "stages/ingest/develop.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -17,8 +16,6 @@ namespace vitrine::ingest {
 
 namespace {
 
-constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that we write
-
 // All values of 8 and 16 bit samples are multiples of 1/65535, so one table decodes both exactly.
 void decode_srgb(ImageF& image) {
   static const std::vector<float> table = [] {
@@ -30,18 +27,6 @@ void decode_srgb(ImageF& image) {
   for (float& v : image.data()) v = v > 0 ? table[static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f)] : 0.0f;
 }
 
-size_t repair(ImageF& image) {
-  size_t repaired = 0;
-  for (float& v : image.data()) {
-    if (!std::isfinite(v)) {
-      v = 0;
-      ++repaired;
-    }
-    v = std::clamp(v, 0.0f, kHalfMax);
-  }
-  return repaired;
-}
-
 }  // namespace
 
 Developed develop(const fs::path& path, int max_side) {
@@ -50,13 +35,18 @@ Developed develop(const fs::path& path, int max_side) {
   const Probe& probe = head.probe;
   const Exif& exif = head.exif;
 
+  d.notes = head.notes;
+  d.aside = head.aside;
+
   if (probe.format == PhotoFormat::Exr) {
-    d.linear = read_exr_rgb(path);
-    d.repaired_pixels = repair(d.linear);
+    ExrPicture picture = read_exr_picture(path);
+    d.linear = std::move(picture.rgb);
+    d.notes.insert(d.notes.end(), picture.notes.begin(), picture.notes.end());
+    d.repaired = repair_values(d.linear);
   } else {
     d.linear = read_srgb(path);
     if (probe.float_samples)
-      d.repaired_pixels = repair(d.linear);
+      d.repaired = repair_values(d.linear);
     else
       decode_srgb(d.linear);
   }
