@@ -192,7 +192,7 @@ std::optional<MaskFile> MaskFolder::find(MaskClass kind, const std::string& phot
 ImageF read_mask(const MaskFile& file) {
   ImageF raw;
   try {
-    raw = read_unchanged(file.path);
+    raw = read_as_oriented(file.path);
   } catch (const Error& e) {
     throw Error(ErrorKind::Input, "cannot read a mask",
                 {.where = file.path.string(),

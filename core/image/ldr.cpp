@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -10,10 +11,12 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/image/codecs.h"
+#include "core/image/file_kind.h"
 #include "core/image/jpeg.h"
+#include "core/image/picture_file.h"
 #include "core/image/png.h"
-#include "core/image/probe.h"
-#include "core/image/segments.h"
+#include "core/image/tiff.h"
+#include "core/image/upright.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -27,57 +30,137 @@ constexpr size_t kMaxPixels = size_t(1) << 28, kMaxBytes = size_t(1) << 30;
               {.where = path.string(), .why = std::move(why), .hint = "remove or replace this file", .code = "BAD_IMAGE"});
 }
 
-// OpenCV repairs truncated JPEG files in silence; a JPEG without its end marker lost a part of its picture.
-bool truncated_jpeg(const std::string& bytes) {
-  if (bytes.size() < 4 || uint8_t(bytes[0]) != 0xff || uint8_t(bytes[1]) != 0xd8) return false;
-  constexpr size_t kTrailerBytes = 1 << 16;  // cameras append maker data behind the end marker
-  return bytes.rfind("\xff\xd9") == std::string::npos || bytes.size() - bytes.rfind("\xff\xd9") > kTrailerBytes;
+template <class T>
+Image<T> rgb_of(const cv::Mat& mat) {
+  const int channels = mat.channels();
+  Image<T> image(mat.cols, mat.rows, channels);
+  for (int y = 0; y < mat.rows; ++y) {
+    const T* from = mat.ptr<T>(y);
+    T* to = image.pixel(0, y);
+    for (int x = 0; x < mat.cols; ++x, from += channels, to += channels)
+      for (int c = 0; c < channels; ++c) to[c] = from[channels >= 3 && c < 3 ? 2 - c : c];  // OpenCV stores B, G, R
+  }
+  return image;
 }
 
-cv::Mat decode(const fs::path& path, int flags) {
-  std::string bytes = read_file(path);
-  if (bytes.empty()) bad_image(path, "the file is empty");
-  if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
-  if (const std::string why = implausible_size(probe_photo(bytes), bytes.size()); !why.empty()) bad_image(path, why);
-  if (truncated_jpeg(bytes)) bad_image(path, "the JPEG data ends early: the file is truncated");
-  if (probe_photo(bytes).format == PhotoFormat::Png) bytes = png_pixels(bytes);
+AnyImage decode_other(const fs::path& path, const std::string& bytes) {
   cv::Mat mat;
-  if (const std::string why = codecs().decode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION, mat); !why.empty())
+  if (const std::string why = codecs().other(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION, mat); !why.empty())
     bad_image(path, why);
-  if (mat.empty()) bad_image(path, "it is damaged, or not a JPEG, PNG or TIFF");
+  if (mat.empty()) bad_image(path, fmt::format("it is {}, but it is damaged", file_kind(bytes).name));
   if (mat.total() > kMaxPixels) bad_image(path, fmt::format("{} x {} pixels are too many", mat.cols, mat.rows));
-  return mat;
-}
-
-float full_scale(const cv::Mat& mat, const fs::path& path) {
   switch (mat.depth()) {
     case CV_8U:
-      return 255.f;
+      return rgb_of<uint8_t>(mat);
     case CV_16U:
-      return 65535.f;
+      return rgb_of<uint16_t>(mat);
     case CV_32F:
-      return 1.f;
+      return rgb_of<float>(mat);
   }
   bad_image(path, "its sample type is neither 8 nor 16 bit nor float");
 }
 
+struct Decoded {
+  AnyImage image;
+  bool reduced = false;  // the codec has applied the reduction
+  int orientation = 1;   // of a TIFF's page
+};
+
+// `channels`: 0 = as the file has them, else what is wanted of a JPEG, which gives it at once, as it does `reduction`.
+Decoded decode(const fs::path& path, int channels = 0, int reduction = 1) {
+  const std::string bytes = read_file(path);
+  if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
+  const PictureFile file = examine_picture(bytes, path.extension().string());
+  Decoded decoded{.image = {}, .reduced = false, .orientation = file.probe.orientation};
+  if (file.probe.format == PhotoFormat::Unknown && file_kind(bytes).decodable) {
+    decoded.image = decode_other(path, bytes);
+    return decoded;
+  }
+  if (!file.refusal.empty()) bad_image(path, file.refusal);
+  std::string why;
+  switch (file.probe.format) {
+    case PhotoFormat::Jpeg: {
+      Image8 image;
+      if (why = codecs().jpeg(bytes, channels, reduction, image); !why.empty())
+        why = fmt::format("the JPEG is damaged ({})", why);
+      decoded.image = std::move(image);
+      decoded.reduced = true;
+      break;
+    }
+    case PhotoFormat::Png: {
+      Image8 narrow;
+      Image16 wide;
+      if (why = codecs().png(bytes, narrow, wide); !why.empty()) why = fmt::format("the PNG is damaged ({})", why);
+      if (wide.empty())
+        decoded.image = std::move(narrow);
+      else
+        decoded.image = std::move(wide);
+      break;
+    }
+    case PhotoFormat::Tiff:
+      why = read_tiff(bytes, tiff_pages(bytes), decoded.image);
+      break;
+    case PhotoFormat::Exr:
+    case PhotoFormat::Unknown:
+      why = foreign_content(bytes, path.extension().string());
+      break;
+  }
+  if (!why.empty()) bad_image(path, why);
+  return decoded;
+}
+
+template <class T>
+constexpr float full_scale() {
+  return std::is_floating_point_v<T> ? 1.f : float(std::numeric_limits<T>::max());
+}
+
+uint8_t byte_of(uint8_t v) { return v; }
+uint8_t byte_of(uint16_t v) { return static_cast<uint8_t>((v + 128) / 257); }
+uint8_t byte_of(float v) { return v > 0 ? static_cast<uint8_t>(std::min(v, 1.f) * 255.f + 0.5f) : uint8_t(0); }
+
+// Grey is repeated, or made of RGB as ITU-R BT.601 weighs it; alpha is dropped.
+Image8 bytes_of(const AnyImage& any, int channels) {
+  return std::visit(
+      [&](const auto& image) {
+        Image8 out(image.width(), image.height(), channels);
+        const int given = image.channels();
+        for (size_t i = 0; i < image.pixel_count(); ++i) {
+          const auto* const from = &image.data()[i * size_t(given)];
+          uint8_t* const to = &out.data()[i * size_t(channels)];
+          if (channels == 3)
+            for (int c = 0; c < 3; ++c) to[c] = byte_of(from[given >= 3 ? c : 0]);
+          else if (given < 3)
+            to[0] = byte_of(from[0]);
+          else
+            to[0] =
+                static_cast<uint8_t>((byte_of(from[0]) * 4899 + byte_of(from[1]) * 9617 + byte_of(from[2]) * 1868 + 8192) >> 14);
+        }
+        return out;
+      },
+      any);
+}
+
+ImageF floats_of(AnyImage&& any) {
+  if (auto* const floats = std::get_if<ImageF>(&any)) return std::move(*floats);
+  return std::visit(
+      [](const auto& image) {
+        using T = std::decay_t<decltype(image.data()[0])>;
+        constexpr float kScale = 1.f / full_scale<T>();
+        ImageF out(image.width(), image.height(), image.channels());
+        std::transform(image.data().begin(), image.data().end(), out.data().begin(),
+                       [&](T v) { return static_cast<float>(v) * kScale; });
+        return out;
+      },
+      any);
+}
+
 }  // namespace
 
-ImageF read_unchanged(const fs::path& path) {
-  const cv::Mat mat = decode(path, cv::IMREAD_UNCHANGED);
-  const int channels = mat.channels();
-  cv::Mat scaled;
-  mat.convertTo(scaled, CV_32F, 1.0 / full_scale(mat, path));
-  ImageF image(mat.cols, mat.rows, channels);
-  for (int y = 0; y < mat.rows; ++y) {
-    const float* source = scaled.ptr<float>(y);
-    for (int x = 0; x < mat.cols; ++x)
-      for (int c = 0; c < channels; ++c) {
-        const int from = channels >= 3 && c < 3 ? 2 - c : c;  // OpenCV stores B, G, R
-        image.at(x, y, c) = source[x * channels + from];
-      }
-  }
-  return image;
+ImageF read_unchanged(const fs::path& path) { return floats_of(decode(path).image); }
+
+ImageF read_as_oriented(const fs::path& path) {
+  Decoded decoded = decode(path);
+  return upright(floats_of(std::move(decoded.image)), decoded.orientation);
 }
 
 ImageF read_srgb(const fs::path& path) {
@@ -92,20 +175,20 @@ ImageF read_srgb(const fs::path& path) {
 
 Image8 read_srgb8(const fs::path& path, int reduction) {
   VITRINE_CHECK(reduction == 1 || reduction == 2 || reduction == 4 || reduction == 8, "reduction {}", reduction);
-  const int flags[] = {cv::IMREAD_COLOR, cv::IMREAD_REDUCED_COLOR_2, cv::IMREAD_REDUCED_COLOR_4, cv::IMREAD_REDUCED_COLOR_8};
-  cv::Mat mat = decode(path, flags[reduction == 1 ? 0 : reduction == 2 ? 1 : reduction == 4 ? 2 : 3]);
-  cv::cvtColor(mat, mat, cv::COLOR_BGR2RGB);
-  Image8 image(mat.cols, mat.rows, 3);
-  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<uint8_t>(y), 3 * size_t(mat.cols), image.pixel(0, y));
-  return image;
+  Decoded decoded = decode(path, 3, reduction);
+  if (auto* const whole = std::get_if<Image8>(&decoded.image);
+      whole && whole->channels() == 3 && (decoded.reduced || reduction == 1))
+    return std::move(*whole);
+  Image8 image = bytes_of(decoded.image, 3);
+  if (decoded.reduced || reduction == 1) return image;
+  Image8 small(std::max(image.width() / reduction, 1), std::max(image.height() / reduction, 1), 3);
+  const cv::Mat from(image.height(), image.width(), CV_8UC3, image.data().data());
+  cv::Mat to(small.height(), small.width(), CV_8UC3, small.data().data());
+  cv::resize(from, to, to.size(), 0, 0, cv::INTER_LINEAR_EXACT);
+  return small;
 }
 
-Image8 read_grey8(const fs::path& path) {
-  const cv::Mat mat = decode(path, cv::IMREAD_GRAYSCALE);
-  Image8 image(mat.cols, mat.rows, 1);
-  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<uint8_t>(y), mat.cols, image.pixel(0, y));
-  return image;
-}
+Image8 read_grey8(const fs::path& path) { return bytes_of(decode(path, 1).image, 1); }
 
 namespace {
 

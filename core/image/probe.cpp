@@ -1,8 +1,10 @@
 #include "core/image/probe.h"
 
-#include "core/image/segments.h"
-
 #include <fmt/format.h>
+
+#include "core/image/jpeg_structure.h"
+#include "core/image/segments.h"
+#include "core/image/tiff_pages.h"
 
 namespace vitrine {
 
@@ -15,25 +17,19 @@ constexpr std::string_view kExifMagic("Exif\0\0", 6);
 PhotoFormat format_of(std::string_view b) {
   if (b.starts_with("\xff\xd8\xff")) return PhotoFormat::Jpeg;
   if (b.starts_with(kPngMagic)) return PhotoFormat::Png;
-  if (b.starts_with(std::string_view("II*\0", 4)) || b.starts_with(std::string_view("MM\0*", 4))) return PhotoFormat::Tiff;
+  if (is_tiff(b)) return PhotoFormat::Tiff;
   if (b.starts_with(kExrMagic)) return PhotoFormat::Exr;
   return PhotoFormat::Unknown;
 }
 
 void probe_tiff(std::string_view b, Probe& probe) {
-  const bool big = b[0] == 'M';
-  const size_t directory = number_at(b, 4, 4, big), entries = number_at(b, directory, 2, big);
-  for (size_t i = 0; i < entries; ++i) {
-    const size_t entry = directory + 2 + 12 * i;
-    if (entry + 12 > b.size()) return;
-    const uint64_t tag = number_at(b, entry, 2, big), type = number_at(b, entry + 2, 2, big),
-                   count = number_at(b, entry + 4, 4, big);
-    const uint64_t value = number_at(b, entry + 8, type == 3 ? 2 : 4, big);
-    if (tag == 256) probe.width = value;
-    if (tag == 257) probe.height = value;
-    // SampleFormat: one short per channel, in the entry up to two, else behind an offset. 3 = IEEE floating point.
-    if (tag == 339) probe.float_samples = (count > 2 ? number_at(b, number_at(b, entry + 8, 4, big), 2, big) : value) == 3;
-  }
+  const TiffPages pages = tiff_pages(b);
+  if (pages.pages.empty()) return;
+  const TiffPage& page = pages.chosen();
+  probe.width = page.width;
+  probe.height = page.height;
+  probe.float_samples = page.sample_format == 3;
+  probe.orientation = static_cast<int>(page.orientation);
 }
 
 void probe_exr(std::string_view b, Probe& probe) {
@@ -89,13 +85,8 @@ std::string implausible_size(const Probe& probe, size_t file_bytes) {
 
 std::string missing_end(std::string_view b) {
   switch (format_of(b)) {
-    case PhotoFormat::Jpeg: {
-      // Inside a scan every 0xff is followed by 0x00 or a restart marker, so the first end marker behind it is the real one.
-      const size_t scan = jpeg_segments(b, [](unsigned, std::string_view) { return true; });
-      if (scan == 0) return "the JPEG ends before its picture data: the file is truncated or damaged";
-      if (b.find("\xff\xd9", scan) == std::string_view::npos) return "the JPEG has no end marker: the file is truncated";
-      return "";
-    }
+    case PhotoFormat::Jpeg:
+      return jpeg_structure(b).damage;
     case PhotoFormat::Png:
       return png_chunks(b, {}) ? "" : "the PNG has no end chunk: the file is truncated";
     default:
@@ -119,7 +110,7 @@ std::string exif_block(std::string_view b) {
       });
       break;
     case PhotoFormat::Tiff:
-      block = std::string(kExifMagic).append(b);
+      block = tiff_exif_block(b);
       break;
     default:
       break;

@@ -15,6 +15,7 @@ struct Probe {
   PhotoFormat format = PhotoFormat::Unknown;
   uint64_t width = 0, height = 0;  // as stored; 0 when these bytes do not say
   bool float_samples = false;      // a TIFF of floating-point samples: linear, not sRGB
+  int orientation = 1;             // of a TIFF's page; the one of other formats is in their EXIF block
 };
 
 // `bytes` may be the beginning of a file.

@@ -1,7 +1,7 @@
 #include "core/image/segments.h"
 
-#include <algorithm>
-#include <vector>
+#include "core/image/tiff_directory.h"
+#include "core/image/tiff_pages.h"
 
 namespace vitrine {
 
@@ -49,105 +49,19 @@ bool png_chunks(std::string_view b, const std::function<void(std::string_view ty
   return false;
 }
 
-std::string png_pixels(std::string_view b) {
-  std::string out(b.substr(0, 8));
-  size_t at = 8;
-  while (at + 12 <= b.size()) {
-    const size_t size = 12 + number_at(b, at, 4, true);
-    const std::string_view type = b.substr(at + 4, 4);
-    const bool critical = (type[0] & 0x20) == 0;
-    if (critical || type == "tRNS") out += b.substr(at, size);
-    at += size;
-    if (type == "IEND") break;
-  }
-  return out;
-}
-
-namespace {
-
-size_t tiff_type_size(unsigned type) {
-  constexpr size_t sizes[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
-  return type < std::size(sizes) ? sizes[type] : 0;
-}
-
-struct TiffLayout {
-  bool big_endian = false;
-  size_t count_size = 2, entry_size = 12, offset_size = 4;
-  uint64_t first = 0;  // directory
-};
-
-std::optional<TiffLayout> tiff_layout(std::string_view b) {
-  TiffLayout t;
-  if (b.starts_with("MM"))
-    t.big_endian = true;
-  else if (!b.starts_with("II"))
-    return std::nullopt;
-  const uint64_t magic = number_at(b, 2, 2, t.big_endian);
-  if (magic == 43) t.count_size = 8, t.entry_size = 20, t.offset_size = 8;
-  if (magic != 42 && magic != 43) return std::nullopt;
-  t.first = number_at(b, magic == 43 ? 8 : 4, t.offset_size, t.big_endian);
-  return t;
-}
-
-std::optional<TiffField> field_of(std::string_view b, const TiffLayout& t, uint64_t directory, unsigned tag) {
-  constexpr uint64_t kMostEntries = 4096;
-  if (directory >= b.size()) return std::nullopt;
-  const uint64_t entries = std::min(number_at(b, directory, t.count_size, t.big_endian), kMostEntries);
-  for (uint64_t i = 0; i < entries; ++i) {
-    const size_t at = directory + t.count_size + i * t.entry_size;
-    if (at + t.entry_size > b.size()) return std::nullopt;
-    if (number_at(b, at, 2, t.big_endian) != tag) continue;
-    TiffField f{.type = static_cast<unsigned>(number_at(b, at + 2, 2, t.big_endian)),
-                .count = number_at(b, at + 4, t.offset_size, t.big_endian),
-                .bytes = {},
-                .big_endian = t.big_endian};
-    const size_t each = tiff_type_size(f.type), value = at + 4 + t.offset_size;
-    if (each == 0 || f.count > b.size() / each) return std::nullopt;
-    const size_t size = each * f.count;
-    const uint64_t from = size <= t.offset_size ? value : number_at(b, value, t.offset_size, t.big_endian);
-    if (from > b.size() || b.size() - from < size) return std::nullopt;
-    f.bytes = b.substr(from, size);
-    return f;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
-uint64_t TiffField::number(size_t index) const {
-  const bool whole = type == 1 || type == 3 || type == 4 || type == 16;
-  return whole && index < count ? number_at(bytes, index * tiff_type_size(type), tiff_type_size(type), big_endian) : 0;
-}
-
-std::optional<TiffField> tiff_field(std::string_view b, unsigned tag) {
-  constexpr size_t kMostDirectories = 64;
-  constexpr unsigned kWidth = 256, kHeight = 257, kSubDirectories = 330;
-  const auto t = tiff_layout(b);
-  if (!t) return std::nullopt;
-  std::vector<uint64_t> directories;
-  const auto add = [&](uint64_t at) {
-    const bool is_new = at != 0 && at < b.size() && std::find(directories.begin(), directories.end(), at) == directories.end();
-    if (is_new && directories.size() < kMostDirectories) directories.push_back(at);
-    return is_new;
+std::string_view tiff_profile(std::string_view b) {
+  constexpr unsigned kIccProfile = 34675;
+  const TiffPages pages = tiff_pages(b);
+  const TiffBytes in(b, pages.big_endian);
+  std::string_view profile;
+  const auto look = [&](const TiffPage& page) {
+    TiffDirectory(in, pages.big, page.directory).each([&](const TiffEntry& e) {
+      if (e.tag == kIccProfile && e.size == 1 && profile.empty()) profile = in.text(e.values, e.count);
+    });
   };
-  for (uint64_t at = t->first; add(at) && directories.size() < kMostDirectories;) {
-    const uint64_t entries = number_at(b, at, t->count_size, t->big_endian);
-    if (entries > b.size()) break;
-    at = number_at(b, at + t->count_size + entries * t->entry_size, t->offset_size, t->big_endian);
-  }
-  for (size_t i = 0; i < directories.size(); ++i)
-    if (const auto below = field_of(b, *t, directories[i], kSubDirectories)) {
-      for (size_t k = 0; k < below->count && k < kMostDirectories; ++k)
-        add(below->type == 13 ? number_at(below->bytes, 4 * k, 4, t->big_endian) : below->number(k));
-    }
-  const auto area = [&](uint64_t at) {
-    const auto w = field_of(b, *t, at, kWidth), h = field_of(b, *t, at, kHeight);
-    return w && h ? std::min<uint64_t>(w->number(), 1 << 20) * std::min<uint64_t>(h->number(), 1 << 20) : 0;
-  };
-  std::stable_sort(directories.begin(), directories.end(), [&](uint64_t a, uint64_t c) { return area(a) > area(c); });
-  for (uint64_t at : directories)
-    if (const auto field = field_of(b, *t, at, tag)) return field;
-  return std::nullopt;
+  if (!pages.pages.empty()) look(pages.chosen());
+  for (const TiffPage& page : pages.pages) look(page);
+  return profile;
 }
 
 std::string_view exr_attribute(std::string_view b, std::string_view name, std::string_view type) {

@@ -7,7 +7,12 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/image/exr.h"
+#include "core/image/file_kind.h"
+#include "core/image/ldr.h"
+#include "core/image/probe.h"
+#include "core/image/tiff_pages.h"
 #include "core/light/radiance_hdr.h"
 
 namespace vitrine {
@@ -144,7 +149,7 @@ Environment Environment::rotated(double degrees) const {
 namespace {
 
 // By the first bytes, so that a wrong file name misleads nobody.
-ImageF read_texels(const fs::path& path) {
+ImageF read_texels(const fs::path& path, std::vector<std::string>& notes) {
   constexpr std::string_view kHint = "give a lat-long map as OpenEXR (.exr) or Radiance HDR (.hdr)";
   std::error_code ec;
   if (!fs::is_regular_file(path, ec))
@@ -152,11 +157,19 @@ ImageF read_texels(const fs::path& path) {
                 {.where = path.string(), .hint = std::string(kHint), .code = "MISSING_INPUT"});
   const std::string bytes = read_file(path);
   const std::string_view start(bytes);
-  if (start.starts_with("\x76\x2f\x31\x01")) return read_exr_rgb(path);
-  if (start.starts_with("#?")) return parse_radiance_hdr(bytes, path.string());
-  constexpr std::string_view kLdr[] = {
-      "\x89PNG", "\xff\xd8\xff", "GIF8", "BM", std::string_view("II*\0", 4), std::string_view("MM\0*", 4)};
-  const bool ldr = std::ranges::any_of(kLdr, [&](std::string_view magic) { return start.starts_with(magic); }) ||
+  if (start.starts_with("\x76\x2f\x31\x01")) {
+    ExrPicture picture = read_exr_picture(path);
+    notes = std::move(picture.notes);
+    return std::move(picture.rgb);
+  }
+  if (start.starts_with("#?")) return parse_radiance_hdr(bytes, path.string(), &notes);
+  if (is_tiff(start) && probe_photo(bytes).float_samples) {
+    notes.emplace_back("a TIFF of floating-point samples, taken as linear");
+    return read_srgb(path);
+  }
+  constexpr std::string_view kLdr[] = {"\x89PNG", "\xff\xd8\xff", "GIF8", "BM"};
+  const bool ldr = is_tiff(start) ||
+                   std::ranges::any_of(kLdr, [&](std::string_view magic) { return start.starts_with(magic); }) ||
                    (start.starts_with("RIFF") && start.substr(0, 12).ends_with("WEBP"));
   if (ldr)
     throw Error(ErrorKind::Input, "this picture cannot be an environment map",
@@ -166,7 +179,7 @@ ImageF read_texels(const fs::path& path) {
                  .code = "ENV_LDR"});
   throw Error(ErrorKind::Input, "this file is not an environment map",
               {.where = path.string(),
-               .why = "it is neither OpenEXR nor Radiance HDR",
+               .why = bytes.empty() ? "it is empty" : foreign_content(bytes, path.extension().string()),
                .hint = std::string(kHint),
                .code = "ENV_FORMAT"});
 }
@@ -209,7 +222,9 @@ size_t clamp_negative(ImageF& map) {
 }  // namespace
 
 Environment read_environment(const fs::path& path, size_t* negative) {
-  ImageF map = read_texels(path);
+  std::vector<std::string> notes;
+  ImageF map = read_texels(path, notes);
+  for (const std::string& note : notes) log_info("environment map {}: {}", path.filename().string(), note);
   check_texels(map, path);
   const size_t texels = clamp_negative(map);
   if (negative != nullptr) *negative = texels;

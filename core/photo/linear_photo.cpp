@@ -1,7 +1,6 @@
 #include "core/photo/linear_photo.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/file.h"
 #include "core/image/exr.h"
@@ -11,38 +10,20 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that we write
+constexpr float kHalfMax = 65504.0f;  // the largest number of the EXR files that are written
 
-size_t repair(ImageF& image) {
-  size_t repaired = 0;
-  for (float& v : image.data()) {
-    if (!std::isfinite(v)) {
-      v = 0;
-      ++repaired;
-    }
-    v = std::clamp(v, -kHalfMax, kHalfMax);
-  }
-  return repaired;
-}
-
-// The last of the channels, unless it is the same everywhere. The same rule as for masks (core/camera/mask_files.h).
-ImageF varying_alpha(const ImageF& image, size_t channel) {
-  const size_t channels = static_cast<size_t>(image.channels());
-  ImageF alpha(image.width(), image.height(), 1);
-  for (size_t i = 0; i < alpha.data().size(); ++i) alpha.data()[i] = image.data()[channels * i + channel];
+// Empty when it is the same everywhere: the rule for masks, too (core/camera/mask_files.h).
+ImageF unless_flat(ImageF alpha) {
   const auto [low, high] = std::minmax_element(alpha.data().begin(), alpha.data().end());
-  return alpha.empty() || !(*low < *high) ? ImageF() : alpha;
-}
-
-ImageF exr_alpha(const fs::path& path) {
-  const ExrImage exr = read_exr(path);
-  const auto found = std::find(exr.channels.begin(), exr.channels.end(), "A");
-  return found == exr.channels.end() ? ImageF() : varying_alpha(exr.pixels, size_t(found - exr.channels.begin()));
+  return alpha.empty() || !(*low < *high) ? ImageF() : std::move(alpha);
 }
 
 ImageF ldr_alpha(const ImageF& image) {
-  const int channels = image.channels();
-  return channels == 2 || channels == 4 ? varying_alpha(image, size_t(channels) - 1) : ImageF();
+  const size_t channels = static_cast<size_t>(image.channels());
+  if (channels != 2 && channels != 4) return {};
+  ImageF alpha(image.width(), image.height(), 1);
+  for (size_t i = 0; i < alpha.data().size(); ++i) alpha.data()[i] = image.data()[channels * (i + 1) - 1];
+  return unless_flat(std::move(alpha));
 }
 
 ImageF three_channels(const ImageF& image) {
@@ -59,17 +40,19 @@ LinearPhoto read_linear_photo(const fs::path& path, const PhotoHead& head) {
   LinearPhoto p;
   const bool exr = head.probe.format == PhotoFormat::Exr;
   if (exr) {
-    if (head.alpha) p.alpha = exr_alpha(path);
-    p.linear = read_exr_rgb(path);
+    ExrPicture picture = read_exr_picture(path, head.alpha);
+    p.linear = std::move(picture.rgb);
+    p.alpha = unless_flat(std::move(picture.alpha));
+    p.notes = std::move(picture.notes);
   } else {
     p.linear = read_unchanged(path);
     p.alpha = ldr_alpha(p.linear);
     if (p.linear.channels() != 3) p.linear = three_channels(p.linear);
   }
   if (exr || head.probe.float_samples) {
-    p.repaired_values = repair(p.linear);
+    p.repaired = repair_values(p.linear, -kHalfMax);
     head.color.profile->float_to_linear(p.linear);
-    repair(p.linear);
+    repair_values(p.linear, -kHalfMax);
   } else {
     head.color.profile->to_linear(p.linear);
   }
@@ -86,7 +69,7 @@ Image8 srgb_of(const Image8& decoded, const PhotoColor& color) {
 
 bool has_varying_alpha(const fs::path& path, const PhotoHead& head) {
   if (!head.alpha) return false;
-  if (head.probe.format == PhotoFormat::Exr) return !exr_alpha(path).empty();
+  if (head.probe.format == PhotoFormat::Exr) return !unless_flat(read_exr_picture(path, true).alpha).empty();
   return !ldr_alpha(read_unchanged(path)).empty();
 }
 

@@ -12,6 +12,7 @@
 #include "core/image/cicp.h"
 #include "core/image/icc.h"
 #include "core/image/segments.h"
+#include "core/image/tiff_pages.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -249,16 +250,11 @@ PhotoColor jpeg_color(std::string_view file, const Exif& exif) {
 }
 
 PhotoColor tiff_color(std::string_view file, const Probe& probe, const Exif& exif) {
-  constexpr unsigned kIcc = 34675, kPhotometric = 262, kSeparated = 5;
   PhotoColor color;
-  const auto photometric = tiff_field(file, kPhotometric);
-  if (photometric && photometric->number() == kSeparated) {
-    color.refusal = "its colours are those of print (CMYK): export it as RGB";
-    return color;
-  }
+  const TiffPages pages = tiff_pages(file);
   Embedded embedded;
-  if (const auto field = tiff_field(file, kIcc)) embedded.bytes = field->bytes;
-  embedded.grey_picture = photometric && photometric->number() <= 1;
+  embedded.bytes = tiff_profile(file);
+  embedded.grey_picture = !pages.pages.empty() && tiff_channels(pages.chosen()).colours == 1;
   const bool has_profile = take_icc(embedded, color);
   if (color.source == "icc" || !color.refusal.empty()) return color;
   if (probe.float_samples) {
@@ -312,15 +308,19 @@ bool has_alpha(std::string_view bytes, PhotoFormat format) {
       if (type == "tRNS") found = true;
     });
   if (format == PhotoFormat::Tiff) {
-    constexpr unsigned kExtraSamples = 338;
-    const auto extra = tiff_field(bytes, kExtraSamples);
-    for (size_t i = 0; extra && i < std::min<uint64_t>(extra->count, 16); ++i)
-      found |= extra->number(i) == 1 || extra->number(i) == 2;
+    const TiffPages pages = tiff_pages(bytes);
+    found = !pages.pages.empty() && tiff_channels(pages.chosen()).alpha.has_value();
   }
   if (format == PhotoFormat::Exr) {
+    // Names end with a zero; 16 bytes follow each. A layer's name stands before a dot.
     const std::string_view list = exr_attribute(bytes, "channels", "chlist");
-    found = list.starts_with(std::string_view("A\0", 2));  // sorted by name: a channel A is the first
-    if (!found) found = list.find(std::string_view("\0A\0", 3)) != std::string_view::npos;
+    for (size_t at = 0; at < list.size() && !found;) {
+      const size_t end = list.find('\0', at);
+      if (end == std::string_view::npos || end == at) break;
+      const std::string_view name = list.substr(at, end - at);
+      found = name == "A" || name.ends_with(".A") || name.ends_with(".a");
+      at = end + 17;
+    }
   }
   return found;
 }

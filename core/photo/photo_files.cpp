@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/utf8.h"
+#include "core/image/picture_file.h"
 
 namespace vitrine {
 
@@ -109,13 +110,17 @@ PhotoHead read_photo_head(const fs::path& path) {
         {.where = path.string(), .why = std::move(why), .hint = "replace it or take it out of the folder", .code = "BAD_PHOTO"});
   };
   const std::string bytes = read_file(path);
-  if (bytes.empty()) throw_unusable("the file is empty");
-  const Probe probe = probe_photo(bytes);
-  if (probe.format == PhotoFormat::Unknown) throw_unusable("its content is neither JPEG, PNG, TIFF nor EXR");
-  if (const std::string why = implausible_size(probe, bytes.size()); !why.empty()) throw_unusable(why);
-  if (const std::string missing = missing_end(bytes); !missing.empty()) throw_unusable(missing);
-  PhotoHead head{probe, parse_exif(exif_block(bytes)), digest_bytes(bytes), {}, has_alpha(bytes, probe.format)};
-  head.color = color_of(bytes, probe, head.exif);
+  PictureFile file = examine_picture(bytes, path.extension().string());
+  if (!file.refusal.empty()) throw_unusable(file.refusal);
+  PhotoHead head{.probe = file.probe,
+                 .exif = parse_exif(exif_block(bytes)),
+                 .digest = digest_bytes(bytes),
+                 .notes = std::move(file.notes),
+                 .aside = std::move(file.aside),
+                 .color = {},
+                 .alpha = has_alpha(bytes, file.probe.format)};
+  if (file.probe.format == PhotoFormat::Tiff) head.exif.orientation = file.probe.orientation;  // of the page that is read
+  head.color = color_of(bytes, head.probe, head.exif);
   if (!head.color.refusal.empty()) throw_unusable(head.color.refusal);
   return head;
 }

@@ -35,7 +35,9 @@ void assign_names(std::vector<PhotoFile>& photos);
 struct PhotoHead {
   Probe probe;
   Exif exif;
-  Digest digest;  // of the file's bytes
+  Digest digest;                   // of the file's bytes
+  std::vector<std::string> notes;  // what is left out or assumed, and what is beside the picture (core/image/picture_file.h)
+  std::string aside;
   PhotoColor color;
   bool alpha = false;  // the file has an alpha channel
 };

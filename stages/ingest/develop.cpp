@@ -17,15 +17,18 @@ Developed develop(const fs::path& path, int max_side) {
   const Probe& probe = head.probe;
   const Exif& exif = head.exif;
 
+  d.notes = head.notes;
+  d.aside = head.aside;
+
   LinearPhoto decoded = read_linear_photo(path, head);
   d.linear = std::move(decoded.linear);
-  d.repaired_pixels = decoded.repaired_values;
+  d.repaired = decoded.repaired;
+  d.notes.insert(d.notes.end(), decoded.notes.begin(), decoded.notes.end());
   d.color = color_facts(head.color, !decoded.alpha.empty());
   if (d.linear.empty())
     throw Error(ErrorKind::Input, "a photo cannot be used",
                 {.where = path.string(), .why = "it has no pixels", .hint = "take it out of the folder", .code = "BAD_PHOTO"});
-  // OpenCV turns TIFF files upright by itself.
-  if (probe.format != PhotoFormat::Tiff && exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
+  if (exif.orientation != 1) d.linear = upright(d.linear, exif.orientation);
 
   Photo& photo = d.photo;
   photo.original_width = d.linear.width();

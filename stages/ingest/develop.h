@@ -4,16 +4,18 @@
 #include <filesystem>
 
 #include "core/camera/photo_list.h"
-#include "core/image/image.h"
+#include "core/image/repair.h"
 #include "core/photo/photo_color.h"
 
 namespace vitrine::ingest {
 
 struct Developed {
-  ImageF linear;  // upright, [h, w, 3]
-  Photo photo;    // all but name, stem and source
+  ImageF linear;                   // upright, [h, w, 3]
+  Photo photo;                     // all but name, stem and source
+  RepairedValues repaired;         // of floating-point samples
+  std::vector<std::string> notes;  // what is left out or assumed (core/image/picture_file.h, core/image/exr.h)
+  std::string aside;
   ColorFacts color;
-  size_t repaired_pixels = 0;  // floating-point samples: not finite, set to 0
 };
 
 // Throws Error{Input} when the file is empty, damaged or truncated.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "core/base/error.h"
@@ -29,7 +30,9 @@ struct Outcome {
   Photo photo;
   std::string failure;  // empty = developed
   ColorFacts color;
-  size_t repaired_pixels = 0;
+  RepairedValues repaired;
+  std::vector<std::string> notes;
+  std::string aside;
 };
 
 size_t stored_pixels(const fs::path& path) {
@@ -38,7 +41,8 @@ size_t stored_pixels(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<size_t>(in.gcount()));
-  const Probe probe = probe_photo(head);
+  Probe probe = probe_photo(head);
+  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
   constexpr uint64_t kTypicalPixels = 24'000'000, kMaxSide = 1 << 20;
   if (probe.width == 0 || probe.height == 0 || probe.width > kMaxSide || probe.height > kMaxSide) return kTypicalPixels;
   return static_cast<size_t>(probe.width * probe.height);
@@ -69,7 +73,9 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
   outcome.photo.stem = file.stem;
   outcome.photo.source = file.source;
   outcome.color = std::move(developed.color);
-  outcome.repaired_pixels = developed.repaired_pixels;
+  outcome.repaired = developed.repaired;
+  outcome.notes = std::move(developed.notes);
+  outcome.aside = std::move(developed.aside);
   write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
   write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
   return outcome;
@@ -114,6 +120,28 @@ void report_folder(const PhotoFolder& folder, StageContext& context) {
                     fmt::format("{} files hold photos or video in a form that is not read ({}): convert them to "
                                 "JPEG or 16-bit TIFF to use them",
                                 unread, skipped_text(folder)));
+}
+
+// Each thing that was left out or assumed once, with the number of photos and the name of the first.
+void report_contents(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes, StageContext& context) {
+  struct Several {
+    size_t photos = 0, first = 0;
+  };
+  std::map<std::string, Several> notes, asides;
+  const auto add = [](std::map<std::string, Several>& to, const std::string& note, size_t photo) {
+    Several& several = to[note];
+    if (several.photos++ == 0) several.first = photo;
+  };
+  for (size_t i = 0; i < outcomes.size(); ++i) {
+    for (const std::string& note : outcomes[i].notes) add(notes, note, i);
+    if (!outcomes[i].aside.empty()) add(asides, outcomes[i].aside, i);
+  }
+  const auto sentence = [&](const std::string& note, const Several& several) {
+    return several.photos == 1 ? fmt::format("{} is {}", files[several.first].source, note)
+                               : fmt::format("{} photos ({} and others): {}", several.photos, files[several.first].source, note);
+  };
+  for (const auto& [note, several] : notes) context.warning("PHOTO_CONTENT", sentence(note, several));
+  for (const auto& [aside, several] : asides) log_info("{}", sentence(aside, several));
 }
 
 // Says what was taken for granted of colours and alpha. Returns what was converted, for the summary.
@@ -167,11 +195,11 @@ void run(const IngestConfig& config, StageContext& context) {
   const std::vector<Outcome> outcomes = ingest_photos(folder.photos, config.max_side, context);
 
   std::vector<Photo> photos;
-  size_t repaired = 0;
+  RepairedValues repaired;
   for (const Outcome& outcome : outcomes) {
     if (!outcome.failure.empty()) continue;
     photos.push_back(outcome.photo);
-    repaired += outcome.repaired_pixels;
+    repaired += outcome.repaired;
   }
   const size_t left_out = outcomes.size() - photos.size();
   const std::string failures = failure_list(folder.photos, outcomes);
@@ -186,7 +214,11 @@ void run(const IngestConfig& config, StageContext& context) {
          .hint = "add photos, or replace those that cannot be read",
          .code = "TOO_FEW_PHOTOS"});
   if (left_out > 0) context.warning("PHOTOS_LEFT_OUT", fmt::format("{} photos are left out:\n         {}", left_out, failures));
-  if (repaired > 0) context.warning("PIXELS_NOT_FINITE", fmt::format("{} values that are not numbers were set to 0", repaired));
+  if (repaired.not_numbers + repaired.too_bright > 0)
+    context.warning("PIXELS_NOT_FINITE", repaired.text());
+  else if (repaired.negative > 0)
+    log_info("{}", repaired.text());
+  report_contents(folder.photos, outcomes, context);
   write_photo_list(context.output(), photos);
   report_photos(photos, report_colors(outcomes, context), left_out, context);
 }

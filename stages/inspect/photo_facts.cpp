@@ -38,7 +38,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
     const PhotoHead head = read_photo_head(file.path);
     const Image8 picture = small_picture(file.path, head);
     f.measures = measured(picture);
-    const bool turned = head.exif.orientation >= 5 && head.probe.format != PhotoFormat::Tiff;
+    const bool turned = head.exif.orientation >= 5;
     f.width = int(head.probe.width), f.height = int(head.probe.height);
     if (f.width == 0 || f.height == 0) f.width = picture.width(), f.height = picture.height();
     if (turned) std::swap(f.width, f.height);

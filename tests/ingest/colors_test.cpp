@@ -101,9 +101,7 @@ TEST_F(Colors, OnePictureInFourSpacesIsOneLinearPicture) {
   const Image16 wide = test::in_16_bits(in_space(truth, test::prophoto()));
   for (bool big : {false, true}) {
     const std::string tiff = test::tagged_tiff(wide, test::icc_bytes(test::prophoto()), big);
-    const auto field = tiff_field(tiff, 34675);
-    ASSERT_TRUE(field) << big;
-    EXPECT_EQ(field->bytes, test::icc_bytes(test::prophoto())) << big;
+    EXPECT_EQ(tiff_profile(tiff), test::icc_bytes(test::prophoto())) << big;
   }
   write_file(path("prophoto.tif"), test::tagged_tiff(wide, test::icc_bytes(test::prophoto())));
   EXPECT_LE(steps_apart(developed(path("prophoto.tif")), truth), 0.1);

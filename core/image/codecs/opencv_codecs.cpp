@@ -1,13 +1,13 @@
-// The library that core/image/codecs.cpp loads.
+// The library that core/image/codecs.cpp loads; here what goes through OpenCV.
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/image/codecs.h"
+#include "core/image/codecs/codecs_here.h"
 
 namespace vitrine {
 namespace {
 
-std::string decode(const std::string& bytes, int flags, cv::Mat& out) {
+std::string decode_other(const std::string& bytes, int flags, cv::Mat& out) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by our Error
   try {
     out = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), flags);
@@ -31,4 +31,5 @@ std::string encode(const std::string& extension, const cv::Mat& mat, const std::
 }  // namespace
 }  // namespace vitrine
 
-extern "C" __attribute__((visibility("default"))) const vitrine::Codecs vitrine_codecs{vitrine::decode, vitrine::encode};
+extern "C" __attribute__((visibility("default"))) const vitrine::Codecs vitrine_codecs{
+    vitrine::decode_jpeg, vitrine::decode_png, vitrine::decode_tiff, vitrine::decode_other, vitrine::encode};

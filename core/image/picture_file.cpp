@@ -1,0 +1,44 @@
+#include "core/image/picture_file.h"
+
+#include <fmt/format.h>
+
+#include "core/image/file_kind.h"
+#include "core/image/jpeg_structure.h"
+#include "core/image/tiff_pages.h"
+
+namespace vitrine {
+
+PictureFile examine_picture(std::string_view bytes, std::string_view extension) {
+  PictureFile file;
+  if (bytes.empty()) {
+    file.refusal = "the file is empty";
+    return file;
+  }
+  file.probe = probe_photo(bytes);
+  if (file.refusal = implausible_size(file.probe, bytes.size()); !file.refusal.empty()) return file;
+  switch (file.probe.format) {
+    case PhotoFormat::Unknown:
+      file.refusal = foreign_content(bytes, extension);
+      return file;
+    case PhotoFormat::Jpeg: {
+      const JpegStructure structure = jpeg_structure(bytes);
+      file.refusal = structure.refusal.empty() ? structure.damage : structure.refusal;
+      if (const std::string trailer = jpeg_trailer(bytes, structure.end); file.refusal.empty() && !trailer.empty())
+        file.aside = fmt::format("a JPEG with {} behind the picture: only the picture is read", trailer);
+      break;
+    }
+    case PhotoFormat::Tiff: {
+      const TiffPages pages = tiff_pages(bytes);
+      file.refusal = tiff_refusal(pages);
+      if (file.refusal.empty()) file.notes = tiff_notes(pages);
+      break;
+    }
+    case PhotoFormat::Png:
+    case PhotoFormat::Exr:
+      file.refusal = missing_end(bytes);
+      break;
+  }
+  return file;
+}
+
+}  // namespace vitrine
