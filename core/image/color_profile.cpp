@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "core/base/parallel.h"
 #include "core/math/color.h"
 
@@ -74,6 +76,27 @@ const std::vector<float>& srgb_table() {
 size_t index_of(float v) { return v > 0 ? static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f) : 0; }
 
 }  // namespace
+
+std::string primaries_name(const Chromaticities& c) {
+  const std::pair<const char*, Chromaticities> known[] = {
+      {"Rec. 709", kRec709},
+      {"P3 (D65)", kDisplayP3},
+      {"Adobe RGB", kAdobeRgb},
+      {"Rec. 2020", {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290}},
+      {"ACES AP0", {0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767}},
+      {"ACEScg", {0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767}},
+      {"CIE XYZ", {1, 0, 0, 1, 0, 0, 1.0 / 3, 1.0 / 3}}};
+  constexpr double kSame = 0.0015;
+  for (const auto& [name, k] : known) {
+    const double off[] = {c.red_x - k.red_x,   c.red_y - k.red_y,   c.green_x - k.green_x, c.green_y - k.green_y,
+                          c.blue_x - k.blue_x, c.blue_y - k.blue_y, c.white_x - k.white_x, c.white_y - k.white_y};
+    bool same = true;
+    for (double d : off) same = same && std::abs(d) < kSame;
+    if (same) return name;
+  }
+  return fmt::format("primaries ({:.3f}, {:.3f}) ({:.3f}, {:.3f}) ({:.3f}, {:.3f})", c.red_x, c.red_y, c.green_x, c.green_y,
+                     c.blue_x, c.blue_y);
+}
 
 Mat3d xyz_d50_from(const Chromaticities& c) {
   const Mat3d directions{xyz(c.red_x, c.red_y), xyz(c.green_x, c.green_y), xyz(c.blue_x, c.blue_y)};

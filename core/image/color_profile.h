@@ -26,6 +26,8 @@ inline constexpr Chromaticities kDisplayP3{0.680, 0.320, 0.265, 0.690, 0.150, 0.
 inline constexpr Chromaticities kAdobeRgb{0.64, 0.33, 0.21, 0.71, 0.15, 0.06, 0.3127, 0.3290};
 inline constexpr Chromaticities kProPhoto{0.7347, 0.2653, 0.1596, 0.8404, 0.0366, 0.0001, 0.3457, 0.3585};
 
+std::string primaries_name(const Chromaticities& c);  // "Rec. 2020", "ACEScg", or the numbers
+
 // Linear RGB of these primaries as XYZ under D50, the connection space of ICC profiles. Not finite for impossible primaries.
 Mat3d xyz_d50_from(const Chromaticities& c);
 Mat3d rec709_from_xyz_d50();

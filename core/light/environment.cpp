@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/image/exr.h"
+#include "core/image/exr_primaries.h"
 #include "core/image/file_kind.h"
 #include "core/image/ldr.h"
 #include "core/image/probe.h"
@@ -209,6 +211,21 @@ void check_texels(const ImageF& map, const fs::path& path) {
                .code = "ENV_BAD_TEXELS"});
 }
 
+// An EXR names the primaries of its colours, as renderers do that work in ACEScg.
+void to_rec709(ImageF& map, const fs::path& path) {
+  constexpr size_t kHeader = 1 << 16;
+  std::string head(kHeader, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(in.gcount()));
+  if (!head.starts_with("\x76\x2f\x31\x01")) return;
+  const ExrPrimaries colors = exr_primaries(head);
+  if (!colors.problem.empty()) log_warning("environment map {}: {}; taken as Rec. 709", path.filename().string(), colors.problem);
+  if (colors.profile->has_rec709_primaries()) return;
+  log_info("environment map {}: {} -> linear Rec. 709", path.filename().string(), colors.profile->name());
+  colors.profile->float_to_linear(map);
+}
+
 size_t clamp_negative(ImageF& map) {
   size_t texels = 0;
   for (size_t i = 0; i < map.pixel_count(); ++i) {
@@ -226,6 +243,7 @@ Environment read_environment(const fs::path& path, size_t* negative) {
   ImageF map = read_texels(path, notes);
   for (const std::string& note : notes) log_info("environment map {}: {}", path.filename().string(), note);
   check_texels(map, path);
+  to_rec709(map, path);
   const size_t texels = clamp_negative(map);
   if (negative != nullptr) *negative = texels;
   return Environment(std::move(map));

@@ -56,7 +56,8 @@ class Environment {
 
 // OpenEXR or Radiance HDR, told apart by their first bytes. Throws Error{Input} for what cannot light a scene: an 8-bit picture
 // (ENV_LDR), texels that are NaN or infinite (ENV_BAD_TEXELS), another shape than 2:1 (ENV_SHAPE), unknown or damaged files.
-// Channels below zero, which resampling and colours outside Rec.709 leave, become zero; `negative`: how many texels had some.
+// An EXR of other primaries (chromaticities) is converted. Channels below zero, which resampling and colours outside Rec.709
+// leave, become zero; `negative`: how many texels had some.
 Environment read_environment(const std::filesystem::path& path, size_t* negative = nullptr);
 // As 32-bit EXR that says its orientation in the attribute "vitrine:lat_long". Only maps that are not turned.
 void write_environment(const std::filesystem::path& path, const Environment& environment);

@@ -1,7 +1,6 @@
 #include "core/photo/photo_color.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <zlib.h>
 
 #include "core/image/cicp.h"
+#include "core/image/exr_primaries.h"
 #include "core/image/icc.h"
 #include "core/image/segments.h"
 #include "core/image/tiff_pages.h"
@@ -124,27 +124,6 @@ bool take_exif(const Exif& exif, PhotoColor& color) {
   return false;
 }
 
-std::string chromaticities_name(const Chromaticities& c) {
-  const std::pair<const char*, Chromaticities> known[] = {
-      {"Rec. 709", kRec709},
-      {"P3 (D65)", kDisplayP3},
-      {"Adobe RGB", kAdobeRgb},
-      {"Rec. 2020", {0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290}},
-      {"ACES AP0", {0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, 0.32168, 0.33767}},
-      {"ACEScg", {0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767}},
-      {"CIE XYZ", {1, 0, 0, 1, 0, 0, 1.0 / 3, 1.0 / 3}}};
-  constexpr double kSame = 0.0015;
-  for (const auto& [name, k] : known) {
-    const double off[] = {c.red_x - k.red_x,   c.red_y - k.red_y,   c.green_x - k.green_x, c.green_y - k.green_y,
-                          c.blue_x - k.blue_x, c.blue_y - k.blue_y, c.white_x - k.white_x, c.white_y - k.white_y};
-    bool same = true;
-    for (double d : off) same = same && std::abs(d) < kSame;
-    if (same) return name;
-  }
-  return fmt::format("primaries ({:.3f}, {:.3f}) ({:.3f}, {:.3f}) ({:.3f}, {:.3f})", c.red_x, c.red_y, c.green_x, c.green_y,
-                     c.blue_x, c.blue_y);
-}
-
 // gAMA holds 100000 / gamma, cHRM eight numbers of 1/100000: white, red, green, blue.
 struct PngColors {
   std::optional<Cicp> cicp;
@@ -200,8 +179,7 @@ bool take_gamma(const PngColors& png, PhotoColor& color) {
   else if (!linear)
     curve = [exponent = 100000 / gamma](double v) { return std::pow(v, exponent); };
   const std::string shape = srgb_curve ? "the curve of sRGB" : linear ? "linear" : fmt::format("gamma {:.2f}", 100000 / gamma);
-  const ColorProfilePtr profile =
-      primaries_profile(fmt::format("{}, {}", chromaticities_name(primaries), shape), primaries, curve);
+  const ColorProfilePtr profile = primaries_profile(fmt::format("{}, {}", primaries_name(primaries), shape), primaries, curve);
   if (!profile) {
     color.problem = "the primaries of its cHRM chunk are impossible";
     return false;
@@ -267,19 +245,11 @@ PhotoColor tiff_color(std::string_view file, const Probe& probe, const Exif& exi
 }
 
 PhotoColor exr_color(std::string_view file) {
-  PhotoColor color{.profile = linear_rec709_profile(), .source = "float linear", .problem = {}, .refusal = {}};
-  const std::string_view raw = exr_attribute(file, "chromaticities", "chromaticities");
-  if (raw.size() != 32) return color;
-  double v[8];
-  for (size_t i = 0; i < 8; ++i) v[i] = std::bit_cast<float>(static_cast<uint32_t>(number_at(raw, 4 * i, 4, false)));
-  const Chromaticities c{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
-  if (const ColorProfilePtr profile = primaries_profile("linear " + chromaticities_name(c), c)) {
-    color.profile = profile;
-    color.source = "chromaticities";
-  } else {
-    color.problem = "its chromaticities are impossible";
-  }
-  return color;
+  ExrPrimaries colors = exr_primaries(file);
+  return {.profile = std::move(colors.profile),
+          .source = colors.stated ? "chromaticities" : "float linear",
+          .problem = std::move(colors.problem),
+          .refusal = {}};
 }
 
 }  // namespace

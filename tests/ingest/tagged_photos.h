@@ -1,4 +1,4 @@
-// ICC profiles made with Little CMS, and photos that carry them: JPEG segments, PNG chunks, TIFF tags, EXR attributes.
+// ICC profiles made with Little CMS, and photos that carry them: JPEG segments, PNG chunks, TIFF tags.
 #pragma once
 
 #include <lcms2.h>
@@ -10,6 +10,7 @@
 
 #include "core/image/color_profile.h"
 #include "tests/ingest/tiny_photos.h"
+#include "tests/support/exr_chromaticities.h"
 
 namespace vitrine::test {
 
@@ -213,31 +214,6 @@ std::string tagged_tiff(const Image<T>& image, const std::string& icc, bool bigt
       out.raw(std::string(1, static_cast<char>(v)));
   }
   return out.bytes;
-}
-
-// Puts a chromaticities attribute into an EXR of at most 16 rows: one block, whose offset moves.
-inline void add_chromaticities(const fs::path& exr, const Chromaticities& c) {
-  std::string bytes = read_file(exr);
-  Fields attribute(false);
-  attribute.raw(std::string("chromaticities\0chromaticities\0", 30));
-  attribute.u32(32);
-  for (double v : {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y}) {
-    const float f = static_cast<float>(v);
-    attribute.raw({reinterpret_cast<const char*>(&f), 4});
-  }
-  size_t at = 8;  // attributes: name, type, size, bytes; an empty name ends them
-  const auto skip_word = [&] { at = bytes.find('\0', at) + 1; };
-  while (bytes[at] != '\0') {
-    skip_word(), skip_word();
-    uint32_t size = 0;
-    std::copy_n(bytes.data() + at, 4, reinterpret_cast<char*>(&size));
-    at += 4 + size;
-  }
-  uint64_t block = 0;
-  std::copy_n(bytes.data() + at + 1, 8, reinterpret_cast<char*>(&block));
-  block += attribute.bytes.size();
-  std::copy_n(reinterpret_cast<const char*>(&block), 8, bytes.data() + at + 1);
-  write_file(exr, bytes.substr(0, 8) + attribute.bytes + bytes.substr(8));
 }
 
 }  // namespace vitrine::test

@@ -10,6 +10,7 @@
 #include "core/image/ldr.h"
 #include "core/light/radiance_hdr.h"
 #include "tests/support/error_of.h"
+#include "tests/support/exr_chromaticities.h"
 
 namespace vitrine {
 namespace {
@@ -29,6 +30,22 @@ Environment lamp(int width = 64) {
 Vec3f on_sphere(Rng& rng) {
   const float z = 2 * rng.uniform() - 1, a = 2 * float(kPi) * rng.uniform(), s = std::sqrt(1 - z * z);
   return {s * std::cos(a), s * std::sin(a), z};
+}
+
+TEST(Environment, ChromaticitiesOfAnExrAreApplied) {
+  TemporaryFolder folder;
+  const fs::path path = folder.path() / "sky.exr";
+  const Chromaticities rec2020{0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290};
+  ImageF map(16, 8, 3);
+  for (size_t i = 0; i < map.pixel_count(); ++i)  // the colours of Rec. 709 red, and twice white
+    for (size_t c = 0; c < 3; ++c) map.data()[3 * i + c] = i % 2 ? 2.f : (c == 0 ? 0.6274f : c == 1 ? 0.0691f : 0.0164f);
+  write_exr_rgb(path, map, ExrPrecision::Float);
+  test::add_chromaticities(path, rec2020);
+  const ImageF read = read_environment(path).map();
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(read.at(0, 3, int(c)), c == 0 ? 1 : 0, 1e-3);  // ITU-R BT.2087
+    EXPECT_NEAR(read.at(1, 3, int(c)), 2, 1e-4);
+  }
 }
 
 TEST(Environment, AxisProbeLandsWhereTheConventionsSay) {
