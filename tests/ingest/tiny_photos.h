@@ -116,6 +116,82 @@ inline std::string tiff_bytes(const Image8& image, unsigned orientation, unsigne
   return out.bytes;
 }
 
+// An uncompressed TIFF of 8 or 16 bits, of 3 or 4 channels (alpha, not associated), with a profile where `icc` is not empty; as a
+// BigTIFF on request.
+template <class T>
+std::string tagged_tiff(const Image<T>& image, const std::string& icc, bool bigtiff = false) {
+  const unsigned w = static_cast<unsigned>(image.width()), h = static_cast<unsigned>(image.height());
+  const unsigned channels = static_cast<unsigned>(image.channels()), bits = 8 * sizeof(T);
+  struct Entry {
+    unsigned tag, type;
+    std::string bytes;
+  };
+  const auto shorts = [](std::vector<unsigned> v) {
+    Fields f(false);
+    for (unsigned n : v) f.u16(n);
+    return f.bytes;
+  };
+  const auto word = [](unsigned v) {
+    Fields f(false);
+    f.u32(v);
+    return f.bytes;
+  };
+  std::vector<Entry> entries{{256, 4, word(w)},
+                             {257, 4, word(h)},
+                             {258, 3, shorts(std::vector<unsigned>(channels, bits))},
+                             {259, 3, shorts({1})},
+                             {262, 3, shorts({2})},
+                             {273, 4, word(0)},
+                             {277, 3, shorts({channels})},
+                             {278, 4, word(h)},
+                             {279, 4, word(w * h * channels * bits / 8)},
+                             {284, 3, shorts({1})}};
+  if (channels == 4) entries.push_back({338, 3, shorts({2})});
+  if (!icc.empty()) entries.push_back({34675, 7, icc});
+  const unsigned offset = bigtiff ? 8 : 4;
+  const auto number = [&](Fields& f, unsigned v) {
+    f.u32(v);
+    if (bigtiff) f.u32(0);
+  };
+  const unsigned first = bigtiff ? 16 : 8;
+  const unsigned behind = first + (bigtiff ? 8 : 2) + static_cast<unsigned>(entries.size()) * (bigtiff ? 20 : 12) + offset;
+  unsigned values = 0;
+  for (const Entry& e : entries)
+    if (e.bytes.size() > offset) values += static_cast<unsigned>(e.bytes.size() + e.bytes.size() % 2);
+  entries[5].bytes = word(behind + values);
+  Fields out(false);
+  out.raw("II");
+  out.u16(bigtiff ? 43 : 42);
+  if (bigtiff) out.u16(8), out.u16(0);
+  number(out, first);
+  if (bigtiff)
+    number(out, static_cast<unsigned>(entries.size()));
+  else
+    out.u16(static_cast<unsigned>(entries.size()));
+  std::string out_of_line;
+  for (const Entry& e : entries) {
+    out.u16(e.tag), out.u16(e.type);
+    number(out, static_cast<unsigned>(e.bytes.size() / (e.type == 3 ? 2 : e.type == 4 ? 4 : 1)));
+    if (e.bytes.size() <= offset) {
+      std::string padded = e.bytes;
+      padded.resize(offset);
+      out.raw(padded);
+    } else {
+      number(out, behind + static_cast<unsigned>(out_of_line.size()));
+      out_of_line += e.bytes + std::string(e.bytes.size() % 2, '\0');
+    }
+  }
+  number(out, 0);
+  out.raw(out_of_line);
+  for (T v : image.data()) {
+    if (bits == 16)
+      out.u16(v);
+    else
+      out.raw(std::string(1, static_cast<char>(v)));
+  }
+  return out.bytes;
+}
+
 // Flat blocks of 16 pixels in clearly different colours, so that JPEG keeps them apart: 3 x 2 blocks, no symmetry.
 inline Image8 blocks() {
   const uint8_t colours[6][3] = {{200, 40, 40}, {40, 200, 40}, {40, 40, 200}, {200, 200, 40}, {128, 128, 128}, {30, 30, 30}};

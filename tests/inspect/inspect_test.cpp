@@ -126,6 +126,33 @@ TEST(Inspect, SeesCamerasAndZoomInExif) {
   EXPECT_EQ(codes(report), (std::set<std::string>{"mixed_cameras", "mixed_focal"}));
 }
 
+TEST(Inspect, NamesColourProfilesAndAlpha) {
+  Folder folder;
+  folder.walls(16, 960, 720);
+  const auto say = [&](int photo, unsigned color_space) {
+    test::add_exif(folder.path(fmt::format("{:02}.jpg", photo)), test::exif_bytes({}, {{0xa001, 's', color_space}}));
+  };
+  constexpr unsigned kSrgb = 1, kAdobeRgb = 2, kUncalibrated = 0xffff;
+  say(3, kSrgb), say(4, kAdobeRgb), say(5, kAdobeRgb), say(6, kUncalibrated);
+  Image8 cut_out(960, 720, 4, 255);
+  const Image8 wall_16 = wall(960, 720, 1, 320);
+  for (int y = 0; y < 720; ++y)
+    for (int x = 0; x < 960; ++x) {
+      for (int c = 0; c < 3; ++c) cut_out.at(x, y, c) = wall_16.at(x, y, c);
+      cut_out.at(x, y, 3) = x < 300 ? 0 : 255;
+    }
+  write_file(folder.path("16.tif"), test::tagged_tiff(cut_out, ""));
+  const auto report = folder.report();
+  EXPECT_EQ(codes(report), (std::set<std::string>{"mixed_profiles", "color_profiles", "unusable_profiles", "alpha_not_used"}))
+      << report["findings"].dump(1);
+  EXPECT_EQ(photos_of(report, "unusable_profiles"), (Names{"06.jpg"}));
+  EXPECT_EQ(photos_of(report, "alpha_not_used"), (Names{"16.tif"}));
+  EXPECT_EQ(report["photos"][4]["color_profile"], "Adobe RGB (1998)");
+  EXPECT_EQ(report["photos"][4]["color_source"], "exif ColorSpace");
+  for (const auto& f : report["findings"])
+    if (f["code"] == "color_profiles") EXPECT_EQ(f["what"], "2 photos Adobe RGB (1998) -> linear Rec. 709");
+}
+
 TEST(Inspect, SaysThatAWallIsBare) {
   Folder folder;
   for (int i = 0; i < 16; ++i) {

@@ -3,6 +3,7 @@
 
 #include "core/camera/json_file.h"
 #include "stages/masks/masks.h"
+#include "tests/ingest/tiny_photos.h"
 #include "tests/masks/tiny_masks.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -116,6 +117,40 @@ TEST_F(Files, LabelsAlphaAndPaintedMasksAreUnderstood) {
   const auto context = run();
   EXPECT_EQ(read_grey8(context->output() / "masks/specular/a.png"), disk_mask(80, 60, 15));
   EXPECT_EQ(read_grey8(context->output() / "masks/specular/left/b.png"), disk_mask(80, 60, 15));
+}
+
+// The folder of photos given as that of masks: an alpha channel is the mask, a photo without one is none.
+TEST_F(Files, PhotosAreMasksWhereTheirAlphaVaries) {
+  const Image8 disk = disk_mask(80, 60, 15);
+  const auto photo = [&](bool cut_out) {
+    Image16 image(80, 60, 4, 65535);
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 80; ++x) {
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<uint16_t>((x * 800 * (c + 1) + y * 500) % 65536);
+        if (cut_out) image.at(x, y, 3) = static_cast<uint16_t>(disk.at(x, y) * 257);
+      }
+    return tagged_tiff(image, "");
+  };
+  Image8 colours(80, 60, 3);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x)
+      for (int c = 0; c < 3; ++c) colours.at(x, y, c) = static_cast<uint8_t>(x * 3 * (c + 1) + y);
+  const auto jpeg = [&](const char* name) {
+    make_folders((given() / name).parent_path());
+    write_ldr(given() / name, colours);
+  };
+  jpeg("a.jpg");
+  make_folders(given() / "left");
+  write_file(given() / "left/b.tif", photo(true));
+  write_file(given() / "left/c.tif", photo(true));
+  const auto context = run();
+  EXPECT_EQ(read_grey8(context->output() / "masks/object/left/b.png"), disk);
+  const auto report = nlohmann::json::parse(read_file(context->output() / "masks" / "report.json"));
+  EXPECT_NE(report.dump().find("\"photos_without_mask\":1"), std::string::npos) << report.dump(1);
+  // Photos alone are no masks.
+  fs::remove_all(given());
+  for (const char* name : {"a.jpg", "left/b.jpg", "left/c.jpg"}) jpeg(name);
+  EXPECT_EQ(failure().detail().code, "MASKS_ARE_PHOTOS");
 }
 
 TEST_F(Files, MasksFollowThePhotosThroughTheLens) {
