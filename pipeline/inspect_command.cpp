@@ -15,6 +15,7 @@
 #include "pipeline/cost_model.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
+#include "pipeline/rehearsal.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {
@@ -24,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InspectArguments {
-  std::string output, masks;
+  std::string output, poses, masks;
   std::vector<std::string> sets;
   int threads = 0;
   bool json = false, verbose = false, help = false;
@@ -32,19 +33,25 @@ struct InspectArguments {
 
 struct Subject {
   fs::path photos;
-  std::optional<fs::path> project;  // made by an earlier run
-  bool masks = false;               // a run has them, or will be given them
-  std::string truth = {};           // what the project says of input.truth
+  std::optional<fs::path> project = {};  // made by an earlier run
+  std::string poses = {}, masks = {};    // that a run has, or will be given; "none": it will be given none
+  std::string truth = {};                // what the project says of input.truth
+
+  bool has_masks() const { return !masks.empty() && masks != "none"; }
 };
+
+void require_given(const std::string& path, const char* name, const char* hint) {
+  std::error_code ec;
+  if (!path.empty() && path != "none" && !fs::exists(path, ec))
+    throw Error(ErrorKind::Input, fmt::format("there are no such {}", name),
+                {.where = path, .hint = hint, .code = "MISSING_INPUT"});
+}
 
 Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
-  Subject s{.photos = what, .project = {}, .masks = !a.masks.empty() && a.masks != "none", .truth = {}};
-  std::error_code ec;
-  if (s.masks && !fs::exists(a.masks, ec))
-    throw Error(
-        ErrorKind::Input, "there are no such masks",
-        {.where = a.masks, .hint = "give a folder of masks or a file of marks, as to vitrine run", .code = "MISSING_INPUT"});
+  Subject s{.photos = what, .poses = a.poses, .masks = a.masks};
+  require_given(a.masks, "masks", "give a folder of masks or a file of marks, as to vitrine run");
+  require_given(a.poses, "poses", "give a COLMAP model or a transforms.json, as to vitrine run");
   if (is_project(what))
     s.project = what;
   else if (!a.output.empty())
@@ -56,8 +63,28 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   settings.load({.project = *s.project});
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
-  if (a.masks.empty()) s.masks = gives_masks(settings);
+  if (a.masks.empty()) s.masks = settings.text("input.masks");
   return s;
+}
+
+// What a run says before it trains is a finding, too.
+void add_rehearsal(const Subject& subject, int threads, Json& report) {
+  const std::vector<Said> said = rehearsed(
+      {.photos = subject.photos, .poses = subject.poses, .masks = subject.has_masks() ? subject.masks : "", .threads = threads});
+  std::vector<Json> findings = report["findings"];
+  for (const Said& s : said) {
+    if (std::ranges::any_of(findings, [&](const Json& f) { return f["code"] == s.code; })) continue;
+    findings.push_back({{"code", s.code},
+                        {"severity", s.error ? "problem" : "warning"},
+                        {"what", s.what},
+                        {"why", s.why.empty() ? "a run warns of it" : s.why},
+                        {"try", s.hint},
+                        {"photos", Json::array()}});
+  }
+  const auto rank = [](const Json& f) { return f["severity"] == "problem" ? 0 : f["severity"] == "warning" ? 1 : 2; };
+  std::ranges::stable_sort(findings, {}, rank);
+  report["verdict"] = findings.empty() || rank(findings[0]) == 2 ? "good" : rank(findings[0]) == 1 ? "usable" : "poor";
+  report["findings"] = findings;
 }
 
 Json photos_report(const Subject& subject, const InspectArguments& a) {
@@ -68,10 +95,13 @@ Json photos_report(const Subject& subject, const InspectArguments& a) {
   if (subject.project)
     if (const auto key = current_key(*subject.project, "sfm"))
       run.insert(run.end(), {"--input", "sfm=" + (store_of(*subject.project) / "sfm" / *key).string()});
+  if (subject.has_masks() && !is_yaml_file(subject.masks)) run.insert(run.end(), {"--input", "masks=" + subject.masks});
   for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
   if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
   if (const int exit = run_and_tell(run); exit != 0) return {{"exit", exit}};
-  return Json::parse(read_file(out / "inspect" / "report.json"));
+  Json report = Json::parse(read_file(out / "inspect" / "report.json"));
+  add_rehearsal(subject, a.threads, report);
+  return report;
 }
 
 CaptureSize capture_size(const Json& report, bool masks) {
@@ -192,7 +222,7 @@ void say_findings(const Json& report) {
     say(f["severity"].get<std::string>(), f["what"].get<std::string>() + "  [" + f["code"].get<std::string>() + "]");
     say("  why", f["why"].get<std::string>());
     if (!f["photos"].empty()) say("  see", some_names(f["photos"], kNamed));
-    say("  try", f["try"].get<std::string>());
+    if (!f["try"].get<std::string>().empty()) say("  try", f["try"].get<std::string>());
   }
 }
 
@@ -300,8 +330,11 @@ int inspect_command(const Words& words) {
                   "What the photos promise before anything is computed: blur, exposure, duplicates, texture, and what a run will "
                   "take. Of PROJECT, the output folder of `vitrine run`, also where its cameras leave gaps.");
   cli.value("output", 'o', "DIR", a.output, "Output folder of a run of these photos; default: the one `vitrine run` would take.");
+  cli.value("poses", 0, "PATH", a.poses,
+            "Poses that the run will be given: do they belong to these photos, and agree with them? Default: those of an earlier "
+            "run.");
   cli.value("masks", 0, "PATH", a.masks,
-            "Masks that the run will be given: its layers take longer. Default: those of an earlier run.");
+            "Masks that the run will be given: would they be taken? Layers take longer. Default: those of an earlier run.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads, here and in the estimates; 0 = all.");
   cli.flag("json", 0, a.json, "One JSON record on stdout.");
@@ -321,7 +354,7 @@ int inspect_command(const Words& words) {
   Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();
-  const std::vector<PresetCost> costs = preset_costs(graph, subject, capture_size(report, subject.masks), threads);
+  const std::vector<PresetCost> costs = preset_costs(graph, subject, capture_size(report, subject.has_masks()), threads);
   report["estimates"] = costs_json(costs, threads);
   if (a.json) {
     std::cout << report.dump() << "\n";
@@ -332,7 +365,7 @@ int inspect_command(const Words& words) {
   say_findings(report);
   if (report.contains("coverage")) say_coverage(report["coverage"]);
   if (a.verbose) say_each_photo(report);
-  say_costs(costs, threads, subject.masks);
+  say_costs(costs, threads, subject.has_masks());
   return 0;
 }
 

@@ -52,7 +52,28 @@ std::string stage_note(std::string_view text) {
   return lines;
 }
 
+// Of the run itself, where stages write their own name.
+Json error_fields(const Error& error) {
+  const ErrorDetail& d = error.detail();
+  return {{"stage", "run"},
+          {"kind", name(error.kind())},
+          {"exit", exit_code(error.kind())},
+          {"code", d.code.empty() ? "FAILED" : d.code},
+          {"message", error.message()},
+          {"where", d.where},
+          {"why", d.why},
+          {"hint", d.hint}};
+}
+
+std::string line_of(std::string_view type, const Json& fields) {
+  Json out = {{"v", kEventsVersion}, {"type", type}, {"time", utc_now()}};
+  out.update(fields);
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace
+
+std::string early_error_record(const Error& error) { return line_of("error", error_fields(error)); }
 
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now();
@@ -96,9 +117,7 @@ void Report::console(std::string_view text) const {
 }
 
 void Report::record(std::string_view type, Json fields) {
-  Json out = {{"v", kEventsVersion}, {"type", type}, {"time", utc_now()}};
-  out.update(fields);
-  const std::string text = out.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = line_of(type, fields);
   if (events_.is_open()) events_ << text << '\n' << std::flush;
   if (desc_.json) {
     fmt::print("{}\n", text);
@@ -201,6 +220,10 @@ void Report::stage_failed(const Error& error) {
   clear_status_line();
   line(fmt::format("{} {}  {}", prefix(), coloured("FAILED", "31"), error.detail().code));
   if (log_.is_open()) log_ << error.told() << '\n' << std::flush;
+}
+
+void Report::untold_error(const Error& error) {
+  if (error_record_.empty()) record("error", error_fields(error));
 }
 
 void Report::finish(const Settings& settings, int exit_code) {

@@ -44,6 +44,8 @@ class Report {
   void stage_line(std::string_view text);
   void stage_ends(const Manifest& manifest, StepState how);  // Cached or Kept: not computed now; else it was
   void stage_failed(const Error& error);
+  // A record of an error that no stage has told: the stage that just ended badly has printed its own.
+  void untold_error(const Error& error);
   // Takes back the error record of the stage that just ended.
   const std::string& error_record() const { return error_record_; }
   // run.json and config.resolved.yaml, and the record run_end.
@@ -62,6 +64,9 @@ class Report {
   double last_line_s_ = 0;
   std::vector<StageRecord> stages_;
 };
+
+// The record "error" of a run that ended before its output folder could be opened, as one line.
+std::string early_error_record(const Error& error);
 
 std::string utc_now();
 

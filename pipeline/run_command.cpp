@@ -199,24 +199,8 @@ int dry_run(Planner& planner, const fs::path& project) {
   return 0;
 }
 
-}  // namespace
-
-int run_command(const Words& words) {
-  RunArguments a;
-  const CommandLine cli = run_command_line(a);
-  const Words rest = cli.parse(words, 1);
-  if (a.help) {
-    std::cout << cli.help(
-        "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses,\n"
-        "5 quality gate, 6 memory or disk, 7 missing program, 8 device, 9 folder in use,\n"
-        "10 diverged, 75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
-    return 0;
-  }
-  if (rest.empty()) throw Error(ErrorKind::Usage, "which photos?", {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
-  if (a.log_format != "text" && a.log_format != "json")
-    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format),
-                {.hint = "--log-format json", .code = "USAGE"});
-  a.what = rest[0];
+// `opened`: from then on the report tells errors, too.
+int run(const RunArguments& a, const Words& words, bool& opened) {
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);
   const Graph graph = load_graph(stage_folder());
@@ -244,6 +228,7 @@ int run_command(const Words& words) {
                  .show_progress = !a.no_progress,
                  .command = command});
   report.open();
+  opened = true;
   if (!replaced.empty()) report.note(replaced);
   if (target.fresh)
     write_project_settings(target.project, settings);
@@ -264,6 +249,7 @@ int run_command(const Words& words) {
     report.line(computed == 0 ? fmt::format("everything up to date in {}", target.project.string())
                               : fmt::format("done in {}: {}", duration_text(clock.seconds()), target.project.string()));
   } catch (const Error& e) {
+    report.untold_error(e);
     try {
       report.finish(settings, exit_code(e.kind()));
       write_page(report, target.project, false);
@@ -278,6 +264,33 @@ int run_command(const Words& words) {
   report.finish(settings, 0);
   write_page(report, target.project, true);
   return 0;
+}
+
+}  // namespace
+
+int run_command(const Words& words) {
+  RunArguments a;
+  const CommandLine cli = run_command_line(a);
+  const Words rest = cli.parse(words, 1);
+  if (a.help) {
+    std::cout << cli.help(
+        "Exit codes: 0 done, 1 internal error, 2 usage, 3 input, 4 no camera poses,\n"
+        "5 quality gate, 6 memory or disk, 7 missing program, 8 device, 9 folder in use,\n"
+        "10 diverged, 75 stopped by SIGTERM with a checkpoint, 130 interrupted.\n");
+    return 0;
+  }
+  if (rest.empty()) throw Error(ErrorKind::Usage, "which photos?", {.hint = "vitrine run PHOTOS -o DIR", .code = "USAGE"});
+  if (a.log_format != "text" && a.log_format != "json")
+    throw Error(ErrorKind::Usage, fmt::format("--log-format must be text or json, got \"{}\"", a.log_format),
+                {.hint = "--log-format json", .code = "USAGE"});
+  a.what = rest[0];
+  bool opened = false;
+  try {
+    return run(a, words, opened);
+  } catch (const Error& e) {
+    if (a.log_format == "json" && !opened) std::cout << early_error_record(e) << std::endl;
+    throw;
+  }
 }
 
 }  // namespace vitrine

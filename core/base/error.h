@@ -1,6 +1,6 @@
 // The three kinds of failure of house rules: a bug of ours (VITRINE_CHECK), something the user can fix (throw Error), a miss
 // that is a normal answer (std::optional). An Error says what went wrong, where, why, and what to try; its kind is the
-// process exit code (README, "Exit codes"). There is one catch, in stage_main and in the pipeline's main.
+// process exit code (stages/README.md). There is one catch, in stage_main and in the pipeline's main.
 #pragma once
 
 #include <exception>

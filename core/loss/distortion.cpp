@@ -1,4 +1,5 @@
-// Depth distortion (2DGS, algorithms 1.6):  L = mean_p dist_p, the rasteriser's channel.
+// Depth distortion (Huang et al. 2024, "2D Gaussian Splatting", eq. 13; algorithms 1.6):  L = mean_p dist_p, the rasteriser's
+// channel.
 #include "core/loss/loss.h"
 #include "core/loss/row_sum.h"
 

@@ -1,4 +1,5 @@
-// Normal consistency (algorithms 1.8):  L = mean_p A_p (1 - N_p . n_d(p)),  n_d from central differences of the depth
+// Normal consistency (Huang et al. 2024, eq. 14; algorithms 1.8):  L = mean_p A_p (1 - N_p . n_d(p)),  n_d from central
+// differences of the depth
 //   z = (1 - r) Z/A + r z_median,   P(x, y) = z d(x, y) in the camera frame.
 // Two passes, both without scatter: per pixel the gradients of the two differences; then every pixel gathers from its four
 // neighbours.

@@ -1,4 +1,5 @@
-// Regularisers of the surfels themselves (MCMC, algorithms 2.2), o = sigmoid(raw), s = exp(raw):
+// Regularisers of the surfels themselves (Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo"; algorithms
+// 2.2), o = sigmoid(raw), s = exp(raw):
 //   opacity:  L = mean_i o_i          dL/draw = o (1 - o) / n
 //   scale:    L = mean_i (s_u + s_v)/2    dL/draw = s / (2 n)
 #include <cmath>

@@ -21,7 +21,7 @@ Quat<T> normalized(const Quat<T>& q) {
   return {q.w / n, q.x / n, q.y / n, q.z / n};
 }
 
-// Rotation matrix of a unit quaternion (algorithms: R = [r0 r1 n] of a surfel).
+// Rotation matrix of a unit quaternion; of a surfel's: R = [r0 r1 n] (algorithms 1.1).
 template <class T>
 Mat3<T> rotation_matrix(const Quat<T>& q) {
   const T w = q.w, x = q.x, y = q.y, z = q.z, one(1), two(2);
@@ -30,7 +30,7 @@ Mat3<T> rotation_matrix(const Quat<T>& q) {
           {two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y)}};
 }
 
-// Reverse of rotation_matrix(normalized(raw)): gradient of the raw, not necessarily unit, quaternion. G = dL/dR.
+// Reverse of rotation_matrix(normalized(raw)): gradient of the raw, not necessarily unit, quaternion. G = dL/dR (algorithms 1.7).
 template <class T>
 Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   using std::sqrt;
@@ -45,7 +45,7 @@ Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   return {(g.w - along * w) / norm, (g.x - along * x) / norm, (g.y - along * y) / norm, (g.z - along * z) / norm};
 }
 
-// Unit quaternion of a rotation matrix (Shepperd's method: the largest of the four is computed first).
+// Unit quaternion of a rotation matrix (Shepperd 1978: the largest of the four is computed first).
 template <class T>
 Quat<T> quaternion(const Mat3<T>& R) {
   using std::sqrt;

@@ -1,9 +1,9 @@
-// The table of marching cubes, made instead of typed. A cell has 8 corners (bit 0: +x, bit 1: +y, bit 2: +z) and 12 edges.
-// On each face the crossings are joined in one of two ways; where both are possible (two opposite corners inside) the caller
-// says which, by the sign of the bilinear saddle point (asymptotic decider, Nielson and Hamann 1991): the same answer from
-// both cells that share the face, so the surface has no holes. Each crossing then lies on exactly one loop of the cell; a loop
-// is cut into triangles without a diagonal inside a face (such a diagonal could meet one of the neighbour's: an edge with four
-// faces), through an extra centre point where no such cut exists.
+// The table of marching cubes (Lorensen and Cline 1987), made instead of typed. A cell has 8 corners (bit 0: +x, bit 1: +y, bit
+// 2: +z) and 12 edges. On each face the crossings are joined in one of two ways; where both are possible (two opposite corners
+// inside) the caller says which, by the sign of the bilinear saddle point (asymptotic decider, Nielson and Hamann 1991): the same
+// answer from both cells that share the face, so the surface has no holes. Each crossing then lies on exactly one loop of the
+// cell; a loop is cut into triangles without a diagonal inside a face (such a diagonal could meet one of the neighbour's: an edge
+// with four faces), through an extra centre point where no such cut exists.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Radiance to photo: c = srgb(clamp(gain * l, 0, 1)), once, at the end of the list.
-//   dL/dl = gain * srgb'(max(gain l, 1e-4)) * dL/dc   where 0 <= gain l <= 1
+//   dL/dl = gain * srgb'(gain l) * dL/dc   where 0 <= gain l <= 1 (algorithms 3.6)
 // Above 1 the sensor is blind: no gradient where the picture should become brighter still, but a picture that is too bright for
 // its photo must come down, so the slope at 1 is used for gradients that darken. Below 0 in the same way for gradients that
 // brighten.

@@ -89,7 +89,7 @@ struct PaneOptions {
 struct CompositeOptions {
   LayerBlend blend = LayerBlend::Layered;
   // Gradient gate: where the reflected part of the picture varies strongly among neighbours, less gradient reaches the
-  // transmitted radiance: exp(-gate * Var_3x3 sqrt(w_r C_r)). 0 = off.
+  // transmitted radiance: exp(-gate * Var_3x3 sqrt(w_r C_r)) (Shi et al. 2026, "RT-Splatting"). 0 = off.
   float gate = 4.f;
   // Share of the gradient of the diffuse radiance that is kept inside the transparent mask: below 1, the diffuse layer does not
   // try to paint what is seen through glass.

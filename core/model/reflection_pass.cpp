@@ -12,8 +12,8 @@ namespace {
 
 constexpr uint64_t kLobeStream = 0x5f02;
 constexpr size_t kReflectionGrain = 512;
-// Steps of the R2 sequence: inverse powers of the root of x^3 = x + 1. Consecutive points fill the square evenly, so that few
-// rays of a pixel, over samples and over steps, cover its lobe.
+// Steps of the R2 sequence (Roberts 2018): inverse powers of the root of x^3 = x + 1. Consecutive points fill the square evenly,
+// so that few rays of a pixel, over samples and over steps, cover its lobe.
 constexpr double kR2[] = {0.7548776662466927, 0.5698402909980532};
 
 float fraction(double x) { return static_cast<float>(x - std::floor(x)); }

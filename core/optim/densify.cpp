@@ -28,7 +28,7 @@ constexpr float kOpacityCeiling = 1 - 1e-6f, kOpacityFloor = 0.005f;
 constexpr double kErrorFloor = 0.1;   // of the mean error: surfels without error still attract a few copies
 constexpr float kShareDecay = 0.01f;  // a picture's part of SurfelAccumulator::share
 constexpr float kRarestShare = 1e-3f;
-constexpr double kSplitShrink = 1.6;  // 3DGS: children of a split are smaller by this
+constexpr double kSplitShrink = 1.6;  // children of a split are smaller by this (Kerbl et al. 2023)
 // Halves of a divided surfel: their centres, in standard deviations of the parent's longer axis, and their scales. Two such
 // halves add up to the parent's profile along that axis within a quarter out to one and a half deviations.
 constexpr float kHalfOffset = 0.6f, kHalfLong = 0.52f, kHalfShort = 0.95f;

@@ -4,6 +4,7 @@
 //   mcmc     dead surfels move onto living ones, and the layer grows by a factor to a hard cap; a parent with N copies gets
 //            o' = 1 - (1-o)^(1/N) and a smaller scale, so that the picture hardly changes (Kheradmand et al. 2024)
 //   classic  clone small and split large surfels whose screen-space gradient is high, drop faint ones, up to the same cap
+//            (Kerbl et al. 2023, "3D Gaussian Splatting", section 5.2)
 //   none     the initial surfels are all there is
 // Random numbers depend on (seed, step, surfel) alone.
 #pragma once
@@ -81,7 +82,7 @@ DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target);
 
 // Opacity of each of `copies` coincident surfels that together replace one, and the factor on its scales
-// (Kheradmand et al., eq. 9): the composited opacity at the centre and the line integral through it stay.
+// (Kheradmand et al. 2024, eq. 9; algorithms 2.2): the composited opacity at the centre and the line integral through it stay.
 struct CopySplit {
   double opacity, scale_factor;
 };

@@ -1,12 +1,12 @@
 // The surface of a relit pixel: what it scatters of light from l towards the eye v, in a frame whose z is the normal.
 //   f(v, l) = w_d albedo/pi + R(v.h) D G / (4 n.v n.l)      half vector h, GGX distribution D, Schlick-Smith G
 //   (core/model/kernels)
-// R and w_d are what the scene was trained with (core/model/kernels/layer_blend.h), but for the agreement of normals, which is 1
-// here: where a rim of metal did not mirror, there would be no paint to show:
+// R and w_d are what the scene was trained with (core/model/kernels/layer_blend.h), here with an agreement of normals of 1
+// (algorithms 7.2):
 //   rtrgs    R(c) = k_s F(c)                      w_d = 1 - k_s                    w_t = k_s tau (1 - F(n.v))
 //   layered  R(c) = k_s + (1 - k_s) g(k_s) F(c)   w_d = (1 - R(n.v)) (1 - tau)     w_t = (1 - R(n.v)) tau
 // Directions are drawn from a mixture of cosine-weighted ones and of mirrors of visible normals (Dupuy and Benyoub 2023,
-// spherical caps), with  pdf = (1 - p) n.l/pi + p D G1(v) / (4 n.v).
+// spherical caps), with  pdf = (1 - p) n.l/pi + p D G1(v) / (4 n.v), G1 that of Smith without approximation (Heitz 2014).
 #pragma once
 
 #include <algorithm>

@@ -69,7 +69,7 @@ class PixelShader {
     const float distance = length(way);
     return distance > 0 ? visibility(way / distance, distance) : 1.f;
   }
-  // Balance heuristic: radiance f cos / pdf with weight pdf / (pdf + other).
+  // Balance heuristic (Veach and Guibas 1995): radiance f cos / pdf with weight pdf / (pdf + other).
   Vec3f towards_environment(const Vec2f& u) const {
     const Environment::Sample s = light_.environment.sample(u);
     const Vec3f l = frame_.local(s.direction);

@@ -30,7 +30,7 @@ inline constexpr std::array<AovRow, kAovCount> kAovs{{
     {Aov::ZDepth, "zdepth", 1, false},          // sum of w_i z_i: divide by alpha for the mean depth
     {Aov::Alpha, "alpha", 1, false},            // 1 - final transmittance
     {Aov::MedianZ, "median_z", 1, false},       // z where the transmittance falls through one half
-    {Aov::Distortion, "distortion", 1, false},  // 2DGS depth distortion, per pixel
+    {Aov::Distortion, "distortion", 1, false},  // depth distortion (kernels/blend.h), per pixel
 }};
 constexpr const AovRow& row(Aov a) { return kAovs[static_cast<size_t>(a)]; }
 

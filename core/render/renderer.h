@@ -15,7 +15,7 @@ namespace vitrine {
 
 // What a backward pass adds beside the gradients of the layer. Filled per surfel.
 struct SurfelStatistics {
-  std::vector<float> screen_gradient;  // norm of the projected-centre gradient, in units of half the image (2DGS rule)
+  std::vector<float> screen_gradient;  // norm of the projected centre's gradient, in half images (Huang et al. 2024)
   std::vector<float> weight;           // sum over pixels of the blending weight w
   std::vector<float> error;            // sum over pixels of w * error_image, when an error image was given
 };

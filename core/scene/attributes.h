@@ -17,7 +17,7 @@ constexpr std::string_view name(LayerKind kind) {
 }
 
 enum class Activation : unsigned char { Identity, Exp, Sigmoid, Normalize };
-// What a child gets when a surfel is cloned or split (classical densification) or relocated (MCMC).
+// What a child gets when a surfel is cloned or split (classical densification) or relocated (algorithms 2.2).
 enum class SpawnRule : unsigned char { Copy, JitterInPlane, Shrink, ShareOpacity };
 
 enum class Attribute : unsigned char { Mean, Rotation, LogScale, Opacity, ShDc, ShRest, F0, Roughness, SpecularWeight, Transmission };
@@ -35,7 +35,8 @@ struct AttributeRow {
 
 inline constexpr unsigned kInAll = 0b111, kInDiffuse = 0b001;
 inline constexpr size_t kAttributeCount = 10;
-// Rates: those of 3DGS/2DGS/EnvGS; the mean's is four times theirs, because runs here are five times shorter (2k-6k steps). Initial materials: a dull dielectric (f0 .04).
+// Rates: two to ten times those of Kerbl et al. 2023 ("3D Gaussian Splatting"; opacity: the same), because runs here are five
+// times shorter (2k-6k steps). Initial materials: a diffuse dielectric (f0 .04).
 inline constexpr std::array<AttributeRow, kAttributeCount> kAttributes{{
     {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-3f, SpawnRule::JitterInPlane},
     {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 4e-3f, SpawnRule::Copy},

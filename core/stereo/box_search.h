@@ -1,4 +1,4 @@
-// Pattern search over the nine numbers of a box: six faces, three angles.
+// Pattern search (Hooke and Jeeves 1961) over the nine numbers of a box: six faces, three angles.
 #pragma once
 
 #include <array>

@@ -97,8 +97,8 @@ class Tracer {
   // `hits` may be null when no backward pass follows.
   virtual void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const = 0;
   // Adds to `grad` (same shape as the layer, raw values) and, if given, to `statistics`; writes `ray_gradients` if given. Same
-  // rays, desc and hits as forward(). Statistics: screen_gradient is the norm of the mean's gradient times t/2 (EnvGS), which is
-  // the rasteriser's unit for a camera at the ray's origin.
+  // rays, desc and hits as forward(). Statistics: screen_gradient is the norm of the mean's gradient times t/2 (Xie et al.
+  // 2025, "EnvGS"), which is the rasteriser's unit for a camera at the ray's origin.
   virtual void backward(const RayBatch& rays, const TraceDesc& desc, const HitLists& hits, const TraceBackwardInput& input,
                         SplatLayer& grad, RayGradients* ray_gradients, SurfelStatistics* statistics) const = 0;
   virtual std::string_view name() const = 0;

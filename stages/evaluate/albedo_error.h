@@ -1,4 +1,5 @@
-// Albedo against the truth's (algorithms 8.2). Photos fix albedo up to one factor per channel, so ours are multiplied by
+// Albedo against the truth's (the protocol of Jin et al. 2023, "TensoIR"; algorithms 8.2). Photos fix albedo up to one factor per
+// channel, so ours are multiplied by
 //   k_c = median of truth_c / ours_c     one number per channel for the whole scene ("global median per channel")
 // over the pixels of the object that count, in linear values; then clipped to [0,1], raised to 1/2.2 and compared. Metal has no
 // diffuse albedo and counts nowhere: pixels with a channel of 0 in the truth are left out, and those that mix with such ones

@@ -55,8 +55,7 @@ class Judge {
       clipping();
       duplicates();
     }
-    std::stable_sort(out_.list.begin(), out_.list.end(),
-                     [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+    worst_first(out_.list);
     return std::move(out_);
   }
 
@@ -335,6 +334,10 @@ class Judge {
 }  // namespace
 
 std::string_view name(Severity s) { return s == Severity::Problem ? "problem" : s == Severity::Warning ? "warning" : "note"; }
+
+void worst_first(std::vector<Finding>& list) {
+  std::stable_sort(list.begin(), list.end(), [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+}
 
 Findings findings_of(const PhotoFolder& folder, const std::vector<PhotoFacts>& photos, double soft_ratio) {
   return Judge(folder, photos, soft_ratio).judged();

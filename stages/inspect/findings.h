@@ -26,6 +26,8 @@ struct Findings {
   std::vector<Finding> list;  // worst first
 };
 
+void worst_first(std::vector<Finding>& list);
+
 // A photo is soft when its blur is `soft_ratio` times that of the set.
 Findings findings_of(const PhotoFolder& folder, const std::vector<PhotoFacts>& photos, double soft_ratio);
 

@@ -6,6 +6,7 @@
 #include "core/camera/view_set.h"
 #include "stages/inspect/coverage.h"
 #include "stages/inspect/findings.h"
+#include "stages/inspect/given_masks.h"
 
 namespace vitrine {
 
@@ -96,13 +97,18 @@ void run(const InspectConfig& config, StageContext& context) {
   const std::vector<PhotoFacts> photos = photo_facts(folder, [&](size_t done) {
     context.progress({.fraction = double(done) / double(n), .text = fmt::format("{} / {} photos", done, n), .values = {}});
   });
-  const Findings found = findings_of(folder, photos, config.soft_ratio);
+  Findings found = findings_of(folder, photos, config.soft_ratio);
   if (found.figures.usable == 0)
     throw Error(ErrorKind::Input, "none of the photos can be read",
                 {.where = context.input("photos").string(),
                  .why = fmt::format("{}: {}", photos[0].name, photos[0].failure),
                  .hint = "give the folder that holds the photos: JPEG, PNG, TIFF, EXR",
                  .code = "NO_PHOTOS"});
+  if (const auto masks = context.optional_input("masks")) {
+    const std::vector<Finding> more = mask_findings(*masks, photos);
+    found.list.insert(found.list.end(), more.begin(), more.end());
+    worst_first(found.list);
+  }
   Json report{{"format", kFormat}, {"verdict", verdict(found.list)}, {"set", figures_json(found.figures, photos)}};
   report["findings"] = Json::array();
   for (const Finding& f : found.list) report["findings"].push_back(finding_json(f, photos));
@@ -127,7 +133,8 @@ Stage inspect_stage() {
        .version = 1,
        .summary = "What a folder of photos promises: blur, exposure, duplicates, texture; after sfm, gaps between the cameras.",
        .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."},
-                  {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"}}},
+                  {.name = "sfm", .optional = true, .doc = "artifact of sfm: where the cameras stand"},
+                  {.name = "masks", .artifact = false, .optional = true, .doc = "masks that the run will be given"}}},
       &run);
 }
 

@@ -17,7 +17,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kSceneRadius = 1;   // the sfm stage scales the ring of cameras to it
-constexpr double kNoiseScale = 5e5;  // MCMC: noise per unit of the position's rate
+constexpr double kNoiseScale = 5e5;  // noise per unit of the position's rate (Kheradmand et al. 2024)
 constexpr double kRecentLossDecay = 0.02;
 // Broken gradients: single ones happen at grazing surfels. A hundredth of all, or pictures without any surfel, ten steps in
 // a row, is a failing run.

@@ -1,7 +1,8 @@
-// Torrance-Sparrow reflection with the GGX distribution (README 3). alpha = roughness^2, h half vector, l = reflected(v, h).
+// Torrance-Sparrow reflection (1967) with the GGX distribution (README 3; algorithms 3.4). alpha = roughness^2, h half vector,
+// l = reflected(v, h).
 //   D(x)  = alpha^2 / (pi q^2),  q = x^2 (alpha^2 - 1) + 1,  x = n.h
-//   G1(x) = x / (x (1 - k) + k),  k = alpha / 2,  G = G1(n.v) G1(n.l)
-//   integral of D G F/(4 n.v n.l) L(l) n.l dl  =  E[ W F L(l) ]  with h drawn with density D n.h (Walter et al. 2007):
+//   G1(x) = x / (x (1 - k) + k),  k = alpha / 2 (Karis 2013),  G = G1(n.v) G1(n.l)
+//   integral of D G F/(4 n.v n.l) L(l) n.l dl  =  E[ W F L(l) ]  with h drawn with density D n.h (Walter et al. 2007, eq. 41):
 //   W = G (v.h) / ((n.v) (n.h)) = (v.h)/(n.h) * G1(n.l) / (n.v (1 - k) + k)
 //
 // One sampled ray is differentiated with the sample held in the frame of the normal: h turns with n (mirror.h), so that the

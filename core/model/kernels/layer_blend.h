@@ -1,7 +1,9 @@
 // How the radiance of the three layers becomes one pixel (README 4):  C = w_d C_d + w_r C_r + w_t C_t,  per channel, with
 //   rtrgs    w_d = 1 - k_s          w_r = k_s F    w_t = k_s tau (1 - F)
 //   layered  w_d = (1-k)(1-tau)     w_r = k        w_t = (1-k) tau       k = k_s + (1 - k_s) G F
-// F is the Fresnel term at the view angle, tau being how far the surface is a clear sheet (fresnel.h).
+// layered has the form of Na et al. 2026 ("GLINT"), without G; sets of their own for what is reflected and what is transmitted
+// are those of Zeng et al. 2026 ("RT-GS"); algorithms 3.3. F is the Fresnel term at the view angle, tau being how far the surface
+// is a clear sheet (fresnel.h).
 //   G = g + (1 - g) tau h    g = 1 - (1 - x)^2, h = smoothstep(0, 0.001, k_s)
 // g fades Fresnel out where a surface has no specular weight, so that an opaque pixel stays exactly its diffuse colour:
 // x = clamp((k_s - t)/(s - t), 0, 1), zero at the threshold t below which a pixel sends no rays. What is clear mirrors by

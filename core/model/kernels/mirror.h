@@ -31,7 +31,8 @@ Vec3<T> carried_vjp(const Vec3<T>& h, const Vec3<T>& n, const Vec3<T>& grad_h) {
   return dot(n, h) * grad_h - dot(n, grad_h) * h;
 }
 
-// Two unit tangents that make (t0, t1, n) a right-handed frame: n turned onto the pole by the smallest rotation.
+// Two unit tangents that make (t0, t1, n) a right-handed frame: n turned onto the pole by the smallest rotation (Duff et
+// al. 2017).
 template <class T>
 void tangents(const Vec3<T>& n, Vec3<T>& t0, Vec3<T>& t1) {
   const T pole = n.z < T(0) ? T(-1) : T(1), a = T(-1) / (pole + n.z), b = n.x * n.y * a;

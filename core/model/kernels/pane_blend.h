@@ -1,4 +1,4 @@
-// What a case of clear panes adds to a pixel that looks into it (README 6):
+// What a case of clear panes adds to a pixel that looks into it (README 6; algorithms 5.8):
 //   C_r' = M + m C_r                         the near pane: M is what it mirrors of the scene, m what lets the reflection layer
 //                                            show (beyond the scene: a sky that no photo shows)
 //   C_t' = C_t + p (N + n C_r - C_t)         the far pane, likewise; p = s F(f0, c'): s is how much of the pixel looks out

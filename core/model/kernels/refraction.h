@@ -1,4 +1,4 @@
-// Snell's law. d and n unit, n against d (dot(n, d) < 0), eta = index in front / index behind:
+// Snell's law (algorithms 5.2). d and n unit, n against d (dot(n, d) < 0), eta = index in front / index behind:
 //   w = eta d + (eta cos_i - sqrt(1 - eta^2 (1 - cos_i^2))) n      cos_i = -dot(n, d)
 #pragma once
 

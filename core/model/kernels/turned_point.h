@@ -2,7 +2,7 @@
 // axis, the line and the normals at its ends.
 //   q = eye + t ray - o   h = q.a   r = |q - h a|   u = (q - h a)/r      [the point (r, h) of the half plane]
 //   s.((r, h) - p0) = 0 defines t, s the line's normal      w: how far along the line, p0 -> 0, p1 -> 1
-//   m = (1-w) n0 + w n1   n = |m.x u + m.y a|^-1 (m.x u + m.y a)
+//   m = (1-w) n0 + w n1   n = |m.x u + m.y a|^-1 (m.x u + m.y a)          (algorithms 9.4)
 #pragma once
 
 #include <cmath>

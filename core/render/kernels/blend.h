@@ -3,6 +3,7 @@
 //   feature = sum w f (+ (1 - sum w) background)    zdepth = sum w z    alpha = sum w
 //   distortion = sum_{i<j} w_i w_j (m_i - m_j)^2 = k^2 (A Q2 - Q1^2),  Q1 = sum w q, Q2 = sum w q^2, q = 1/z - pivot
 //   median_z = largest z with T > 1/2
+// (Porter and Duff 1984; distortion: Barron et al. 2022, Huang et al. 2024; algorithms 1.6, 1.7),
 // with m = far/(far-near) (1 - near/z), hence m_i - m_j = -k (q_i - q_j), k = far near/(far-near); any pivot gives the same
 // value, one close to 1/z keeps the digits. No term depends on the order of summation: only T does.
 #pragma once

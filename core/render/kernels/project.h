@@ -3,8 +3,9 @@
 // A surfel point is X(u,v) = mean + s_u u r0 + s_v v r1. In the camera frame the columns are a_u, a_v, a_0; the homogeneous
 // screen point is (Tu, Tv, Tw).(u,v,1). A pixel at offset d = (px,py) - c from the projected mean c sees the plane at
 //     u = (m00 dx + m01 dy) / den,  v = (m10 dx + m11 dy) / den,  z = z0 / den,  den = 1 + h0 dx + h1 dy
-// which is the inverse of that 3x3 map written around c: the cross product k x l of the 2DGS paper multiplied out. Offsets are
-// small numbers, so float keeps its digits, and a fragment costs three multiply-adds and one reciprocal.
+// which is the inverse of that 3x3 map written around c: the cross product k x l of Huang et al. 2024 ("2D Gaussian
+// Splatting", eq. 8 to 10; algorithms 1.2, 1.3) multiplied out. Offsets are small numbers, so float keeps its digits, and a
+// fragment costs three multiply-adds and one reciprocal.
 #pragma once
 
 #include "core/math/rigid.h"
@@ -94,7 +95,7 @@ auto is_visible(const Projection<T>& p, const T& opacity, const T& near_z) {
 template <class T>
 struct ProjectionGrad {
   SurfelGeometry<T> surfel;
-  T screen_x, screen_y;  // dL/d(projected centre), the ellipse moving rigidly (2DGS densification statistic)
+  T screen_x, screen_y;  // dL/d(projected centre), the ellipse moving rigidly (densification statistic of Huang et al. 2024)
 };
 
 // Reverse of project: gradients of the map's nine numbers and of the facing normal -> gradients of the raw geometry.

@@ -1,7 +1,8 @@
 // Weight and depth of one surfel at one pixel, and the reverse (README 2-3). T is the pixel's scalar or SIMD vector, P the
 // scalar of the surfel's constants, which are broadcast.
 //
-//   rho3d = u^2 + v^2 on the surfel's plane; rho2d = 2 |d|^2, the screen low-pass; G = exp(-min(rho3d, rho2d)/2)
+//   rho3d = u^2 + v^2 on the surfel's plane; rho2d = 2 |d|^2, the screen low-pass (Botsch et al. 2005; Huang et al. 2024, eq. 11)
+//   G     = exp(-min(rho3d, rho2d)/2)
 //   alpha = min(0.99, opacity G), 0 when below 1/255
 //   z     = plane depth where rho3d wins, depth of the centre where the low-pass wins: there the surfel is a dot that faces the
 //           camera, and the plane of a surfel seen edge-on would give any depth at all.
