@@ -86,6 +86,17 @@ TEST_F(Jpeg, EveryCutIsFound) {
   EXPECT_NE(error_of([&] { read_srgb(file(baseline.substr(0, baseline.size() / 2) + "\xff\xd9")); }).detail().why, "");
 }
 
+TEST_F(Jpeg, OneThatLacksNothingButItsEndMarkerIsRead) {
+  const std::string without = baseline.substr(0, baseline.size() - 2);
+  EXPECT_EQ(read_srgb(file(without)), read_srgb(file(baseline)));
+  ASSERT_EQ(examine_picture(without, ".jpg").notes.size(), 1u);
+  EXPECT_EQ(examine_picture(without, ".jpg").notes[0], "a JPEG without its end marker, whose rows are all there: it is read");
+  for (const size_t missing : {20, 200, 2000})
+    EXPECT_NE(error_of([&] { read_srgb(file(baseline.substr(0, baseline.size() - missing))); }).detail().why, "") << missing;
+  // Of a progressive one nobody knows which scans would follow.
+  EXPECT_NE(error_of([&] { read_srgb(file(progressive.substr(0, progressive.size() - 2))); }).detail().why, "");
+}
+
 TEST_F(Jpeg, KindsThatAreNotReadAreNamed) {
   const size_t frame = baseline.find("\xff\xc0");
   ASSERT_NE(frame, std::string::npos);
