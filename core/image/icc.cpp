@@ -1,14 +1,19 @@
 #include "core/image/icc.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 #include <lcms2.h>
 
 #include "core/base/hash.h"
 #include "core/image/cicp.h"
+#include "core/math/color.h"
 
 namespace vitrine {
 
@@ -165,6 +170,20 @@ IccProfile matrix_profile(const std::shared_ptr<Lcms>& lcms) {
   return profile->is_finite() ? IccProfile{.profile = profile, .problem = {}} : unusable(*lcms, "one of its curves is damaged");
 }
 
+// Whether a table gives what sRGB gives, within a step and a half of 8 bits: such photos keep their exact decoding.
+bool is_srgb_table(cmsHTRANSFORM transform) {
+  constexpr size_t kSteps = 9;
+  constexpr double kSame = 1.5 / 255;
+  std::vector<float> in;
+  for (size_t i = 0; i < kSteps * kSteps * kSteps; ++i)
+    for (size_t c = i, k = 0; k < 3; ++k, c /= kSteps) in.push_back(float(c % kSteps) / (kSteps - 1));
+  std::vector<float> out(in.size());
+  cmsDoTransform(transform, in.data(), out.data(), static_cast<cmsUInt32Number>(in.size() / 3));
+  for (size_t i = 0; i < in.size(); ++i)
+    if (!(std::abs(srgb_from_linear(double(out[i])) - double(in[i])) < kSame)) return false;
+  return true;
+}
+
 IccProfile table_profile(const std::shared_ptr<Lcms>& lcms) {
   if (!lcms->make_transform(TYPE_RGB_FLT)) return unusable(*lcms, "its tables cannot be used");
   const float ends[6] = {0, 0, 0, 1, 1, 1};
@@ -172,6 +191,7 @@ IccProfile table_profile(const std::shared_ptr<Lcms>& lcms) {
   cmsDoTransform(lcms->transform, ends, seen, 2);
   for (size_t c = 0; c < 3; ++c)
     if (!(std::isfinite(seen[c]) && seen[c + 3] > seen[c])) return unusable(*lcms, "its tables are damaged");
+  if (is_srgb_table(lcms->transform)) return {.profile = srgb_profile(), .problem = {}};
   return {.profile = std::make_shared<ColorProfile>(description(lcms->profile),
                                                     [lcms](const float* in, float* out, unsigned pixels) {
                                                       cmsDoTransform(lcms->transform, in, out, pixels);

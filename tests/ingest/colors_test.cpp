@@ -151,6 +151,7 @@ TEST_F(Colors, SrgbStaysBitForBitWhateverSaysSo) {
   for (size_t i = 0; i < few.size(); ++i) few[i] = uint16_t(std::lround(65535 * linear_from_srgb(double(i) / 63)));
   const test::Profile variants[] = {
       test::rgb_profile(kRec709, test::srgb_tone(), "c2"), test::owned(cmsCreate_sRGBProfile()),
+      test::table_profile(test::owned(cmsCreate_sRGBProfile()), 33),
       test::rgb_profile(kRec709, cmsBuildTabulatedToneCurve16(nullptr, 64, few.data()), "a monitor")};
   for (const test::Profile& variant : variants) {
     const fs::path tagged = png8("tagged.png", encoded, test::icc_chunk(test::icc_bytes(variant)));
