@@ -39,9 +39,7 @@ Developed develop(const fs::path& path, int max_side) {
   d.aside = head.aside;
 
   if (probe.format == PhotoFormat::Exr) {
-    ExrPicture picture = read_exr_picture(path);
-    d.linear = std::move(picture.rgb);
-    d.notes.insert(d.notes.end(), picture.notes.begin(), picture.notes.end());
+    d.linear = read_exr_rgb(path);
     d.repaired = repair_values(d.linear);
   } else {
     d.linear = read_srgb(path);

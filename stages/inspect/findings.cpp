@@ -53,6 +53,7 @@ class Judge {
       exposure();
       clipping();
       duplicates();
+      contents();
     }
     std::stable_sort(out_.list.begin(), out_.list.end(),
                      [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
@@ -165,6 +166,19 @@ class Judge {
       say({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
            "their EXIF data was removed or is incomplete", "use the photos as the camera wrote them",
            those([](const PhotoFacts& p) { return !p.focal_px; })});
+  }
+
+  // What is read of files that hold more than one picture, or values that no picture has.
+  void contents() {
+    std::map<std::string, std::vector<size_t>> by_note;
+    for (size_t i : usable_)
+      for (const std::string& note : photos_[i].notes) by_note[note].push_back(i);
+    for (auto& [note, of] : by_note) {
+      std::string what = of.size() == 1 ? fmt::format("{} is {}", photos_[of[0]].name, note)
+                                        : fmt::format("{} photos are each {}", of.size(), note);
+      say({"photo_content", Severity::Note, std::move(what), "this is how ingest reads it",
+           "export the picture alone if another one is meant", std::move(of)});
+    }
   }
 
   void sharpness() {

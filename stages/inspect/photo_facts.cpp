@@ -46,6 +46,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
     f.camera = head.exif.camera;
     f.time = head.exif.time;
     f.digest = head.digest.hex();
+    f.notes = head.notes;
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     f.failure = e.detail().why.empty() ? e.message() : e.detail().why;

@@ -16,6 +16,7 @@ struct PhotoFacts {
   std::optional<double> exposure_ev;
   std::string camera, time, digest;
   PhotoMeasures measures;
+  std::vector<std::string> notes;  // what would be left out or assumed (core/photo/photo_files.h)
 
   bool usable() const { return failure.empty(); }
   double longest() const { return std::max(width, height); }
