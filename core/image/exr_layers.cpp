@@ -77,7 +77,7 @@ std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts, const std::ve
       layer.rank = rank_of(layer, words);
       for (size_t v = 0; v < views.size(); ++v)
         if (parts[p].view == views[v] ||
-            ("." + lowered_name(prefix) + ".").find("." + lowered_name(views[v]) + ".") != std::string::npos)
+            fmt::format(".{}.", lowered_name(prefix)).find(fmt::format(".{}.", lowered_name(views[v]))) != std::string::npos)
           layer.view = static_cast<int>(v);
       layers.push_back(layer);
     }

@@ -140,7 +140,7 @@ FileKind file_kind(std::string_view b) {
   for (const Magic& m : kMagics)
     if (b.size() >= m.at && b.substr(m.at).starts_with(m.bytes)) return {std::string(m.name), std::string(m.advice), m.decodable};
   if (!b.empty() && std::all_of(b.begin(), b.end(), [](char c) { return c == '\0'; }))
-    return {"a file of zeros (an interrupted copy, or a damaged card)", "copy it again"};
+    return {"a file of zeros (an interrupted copy, or a failing card)", "copy it again"};
   if (FileKind kind = text_kind(b); !kind.name.empty()) return kind;
   return shifted_kind(b);
 }

@@ -87,7 +87,8 @@ size_t end_of_scan(std::string_view b, size_t at) {
 JpegStructure jpeg_structure(std::string_view b) {
   JpegStructure s;
   size_t at = 2, scans = 0;
-  bool frame = false;
+  unsigned components = 0;
+  bool frame = false, one_scan = false;
   const auto cut = [&] {
     s.damage = scans == 0 ? "the JPEG ends before its picture data: the file is truncated"
                           : "the JPEG ends before its end marker: the file is truncated";
@@ -126,13 +127,19 @@ JpegStructure jpeg_structure(std::string_view b) {
     if (length > b.size() - at - 2) return cut();
     if (is_frame(marker) && !frame) {
       frame = true;
+      if (length >= 8) components = jpeg_byte(b, at + 9);
+      one_scan = marker == 0xc0 || marker == 0xc1;
       s.refusal = refused_frame(marker, b.substr(at + 4, length - 2));
     }
     at += 2 + length;
     if (marker == kStartOfScan) {
       ++scans;
+      if (length < 3 || jpeg_byte(b, at - length + 2) != components) one_scan = false;  // other components in further scans
       at = end_of_scan(b, at);
-      if (at == std::string_view::npos) return cut();
+      if (at == std::string_view::npos) {
+        s.end_missing = one_scan && scans == 1 && !b.ends_with(std::string_view("\0\0\0\0", 4));
+        return cut();
+      }
     }
   }
   return cut();

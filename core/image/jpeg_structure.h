@@ -14,6 +14,9 @@ struct JpegStructure {
   std::string damage;   // why the picture is not whole; empty when it is
   std::string refusal;  // why this kind of JPEG is not read, and the way out; empty when it is read
   size_t end = 0;       // behind the end marker; what follows does not belong to the picture
+  // Damaged, but perhaps by nothing else than the missing end marker: there is one scan, and no filling behind it. A decoder
+  // tells.
+  bool end_missing = false;
 };
 
 // For a whole file that begins with ff d8.

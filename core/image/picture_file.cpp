@@ -2,11 +2,21 @@
 
 #include <fmt/format.h>
 
+#include "core/image/codecs.h"
 #include "core/image/file_kind.h"
 #include "core/image/jpeg_structure.h"
 #include "core/image/tiff_pages.h"
 
 namespace vitrine {
+
+namespace {
+
+bool decodes_whole(std::string_view bytes) {
+  Image8 small;
+  return codecs().jpeg(bytes, 0, 8, small).empty();
+}
+
+}  // namespace
 
 PictureFile examine_picture(std::string_view bytes, std::string_view extension) {
   PictureFile file;
@@ -23,6 +33,10 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
     case PhotoFormat::Jpeg: {
       const JpegStructure structure = jpeg_structure(bytes);
       file.refusal = structure.refusal.empty() ? structure.damage : structure.refusal;
+      if (structure.refusal.empty() && structure.end_missing && decodes_whole(bytes)) {
+        file.refusal.clear();
+        file.notes.emplace_back("a JPEG without its end marker, whose rows are all there: it is read");
+      }
       if (const std::string trailer = jpeg_trailer(bytes, structure.end); file.refusal.empty() && !trailer.empty())
         file.aside = fmt::format("a JPEG with {} behind the picture: only the picture is read", trailer);
       break;

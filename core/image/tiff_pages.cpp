@@ -235,7 +235,9 @@ TiffChannels tiff_channels(const TiffPage& p) {
 std::string tiff_refusal(const TiffPages& t) {
   constexpr const char* kExport = "export it as RGB, 8 or 16 bit";
   if (t.pages.empty()) return "the TIFF has no directory where its header says: the file is truncated or damaged";
-  if (!t.raw.empty()) return fmt::format("it is a raw photo ({}): develop it and export a 16-bit TIFF or a JPEG", t.raw);
+  if (!t.raw.empty())
+    return fmt::format("it is a raw photo{}: develop it and export a 16-bit TIFF or a JPEG",
+                       t.raw == "raw" ? "" : fmt::format(" ({})", t.raw));
   const TiffPage& p = t.chosen();
   if (t.damaged && p.reduced)
     return "only a thumbnail of the TIFF is left: the directory of its picture lies outside of the file";

@@ -179,9 +179,10 @@ ImageF read_texels(const fs::path& path, std::vector<std::string>& notes) {
                  .why = "it is a display picture: its lamps and its sun are clipped to white, so that they would light nothing",
                  .hint = std::string(kHint),
                  .code = "ENV_LDR"});
+  const std::string kind = bytes.empty() ? "an empty file" : file_kind(bytes).name;
   throw Error(ErrorKind::Input, "this file is not an environment map",
               {.where = path.string(),
-               .why = bytes.empty() ? "it is empty" : foreign_content(bytes, path.extension().string()),
+               .why = fmt::format("it is neither OpenEXR nor Radiance HDR{}{}", kind.empty() ? "" : " but ", kind),
                .hint = std::string(kHint),
                .code = "ENV_FORMAT"});
 }

@@ -28,7 +28,7 @@ TEST_F(TinyRoom, DamagedPhotosAreLeftOutByName) {
   EXPECT_TRUE(o.said("3 photos are left out")) << o.text;
   EXPECT_TRUE(o.said("img_0001.png: the file is empty"));
   EXPECT_TRUE(o.said("img_0003.png: the PNG has no end chunk: the file is truncated"));
-  EXPECT_TRUE(o.said("img_0005.png: its content is neither JPEG, PNG, TIFF nor EXR"));
+  EXPECT_TRUE(o.said("img_0005.png: it is a text file, not a picture, called .png: fetch the picture itself"));
   EXPECT_TRUE(o.has("registered 9/9"));
 }
 

@@ -1,8 +1,18 @@
 // Binary files: meshes, surfels, pictures, networks.
 #include <cmath>
+#include <cstring>
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfRgbaFile.h>
 
 #include "core/camera/mask_files.h"
 #include "core/image/exr.h"
+#include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/light/environment.h"
 #include "core/loss/feature_network.h"
@@ -14,6 +24,7 @@
 #include "tests/ingest/tiny_photos.h"
 #include "tests/normals/tiny_onnx.h"
 #include "tests/support/feature_network_file.h"
+#include "tests/support/tiff_file.h"
 
 namespace vitrine {
 
@@ -41,11 +52,23 @@ void fuzz_hdr(std::span<const uint8_t> bytes) {
   });
 }
 
-// PNG, JPEG and TIFF as photos; the same bytes as a mask.
+// PNG and JPEG as photos; the same bytes as a mask.
 void fuzz_photo(std::span<const uint8_t> bytes) {
   const fs::path path = input_file("photo.png", text_of(bytes));
   refuses_or_reads([&] { ingest::develop(path, 64); });
   refuses_or_reads([&] { read_mask({path, "b.*"}); });
+}
+
+// The same, and twice: no byte of the picture may come from elsewhere than the file.
+void fuzz_tiff(std::span<const uint8_t> bytes) {
+  const fs::path path = input_file("photo.tif", text_of(bytes));
+  refuses_or_reads([&] { ingest::develop(path, 64); });
+  refuses_or_reads([&] {
+    const ImageF first = read_unchanged(path), again = read_unchanged(path);
+    if (first.data().size_bytes() != again.data().size_bytes() ||
+        std::memcmp(first.data().data(), again.data().data(), first.data().size_bytes()) != 0)
+      throw std::logic_error("two readings of a TIFF differ");
+  });
 }
 
 void fuzz_onnx(std::span<const uint8_t> bytes) {
@@ -110,15 +133,60 @@ std::vector<std::string> surfel_ply_corpus() {
   return all;
 }
 
+namespace {
+
+std::string made_exr_parts() {
+  return bytes_of("made.exr", [](const fs::path& p) {
+    std::vector<Imf::Header> headers(2, Imf::Header({{2, 3}, {21, 15}}, {{0, 5}, {30, 14}}));
+    std::vector<float> plane(31 * 10, 0.5f);
+    Imf::FrameBuffer buffer;
+    const auto slice = Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(plane.data() - 5 * 31), 4, 31 * 4);
+    headers[0].channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    for (const char* name : {"R", "G", "B"})
+      headers[1].channels().insert(name, Imf::Channel(Imf::FLOAT)), buffer.insert(name, slice);
+    buffer.insert("Z", slice);
+    for (size_t i = 0; i < 2; ++i) headers[i].setType(Imf::SCANLINEIMAGE), headers[i].setName(i == 0 ? "depth" : "rgb");
+    Imf::MultiPartOutputFile file(p.c_str(), headers.data(), 2);
+    for (int i = 0; i < 2; ++i) {
+      Imf::OutputPart part(file, i);
+      part.setFrameBuffer(buffer);
+      part.writePixels(10);
+    }
+  });
+}
+
+std::string made_exr_luminance_chroma() {
+  return bytes_of("made.exr", [](const fs::path& p) {
+    std::vector<Imf::Rgba> pixels(24 * 18, Imf::Rgba(0.5f, 0.25f, 0.125f, 1.f));
+    Imf::RgbaOutputFile file(p.c_str(), 24, 18, Imf::WRITE_YC);
+    file.setFrameBuffer(pixels.data(), 1, 24);
+    file.writePixels(18);
+  });
+}
+
+}  // namespace
+
 std::vector<std::string> exr_corpus() {
   const auto rgb = [](ExrPrecision precision) {
     return bytes_of("made.exr", [&](const fs::path& p) {
       write_exr_rgb(p, gradient(20, 13, 3), precision, {{"vitrine:stage", "x"}});
     });
   };
-  return {rgb(ExrPrecision::Half), rgb(ExrPrecision::Float), bytes_of("made.exr", [](const fs::path& p) {
-            write_exr(p, {.pixels = gradient(9, 40, 2), .channels = {"depth.Z", "Y"}, .attributes = {}}, ExrPrecision::Float);
-          })};
+  return {rgb(ExrPrecision::Half),
+          rgb(ExrPrecision::Float),
+          bytes_of(
+              "made.exr",
+              [](const fs::path& p) {
+                write_exr(p, {.pixels = gradient(9, 40, 2), .channels = {"depth.Z", "Y"}, .attributes = {}}, ExrPrecision::Float);
+              }),
+          bytes_of("made.exr",
+                   [](const fs::path& p) {
+                     write_exr(p, {.pixels = gradient(24, 18, 5),
+                                   .channels = {"V.Combined.R", "V.Combined.G", "V.Combined.B", "V.Combined.A", "V.Depth.Z"},
+                                   .attributes = {}});
+                   }),
+          made_exr_parts(),
+          made_exr_luminance_chroma()};
 }
 
 std::vector<std::string> hdr_corpus() {
@@ -130,7 +198,11 @@ std::vector<std::string> hdr_corpus() {
     coded += std::string("\2\2\0\20", 4);
     for (int c = 0; c < 4; ++c) coded += std::string("\212", 1) + char(130) + std::string("\6", 1) + "abcdef";
   }
-  return {flat, coded};
+  std::string turned =
+      "#?RADIANCE\nEXPOSURE=2\nEXPOSURE=0.5\nCOLORCORR=1 2 3\nPRIMARIES=.6 .3 .3 .6 .1 .1 .3 .3\nFORMAT=32-bit_rle_xyze\n\n+X 4 "
+      "+Y 2\n";
+  for (int i = 0; i < 8; ++i) turned += std::string{char(100 + i), char(90), char(80), char(129)};
+  return {flat, coded, turned};
 }
 
 std::vector<std::string> photo_corpus() {
@@ -151,7 +223,38 @@ std::vector<std::string> photo_corpus() {
           file("made.png", 3),
           file("made.png", 1),
           bytes_of("made.png", [&](const fs::path& p) { write_png16(p, deep); }),
-          file("made.tif", 3)};
+          file("made.jpg", 3) + std::string("\0\0\0\x18", 4) + "ftypmp42" + file("made.jpg", 1) + std::string(64, '\0'),
+          jpeg_bytes(gradient8(24, 18, 3), 80)};
+}
+
+std::vector<std::string> tiff_corpus() {
+  using test::TiffDesc;
+  std::vector<std::string> all;
+  const auto add = [&](const std::vector<TiffDesc>& pages) {
+    all.push_back(bytes_of("made.tif", [&](const fs::path& p) {
+      TIFF* const tiff = test::open_tiff(p, pages[0]);
+      for (const TiffDesc& d : pages) test::add_tiff_page(tiff, d.subfile ? 9 : 37, d.subfile ? 7 : 29, d);
+      TIFFClose(tiff);
+    }));
+  };
+  add({{}});
+  add({{.bits = 16, .planar = true}});
+  add({{.bits = 32,
+        .format = SAMPLEFORMAT_IEEEFP,
+        .compression = COMPRESSION_ADOBE_DEFLATE,
+        .predictor = 3,
+        .planar = true,
+        .big = true}});
+  add({{.bits = 16, .compression = COMPRESSION_LZW, .predictor = 2, .tiled = true, .big_endian = true}});
+  add({{.subfile = FILETYPE_REDUCEDIMAGE},
+       {.samples = 4, .compression = COMPRESSION_PACKBITS, .extra = {EXTRASAMPLE_ASSOCALPHA}}});
+  add({{.bits = 4, .samples = 1, .photometric = PHOTOMETRIC_PALETTE}});
+  add({{.bits = 1, .samples = 1, .photometric = PHOTOMETRIC_MINISWHITE, .compression = COMPRESSION_CCITTFAX4}});
+  add({{.compression = COMPRESSION_JPEG}});
+  add({{.photometric = PHOTOMETRIC_YCBCR, .compression = COMPRESSION_LZW, .tiled = false}});
+  add({{.bits = 12, .compression = COMPRESSION_LZW}});
+  all.push_back(bytes_of("made.tif", [&](const fs::path& p) { write_ldr(p, gradient8(24, 18, 3)); }));
+  return all;
 }
 
 std::vector<std::string> onnx_corpus() {

@@ -7,8 +7,8 @@ namespace vitrine {
 // Beside their entry functions.
 std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), records_corpus();
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
-std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), onnx_corpus(),
-    weights_corpus();
+std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
+    onnx_corpus(), weights_corpus();
 std::vector<std::string> icc_corpus(), tagged_photo_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
@@ -68,12 +68,22 @@ std::span<const FuzzFormat> fuzz_formats() {
        fuzz_exr,
        exr_corpus,
        {"tiles\0tiledesc\0"sv, "dataWindow\0box2i\0"sv, "chlist\0"sv, "\x76\x2f\x31\x01"sv, "\2\2\0\0"sv}},
-      {"hdr", fuzz_hdr, hdr_corpus, {"-Y ", "+X ", "2147483647", "\2\2", "\1\1\1\xff", "FORMAT=", "\n\n"}},
+      {"hdr",
+       fuzz_hdr,
+       hdr_corpus,
+       {"-Y ", "+X ", "-X ", "+Y ", "2147483647", "\2\2", "\1\1\1\xff", "FORMAT=", "EXPOSURE=", "1e-320", "\n\n"}},
       {"photo",
        fuzz_photo,
        photo_corpus,
        {"\xff\xd9", "\xff\xda", "\xff\xc0", "\xff\xc2", "\xff\xc4", "IHDR", "IDAT", "PLTE", "tRNS", "eXIf", "IEND", "Exif\0\0"sv,
-        "II*\0"sv, "MM\0*"sv}},
+        "\xff\xd8"}},
+      {"tiff",
+       fuzz_tiff,
+       tiff_corpus,
+       {"II*\0"sv, "MM\0*"sv, "II+\0\x08\0\0\0"sv, "\x00\x01\x03\x00\x01\x00\x00\x00"sv, "\x01\x01\x04\x00\x01\x00\x00\x00"sv,
+        "\x02\x01\x03\x00"sv, "\x03\x01\x03\x00"sv, "\x06\x01\x03\x00"sv, "\x11\x01\x04\x00"sv, "\x15\x01\x03\x00"sv,
+        "\x16\x01\x04\x00"sv, "\x17\x01\x04\x00"sv, "\x1c\x01\x03\x00\x01\x00\x00\x00\x02"sv, "\x3d\x01\x03\x00"sv,
+        "\x42\x01\x03\x00"sv, "\x4a\x01\x04\x00"sv, "\x52\x01\x03\x00"sv, "\x53\x01\x03\x00"sv, "\xff\xff\xff\x7f"sv}},
       {"icc",
        fuzz_icc,
        icc_corpus,

@@ -165,11 +165,64 @@ TEST(RadianceHdr, FlatOldAndNewRunsGiveTheSamePicture) {
 
 TEST(RadianceHdr, DamageIsNamed) {
   const auto why = [](const std::string& text) { return error_of([&] { parse_radiance_hdr(text, "x.hdr"); }).detail().why; };
-  EXPECT_NE(why("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n").find("xyze"), std::string::npos);
-  EXPECT_NE(why("#?RADIANCE\n\n+Y 4 +X 8\n").find("size"), std::string::npos);
+  EXPECT_NE(why("#?RADIANCE\nFORMAT=32-bit_rle_cmyk\n\n-Y 4 +X 8\n").find("cmyk"), std::string::npos);
+  EXPECT_NE(why("#?RADIANCE\nEXPOSURE=0\n\n-Y 4 +X 8\n").find("EXPOSURE=0"), std::string::npos);
+  EXPECT_NE(why("#?RADIANCE\nCOLORCORR=1 1\n\n-Y 4 +X 8\n").find("too few"), std::string::npos);
+  for (const char* size : {"+Y 4 +Y 8", "-Y 4", "Y 4 X 8", "-Y 4+X 8", "-Y 0 +X 8", "-Y 4 +X 8 +Z 2"})
+    EXPECT_NE(why(fmt::format("#?RADIANCE\n\n{}\n", size)).find("its size"), std::string::npos) << size;
   EXPECT_NE(why("#?RADIANCE\n\n-Y 99999 +X 99999\n").find("plausible"), std::string::npos);
   EXPECT_NE(why(header(8, 1) + std::string({2, 2, 0, 8, char(255), 0})).find("leaves its scanline"), std::string::npos);
   EXPECT_NE(why(header(8, 1) + std::string({1, 1, 1, 7, 1, 1, 1, 7})).find("leaves its scanline"), std::string::npos);
+}
+
+// 2 rows of 4 columns; the value of a pixel is its place.
+std::string numbered(const std::string& lines, const std::string& size, const std::vector<int>& order) {
+  std::string text = "#?RADIANCE\n" + lines + "\n" + size + "\n";
+  for (const int i : order) text += {char(10 * i + 1), char(10 * i + 2), char(10 * i + 3), char(136)};
+  return text;
+}
+
+TEST(RadianceHdr, ExposuresAndCorrectionsOfAllLinesAreDividedOut) {
+  const std::vector<int> order{0, 1, 2, 3, 4, 5, 6, 7};
+  std::vector<std::string> notes;
+  const ImageF plain = parse_radiance_hdr(numbered("EXPOSURE=1\n", "-Y 2 +X 4", order), "a.hdr", &notes);
+  EXPECT_TRUE(notes.empty());
+  EXPECT_EQ(plain.at(1, 1, 2), 53.f);
+  const ImageF scaled = parse_radiance_hdr(
+      numbered("EXPOSURE=4\nVIEW= -vta\nEXPOSURE= 5.000000e-01\nCOLORCORR= 1 2.0 4\n", "-Y 2 +X 4", order), "a.hdr", &notes);
+  for (size_t i = 0; i < plain.data().size(); ++i) EXPECT_FLOAT_EQ(scaled.data()[i] * float(2 << i % 3), plain.data()[i]);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0], "its values are divided by EXPOSURE and COLORCORR (2, 4, 8)");
+  notes.clear();
+  parse_radiance_hdr(numbered("PRIMARIES=0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.329\n", "-Y 2 +X 4", order), "a.hdr",
+                     &notes);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("are not those of sRGB"), std::string::npos);
+  notes.clear();
+  parse_radiance_hdr(numbered("PRIMARIES=0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n", "-Y 2 +X 4", order), "a.hdr",
+                     &notes);
+  EXPECT_TRUE(notes.empty());
+}
+
+TEST(RadianceHdr, AllEightOrdersOfPixelsGiveTheSamePicture) {
+  const std::pair<const char*, std::vector<int>> orders[] = {
+      {"-Y 2 +X 4", {0, 1, 2, 3, 4, 5, 6, 7}}, {"-Y 2 -X 4", {3, 2, 1, 0, 7, 6, 5, 4}}, {"+Y 2 +X 4", {4, 5, 6, 7, 0, 1, 2, 3}},
+      {"+Y 2 -X 4", {7, 6, 5, 4, 3, 2, 1, 0}}, {"+X 4 -Y 2", {0, 4, 1, 5, 2, 6, 3, 7}}, {"-X 4 -Y 2", {3, 7, 2, 6, 1, 5, 0, 4}},
+      {"+X 4 +Y 2", {4, 0, 5, 1, 6, 2, 7, 3}}, {"-X 4 +Y 2", {7, 3, 6, 2, 5, 1, 4, 0}}};
+  const ImageF plain = parse_radiance_hdr(numbered("", orders[0].first, orders[0].second), "a.hdr");
+  for (const auto& [size, order] : orders) EXPECT_EQ(parse_radiance_hdr(numbered("", size, order), "a.hdr"), plain) << size;
+}
+
+TEST(RadianceHdr, XyzBecomesRgbAndGreyStaysGrey) {
+  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 2\n";
+  text += {char(128), char(128), char(128), char(129)};
+  text += {char(64), char(33), char(3), char(136)};  // the direction of red
+  std::vector<std::string> notes;
+  const ImageF rgb = parse_radiance_hdr(text, "a.hdr", &notes);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb.at(0, 0, c), 1, 1e-6);
+  EXPECT_GT(rgb.at(1, 0, 0), 50);
+  for (int c = 1; c < 3; ++c) EXPECT_NEAR(rgb.at(1, 0, c), 0, 1e-3);
+  EXPECT_EQ(notes.size(), 1u);
 }
 
 // --- bad maps ----------------------------------------------------------------------------------------------------------

@@ -25,13 +25,12 @@ struct JpegErrors {
 }
 
 // Warnings after which a part of the picture is grey or garbage end the decoding; the others (bytes between segments, an unknown
-// colour transform) are harmless.
+// colour transform) are harmless, and so is the end of the file as long as no row needs what is missing: JWRN_HIT_MARKER then.
 void judge_message(j_common_ptr info, int level) {
   if (level >= 0) return;  // a trace
   switch (info->err->msg_code) {
     case JWRN_HIT_MARKER:
     case JWRN_HUFF_BAD_CODE:
-    case JWRN_JPEG_EOF:
     case JWRN_MUST_RESYNC:
     case JWRN_ARITH_BAD_CODE:
       leave(info);
