@@ -57,8 +57,7 @@ struct ExrWindow {
 class ExrFile {
  public:
   // Throws what the library throws; `max_pixels` bounds both windows.
-  ExrFile(const fs::path& path, size_t max_pixels)
-      : path_(path), file_(checked(path), 1), max_pixels_(max_pixels) {}
+  ExrFile(const fs::path& path, size_t max_pixels) : path_(path), file_(checked(path), 1), max_pixels_(max_pixels) {}
 
   std::vector<ExrPart> parts() const {
     std::vector<ExrPart> parts(size_t(file_.parts()));
@@ -185,6 +184,22 @@ void note_windows(const ExrWindow& w, const Imf::Header& header, std::vector<std
     notes.push_back(fmt::format("an EXR whose pixels are not square (aspect ratio {:g}): they are taken as square", aspect));
 }
 
+// The channels that are the picture. Throws when there are none, or none that can be read.
+ExrColors picture_of(const ExrFile& file, const fs::path& path, std::vector<std::string>& notes) {
+  const std::vector<ExrPart> parts = file.parts();
+  ExrColors colors = exr_colors(parts, file.views());
+  if (!colors.refusal.empty()) bad_exr(path, colors.refusal, kExportHint);
+  notes = colors.notes;
+  for (const std::string& name : colors.channels)
+    if (file.header(colors.part).channels().findChannel(name)->type == Imf::UINT)
+      bad_exr(path, fmt::format("its channel {} holds whole numbers, whose black and white it does not say", name),
+              "export it in half or float precision");
+  if (colors.luminance_chroma && (parts.size() > 1 || !exr_layer_name(colors.channels[0]).empty()))
+    bad_exr(path, "its colours are luminance and chroma (Y, RY, BY) in a layer or part of several", "export it as R, G, B");
+  note_windows(file.window(colors.part, 4), file.header(colors.part), notes);
+  return colors;
+}
+
 }  // namespace
 
 ExrImage read_exr(const fs::path& path, size_t max_pixels) {
@@ -211,23 +226,12 @@ ExrImage read_exr(const fs::path& path, size_t max_pixels) {
 ExrPicture read_exr_picture(const fs::path& path, bool with_alpha) {
   return reading(path, [&] {
     ExrFile file(path, kMaxExrPixels);
-    const std::vector<ExrPart> parts = file.parts();
-    const ExrColors colors = exr_colors(parts, file.views());
-    if (!colors.refusal.empty()) bad_exr(path, colors.refusal, kExportHint);
     ExrPicture picture;
-    picture.notes = colors.notes;
-    for (const std::string& name : colors.channels)
-      if (file.header(colors.part).channels().findChannel(name)->type == Imf::UINT)
-        bad_exr(path, fmt::format("its channel {} holds whole numbers, whose black and white it does not say", name),
-                "export it in half or float precision");
-    note_windows(file.window(colors.part, 4), file.header(colors.part), picture.notes);
-    if (colors.luminance_chroma) {
-      if (parts.size() > 1 || !exr_layer_name(colors.channels[0]).empty())
-        bad_exr(path, "its colours are luminance and chroma (Y, RY, BY) in a layer or part of several", "export it as R, G, B");
+    const ExrColors colors = picture_of(file, path, picture.notes);
+    if (colors.luminance_chroma)
       picture.rgb = file.read_luminance_chroma();
-    } else {
+    else
       picture.rgb = file.read(colors.part, colors.channels);
-    }
     if (picture.rgb.channels() == 1) {
       ImageF rgb(picture.rgb.width(), picture.rgb.height(), 3);
       for (size_t i = 0; i < rgb.pixel_count(); ++i)
@@ -236,6 +240,15 @@ ExrPicture read_exr_picture(const fs::path& path, bool with_alpha) {
     }
     if (with_alpha && !colors.alpha.empty()) picture.alpha = file.read(colors.part, {colors.alpha});
     return picture;
+  });
+}
+
+std::vector<std::string> exr_notes(const fs::path& path) {
+  return reading(path, [&] {
+    ExrFile file(path, kMaxExrPixels);
+    std::vector<std::string> notes;
+    picture_of(file, path, notes);
+    return notes;
   });
 }
 

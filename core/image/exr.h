@@ -34,6 +34,8 @@ struct ExrPicture {
 // The colours of the layer that is the picture: Combined, beauty, rgba, R, G, B without a prefix, or the only layer that has any;
 // also of multi-part, stereo, tiled and luminance-chroma files. Throws with the names of the channels when there is none.
 ExrPicture read_exr_picture(const std::filesystem::path& path, bool with_alpha = false);
+// The same refusals and notes without reading pixels.
+std::vector<std::string> exr_notes(const std::filesystem::path& path);
 ImageF read_exr_rgb(const std::filesystem::path& path);
 void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrPrecision precision = ExrPrecision::Half);
 void write_exr_rgb(const std::filesystem::path& path, const ImageF& rgb, ExrPrecision precision = ExrPrecision::Half,

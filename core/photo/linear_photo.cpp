@@ -43,7 +43,6 @@ LinearPhoto read_linear_photo(const fs::path& path, const PhotoHead& head) {
     ExrPicture picture = read_exr_picture(path, head.alpha);
     p.linear = std::move(picture.rgb);
     p.alpha = unless_flat(std::move(picture.alpha));
-    p.notes = std::move(picture.notes);
   } else {
     p.linear = read_unchanged(path);
     p.alpha = ldr_alpha(p.linear);

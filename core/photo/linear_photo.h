@@ -13,7 +13,6 @@ struct LinearPhoto {
   ImageF linear;            // [h, w, 3], as stored (not turned upright); may be negative where a colour lies outside of Rec. 709
   ImageF alpha;             // [h, w, 1]; empty when there is none, or the same everywhere
   RepairedValues repaired;  // of floating-point samples
-  std::vector<std::string> notes;  // what was chosen of an EXR (core/image/exr.h)
 };
 
 // Throws Error{Input} when the file is damaged. `head` is that of the file.

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/utf8.h"
+#include "core/image/exr.h"
 #include "core/image/picture_file.h"
 
 namespace vitrine {
@@ -112,6 +113,7 @@ PhotoHead read_photo_head(const fs::path& path) {
   const std::string bytes = read_file(path);
   PictureFile file = examine_picture(bytes, path.extension().string());
   if (!file.refusal.empty()) throw_unusable(file.refusal);
+  if (file.probe.format == PhotoFormat::Exr) file.notes = exr_notes(path);
   PhotoHead head{.probe = file.probe,
                  .exif = parse_exif(exif_block(bytes)),
                  .digest = digest_bytes(bytes),

@@ -23,7 +23,6 @@ Developed develop(const fs::path& path, int max_side) {
   LinearPhoto decoded = read_linear_photo(path, head);
   d.linear = std::move(decoded.linear);
   d.repaired = decoded.repaired;
-  d.notes.insert(d.notes.end(), decoded.notes.begin(), decoded.notes.end());
   d.color = color_facts(head.color, !decoded.alpha.empty());
   if (d.linear.empty())
     throw Error(ErrorKind::Input, "a photo cannot be used",

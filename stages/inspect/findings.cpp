@@ -54,6 +54,7 @@ class Judge {
       exposure();
       clipping();
       duplicates();
+      contents();
     }
     worst_first(out_.list);
     return std::move(out_);
@@ -173,6 +174,19 @@ class Judge {
     for (ColorNote& note : color_notes(facts))
       say({note.finding, note.warning_code.empty() ? Severity::Note : Severity::Warning, std::move(note.what),
            std::move(note.why), std::move(note.hint), std::move(note.photos)});
+  }
+
+  // What is read of files that hold more than one picture, or values that no picture has.
+  void contents() {
+    std::map<std::string, std::vector<size_t>> by_note;
+    for (size_t i : usable_)
+      for (const std::string& note : photos_[i].notes) by_note[note].push_back(i);
+    for (auto& [note, of] : by_note) {
+      std::string what = of.size() == 1 ? fmt::format("{} is {}", photos_[of[0]].name, note)
+                                        : fmt::format("{} photos are each {}", of.size(), note);
+      say({"photo_content", Severity::Note, std::move(what), "this is how ingest reads it",
+           "export the picture alone if another one is meant", std::move(of)});
+    }
   }
 
   void sharpness() {

@@ -48,6 +48,7 @@ PhotoFacts facts_of(const PhotoFile& file) {
     f.time = head.exif.time;
     f.digest = head.digest.hex();
     f.color = color_facts(head.color, has_varying_alpha(file.path, head));
+    f.notes = head.notes;
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     f.failure = e.detail().why.empty() ? e.message() : e.detail().why;

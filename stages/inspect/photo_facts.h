@@ -17,6 +17,7 @@ struct PhotoFacts {
   std::string camera, time, digest;
   ColorFacts color;
   PhotoMeasures measures;
+  std::vector<std::string> notes;  // what would be left out or assumed (core/photo/photo_files.h)
 
   bool usable() const { return failure.empty(); }
   double longest() const { return std::max(width, height); }
