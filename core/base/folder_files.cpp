@@ -18,7 +18,7 @@ constexpr std::string_view kJunk[] = {
     "$recycle.bin", "recycler",  "recycled",    "__macosx",    "lost+found", "system volume information",
     "icon\r",       "found.000",
 };
-constexpr std::string_view kJunkBeginnings[] = {"synofile_thumb_", "synophoto_thumb_", ".trash"};
+constexpr std::string_view kJunkBeginnings[] = {"synofile_thumb_", "synophoto_thumb_"};
 
 class Walk {
  public:
@@ -41,6 +41,13 @@ class Walk {
         out_.circles.push_back(link);
       else
         enter_or_note(link, target, {real});
+    }
+    for (const fs::path& link : file_links_) {
+      std::error_code ec;
+      if (real_files_.contains(fs::canonical(root_ / link, ec)))
+        out_.repeated.push_back(link.generic_string());
+      else
+        out_.files.push_back(link);
     }
     const auto by_name = [](const fs::path& a, const fs::path& b) { return a.generic_string() < b.generic_string(); };
     std::sort(out_.files.begin(), out_.files.end(), by_name);
@@ -86,6 +93,13 @@ class Walk {
     if (link && !fs::exists(status)) {
       out_.dangling.push_back(name.generic_string());
     } else if (fs::is_regular_file(status)) {
+      if (twice_ == ReachedTwice::Once) {
+        if (link) {
+          file_links_.push_back(name);
+          return;
+        }
+        real_files_.insert(real);
+      }
       out_.files.push_back(name);
     } else if (fs::is_directory(status)) {
       if (!link) {
@@ -106,7 +120,8 @@ class Walk {
   fs::path root_;
   ReachedTwice twice_;
   FolderFiles out_;
-  std::set<fs::path> seen_;
+  std::set<fs::path> seen_, real_files_;
+  std::vector<fs::path> file_links_;
   std::set<std::string> links_;
 };
 

@@ -11,10 +11,10 @@
 
 namespace vitrine {
 
-// A folder that is reached twice (by its name and by a link, or by two links).
+// A file or folder that is reached twice (by its name and by a link, or by two links).
 enum class ReachedTwice {
-  Once,   // its files count once: under its own name, else under that of the first link
-  Always  // its files count under each name: a link `specular -> transparent` means both
+  Once,   // counts once: under its own name, else (a folder) under that of the first link
+  Always  // counts under each name: a link `specular -> transparent` means both
 };
 
 struct FolderFiles {
@@ -24,7 +24,7 @@ struct FolderFiles {
   // Relative to the folder, sorted.
   std::vector<std::string> dangling;    // links to nothing
   std::vector<std::string> circles;     // links to a folder that they lie in
-  std::vector<std::string> repeated;    // links to a folder whose files are there already (ReachedTwice::Once)
+  std::vector<std::string> repeated;    // links to what is there already (ReachedTwice::Once)
   std::vector<std::string> unreadable;  // folders that cannot be opened
 };
 

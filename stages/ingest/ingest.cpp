@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/hash.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
@@ -29,6 +31,7 @@ struct Outcome {
   Photo photo;
   std::string failure;  // empty = developed
   size_t repaired_pixels = 0;
+  Digest digest;  // of the file
 };
 
 size_t stored_pixels(const fs::path& path) {
@@ -68,6 +71,7 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
   outcome.photo.stem = file.stem;
   outcome.photo.source = file.source;
   outcome.repaired_pixels = developed.repaired_pixels;
+  outcome.digest = digest_file(file.path);
   write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
   write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
   return outcome;
@@ -104,14 +108,30 @@ std::string failure_list(const std::vector<PhotoFile>& files, const std::vector<
 void report_folder(const PhotoFolder& folder, StageContext& context) {
   size_t skipped = 0;
   for (const auto& [extension, count] : folder.skipped) skipped += count;
-  context.metric("files_skipped", static_cast<double>(skipped + folder.hidden));
-  if (skipped + folder.hidden > 0)
-    log_info("skipped {} hidden and {} other files{}{}", folder.hidden, skipped, skipped ? ": " : "", skipped_text(folder));
-  if (const size_t unread = skipped_photo_like(folder); unread > 0)
-    context.warning("PHOTO_TYPES_NOT_READ",
-                    fmt::format("{} files hold photos or video in a form that is not read ({}): convert them to "
-                                "JPEG or 16-bit TIFF to use them",
-                                unread, skipped_text(folder)));
+  const size_t unseen = folder.listed.hidden + folder.listed.junk;
+  context.metric("files_skipped", static_cast<double>(skipped + unseen));
+  context.metric("files_beside_photos", static_cast<double>(folder.beside.size()));
+  if (skipped + unseen > 0)
+    log_info("skipped {} hidden, {} of the system and {} other files{}{}", folder.listed.hidden, folder.listed.junk, skipped,
+             skipped ? ": " : "", skipped_text(folder));
+  for (const FolderNote& note : notes_of(folder)) context.warning(note.code, note.sentence());
+}
+
+// Copies of one file: they cost time and tell nothing new, but do no harm.
+void report_repeated(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes, StageContext& context) {
+  std::map<std::string, size_t> first;
+  size_t repeated = 0;
+  std::string example;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!outcomes[i].failure.empty()) continue;
+    const auto [same, is_new] = first.emplace(outcomes[i].digest.hex(), i);
+    if (is_new) continue;
+    if (++repeated == 1) example = fmt::format("{} is {}", files[i].source, files[same->second].source);
+  }
+  if (repeated > 0)
+    context.warning("PHOTOS_REPEATED",
+                    fmt::format("{} the same file as another ({}): {} different photos remain",
+                                repeated == 1 ? "1 photo is" : fmt::format("{} photos are", repeated), example, first.size()));
 }
 
 void report_photos(const std::vector<Photo>& photos, size_t left_out, StageContext& context) {
@@ -172,6 +192,7 @@ void run(const IngestConfig& config, StageContext& context) {
          .code = "TOO_FEW_PHOTOS"});
   if (left_out > 0) context.warning("PHOTOS_LEFT_OUT", fmt::format("{} photos are left out:\n         {}", left_out, failures));
   if (repaired > 0) context.warning("PIXELS_NOT_FINITE", fmt::format("{} values that are not numbers were set to 0", repaired));
+  report_repeated(folder.photos, outcomes, context);
   write_photo_list(context.output(), photos);
   report_photos(photos, left_out, context);
 }

@@ -2,7 +2,7 @@
 // leave gaps. Started by `vitrine inspect`; it stands beside the graph of `vitrine run`, because nothing follows from it.
 //   reads   the user's photos; optionally sfm/{sparse,scene.json}
 //   writes  inspect/report.json
-// version 1: first.
+// version 1: first. 2: what the folder holds besides photos.
 #pragma once
 
 #include "stages/stage.h"
