@@ -17,6 +17,7 @@ Developed develop(const fs::path& path, int max_side) {
   const Probe& probe = head.probe;
   const Exif& exif = head.exif;
 
+  d.digest = head.digest;
   d.notes = head.notes;
   d.aside = head.aside;
 

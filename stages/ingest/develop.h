@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "core/base/hash.h"
 #include "core/camera/photo_list.h"
 #include "core/image/repair.h"
 #include "core/photo/photo_color.h"
@@ -10,6 +11,7 @@
 namespace vitrine::ingest {
 
 struct Developed {
+  Digest digest;                   // of the file
   ImageF linear;                   // upright, [h, w, 3]
   Photo photo;                     // all but name, stem and source
   RepairedValues repaired;         // of floating-point samples
