@@ -162,7 +162,7 @@ class Evaluator {
     ImageF photo = photo_srgb(sfm_, view, render.intrinsics);
     // What was not trained is judged by nobody, and black in the pictures.
     std::optional<ImageF> judged;
-    if (result_.split.object_alone && masks_) judged = stage_mask(*masks_, view, MaskClass::Object, render.intrinsics);
+    if (const auto within = trained_within()) judged = stage_mask(*within, view, MaskClass::Object, render.intrinsics);
     if (judged) keep_within(*judged, photo), keep_within(*judged, render.srgb);
     const ImageF* within = judged ? &*judged : nullptr;
     ViewScore score{.name = view.name,
@@ -184,6 +184,13 @@ class Evaluator {
     if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
     if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
+  }
+
+  // The masks inside which the scene was trained, if it was not trained everywhere.
+  std::optional<fs::path> trained_within() const {
+    if (!result_.split.object_alone) return std::nullopt;
+    const fs::path widened = context_.input("optimize") / "optimize/trained";
+    return fs::is_directory(widened) ? widened : masks_;
   }
 
   std::optional<ImageF> mask(size_t index, MaskClass c, const Intrinsics& intrinsics) const {

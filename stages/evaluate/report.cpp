@@ -20,7 +20,7 @@ Json definitions(const Evaluation& e) {
       "views held "
       "out from training; the render times the view's gain (from the SfM tracks) against the undistorted photo at training "
       "resolution";
-  if (e.split.object_alone) d["within"] = "the object's masks: the scene was trained inside them alone";
+  if (e.split.object_alone) d["within"] = "the object's masks, and what stands still with it: the scene was trained there alone";
   d["heldout.ssim"] = "SSIM (11x11 Gaussian window, sigma 1.5, per channel), same pictures, mean over held-out views";
   d["train"] = "the same two figures over the training views: for reference only, the scene was fitted to them";
   d["regions.*.psnr"] = fmt::format(

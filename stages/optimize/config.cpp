@@ -40,8 +40,8 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option("holdout_every", c.holdout_every, "Every how many photos one is kept from training for the evaluation; 0 = none.")
       .range(0, 100000);
   d.option("surroundings", c.surroundings,
-           "What masks of the object leave out: train it like everything else, ignore it (the object alone), or auto: ignore it "
-           "where hardly a sparse point lies outside the masks, as on a turntable or before a plain backdrop.")
+           "What masks of the object leave out: train it like everything else, ignore it (the object alone), or auto: ignore "
+           "what does not stand still with the object (the room around a turntable, a plain backdrop) and train the rest.")
       .choices({"auto", "train", "ignore"});
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "
@@ -75,7 +75,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 22,
+                 .version = 23,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},

@@ -56,7 +56,7 @@ double DenseDepth::reliable_share() const {
 DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, uint64_t seed) {
   DenseDepth dense;
   dense.photos.resize(capture.photos.size());
-  const size_t level = level_near(capture, max_side);
+  const size_t level = dense.level = level_near(capture, max_side);
   const auto neighbours = stereo_neighbours(capture.view_set, capture.train, kNeighbours);
   parallel_for(capture.train.size(), 1, [&](size_t t) {
     const uint32_t v = capture.train[t];

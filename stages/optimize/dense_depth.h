@@ -13,6 +13,7 @@ struct DenseDepth {
   std::vector<StereoPhoto> photos;  // [capture.photos]; without a picture for held-out photos
   std::vector<DepthMap> maps;       // same order; empty where no other photo confirms a pixel
   std::vector<ScenePlane> planes;   // the large ones
+  size_t level = 0;                 // of the pyramids: as large as the maps
   double background = 0;            // distance of what has no parallax: the sky; radii of the cameras
   double reliable_share() const;    // of all pixels
 };

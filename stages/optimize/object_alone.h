@@ -1,22 +1,35 @@
-// Captures whose surroundings do not stand still with the object: a turntable, a plain backdrop. Trained along, the backdrop of
-// each photo becomes a veil before the object as the others see it. There the object is trained alone, against its masks.
+// Captures whose surroundings do not stand still with the object: a turntable, a plain backdrop. Trained along, what moves in
+// each photo becomes a veil before the object as the others see it. There the object is trained against its masks, alone or with
+// the part of its surroundings that stands still with it: the plate of the turntable.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "core/train/capture.h"
 #include "core/train/targets.h"
+#include "stages/optimize/dense_depth.h"
 
 namespace vitrine {
 
 // Share of the sparse points' sightings by photos with an object mask that lie outside it; 1 without masks or points.
 double sightings_outside_object(const Capture& capture, const Targets& targets);
 
-// `wanted`: ignore, train, or auto: less than a tenth of the sightings lie outside the masks, and the masks are no proposals.
-bool object_alone(const std::string& wanted, const Capture& capture, const Targets& targets);
+enum class Trained { Everything, StillPart, ObjectAlone };
+
+struct Surroundings {
+  Trained trained = Trained::Everything;
+  std::string why;  // a sentence with figures; empty: nothing was asked
+};
+
+// `wanted`: ignore, train, or auto: what the photos show of the surroundings stands still with the object, or a part of it, or
+// nothing (moving_evidence.h). Masks that are proposals decide nothing. StillPart: the masks of the object are widened by what
+// stands still with it, and the rim of that is ignored. `dense` is called where it is needed.
+Surroundings surroundings_to_train(const std::string& wanted, const Capture& capture,
+                                   const std::function<const DenseDepth&()>& dense, Targets& targets);
 
 // Whether the masks allow it: at most a tenth of the photos with an object mask that have the point in the picture see it
-// outside.
+// outside. Pixels to be ignored do not count.
 bool on_object(const Capture& capture, const Targets& targets, const Vec3d& position);
 
 }  // namespace vitrine

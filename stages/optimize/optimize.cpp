@@ -49,13 +49,31 @@ std::unique_ptr<Trainer> trainer_from(const fs::path& checkpoint, const TrainerS
   return trainer;
 }
 
-std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, StageContext& context) {
+// Depths of the training photos, found when they are asked for.
+class LazyDepth {
+ public:
+  LazyDepth(const OptimizeConfig& config, const Capture& capture, StageContext& context)
+      : config_(config), capture_(capture), context_(context) {}
+  const DenseDepth& get() {
+    if (depth_) return *depth_;
+    const Timer timer;
+    depth_ = dense_depth(capture_, config_.initial.stereo_side, config_.initial.far_factor, uint64_t(config_.seed));
+    context_.timing("stereo_seconds", timer.seconds());
+    log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * depth_->reliable_share(),
+             capture_.train.size(), timer.seconds());
+    return *depth_;
+  }
+  void forget() { depth_.reset(); }
+
+ private:
+  const OptimizeConfig& config_;
+  const Capture& capture_;
+  StageContext& context_;
+  std::optional<DenseDepth> depth_;
+};
+
+std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, const DenseDepth& dense) {
   const auto& [config, capture, targets, layers, max_surfels, alone] = setup;
-  const Timer stereo_timer;
-  const DenseDepth dense = dense_depth(capture, config.initial.stereo_side, config.initial.far_factor, uint64_t(config.seed));
-  context.timing("stereo_seconds", stereo_timer.seconds());
-  log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * dense.reliable_share(),
-           capture.train.size(), stereo_timer.seconds());
   std::function<bool(const Vec3d&)> keep;
   if (alone) keep = [&](const Vec3d& p) { return on_object(capture, targets, p); };
   SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
@@ -112,6 +130,17 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
     context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
 }
 
+void say(const Surroundings& surroundings) {
+  constexpr const char* kOtherwise = " (--set optimize.surroundings=train)";
+  if (surroundings.trained == Trained::ObjectAlone)
+    log_info("the object is trained alone{}",
+             surroundings.why.empty() ? "" : fmt::format(", its surroundings move: {}{}", surroundings.why, kOtherwise));
+  else if (surroundings.trained == Trained::StillPart)
+    log_info("a part of the surroundings moves against the object and weighs nothing: {}{}", surroundings.why, kOtherwise);
+  else if (!surroundings.why.empty())
+    log_info("{}", surroundings.why);
+}
+
 double mean_psnr(const std::vector<PhotoQuality>& photos) {
   double sum = 0;
   for (const PhotoQuality& q : photos) sum += q.psnr;
@@ -125,19 +154,17 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
+  check_memory(config, capture, context);
   const LayerChoice layers =
       chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
   if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
     log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
-  const bool alone = object_alone(config.surroundings, capture, targets);
-  if (alone)
-    log_info("the object is trained alone{}", config.surroundings == "auto"
-                                                  ? ": hardly a sparse point lies outside its masks, so the surroundings do not "
-                                                    "stand still with it (--set optimize.surroundings=train)"
-                                                  : "");
-  else  // its loss would push everything else out of the picture
-    targets.forget(MaskClass::Object);
-  check_memory(config, capture, context);
+  LazyDepth depth(config, capture, context);
+  const Surroundings surroundings = surroundings_to_train(
+      config.surroundings, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
+  say(surroundings);
+  const bool alone = surroundings.trained != Trained::Everything, part = surroundings.trained == Trained::StillPart;
+  if (!alone) targets.forget(MaskClass::Object);  // its loss would push everything else out of the picture
   const auto max_surfels = static_cast<size_t>(config.max_gaussians);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
@@ -149,16 +176,18 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .object_alone = alone};
   const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
   auto trainer = trainer_from(checkpoint, setup, context);
-  if (!trainer) trainer = trainer_from_start(setup, context);
+  if (!trainer) trainer = trainer_from_start(setup, depth.get());
+  depth.forget();
   train(config, capture, *trainer, checkpoint, previews, context);
 
   RunReport report{.max_surfels = max_surfels, .heldout = {}};
-  report.heldout = measure(*trainer, capture, capture.heldout);
+  report.heldout = measure(*trainer, setup, capture.heldout);
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind))
       write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture, alone);
+  if (part) write_trained_masks(context.output() / "optimize/trained", capture, targets);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
   make_folders(previews);
   // Previews wait in the scratch folder, so that those from before an interruption are kept.

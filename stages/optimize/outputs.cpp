@@ -5,8 +5,11 @@
 
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
+#include "core/image/resample.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -62,7 +65,8 @@ void write_preview(const std::filesystem::path& path, const Trainer& trainer, co
   write_ldr(path, image);
 }
 
-std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, std::span<const uint32_t> photos) {
+std::vector<PhotoQuality> measure(const Trainer& trainer, const TrainerSetup& setup, std::span<const uint32_t> photos) {
+  const Capture& capture = setup.capture;
   std::vector<PhotoQuality> result;
   Frame frame;
   std::vector<float> target;
@@ -70,11 +74,33 @@ std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture
     throw_if_interrupted();
     trainer.picture(photo, false, frame);
     decode(capture.photos[photo].levels[0], target);
-    double sum = 0;
-    for (size_t i = 0; i < target.size(); ++i) sum += (double(frame.srgb[i]) - target[i]) * (double(frame.srgb[i]) - target[i]);
-    result.push_back({photo, sum > 0 ? -10 * std::log10(sum / double(target.size())) : 99});
+    const size_t pixels = target.size() / 3;
+    const auto& object = setup.targets.photos[photo][0].masks[size_t(MaskClass::Object)];
+    const bool within = setup.object_alone && !object.empty();
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < target.size(); ++i) {
+      if (within && object[i % pixels] < 128) continue;
+      sum += (double(frame.srgb[i]) - target[i]) * (double(frame.srgb[i]) - target[i]);
+      count += 1;
+    }
+    if (count > 0) result.push_back({photo, sum > 0 ? -10 * std::log10(sum / count) : 99});
   }
   return result;
+}
+
+void write_trained_masks(const std::filesystem::path& folder, const Capture& capture, const Targets& targets) {
+  make_folders(folder / "masks/object");
+  parallel_for(capture.photos.size(), 1, [&](size_t i) {
+    const View& view = capture.view_set.views[i];
+    const Intrinsics& k = capture.photos[i].levels[0].view.intrinsics;
+    const auto& trained = targets.photos[i][0].masks[size_t(MaskClass::Object)];
+    ImageF mask(k.width, k.height, 1);
+    for (size_t p = 0; p < trained.size(); ++p) mask.data()[p] = float(trained[p]) / 255.f;
+    mask = resized(mask, view.intrinsics.width, view.intrinsics.height);
+    Image8 image(mask.width(), mask.height(), 1);
+    for (size_t p = 0; p < mask.pixel_count(); ++p) image.data()[p] = mask.data()[p] >= 0.5f ? 255 : 0;
+    write_ldr(view_mask_path(folder, MaskClass::Object, view), image);
+  });
 }
 
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,

@@ -15,8 +15,12 @@ struct PhotoQuality {
   uint32_t photo;
   double psnr;
 };
-// Every photo of `photos` against its picture, full training size.
-std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, std::span<const uint32_t> photos);
+// Every photo of `photos` against its picture, full training size; where the object is trained alone, inside its masks.
+std::vector<PhotoQuality> measure(const Trainer& trainer, const TrainerSetup& setup, std::span<const uint32_t> photos);
+
+// The masks inside which an object and a part of its surroundings were trained, of the photos' sizes: masks/object/*.png in
+// `folder`.
+void write_trained_masks(const std::filesystem::path& folder, const Capture& capture, const Targets& targets);
 
 struct RunReport {
   size_t max_surfels = 0;

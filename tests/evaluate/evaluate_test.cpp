@@ -141,6 +141,27 @@ TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
   EXPECT_GT(alone["regions"]["specular"]["psnr"].get<double>(), 45);  // its half on the object
 }
 
+// What stands still with the object was trained as well: its masks are the scene's own.
+TEST(EvaluateStage, WhatWasTrainedWithTheObjectIsJudgedWithIt) {
+  const TinyCapture capture;
+  const View& v = capture.views[0];
+  const TemporaryFolder masks;
+  write_stage_mask(masks.path(), "object", v, 24, 40);
+  write_stage_mask(capture.optimize() / "optimize/trained", "object", v, 16, 48);
+  capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, true);
+  auto inputs = capture.inputs(false);
+  inputs["masks"] = masks.path();
+  RecordingContext context(inputs);
+  metrics_of(context, quick());
+  const Image8 shown = read_srgb8(context.output() / "eval" / (v.stem() + "_gt.png"));
+  bool beside = false;
+  for (int y = 0; y < shown.height(); ++y) {
+    EXPECT_EQ(shown.at(12, y), 0);
+    beside |= shown.at(20, y) > 0;
+  }
+  EXPECT_TRUE(beside);
+}
+
 TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
   const TinyCapture capture;
   const View& v = capture.views[0];

@@ -35,23 +35,26 @@ struct Ball {
   Targets targets;
 };
 
-TEST(ObjectAlone, IsWhatHardlyASparsePointLiesOutsideOf) {
+TEST(ObjectAlone, SightingsOfSparsePointsLieOutsideItsMasks) {
   Ball ball;
   for (int i = 0; i < 19; ++i) ball.point({0.01 * i, 0, 0});
   EXPECT_EQ(sightings_outside_object(ball.capture, ball.targets), 0);
   ball.point({0.4, 0.4, 0});
   EXPECT_GT(sightings_outside_object(ball.capture, ball.targets), 0);
-  EXPECT_TRUE(object_alone("auto", ball.capture, ball.targets));
-  EXPECT_FALSE(object_alone("train", ball.capture, ball.targets));
-  ball.targets.guessed[size_t(MaskClass::Object)] = true;  // proposals decide nothing
-  EXPECT_FALSE(object_alone("auto", ball.capture, ball.targets));
-  EXPECT_TRUE(object_alone("ignore", ball.capture, ball.targets));
-  ball.targets.guessed[size_t(MaskClass::Object)] = false;
-  for (int i = 0; i < 10; ++i) ball.point({0.4, 0.4, 0.01 * i});  // a room around it
-  EXPECT_FALSE(object_alone("auto", ball.capture, ball.targets));
   ball.targets.forget(MaskClass::Object);
-  EXPECT_FALSE(object_alone("ignore", ball.capture, ball.targets));
   EXPECT_EQ(sightings_outside_object(ball.capture, ball.targets), 1);
+}
+
+TEST(ObjectAlone, IsAskedOfNoPhotoWhereTheUserSaysIt) {
+  Ball ball;
+  const auto no_depth = []() -> const DenseDepth& { throw std::logic_error("no depth is needed"); };
+  EXPECT_EQ(surroundings_to_train("train", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
+  ball.targets.guessed[size_t(MaskClass::Object)] = true;  // proposals decide nothing
+  EXPECT_EQ(surroundings_to_train("auto", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
+  ball.targets.forget(MaskClass::Object);
+  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
 }
 
 TEST(ObjectAlone, StandsWhereItsMasksAllow) {
