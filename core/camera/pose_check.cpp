@@ -19,7 +19,7 @@ namespace {
 //   own points   right 1
 struct Scale {
   const char* tests;    // what is counted, for messages
-  double hardly, weak;  // below: refused; a warning
+  double hardly, weak;  // below: refused (matches: of what is left above chance); a warning
   double fits;          // what another reading has to reach to be believed
 };
 constexpr Scale kMatches{"verified matches", 0.2, 0.5, 0.5};
@@ -32,7 +32,8 @@ constexpr double kSuspicious = 0.85;       // of matches: below this other readi
 constexpr double kPhotoDisagrees = 0.3;    // matches
 constexpr double kPhotoLooksOther = 0.65;  // pictures
 constexpr size_t kNamed = 4;
-constexpr double kClearly = 0.03;  // of a share: less is no reason to prefer another reading
+constexpr double kMostChance = 0.5;  // of matches: of three photos a deal may be the right one, turned
+constexpr double kClearly = 0.03;    // of a share: less is no reason to prefer another reading
 
 struct Fit {
   std::string what, hint;
@@ -45,14 +46,13 @@ using Measure = std::function<Agreement(const ColmapModel&)>;
 void keep_best(const std::vector<PoseVariant>& variants, const Measure& measure, std::optional<Fit>& best) {
   for (const PoseVariant& v : variants) {
     const double share = measure(v.model).share();
-    log_debug("poses: {:.3f} agree if {}", share, v.what);
     if (!best || share > best->share + kClearly) best = {v.what, v.hint, share};
   }
 }
 
 // Focal lengths near the right one have equal shares: the offset tells which is nearest.
-std::optional<PoseVariant> best_focal(const ColmapModel& model, const Measure& measure) {
-  std::vector<PoseVariant> variants = focal_variants(model);
+std::optional<FocalVariant> best_focal(const ColmapModel& model, const Measure& measure) {
+  std::vector<FocalVariant> variants = focal_variants(model);
   std::vector<Agreement> found;
   double share = 0;
   for (const PoseVariant& v : variants) found.push_back(measure(v.model)), share = std::max(share, found.back().share());
@@ -68,24 +68,23 @@ bool convinces(const std::optional<Fit>& fit, double given, const Scale& scale) 
   return fit && fit->share >= scale.fits && fit->share > given + kMore && 1 - given > kLess * (1 - fit->share);
 }
 
-[[noreturn]] void throw_disagree(const Agreement& given, const std::optional<Fit>& fit, const Scale& scale,
-                                 const PosePixels& pixels, const std::string& more, const std::filesystem::path& where) {
-  const std::string counted =
+// `fit`: the reading that is right, or null.
+[[noreturn]] void throw_disagree(const Agreement& given, const Fit* fit, const Scale& scale, const PosePixels& pixels,
+                                 const std::string& more, const std::filesystem::path& where) {
+  std::string why =
       fmt::format("{} of {} {} agree ({:.0f} %)", given.all.agree, given.all.tests, scale.tests, 100 * given.share());
-  const bool named = convinces(fit, given.share(), scale);
-  std::string why = counted + more;
-  if (named)
+  why += more;
+  if (fit != nullptr)
     why += fmt::format("; {:.0f} % agree if {}", 100 * fit->share, fit->what);
   else
     why +=
-        "; no other camera axes, inverse, order of the photos or focal length that was tried agrees with them: they may be of "
-        "other photos";
-  throw Error(
-      ErrorKind::Input, "the given poses do not agree with the photos",
-      {.where = where.string(),
-       .why = why,
-       .hint = fmt::format("{}. Or run without --poses: they are found from the photos then",
-                                   named ? fit->hint : "give the poses of these photos; " + rule_of(pixels.source)),
+        "; no other camera axes, inverse, order of the photos or focal length that was tried fits better: they may be of other "
+        "photos";
+  throw Error(ErrorKind::Input, "the given poses do not agree with the photos",
+              {.where = where.string(),
+               .why = why,
+               .hint = fmt::format("{}. Or run without --poses: they are found from the photos then",
+                                   fit != nullptr ? fit->hint : "give the poses of these photos; " + rule_of(pixels.source)),
                .code = "POSES_DISAGREE"});
 }
 
@@ -148,13 +147,20 @@ void note_accuracy(const Agreement& a, const ColmapModel& model, CheckedPoses& o
                    a.offset, 100 * a.share())});
 }
 
-void note_focal(const Agreement& given, const PoseVariant& focal, const Measure& measure, CheckedPoses& out) {
-  constexpr double kVisiblePx = 0.5, kMuchBetter = 0.4;
+void check_focal(const FocalVariant& focal, const Measure& measure, const PosePixels& pixels, const std::filesystem::path& where,
+                 CheckedPoses& out) {
+  // A focal length that is far off belongs to another picture size; a little off, to a rough calibration.
+  constexpr double kVisiblePx = 0.5, kMuchBetter = 0.4, kFarOff = 1.39;
+  const Agreement& given = out.agreement;
   if (given.offset < kVisiblePx) return;
   const Agreement a = measure(focal.model);
-  if (a.share() >= given.share() && a.offset < kMuchBetter * given.offset)
-    out.notes.push_back({"POSES_FOCAL", fmt::format("the photos fit the poses better ({:.2f} instead of {:.2f} px) if {}",
-                                                    a.offset, given.offset, focal.what)});
+  if (a.share() < given.share() || a.offset > kMuchBetter * given.offset) return;
+  if (std::max(focal.factor, 1 / focal.factor) > kFarOff) {
+    const Fit fit{fmt::format("{} ({:.2f} instead of {:.2f} px off)", focal.what, a.offset, given.offset), focal.hint, a.share()};
+    throw_disagree(given, &fit, kMatches, pixels, "", where);
+  }
+  out.notes.push_back({"POSES_FOCAL", fmt::format("the photos fit the poses better ({:.2f} instead of {:.2f} px) if {}", a.offset,
+                                                  given.offset, focal.what)});
 }
 
 // Cameras for another size: of the same pictures resized, or of their middle?
@@ -198,20 +204,26 @@ CheckedPoses checked_with_matches(ColmapModel model, PosePixels& pixels, std::sp
   out.checked = true;
   settle_open(out, pixels, measure);
   const double share = out.agreement.share();
-  const std::optional<PoseVariant> focal = best_focal(out.model, measure);
+  const std::optional<FocalVariant> focal = best_focal(out.model, measure);
   if (share < kSuspicious) {
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), measure, best);
     keep_best(order_variants(out.model), measure, best);
     if (focal) keep_best({*focal}, measure, best);
-    if (share < kMatches.hardly || convinces(best, share, kMatches))
-      throw_disagree(out.agreement, best, kMatches, pixels, one_place(out.model), where);
+    double chance = kMostChance;
+    for (const ColmapModel& dealt : dealt_at_random(out.model)) chance = std::min(chance, measure(dealt).share());
+    const Fit* const fit = convinces(best, share, kMatches) ? &*best : nullptr;
+    if (fit != nullptr || share < chance + kMatches.hardly * (1 - chance)) {
+      if (fit == nullptr && best) log_debug("poses: at most {:.0f} % agree, if {}", 100 * best->share, best->what);
+      const std::string by_chance = fmt::format("; dealt to the photos at random they agree to {:.0f} %", 100 * chance);
+      throw_disagree(out.agreement, fit, kMatches, pixels, one_place(out.model) + (fit == nullptr ? by_chance : ""), where);
+    }
   }
+  if (focal) check_focal(*focal, measure, pixels, where, out);
   log_info("sfm: {} of {} verified matches agree with the given poses, {:.2f} px", out.agreement.all.agree,
            out.agreement.all.tests, out.agreement.offset);
   settle_resize(out, pixels, measure, where);
   note_accuracy(out.agreement, out.model, out);
-  if (focal) note_focal(out.agreement, *focal, measure, out);
   note_photos(out.agreement, kMatches, kPhotoDisagrees, out);
   return out;
 }
@@ -224,8 +236,9 @@ CheckedPoses checked_with_pictures(ColmapModel model, PosePixels& pixels,
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), own_points_agreement, best);
     if (const auto focal = best_focal(out.model, own_points_agreement)) keep_best({*focal}, own_points_agreement, best);
-    if (own.share() < kOwnPoints.hardly || convinces(best, own.share(), kOwnPoints))
-      throw_disagree(own, best, kOwnPoints, pixels, one_place(out.model), where);
+    const Fit* const fit = convinces(best, own.share(), kOwnPoints) ? &*best : nullptr;
+    if (fit != nullptr || own.share() < kOwnPoints.hardly)
+      throw_disagree(own, fit, kOwnPoints, pixels, one_place(out.model), where);
     out.notes.push_back(
         {"POSES_INACCURATE", fmt::format("{} of {} observations of the model's own points lie where its poses put them",
                                          own.all.agree, own.all.tests)});
@@ -246,8 +259,8 @@ CheckedPoses checked_with_pictures(ColmapModel model, PosePixels& pixels,
   if (share < kSuspicious) {
     std::optional<Fit> best;
     keep_best(order_variants(out.model), measure, best);
-    if (share < kPictures.hardly || convinces(best, share, kPictures))
-      throw_disagree(out.agreement, best, kPictures, pixels, "", where);
+    const Fit* const fit = convinces(best, share, kPictures) ? &*best : nullptr;
+    if (fit != nullptr || share < kPictures.hardly) throw_disagree(out.agreement, fit, kPictures, pixels, "", where);
   }
   log_info("sfm: the photos look alike at the given model's points in {} of {} comparisons", out.agreement.all.agree,
            out.agreement.all.tests);

@@ -36,9 +36,12 @@ bool round_side(const PixelSize& s) {
   return longest % 100 == 0 || longest % 128 == 0 || std::find(std::begin(kUsual), std::end(kUsual), longest) != std::end(kUsual);
 }
 
-// Resized by a usual ratio, or to a usual size. A crop or an undistorted picture has such a size by chance only.
+// Resized by a usual ratio, or to a usual size. A crop or an undistorted picture is about as large as the photo, and has one of
+// these sizes by chance only.
 bool usual_resize(const PixelSize& a, const PixelSize& b) {
-  return divided(a, b) || divided(b, a) || round_side(a.width < b.width ? a : b);
+  constexpr double kClearlySmaller = 0.85;
+  const PixelSize &small = a.width < b.width ? a : b, &large = a.width < b.width ? b : a;
+  return divided(large, small) || (small.width < kClearlySmaller * large.width && round_side(small));
 }
 
 PixelSize picture_size(const fs::path& file) {

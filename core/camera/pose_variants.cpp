@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/rng.h"
+
 namespace vitrine {
 
 namespace {
@@ -219,12 +221,12 @@ std::vector<PoseVariant> order_variants(const ColmapModel& model) {
   return out;
 }
 
-std::vector<PoseVariant> focal_variants(const ColmapModel& model) {
+std::vector<FocalVariant> focal_variants(const ColmapModel& model) {
   constexpr double kFactors[] = {1.1, 0.9, 1.25, 0.8,     1.4, 0.7,  1.6, 0.6,     2, 0.5,
                                  2.5, 0.4, 3,    1.0 / 3, 4,   0.25, 6,   1.0 / 6, 8, 0.125};
-  std::vector<PoseVariant> out;
+  std::vector<FocalVariant> out;
   for (const double factor : kFactors) {
-    PoseVariant v{{}, {}, model};
+    FocalVariant v{{{}, {}, model}, factor};
     double before = 0;
     for (ColmapCamera& camera : v.model.cameras) {
       before = camera.params[0];
@@ -237,6 +239,17 @@ std::vector<PoseVariant> focal_variants(const ColmapModel& model) {
     v.hint = fmt::format("give the focal length in pixels of a picture of {} x {}, like width and height", model.cameras[0].width,
                          model.cameras[0].height);
     out.push_back(std::move(v));
+  }
+  return out;
+}
+
+std::vector<ColmapModel> dealt_at_random(const ColmapModel& model) {
+  constexpr uint64_t kDeals = 7;
+  std::vector<ColmapModel> out;
+  for (uint64_t deal = 0; deal < kDeals; ++deal) {
+    ColmapModel& m = out.emplace_back(model);
+    Rng rng(deal);
+    for (size_t i = m.images.size(); i > 1; --i) std::swap(m.images[i - 1].name, m.images[rng.below(uint32_t(i))].name);
   }
   return out;
 }

@@ -24,8 +24,13 @@ struct PoseVariant {
 std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels);
 // The poses of other photos: shifted by one or two, in reverse, sorted as words where the photos count as numbers.
 std::vector<PoseVariant> order_variants(const ColmapModel& model);
-// Other focal lengths: of a sensor or picture of another size.
-std::vector<PoseVariant> focal_variants(const ColmapModel& model);
+// Other focal lengths: of a sensor or picture of another size. `factor` to the given one.
+struct FocalVariant : PoseVariant {
+  double factor = 1;
+};
+std::vector<FocalVariant> focal_variants(const ColmapModel& model);
+// The same poses dealt to the photos at random, always in the same way: what agreement is worth by chance.
+std::vector<ColmapModel> dealt_at_random(const ColmapModel& model);
 
 // Photos whose orientation is not settled, turned the other way. `pixels` follows.
 ColmapModel turned_other_way(ColmapModel model, PosePixels& pixels);

@@ -264,7 +264,8 @@ void run(const SfmConfig& config, StageContext& context) {
   transform_world(model, scene.scene_from_colmap);
   for (const ColmapPoint3D& p : model.points) scene.bounds.extend(p.position);
   if (model.points.size() < kFewPoints)
-    context.warning("SFM_FEW_POINTS", fmt::format("only {} scene points were found", model.points.size()));
+    context.warning("SFM_FEW_POINTS", fmt::format("{} scene points were found: hardly anything shows that the poses are right",
+                                                  model.points.size()));
   if (model.points.empty())
     for (const ColmapImage& image : model.images) scene.bounds.extend(inverse(image.cam_from_world()).translation);
 
@@ -294,9 +295,11 @@ void run(const SfmConfig& config, StageContext& context) {
   context.metric("photos", double(photos.size()));
   context.metric("registered", double(model.images.size()));
   context.metric("points", double(model.points.size()));
-  context.metric("reprojection_px", observations > 0 ? error / observations : 0);
-  context.summary(fmt::format("registered {}/{}, {} points, {:.2f} px", model.images.size(), photos.size(), model.points.size(),
-                              observations > 0 ? error / observations : 0));
+  if (observations > 0) context.metric("reprojection_px", error / observations);
+  const bool given = context.optional_input("poses").has_value();
+  context.summary(fmt::format("{} {}/{}, {} points, {}", given ? "given poses" : "registered", model.images.size(), photos.size(),
+                              model.points.size(),
+                              observations > 0 ? fmt::format("{:.2f} px", error / observations) : "poses unchecked"));
 }
 
 std::string problem(const SfmConfig& c) {
@@ -353,7 +356,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 6,
+                 .version = 7,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",
