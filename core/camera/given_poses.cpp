@@ -152,18 +152,19 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs
   std::set<size_t> taken;
   std::vector<size_t> matched;  // images of the model
   std::vector<const Photo*> photo_of;
-  std::vector<const ColmapCamera*> camera_of;
+  std::vector<ColmapCamera> camera_of;
   for (size_t i = 0; i < model.images.size(); ++i) {
     const std::optional<size_t> photo = find(model.images[i].name);
     if (!photo || !taken.insert(*photo).second) continue;
-    const ColmapCamera& camera = *model.find_camera(model.images[i].camera_id);
+    ColmapCamera camera = *model.find_camera(model.images[i].camera_id);
     is_distorted(camera);  // throws for lenses whose parameters are not known here
+    if (sides_look_swapped(photos[*photo], camera)) std::swap(camera.width, camera.height);
     PosedPhoto p = posed_photo(photos[*photo], double(camera.width), double(camera.height));
     if (!p.fits_upright && !p.fits_stored) throw_other_shape(p, model.images[i].name, pixels, path);
     pixels.photos.push_back(std::move(p));
     matched.push_back(i);
     photo_of.push_back(&photos[*photo]);
-    camera_of.push_back(&camera);
+    camera_of.push_back(std::move(camera));
   }
   settle_pixels(pixels);
   check_pixel_sizes(pixels, photo_of, camera_of, path);
@@ -183,7 +184,7 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs
         camera_ids.emplace(std::tuple(image.camera_id, photo_of[k]->width, photo_of[k]->height, turned, p.settled),
                            static_cast<uint32_t>(cameras.size()) + 1);
     if (fresh) {
-      cameras.push_back(camera_on_photo(*camera_of[k], p));
+      cameras.push_back(camera_on_photo(camera_of[k], p));
       cameras.back().id = at->second;
     }
     for (ColmapPoint2D& q : image.points) {

@@ -19,7 +19,10 @@ constexpr double kTolerance = 0.015;  // of the longest side: 29 pixels of 1920
 constexpr double kTolerancePx = 4;    // what a feature and its geometric check are good for
 constexpr double kInfinityPx = 2;     // parallax below this says nothing about the sign of a depth
 constexpr size_t kMostOfPair = 200;   // matches of one pair that are tested
-constexpr double kSamePlace = 1e-6;   // of the largest baseline: the camera only turned
+// Matches that stay where they are in the picture are dirt on the lens, a watermark, or the room around a turntable: of the poses
+// of the scene they say nothing. (A camera that moves leaves hardly any other.)
+constexpr double kInPlace = 0.003;   // of the longest side
+constexpr double kSamePlace = 1e-6;  // of the largest baseline: the camera only turned
 
 struct PosedCamera {
   const ColmapImage* image;
@@ -168,8 +171,11 @@ Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatch
     const Rigid b_from_a = cb.cam_from_world * inverse(ca.cam_from_world);
     const bool same_place = length(b_from_a.translation) <= kSamePlace * baseline;
     const double tolerance = std::max(agreement_tolerance_px(*ca.camera), agreement_tolerance_px(*cb.camera));
+    const double side = double(std::max(ca.camera->width, ca.camera->height));
     const size_t n = m.in_a.size(), step = std::max<size_t>(1, n / kMostOfPair);
     for (size_t k = 0; k < n; k += step) {
+      const Vec2d moved = m.in_b[k] - m.in_a[k];
+      if (std::hypot(moved.x, moved.y) < kInPlace * side) continue;
       const std::optional<Vec2d> ra = unproject(*ca.camera, m.in_a[k]), rb = unproject(*cb.camera, m.in_b[k]);
       if (!ra || !rb) continue;
       ++tested[i].count.tests;

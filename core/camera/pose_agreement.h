@@ -58,6 +58,7 @@ double agreement_tolerance_px(const ColmapCamera& camera);
 // At most about `most` of them, from all pairs alike.
 std::vector<PhotoMatches> thinned(std::span<const PhotoMatches> matches, size_t most);
 
+// Matches that stay in place take no part.
 Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatches> matches);
 Agreement own_points_agreement(const ColmapModel& model);
 

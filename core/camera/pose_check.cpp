@@ -114,7 +114,7 @@ void settle_open(CheckedPoses& out, PosePixels& pixels, const Measure& measure) 
     out.model = std::move(other);
     out.agreement = measure(out.model);
   }
-  std::erase_if(pixels.notes, [](const PoseNote& n) { return n.code == "POSES_ORIENTATION"; });
+  std::erase_if(pixels.notes, [](const Note& n) { return n.code == "POSES_ORIENTATION"; });
   size_t open = 0;
   bool stored = false;
   for (PosedPhoto& p : pixels.photos)
@@ -183,7 +183,7 @@ void settle_resize(CheckedPoses& out, PosePixels& pixels, const Measure& measure
          .code = "POSES_CROPPED"});
   }
   if (!(resized.offset < kBetter * cropped.offset && resized.share() >= cropped.share())) return;
-  for (PoseNote& n : pixels.notes)
+  for (Note& n : pixels.notes)
     if (n.code == "POSES_RESIZED") n = {"", "the cameras are for another size: the photos fit them resized, not cropped"};
   pixels.oddly_resized = false;
 }

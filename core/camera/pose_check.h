@@ -16,8 +16,8 @@
 namespace vitrine {
 
 struct CheckedPoses {
-  ColmapModel model;            // as given, or turned as the photos want it
-  std::vector<PoseNote> notes;  // what was found; a warning where a code is set
+  ColmapModel model;  // as given, or turned as the photos want it
+  Notes notes;        // what was found; a warning where a code is set
   Agreement agreement;
   bool checked = false;  // there was enough to tell
 };

@@ -127,6 +127,17 @@ PosedPhoto posed_photo(const Photo& photo, double width, double height) {
   return p;
 }
 
+bool sides_look_swapped(const Photo& photo, const ColmapCamera& camera) {
+  constexpr double kMiddle = 0.06, kOff = 0.1;  // of a side; real lenses are off by 0.02
+  if (!swaps_sides(photo.orientation)) return false;
+  const Intrinsics k = pinhole_part(camera);
+  const auto off = [&](double width, double height) {
+    return std::max(std::abs(k.cx / width - 0.5), std::abs(k.cy / height - 0.5));
+  };
+  return same_shape(photo.width, photo.height, k.width, k.height) && off(k.width, k.height) > kOff &&
+         off(k.height, k.width) < kMiddle;
+}
+
 void settle_pixels(PosePixels& pixels) {
   size_t stored = 0, upright = 0, turned = 0, mirrored = 0;
   for (const PosedPhoto& p : pixels.photos) {
@@ -194,7 +205,7 @@ fs::path pictures_beside(const fs::path& model, const std::vector<std::string>& 
   return {};
 }
 
-void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos, std::span<const ColmapCamera* const> cameras,
+void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos, std::span<const ColmapCamera> cameras,
                        const fs::path& model) {
   const std::vector<fs::path> around = folders_around(model);
   std::vector<std::string> names;
@@ -209,7 +220,7 @@ void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos,
     if (same(p.given, original) || same(p.given, ingested)) continue;
     const std::string sizes =
         fmt::format("the cameras are for {} pixels, the photos have {}", size_text(p.given), size_text(original));
-    const bool usual_ratio = usual_resize(p.given, original), straight = !is_distorted(*cameras[i]);
+    const bool usual_ratio = usual_resize(p.given, original), straight = !is_distorted(cameras[i]);
     const bool ours = straight && (our_undistortion(around, original, p.given) || our_undistortion(around, ingested, p.given));
     const bool colmaps = straight && colmap_undistortion(around);
     if (ours || (straight && !usual_ratio)) {

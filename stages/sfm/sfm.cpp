@@ -80,8 +80,8 @@ std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext&
   return masks;
 }
 
-void tell(const std::vector<PoseNote>& notes, StageContext& context) {
-  for (const PoseNote& note : notes)
+void tell(const Notes& notes, StageContext& context) {
+  for (const Note& note : notes)
     if (note.code.empty())
       log_info("sfm: {}", note.text);
     else
@@ -296,10 +296,9 @@ void run(const SfmConfig& config, StageContext& context) {
   context.metric("registered", double(model.images.size()));
   context.metric("points", double(model.points.size()));
   if (observations > 0) context.metric("reprojection_px", error / observations);
-  const bool given = context.optional_input("poses").has_value();
-  context.summary(fmt::format("{} {}/{}, {} points, {}", given ? "given poses" : "registered", model.images.size(), photos.size(),
-                              model.points.size(),
-                              observations > 0 ? fmt::format("{:.2f} px", error / observations) : "poses unchecked"));
+  // Without points there is no error that could be small.
+  context.summary(fmt::format("registered {}/{}, {} points{}", model.images.size(), photos.size(), model.points.size(),
+                              observations > 0 ? fmt::format(", {:.2f} px", error / observations) : ""));
 }
 
 std::string problem(const SfmConfig& c) {

@@ -50,7 +50,7 @@ ColmapModel as_stored(const ColmapModel& upright, const std::vector<int>& orient
   return m;
 }
 
-std::vector<Photo> photos_of(const ColmapModel& model, const std::vector<int>& orientations) {
+std::vector<Photo> turned_photos(const ColmapModel& model, const std::vector<int>& orientations) {
   std::vector<Photo> photos;
   for (size_t i = 0; i < model.images.size(); ++i) {
     Photo p;
@@ -84,7 +84,7 @@ double worst_reprojection(const ColmapModel& m) {
 
 bool notes(const PosePixels& pixels, const std::string& code, const std::string& part) {
   return std::any_of(pixels.notes.begin(), pixels.notes.end(),
-                     [&](const PoseNote& n) { return n.code == code && n.text.find(part) != std::string::npos; });
+                     [&](const Note& n) { return n.code == code && n.text.find(part) != std::string::npos; });
 }
 
 TEST(PosePixels, PosesOfStoredPixelsAreTurnedWithTheirPhotos) {
@@ -92,7 +92,7 @@ TEST(PosePixels, PosesOfStoredPixelsAreTurnedWithTheirPhotos) {
   for (int orientation = 2; orientation <= 8; ++orientation) {
     const std::vector<int> orientations(8, orientation);
     PosePixels pixels;
-    const ColmapModel model = read(as_stored(truth, orientations), photos_of(truth, orientations), pixels);
+    const ColmapModel model = read(as_stored(truth, orientations), turned_photos(truth, orientations), pixels);
     ASSERT_EQ(model.images.size(), 8u) << orientation;
     EXPECT_EQ(pixels.open(), !swaps_sides(orientation)) << "only sides that are swapped settle it: " << orientation;
     for (size_t i = 0; i < 8; ++i) {
@@ -111,13 +111,13 @@ TEST(PosePixels, APhotoOfSwappedSidesDecidesForThoseTurnedUpsideDown) {
   const ColmapModel truth = lens_scene();
   const std::vector<int> orientations{1, 6, 3, 8, 1, 3, 1, 1};
   PosePixels pixels;
-  const ColmapModel stored = read(as_stored(truth, orientations), photos_of(truth, orientations), pixels);
+  const ColmapModel stored = read(as_stored(truth, orientations), turned_photos(truth, orientations), pixels);
   EXPECT_FALSE(pixels.open());
   EXPECT_LT(worst_reprojection(stored), 1e-6);
   for (size_t i = 0; i < 8; ++i) EXPECT_EQ(pixels.photos[i].for_stored, orientations[i] != 1);
   // The same photos, and poses of a program that heeds EXIF: nothing is turned.
   PosePixels heeded;
-  EXPECT_EQ(read(truth, photos_of(truth, orientations), heeded).images[2].rotation, truth.images[2].rotation);
+  EXPECT_EQ(read(truth, turned_photos(truth, orientations), heeded).images[2].rotation, truth.images[2].rotation);
   EXPECT_FALSE(heeded.open());
 }
 
@@ -134,13 +134,25 @@ TEST(PosePixels, OneCameraOfTheFilesSizeServesUprightAndLyingPhotos) {
                      .cam_from_world = image.cam_from_world()});
   write_transforms_json(folder.path() / "transforms.json", views, "images");
   PosePixels pixels;
-  const ColmapModel model = read_given_poses(folder.path(), photos_of(truth, orientations), 0, &pixels);
+  const ColmapModel model = read_given_poses(folder.path(), turned_photos(truth, orientations), 0, &pixels);
   for (size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(model.find_camera(model.images[i].camera_id)->width, 640u);
     for (size_t r = 0; r < 3; ++r)
       for (size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(model.images[i].cam_from_world().rotation(r, c), truth.images[i].cam_from_world().rotation(r, c), 1e-9);
   }
+}
+
+TEST(PosePixels, APrincipalPointInTheMiddleOfTheStoredPhotoOutweighsTheSize) {
+  // The size is that of the upright photo (a reader's guess, or another tool's); everything else is for the stored pixels.
+  const ColmapModel truth = lens_scene({1, 1, 640, 480, {600, 600, 320, 240}});
+  const std::vector<int> orientations(8, 6);
+  ColmapModel stored = as_stored(truth, orientations);
+  for (ColmapCamera& camera : stored.cameras) std::swap(camera.width, camera.height);
+  PosePixels pixels;
+  const ColmapModel model = read(stored, turned_photos(truth, orientations), pixels);
+  EXPECT_LT(worst_reprojection(model), 1e-6);
+  EXPECT_EQ(model.find_camera(model.images[0].camera_id)->params, truth.cameras[0].params);
 }
 
 TEST(PosePixels, MatricesOfStoredPixelsAreTurnedWhenTheirPrincipalPointSaysSo) {
@@ -160,7 +172,7 @@ TEST(PosePixels, MatricesOfStoredPixelsAreTurnedWhenTheirPrincipalPointSaysSo) {
     write_file(folder.path() / (fs::path(image.name).stem().string() + "_P.txt"), text);
   }
   PosePixels pixels;
-  const ColmapModel model = read_given_poses(folder.path(), photos_of(truth, orientations), 0, &pixels);
+  const ColmapModel model = read_given_poses(folder.path(), turned_photos(truth, orientations), 0, &pixels);
   EXPECT_FALSE(pixels.open());
   for (size_t i = 0; i < 8; ++i) {
     EXPECT_NEAR(pinhole_part(*model.find_camera(model.images[i].camera_id)).cx, 324, 1e-6);
@@ -175,14 +187,14 @@ TEST(PosePixels, MirroredPhotosAmongOthersAreLeftOutOrTakenForUpright) {
   std::vector<int> orientations(8, 6);
   orientations[4] = 5;
   ColmapModel stored = as_stored(truth, orientations);
-  const ColmapModel model = read(stored, photos_of(truth, orientations), pixels);
+  const ColmapModel model = read(stored, turned_photos(truth, orientations), pixels);
   EXPECT_EQ(model.images.size(), 7u);
   EXPECT_TRUE(notes(pixels, "POSES_MIRRORED", "1 photos are left out"));
   // Mirrored without swapped sides: no program places such a picture as stored.
   std::vector<int> flips(8, 1);
   flips[4] = 2;
   PosePixels flipped;
-  EXPECT_EQ(read(truth, photos_of(truth, flips), flipped).images.size(), 8u);
+  EXPECT_EQ(read(truth, turned_photos(truth, flips), flipped).images.size(), 8u);
   EXPECT_FALSE(flipped.open());
 }
 
@@ -203,7 +215,7 @@ TEST(PosePixels, WhatSizesLeaveOpenIsAWarningUntilThePicturesSettleIt) {
   };
   for (const bool heeds_exif : {false, true}) {
     PosePixels pixels;
-    ColmapModel given = read(heeds_exif ? truth : as_stored(truth, orientations), photos_of(truth, orientations), pixels);
+    ColmapModel given = read(heeds_exif ? truth : as_stored(truth, orientations), turned_photos(truth, orientations), pixels);
     EXPECT_TRUE(pixels.open());
     EXPECT_TRUE(notes(pixels, "POSES_ORIENTATION", "as stored is assumed")) << "COLMAP ignores EXIF";
     const CheckedPoses checked = checked_with_pictures(std::move(given), pixels, picture, "model");
@@ -231,7 +243,7 @@ TEST(PosePixels, UsualSizesAreScaledQuietlyAndOddOnesWithAWarning) {
         std::tuple(624, 468, "POSES_RESIZED"), std::tuple(652, 489, "POSES_RESIZED")}) {
     PosePixels pixels;
     const ColmapModel model =
-        read(resized_model(truth, uint64_t(width), uint64_t(height)), photos_of(truth, std::vector<int>(8, 1)), pixels);
+        read(resized_model(truth, uint64_t(width), uint64_t(height)), turned_photos(truth, std::vector<int>(8, 1)), pixels);
     EXPECT_NEAR(model.cameras[0].params[0], 600, 1e-9);
     ASSERT_EQ(pixels.notes.size(), 1u) << width;
     EXPECT_EQ(pixels.notes[0].code, code) << width;
@@ -241,7 +253,7 @@ TEST(PosePixels, UsualSizesAreScaledQuietlyAndOddOnesWithAWarning) {
 
 TEST(PosePixels, PosesOfUndistortedPicturesAreRefusedAndThePicturesNamed) {
   const ColmapModel truth = lens_scene({1, 1, 640, 480, {600, 600, 320, 240}});
-  const std::vector<Photo> photos = photos_of(truth, std::vector<int>(8, 1));
+  const std::vector<Photo> photos = turned_photos(truth, std::vector<int>(8, 1));
   const ColmapModel cropped = resized_model(truth, 624, 468);
   // Pictures of the cameras' size beside the model, in COLMAP's layout and in ours.
   for (const char* layout : {"sparse", "sparse/0"}) {
@@ -272,7 +284,7 @@ TEST(PosePixels, AnEarlierRunsReportTellsItsUndistortedPictures) {
   write_colmap_model(folder.path() / "sparse/0", resized_model(truth, 600, 450), ColmapFormat::Binary);
   write_file(folder.path() / "sfm/report.json", R"({"cameras": [{"photographed": {"width": 640, "height": 480},
       "undistorted": {"width": 600, "height": 450}, "resampled": true}]})");
-  const Error e = error_of([&] { read_given_poses(folder.path(), photos_of(truth, std::vector<int>(8, 1)), 0); });
+  const Error e = error_of([&] { read_given_poses(folder.path(), turned_photos(truth, std::vector<int>(8, 1)), 0); });
   EXPECT_EQ(e.detail().code, "POSES_UNDISTORTED") << "600 is a usual size, but the report is certain";
 }
 
@@ -292,9 +304,9 @@ TEST(PosePixels, CroppedOrResizedIsDecidedByMatches) {
   for (ColmapImage& image : cropped.images)
     for (ColmapPoint2D& p : image.points) p.x -= 8, p.y -= 6;
   PosePixels pixels;
-  const ColmapModel as_crop = read(cropped, photos_of(truth, std::vector<int>(8, 1)), pixels);
+  const ColmapModel as_crop = read(cropped, turned_photos(truth, std::vector<int>(8, 1)), pixels);
   EXPECT_EQ(error_of([&] { checked_with_matches(as_crop, pixels, matches, "poses"); }).detail().code, "POSES_CROPPED");
-  const ColmapModel as_size = read(resized_model(truth, 624, 468), photos_of(truth, std::vector<int>(8, 1)), pixels = {});
+  const ColmapModel as_size = read(resized_model(truth, 624, 468), turned_photos(truth, std::vector<int>(8, 1)), pixels = {});
   checked_with_matches(as_size, pixels, matches, "poses");
   EXPECT_FALSE(notes(pixels, "POSES_RESIZED", "")) << "the matches say that they are resized";
   EXPECT_TRUE(notes(pixels, "", "fit them resized"));
