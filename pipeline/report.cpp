@@ -211,7 +211,9 @@ void Report::stage_ends(const Manifest& manifest, StepState how) {
   const size_t width = kReportColumns - (prefix().size() + 1 + 12 + 8);
   const std::vector<std::string> parts = wrapped(manifest.summary, width);
   line(fmt::format("{} {}{:>11}   {}", prefix(), padded(parts.empty() ? "" : parts[0], width), time,
-                   computed ? coloured("ok", "32") : std::string(name(how))));
+                   !computed                   ? std::string(name(how))
+                   : manifest.warnings.empty() ? coloured("ok", "32")
+                                               : coloured("warned", "33")));
   for (size_t i = 1; i < parts.size(); ++i) line(fmt::format("{:{}} {}", "", prefix().size(), parts[i]));
 }
 

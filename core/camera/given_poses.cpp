@@ -5,13 +5,13 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/camera/compacted.h"
 #include "core/camera/photo_finder.h"
-#include "core/camera/photo_masks.h"
 #include "core/camera/view_set.h"
 
 namespace vitrine {
@@ -19,25 +19,6 @@ namespace vitrine {
 namespace {
 
 constexpr double kTinySkew = 1e-3;  // of the focal length: a third of a pixel over 640
-
-bool in_order_fx_fy_cx_cy(int model_id) {
-  const std::string_view name = colmap_camera_type(model_id)->name;
-  return name == "PINHOLE" || name == "OPENCV";
-}
-
-// Pixels of a picture resized by (sx, sy). A single focal length cannot be stretched: the mean of both factors is exact to the
-// rounding of the size.
-ColmapCamera resized(ColmapCamera camera, int width, int height) {
-  const double sx = double(width) / double(camera.width), sy = double(height) / double(camera.height);
-  if (in_order_fx_fy_cx_cy(camera.model_id)) {
-    camera.params[0] *= sx, camera.params[1] *= sy, camera.params[2] *= sx, camera.params[3] *= sy;
-  } else {
-    camera.params[0] *= 0.5 * (sx + sy), camera.params[1] *= sx, camera.params[2] *= sy;
-  }
-  camera.width = static_cast<uint64_t>(width);
-  camera.height = static_cast<uint64_t>(height);
-  return camera;
-}
 
 std::vector<fs::path> matrix_files(const fs::path& folder) {
   std::vector<fs::path> out;
@@ -58,7 +39,11 @@ std::string matrix_key(const fs::path& file) {
   return stem;
 }
 
-ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Photo> photos, double given_scale) {
+// Of the pixels that the matrices are for: size of the photo's file at the size as ingested, or upright.
+PixelSize matrix_size(const Photo& photo, bool stored) { return stored ? stored_size(photo) : upright_size(photo); }
+
+ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Photo> photos, double given_scale,
+                          PosePixels& pixels) {
   ColmapModel model;
   struct Row {
     size_t photo;
@@ -93,34 +78,52 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
     }
     rows.push_back({*photo, decomposed_projection(p, file)});
   }
-  double scale = given_scale;
-  if (scale <= 0 && !rows.empty()) {
-    // Matrices often belong to larger originals: of 1, 1/2, .. 1/8 and the ingest's own reduction, take what centres the
-    // principal point.
-    double best = 1e300;
+  // Matrices often belong to larger originals, and know nothing of EXIF: of 1, 1/2, .. 1/8 and the ingest's own reduction, for
+  // the photos as stored or upright, take what centres the principal point.
+  double scale = given_scale, best = 1e300;
+  bool stored = false;
+  for (const bool turned : {false, true})
     for (int n = 1; n <= 8; ++n) {
+      const double tried = given_scale > 0 ? given_scale : 1.0 / n;
       double miss = 0;
       for (const Row& r : rows) {
         const Photo& photo = photos[r.photo];
-        const double s = double(photo.width) / std::max(1, photo.original_width) / n;
-        miss += std::hypot(s * r.d.cx / photo.width - 0.5, s * r.d.cy / photo.height - 0.5) / double(rows.size());
+        const PixelSize size = matrix_size(photo, turned);
+        const double s = tried * photo.width / std::max(1, photo.original_width);
+        miss += std::hypot(s * r.d.cx / size.width - 0.5, s * r.d.cy / size.height - 0.5) / double(rows.size());
       }
-      if (miss < best) best = miss, scale = 1.0 / n;
+      if (miss < best - 1e-9) best = miss, scale = tried, stored = turned;
     }
+  if (given_scale <= 0 && !rows.empty())
     log_info(
         "sfm: projection matrices scaled by {:.4g} (principal points {:.1f} % of the size off the centre); --set sfm.pose_scale "
         "overrides",
         scale, 100 * best);
-  }
   for (const Row& r : rows) {
     const Photo& photo = photos[r.photo];
+    const PixelSize size = matrix_size(photo, stored);
+    PosedPhoto p = posed_photo(photo, size.width, size.height);
+    // A matrix has no size. Principal points decide where the sides are swapped; half turns stay open.
+    if (swaps_sides(photo.orientation) && photo.width != photo.height) p.fits_stored = stored, p.fits_upright = !stored;
+    pixels.photos.push_back(std::move(p));
+  }
+  settle_pixels(pixels);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Row& r = rows[i];
+    const Photo& photo = photos[r.photo];
+    const PosedPhoto& p = pixels.photos[i];
+    if (p.left_out) continue;
+    const PixelSize size = matrix_size(photo, p.for_stored);
     const double sx = scale * photo.width / std::max(1, photo.original_width),
                  sy = scale * photo.height / std::max(1, photo.original_height);
     const uint32_t id = static_cast<uint32_t>(r.photo) + 1;
-    model.cameras.push_back(colmap_pinhole(id, {photo.width, photo.height, sx * r.d.fx, sy * r.d.fy, sx * r.d.cx, sy * r.d.cy}));
+    const ColmapCamera camera =
+        colmap_pinhole(id, {int(size.width), int(size.height), sx * r.d.fx, sy * r.d.fy, sx * r.d.cx, sy * r.d.cy});
+    model.cameras.push_back(p.for_stored ? upright_camera(camera, photo.orientation) : camera);
+    const Rigid pose = p.for_stored ? upright_pose(r.d.cam_from_world, photo.orientation) : r.d.cam_from_world;
     model.images.push_back({.id = id,
-                            .rotation = quaternion(r.d.cam_from_world.rotation),
-                            .translation = r.d.cam_from_world.translation,
+                            .rotation = quaternion(pose.rotation),
+                            .translation = pose.translation,
                             .camera_id = id,
                             .name = photo.name,
                             .points = {}});
@@ -128,35 +131,72 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
   return model;
 }
 
-// Keeps images that are photos, renames them, scales cameras and observations to the ingested size.
-ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
+[[noreturn]] void throw_other_shape(const PosedPhoto& photo, const std::string& image, const PosePixels& pixels,
+                                    const fs::path& path) {
+  std::vector<std::string> names{image, photo.name};
+  for (const PosedPhoto& p : pixels.photos) names.push_back(p.name);
+  const fs::path pictures = pictures_beside(path, names, photo.given);
+  throw Error(
+      ErrorKind::Input, "given poses and photos differ in shape",
+      {.where = image,
+       .why = fmt::format("the pose is for {:.0f} x {:.0f} pixels, the photo is {:.0f} x {:.0f}", photo.given.width,
+                          photo.given.height, photo.upright.width, photo.upright.height),
+       .hint = pictures.empty() ? std::string("give the photos that the poses were made with (not cropped, not turned)")
+                                : fmt::format("give the pictures of {} as photos: they have that size", pictures.string()),
+       .code = "POSES_SIZE"});
+}
+
+// Keeps images that are photos, renames them, scales cameras and observations to the ingested size and turns them upright.
+ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs::path& path, PosePixels& pixels) {
   const PhotoFinder find(photos);
   std::set<size_t> taken;
+  std::vector<size_t> matched;  // images of the model
+  std::vector<const Photo*> photo_of;
+  std::vector<ColmapCamera> camera_of;
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const std::optional<size_t> photo = find(model.images[i].name);
+    if (!photo || !taken.insert(*photo).second) continue;
+    ColmapCamera camera = *model.find_camera(model.images[i].camera_id);
+    is_distorted(camera);  // throws for lenses whose parameters are not known here
+    if (sides_look_swapped(photos[*photo], camera)) std::swap(camera.width, camera.height);
+    PosedPhoto p = posed_photo(photos[*photo], double(camera.width), double(camera.height));
+    if (!p.fits_upright && !p.fits_stored) throw_other_shape(p, model.images[i].name, pixels, path);
+    pixels.photos.push_back(std::move(p));
+    matched.push_back(i);
+    photo_of.push_back(&photos[*photo]);
+    camera_of.push_back(std::move(camera));
+  }
+  settle_pixels(pixels);
+  check_pixel_sizes(pixels, photo_of, camera_of, path);
   std::vector<ColmapImage> images;
-  std::map<std::pair<uint32_t, std::pair<int, int>>, uint32_t> camera_ids;  // (source camera, ingested size) -> new id
+  // (source camera, ingested size, how it is turned) -> new id. Photos that may still be turned the other way share no camera
+  // with those that are settled.
+  std::map<std::tuple<uint32_t, int, int, int, bool>, uint32_t> camera_ids;
   std::vector<ColmapCamera> cameras;
   std::set<uint32_t> kept_ids;
-  for (ColmapImage& image : model.images) {
-    const std::optional<size_t> photo = find(image.name);
-    if (!photo || !taken.insert(*photo).second) continue;
-    const Photo& p = photos[*photo];
-    const ColmapCamera& camera = *model.find_camera(image.camera_id);
-    is_distorted(camera);  // throws for lenses whose parameters are not known here
-    if (!same_shape(p.width, p.height, double(camera.width), double(camera.height)))
-      throw Error(ErrorKind::Input, "given poses and photos differ in shape",
-                  {.where = image.name,
-                   .why = fmt::format("the pose is for {} x {} pixels, the photo is {} x {}", camera.width, camera.height,
-                                      p.width, p.height),
-                   .hint = "give the photos that the poses were made with (not cropped, not turned)",
-                   .code = "POSES_SIZE"});
+  bool mirrored = false;
+  for (size_t k = 0; k < matched.size(); ++k) {
+    const PosedPhoto& p = pixels.photos[k];
+    if (p.left_out) continue;
+    ColmapImage image = std::move(model.images[matched[k]]);
+    const int turned = p.for_stored || !p.settled ? p.orientation : 1;
     const auto [at, fresh] =
-        camera_ids.emplace(std::pair(image.camera_id, std::pair(p.width, p.height)), static_cast<uint32_t>(cameras.size()) + 1);
+        camera_ids.emplace(std::tuple(image.camera_id, photo_of[k]->width, photo_of[k]->height, turned, p.settled),
+                           static_cast<uint32_t>(cameras.size()) + 1);
     if (fresh) {
-      cameras.push_back(resized(camera, p.width, p.height));
+      cameras.push_back(camera_on_photo(camera_of[k], p));
       cameras.back().id = at->second;
     }
-    const double sx = double(p.width) / double(camera.width), sy = double(p.height) / double(camera.height);
-    for (ColmapPoint2D& q : image.points) q.x *= sx, q.y *= sy;
+    for (ColmapPoint2D& q : image.points) {
+      const Vec2d to = point_on_photo({q.x, q.y}, p);
+      q.x = to.x, q.y = to.y;
+    }
+    if (p.for_stored) {
+      const Rigid pose = upright_pose(image.cam_from_world(), p.orientation);
+      image.rotation = quaternion(pose.rotation);
+      image.translation = pose.translation;
+      mirrored |= is_mirrored(p.orientation);
+    }
     image.name = p.name;
     image.camera_id = at->second;
     kept_ids.insert(image.id);
@@ -164,8 +204,10 @@ ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
   }
   model.images = std::move(images);
   model.cameras = std::move(cameras);
-  for (ColmapPoint3D& p : model.points)
+  for (ColmapPoint3D& p : model.points) {
+    if (mirrored) p.position = mirrored_world(p.position);
     std::erase_if(p.track, [&](const ColmapTrackElement& t) { return !kept_ids.contains(t.image_id); });
+  }
   return compacted(std::move(model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
 }
 
@@ -203,14 +245,17 @@ Decomposed decomposed_projection(const double (&p)[12], const fs::path& where) {
   return d;
 }
 
-ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
+ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale, PosePixels* told) {
   ColmapModel model;
+  PosePixels pixels;
   if (fs::is_regular_file(path)) {
-    model = on_photos(read_transforms_model(path), photos);
+    pixels.source = PoseSource::Transforms;
+    model = on_photos(read_transforms_model(path), photos, path, pixels);
   } else if (const auto folder = find_colmap_model(path)) {
-    model = on_photos(read_colmap_model(*folder), photos);
+    model = on_photos(read_colmap_model(*folder), photos, *folder, pixels);
   } else if (fs::is_regular_file(path / "transforms.json")) {
-    model = on_photos(read_transforms_model(path / "transforms.json"), photos);
+    pixels.source = PoseSource::Transforms;
+    model = on_photos(read_transforms_model(path / "transforms.json"), photos, path, pixels);
   } else {
     std::vector<fs::path> files = matrix_files(path / "P");
     if (files.empty()) files = matrix_files(path);
@@ -221,7 +266,8 @@ ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos
            .why = "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
            .hint = "give one of these with --poses",
            .code = "POSES_MISSING"});
-    model = read_matrices(files, photos, matrix_scale);
+    pixels.source = PoseSource::Matrices;
+    model = read_matrices(files, photos, matrix_scale, pixels);
   }
   if (model.images.size() < 2)
     throw Error(ErrorKind::Input, "the given poses do not belong to these photos",
@@ -240,6 +286,7 @@ ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos
   for (ColmapPoint3D& p : model.points)
     for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
   check_colmap_model(model, path);
+  if (told != nullptr) *told = std::move(pixels);
   return model;
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/camera/colmap_model.h"
 #include "core/camera/photo_list.h"
+#include "core/camera/pose_pixels.h"
 
 namespace vitrine {
 
@@ -19,7 +20,9 @@ struct Decomposed {
 Decomposed decomposed_projection(const double (&p)[12], const std::filesystem::path& where);
 
 // `path`: file or folder. `matrix_scale`: factor of the first two rows of projection matrices; 0 = found from the principal
-// point. Image names of the result are photo names. Points and observations are kept when the source has them.
-ColmapModel read_given_poses(const std::filesystem::path& path, std::span<const Photo> photos, double matrix_scale);
+// point. Image names of the result are photo names. Points and observations are kept when the source has them. Cameras and poses
+// of the result are those of the upright photos; `pixels` (optional) tells what that took and what was assumed (pose_pixels.h).
+ColmapModel read_given_poses(const std::filesystem::path& path, std::span<const Photo> photos, double matrix_scale,
+                             PosePixels* pixels = nullptr);
 
 }  // namespace vitrine

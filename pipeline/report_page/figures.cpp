@@ -1,6 +1,7 @@
 #include "pipeline/report_page/figures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -13,13 +14,30 @@ namespace vitrine {
 
 namespace {
 
+// What a figure was measured on. Below these numbers it is shown, but says nothing about good or bad.
+constexpr double kFewestPoints = 100;  // sparse points: what poses and their error hang on
+constexpr double kFewestViews = 2;     // one picture may be the best or the worst
+constexpr double kFewestAligned = 5;   // cameras: three always fit the truth after an alignment
+
+struct Samples {
+  std::optional<double> have;  // nullopt: the report does not say, the figure is believed
+  double fewest = 0;
+  const char* of = "";  // "points"
+  bool few() const { return have && *have < fewest; }
+};
+
 class Group {
  public:
   explicit Group(std::string title) { group_.title = std::move(title); }
-  void add(std::string_view id, std::optional<double> value, std::string note = {}) {
+  void add(std::string_view id, std::optional<double> value, std::string note = {}, const Samples& samples = {}) {
     if (!value) return;
     const Rule& r = rule(id);
-    group_.figures.push_back({&r, *value, rate(r, *value), std::move(note)});
+    Figure f{.rule = &r, .value = *value, .rating = Rating::Unknown, .note = std::move(note), .unknown = {}};
+    if (samples.few())
+      f.unknown = fmt::format("too few {} ({:.0f})", samples.of, *samples.have);
+    else
+      f.rating = rate(r, *value);
+    group_.figures.push_back(std::move(f));
   }
   void into(std::vector<FigureGroup>& groups) && {
     if (!group_.figures.empty()) groups.push_back(std::move(group_));
@@ -81,9 +99,13 @@ std::vector<PhotoScore> read_views(const fs::path& project) {
 void add_poses(const Facts& sfm, Figures& f) {
   Group group("Photos and poses");
   const auto registered = sfm.number("registered"), count = sfm.number("photo_count");
+  const Samples points{sfm.number("points.kept"), kFewestPoints, "points"};
   if (registered && count && *count > 0)
-    group.add("registered", *registered / *count, fmt::format("{:.0f} of {:.0f}", *registered, *count));
-  group.add("reprojection", sfm.number("mean_reprojection_error_px"));
+    group.add("registered", *registered / *count, fmt::format("{:.0f} of {:.0f}", *registered, *count), points);
+  // Without a point there is no error; the figure stays to say so.
+  const std::optional<double> error = sfm.number("mean_reprojection_error_px");
+  const bool none = points.have && *points.have <= 0;
+  group.add("reprojection", none ? std::optional(std::nan("")) : error, {}, points);
   std::vector<double> observations;
   for (const PhotoPose& p : f.photos)
     if (p.registered) observations.push_back(p.observations);
@@ -95,10 +117,12 @@ void add_views(const Facts& metrics, Figures& f) {
   Group group("Pictures from new places");
   const auto psnr = metrics.number("heldout.psnr"), train = metrics.number("train.psnr");
   const auto views = metrics.number("heldout.views");
-  group.add("psnr", psnr, views ? fmt::format("{:.0f} view{} held out of training", *views, *views == 1 ? "" : "s") : "");
-  group.add("ssim", metrics.number("heldout.ssim"));
+  const Samples heldout{views, kFewestViews, "held-out views"};
+  group.add("psnr", psnr, views ? fmt::format("{:.0f} view{} held out of training", *views, *views == 1 ? "" : "s") : "",
+            heldout);
+  group.add("ssim", metrics.number("heldout.ssim"), {}, heldout);
   if (psnr && train)
-    group.add("gap", *train - *psnr, fmt::format("{:.1f} dB where it trained, {:.1f} dB where not", *train, *psnr));
+    group.add("gap", *train - *psnr, fmt::format("{:.1f} dB where it trained, {:.1f} dB where not", *train, *psnr), heldout);
   const PhotoScore* weakest = nullptr;
   for (const PhotoScore& v : f.views)
     if (v.heldout && (weakest == nullptr || v.psnr < weakest->psnr)) weakest = &v;
@@ -110,7 +134,8 @@ void add_views(const Facts& metrics, Figures& f) {
 void add_regions(const Facts& metrics, Figures& f) {
   Group group("Parts of the picture");
   for (const char* region : {"transparent", "reflective", "object", "rest"})
-    group.add(fmt::format("region_{}", region), metrics.at("regions").member(region).number("psnr"));
+    if (const Facts r = metrics.at("regions").member(region); r.known())
+      group.add(fmt::format("region_{}", region), r.number("psnr"), {}, {r.number("views"), kFewestViews, "held-out views"});
   std::move(group).into(f.groups);
 }
 
@@ -124,10 +149,11 @@ void add_geometry(const Facts& normals, const Facts& mesh, Figures& f) {
     for (double k : known) sum += k;
     group.add("normals_known", sum / double(known.size()), fmt::format("source: {}", normals.text("source")));
   }
+  const Samples faces{mesh.number("mesh.faces"), 1, "triangles"};
   const auto edges = mesh.number("mesh.edges"), border = mesh.number("mesh.boundary_edges");
   if (edges && border && *edges > 0) group.add("mesh_border", *border / *edges);
-  group.add("mesh_crossing", mesh.number("mesh.self_intersections"));
-  group.add("mesh_nonmanifold", mesh.number("mesh.nonmanifold_edges"));
+  group.add("mesh_crossing", mesh.number("mesh.self_intersections"), {}, faces);
+  group.add("mesh_nonmanifold", mesh.number("mesh.nonmanifold_edges"), {}, faces);
   std::move(group).into(f.groups);
 }
 
@@ -141,13 +167,15 @@ void add_light(const Facts& relight, Figures& f) {
 void add_truth(const Facts& metrics, Figures& f) {
   Group group("Against the truth");
   const Facts truth = metrics.at("truth");
-  group.add("truth_rotation", truth.number("pose.rotation_deg"));
-  group.add("truth_centre", truth.number("pose.centre_rel"));
+  const Samples aligned{truth.number("pose.views_in_alignment"), kFewestAligned, "cameras to align"};
+  group.add("truth_rotation", truth.number("pose.rotation_deg"), {}, aligned);
+  group.add("truth_centre", truth.number("pose.centre_rel"), {}, aligned);
   group.add("truth_normals", truth.number("normal_mae_deg"));
   group.add("truth_depth", truth.number("depth_rel"));
   group.add("truth_fscore", truth.number("mesh.fscore"));
-  group.add("truth_transmitted", truth.number("transmitted.psnr"));
-  group.add("truth_albedo", truth.number("albedo.psnr"));
+  group.add("truth_transmitted", truth.number("transmitted.psnr"), {},
+            {truth.number("transmitted.views"), kFewestViews, "views with a truth"});
+  group.add("truth_albedo", truth.number("albedo.psnr"), {}, {truth.number("albedo.views"), kFewestViews, "views with a truth"});
   group.add("truth_relit", truth.number("relit.psnr"));
   std::move(group).into(f.groups);
 }

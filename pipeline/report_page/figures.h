@@ -13,9 +13,10 @@ namespace vitrine {
 
 struct Figure {
   const Rule* rule = nullptr;
-  double value = 0;
+  double value = 0;  // NaN: there is none
   Rating rating = Rating::Good;
-  std::string note;  // evidence beside the value: "36 of 36", the photo's name
+  std::string note;     // evidence beside the value: "36 of 36", the photo's name
+  std::string unknown;  // why it is not rated: "too few points (0)"
 };
 
 struct FigureGroup {

@@ -73,8 +73,10 @@ void tally_photo(const ViewSet& set, size_t index, const SampledMasks& masks, st
   }
 }
 
-std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char* region, bool heldout) {
-  double sum = 0, n = 0;
+// `n`: over how many views.
+std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char* region, bool heldout, double& n) {
+  double sum = 0;
+  n = 0;
   for (const PhotoScore& v : views)
     if (const auto found = v.regions.find(region); v.heldout == heldout && found != v.regions.end()) sum += found->second, n += 1;
   return n > 0 ? std::optional(sum / n) : std::nullopt;
@@ -95,6 +97,7 @@ void judge(RegionTrust& r, const Rule& by_psnr) {
     why.push_back(fmt::format("half of its points are seen by {:.0f} photos or more", *r.views_per_point));
   else
     why.push_back("no sparse point lies on it");
+  if (r.heldout_views < 2) step = std::max(step, 1), why.push_back("measured on a single held-out view");
   r.trust = Rating(step);
   for (const std::string& w : why) r.why += (r.why.empty() ? "" : "; ") + w;
 }
@@ -129,11 +132,12 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
     out.points = t.points / double(count) / (10 * out.share);
     if (!t.views_per_point.empty()) out.views_per_point = upper_median(std::move(t.views_per_point));
     if (t.confidence_samples > 0) out.normals_confidence = t.confidence / t.confidence_samples;
-    out.psnr = mean_psnr(figures.views, kIds[r], true);
-    out.train_psnr = mean_psnr(figures.views, kIds[r], false);
+    double train_views = 0;
+    out.psnr = mean_psnr(figures.views, kIds[r], true, out.heldout_views);
+    out.train_psnr = mean_psnr(figures.views, kIds[r], false, train_views);
     if (!masked && !out.psnr) {
       const Figure *psnr = figures.find("psnr"), *gap = figures.find("gap");
-      if (psnr != nullptr) out.psnr = psnr->value;
+      if (psnr != nullptr) out.psnr = psnr->value, out.heldout_views = psnr->rating == Rating::Unknown ? 1 : 2;
       if (psnr != nullptr && gap != nullptr) out.train_psnr = psnr->value + gap->value;
     }
     judge(out, by_psnr);

@@ -15,6 +15,7 @@ struct RegionTrust {
   std::string id, title;
   double share = 0;                          // of the pixels
   std::optional<double> psnr, train_psnr;    // held-out and training views
+  double heldout_views = 0;                  // that `psnr` is the mean of
   double points = 0;                         // sparse points a photo, per tenth of the picture's area
   std::optional<double> views_per_point;     // median
   std::optional<double> normals_confidence;  // mean, 0 to 1

@@ -13,19 +13,23 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kMostAdvice = 3;
-constexpr std::array<std::string_view, 3> kSigns = {"●", "◐", "○"};  // the rating does not hang on colour alone
+constexpr std::array<std::string_view, 4> kSigns = {"●", "◐", "○", "?"};  // the rating does not hang on colour alone
 
 std::string figure_row(const Figure& f) {
   const Rule& r = *f.rule;
   std::string text =
       fmt::format("<li class=\"figure\"><div class=\"what\"><h4>{}</h4><p>{}</p>", escaped(r.label), escaped(r.means));
-  if (f.rating != Rating::Good) text += fmt::format("<p class=\"why\">{}</p>", escaped(r.weak));
+  if (f.rating == Rating::Unknown)
+    text += fmt::format("<p class=\"why\">Unknown: {}.</p>", escaped(f.unknown));
+  else if (f.rating != Rating::Good)
+    text += fmt::format("<p class=\"why\">{}</p>", escaped(r.weak));
   if (!f.note.empty()) text += fmt::format("<p class=\"note\">{}</p>", escaped(f.note));
-  text += fmt::format(
-      "</div><div class=\"value\"><span class=\"number\">{}</span>{}<span class=\"scale\" aria-hidden=\"true\"><i "
-      "style=\"left:{:.0f}%\">"
-      "</i></span><small>{}</small></div></li>",
-      escaped(shown(r, f.value)), rating_badge(f.rating), 100 * place_on_scale(r, f.value), escaped(thresholds_text(r)));
+  std::string scale;
+  if (f.rating != Rating::Unknown)
+    scale = fmt::format("<span class=\"scale\" aria-hidden=\"true\"><i style=\"left:{:.0f}%\"></i></span>",
+                        100 * place_on_scale(r, f.value));
+  text += fmt::format("</div><div class=\"value\"><span class=\"number\">{}</span>{}{}<small>{}</small></div></li>",
+                      escaped(shown(r, f.value)), rating_badge(f.rating), scale, escaped(thresholds_text(r)));
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/base/error.h"
 
@@ -89,7 +90,7 @@ std::string limit_text(const Rule& rule, double limit) {
 }  // namespace
 
 std::string_view name(Rating rating) {
-  constexpr std::array<std::string_view, 3> kNames = {"good", "borderline", "bad"};
+  constexpr std::array<std::string_view, 4> kNames = {"good", "borderline", "bad", "unknown"};
   return kNames[size_t(rating)];
 }
 
@@ -112,7 +113,9 @@ double place_on_scale(const Rule& r, double value) {
   return std::clamp((1 + (value - r.okay) / (r.good - r.okay)) / 3, kMargin, 1 - kMargin);
 }
 
-std::string shown(const Rule& r, double value) { return number_text(r, value, r.decimals); }
+std::string shown(const Rule& r, double value) {
+  return std::isfinite(value) ? number_text(r, value, r.decimals) : std::string("–");
+}
 
 std::string thresholds_text(const Rule& r) {
   const std::string_view word = r.good > r.okay ? "from" : "up to";

@@ -9,8 +9,9 @@
 
 namespace vitrine {
 
-enum class Rating { Good, Borderline, Bad };
-std::string_view name(Rating rating);  // "good", "borderline", "bad"
+// Unknown: measured on too little to say (figures.cpp); `rate` never gives it.
+enum class Rating { Good, Borderline, Bad, Unknown };
+std::string_view name(Rating rating);  // "good", "borderline", "bad", "unknown"
 
 struct Rule {
   std::string_view id, label;

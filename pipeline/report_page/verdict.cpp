@@ -78,7 +78,8 @@ std::string options_in(const std::string& line) {
 Rating worst_deciding(const Figures& figures) {
   Rating worst = Rating::Good;
   for (std::string_view id : kDeciding)
-    if (const Figure* f = figures.find(id)) worst = std::max(worst, f->rating);
+    if (const Figure* f = figures.find(id))
+      worst = std::max(worst, f->rating == Rating::Unknown ? Rating::Borderline : f->rating);
   return worst;
 }
 
@@ -93,25 +94,32 @@ std::vector<const Figure*> weak_figures(const Figures& figures) {
     if (id != "ssim" || psnr == nullptr || psnr->rating == Rating::Good) add(id, weak);
   }
   for (std::string_view id : kNamed) add(id, others);
+  // A figure that is not rated is no weakness of the scene; among those that decide it is one of the proof, and is named.
+  std::erase_if(others, [](const Figure* f) { return f->rating == Rating::Unknown; });
   std::stable_sort(others.begin(), others.end(), [](const Figure* a, const Figure* b) {
     return place_on_scale(*a->rule, a->value) < place_on_scale(*b->rule, b->value);
   });
   weak.insert(weak.end(), others.begin(), others.end());
-  std::stable_sort(weak.begin(), weak.end(), [](const Figure* a, const Figure* b) { return a->rating > b->rating; });
+  const auto badness = [](const Figure* f) { return f->rating == Rating::Unknown ? Rating::Borderline : f->rating; };
+  std::stable_sort(weak.begin(), weak.end(), [&](const Figure* a, const Figure* b) { return badness(a) > badness(b); });
   return weak;
 }
 
 WeakSpot weak_spot(const Figure& f) {
   const std::string note = f.note.empty() ? "" : fmt::format(" ({})", f.note);
-  return {std::string(f.rule->weak), fmt::format("{}: {}{}", f.rule->label, shown(*f.rule, f.value), note)};
+  const std::string weak =
+      f.rating == Rating::Unknown ? fmt::format("Not known to be right: {}.", f.unknown) : std::string(f.rule->weak);
+  return {weak, fmt::format("{}: {}{}", f.rule->label, shown(*f.rule, f.value), note)};
 }
 
 std::string how_well(const Figures& figures) {
   std::string text;
-  if (const Figure* registered = figures.find("registered")) text = fmt::format("{} photos found their place", registered->note);
+  if (const Figure* registered = figures.find("registered"))
+    text = fmt::format("{} photos {}", registered->note,
+                       registered->rating == Rating::Unknown ? "have a pose that hardly any point holds" : "found their place");
   if (const Figure* psnr = figures.find("psnr"))
-    text += fmt::format("{}pictures from places that training never saw come out at {}", text.empty() ? "" : ", and ",
-                        shown(*psnr->rule, psnr->value));
+    text += fmt::format("{}pictures from places that training never saw come out at {}{}", text.empty() ? "" : ", and ",
+                        shown(*psnr->rule, psnr->value), psnr->rating == Rating::Unknown ? ", measured on too few views" : "");
   else if (!text.empty())
     text += "; pictures from new places have not been measured";
   return text.empty() ? std::string() : capital(text) + ".";
@@ -149,9 +157,20 @@ class Commands {
 void advise(const Figures& figures, const RunOutcome& outcome, const Commands& commands, Verdict& v) {
   const auto rating = [&](std::string_view id) {
     const Figure* f = figures.find(id);
-    return f == nullptr ? Rating::Good : f->rating;
+    return f == nullptr || f->rating == Rating::Unknown ? Rating::Good : f->rating;
+  };
+  const auto unknown = [&](std::string_view id) {
+    const Figure* f = figures.find(id);
+    return f != nullptr && f->rating == Rating::Unknown;
   };
   const auto add = [&](std::string text, std::string command) { v.next.push_back({std::move(text), std::move(command)}); };
+  if (unknown("registered"))
+    add("Find the poses from the photos, without given ones, or check how the given ones are written: hardly any point shows "
+        "that "
+        "they are right.",
+        commands.with_photos());
+  if (unknown("psnr"))
+    add("Take more photos: every eighth is held out to measure by, and one says little.", commands.with_photos());
   if (rating("registered") != Rating::Good)
     add("Add photos between those that were left out (listed below) and their neighbours, then run again.",
         commands.with_photos());

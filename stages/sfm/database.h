@@ -28,6 +28,11 @@ struct VerifiedPair {
 };
 inline constexpr int kCalibratedPair = 2, kUncalibratedPair = 3, kFirstPlanarPair = 4, kLastPlanarPair = 6;
 
+struct InlierMatches {
+  uint32_t image_a = 0, image_b = 0;  // image ids, a < b
+  std::vector<uint32_t> features;     // [2 n]: feature of a, feature of b
+};
+
 class ColmapDatabase {
  public:
   // Throws Error{Dependency} when the file is no database with COLMAP's tables (what a failed command leaves).
@@ -43,8 +48,9 @@ class ColmapDatabase {
   // Sorted by name. Photos without features are there with count 0.
   std::vector<PhotoFeatures> features() const;
   std::vector<VerifiedPair> verified_pairs() const;
-  size_t examined_pairs() const;  // by the geometric verification, successful or not
-  void drop_descriptors();        // in a copy for verification, which needs keypoints only
+  std::vector<InlierMatches> inlier_matches() const;  // of the verified pairs
+  size_t examined_pairs() const;                      // by the geometric verification, successful or not
+  void drop_descriptors();                            // in a copy for verification, which needs keypoints only
   // Copies matches and two-view geometries of another database with the same images.
   void take_geometries(const fs::path& other);
 

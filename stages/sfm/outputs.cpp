@@ -171,7 +171,7 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
                    {"lonely", desc.points.lonely},
                    {"kept", m.points.size()},
                    {"observations", observations}};
-    j["mean_reprojection_error_px"] = observations > 0 ? error / double(observations) : 0;
+    if (observations > 0) j["mean_reprojection_error_px"] = error / double(observations);  // else there is none
     j["up"] = {{"method", desc.orientation.method},
                {"in_colmap_frame", {desc.orientation.up.x, desc.orientation.up.y, desc.orientation.up.z}}};
     for (size_t c = 0; c < desc.undistortions.size(); ++c)

@@ -124,6 +124,33 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
   if (!desc.photos.empty()) out.rotation_share = rotation_share(verified, desc.photos[0].width, desc.photos[0].height);
 }
 
+// Where the features of the verified matches lie, between photos by name.
+std::vector<PhotoMatches> verified_matches(const ReconstructDesc& desc, const fs::path& database) {
+  const ColmapDatabase db(database);
+  std::map<uint32_t, PhotoFeatures> features;
+  for (PhotoFeatures& f : db.features()) {
+    const std::optional<size_t> photo = index_of_safe_name(f.name);
+    if (!photo || *photo >= desc.photos.size()) continue;
+    f.name = desc.photos[*photo].name;
+    f.descriptors.clear();
+    features[f.image_id] = std::move(f);
+  }
+  std::vector<PhotoMatches> out;
+  for (const InlierMatches& pair : db.inlier_matches()) {
+    const auto a = features.find(pair.image_a), b = features.find(pair.image_b);
+    if (a == features.end() || b == features.end()) continue;
+    PhotoMatches& m = out.emplace_back();
+    m.a = a->second.name, m.b = b->second.name;
+    for (size_t i = 0; i + 1 < pair.features.size(); i += 2) {
+      const size_t fa = pair.features[i], fb = pair.features[i + 1];
+      if (fa >= a->second.count || fb >= b->second.count) continue;
+      m.in_a.push_back({a->second.xy[2 * fa], a->second.xy[2 * fa + 1]});
+      m.in_b.push_back({b->second.xy[2 * fb], b->second.xy[2 * fb + 1]});
+    }
+  }
+  return out;
+}
+
 // Photo names instead of safe names; image ids 1..n in name order; tracks follow.
 ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& photos) {
   std::map<uint32_t, uint32_t> new_id;
@@ -270,13 +297,15 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
   return best;
 }
 
-Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given, const ColmapModel& poses) {
+Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given, const ColmapModel& given_poses,
+                           const PoseCheck& checked) {
   const ReconstructDesc desc = fresh(given);
   const fs::path database = desc.work_folder / "given.db";
   const FeatureEffort effort{.max_features = config.max_features, .peak_threshold = config.peak_threshold};
-  const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &poses);
+  const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &given_poses);
   Reconstruction out;
   survey(desc, database, counts, out);
+  const ColmapModel poses = checked(given_poses, verified_matches(desc, database));
   out.rotation_share = 0;  // where the photos were taken is known
 
   // The triangulator wants the given poses under the database's names and ids, with no points.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/camera/colmap_model.h"
+#include "core/camera/pose_agreement.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/database.h"
 #include "stages/sfm/feature_masks.h"
@@ -77,7 +78,10 @@ struct ReconstructDesc {
 
 // Without enough photos registered it returns what there is (perhaps an empty model): diagnosis.h decides.
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc);
-// Poses and intrinsics are given (image names = photo names): matches, then triangulates the points only.
-Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const ColmapModel& poses);
+// Poses and intrinsics are given (image names = photo names): matches, then triangulates the points only. `checked` sees the
+// poses and the verified matches first; it throws, or returns the poses to be used.
+using PoseCheck = std::function<ColmapModel(const ColmapModel& poses, const std::vector<PhotoMatches>& matches)>;
+Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const ColmapModel& poses,
+                           const PoseCheck& checked);
 
 }  // namespace vitrine

@@ -1,12 +1,15 @@
 #include "stages/sfm/sfm.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "core/camera/given_poses.h"
 #include "core/camera/photo_list.h"
+#include "core/camera/pose_check.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
@@ -16,7 +19,6 @@
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
-#include "core/camera/given_poses.h"
 #include "stages/sfm/outputs.h"
 
 namespace vitrine {
@@ -78,8 +80,16 @@ std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext&
   return masks;
 }
 
-ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos) {
-  ColmapModel given = read_given_poses(poses, photos, config.pose_scale);
+void tell(const Notes& notes, StageContext& context) {
+  for (const Note& note : notes)
+    if (note.code.empty())
+      log_info("sfm: {}", note.text);
+    else
+      context.warning(note.code, note.text);
+}
+
+ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos, PosePixels& pixels) {
+  ColmapModel given = read_given_poses(poses, photos, config.pose_scale, &pixels);
   log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
   if (given.images.size() < kSmallestGiven || double(given.images.size()) < config.min_registered * double(photos.size()))
     throw Error(ErrorKind::Input, "too few photos have a given pose",
@@ -108,10 +118,19 @@ void principal_points(ColmapModel& model, StageContext& context) {
 
 Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
-  if (const auto poses = context.optional_input("poses")) given = given_model(*poses, config, photos);
+  PosePixels pixels;
+  const std::optional<fs::path> poses = context.optional_input("poses");
+  if (poses) given = given_model(*poses, config, photos, pixels);
   Solved s;
   if (given && given->points.size() >= kPointsWorthKeeping) {
-    s.reconstruction = complete_as_given(std::move(*given), photos);
+    std::map<std::string, const Photo*> photo_of;
+    for (const Photo& p : photos) photo_of[p.name] = &p;
+    CheckedPoses checked = checked_with_pictures(
+        std::move(*given), pixels,
+        [&](const ColmapImage& image) { return read_srgb8(ingested_ldr_path(ingest, *photo_of.at(image.name))); }, *poses);
+    tell(pixels.notes, context);
+    tell(checked.notes, context);
+    s.reconstruction = complete_as_given(std::move(checked.model), photos);
   } else {
     const std::vector<SfmPhoto> list = sfm_photos(ingest, photos);
     const std::optional<FeatureMasks> masks = feature_masks(config, context, list);
@@ -126,7 +145,13 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
                                .timing = [&](const std::string& name, double seconds) { context.timing(name, seconds); }};
     Colmap colmap;
     log_debug("COLMAP {} at {}", colmap.version(), colmap.program().string());
-    s = {given ? triangulate(colmap, config, desc, *given) : reconstruct(colmap, config, desc), colmap.version()};
+    const PoseCheck check = [&](const ColmapModel& model, const std::vector<PhotoMatches>& matches) {
+      CheckedPoses checked = checked_with_matches(model, pixels, matches, *poses);
+      tell(pixels.notes, context);
+      tell(checked.notes, context);
+      return std::move(checked.model);
+    };
+    s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
     if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
   }
   if (given)
@@ -239,7 +264,8 @@ void run(const SfmConfig& config, StageContext& context) {
   transform_world(model, scene.scene_from_colmap);
   for (const ColmapPoint3D& p : model.points) scene.bounds.extend(p.position);
   if (model.points.size() < kFewPoints)
-    context.warning("SFM_FEW_POINTS", fmt::format("only {} scene points were found", model.points.size()));
+    context.warning("SFM_FEW_POINTS", fmt::format("{} scene points were found: hardly anything shows that the poses are right",
+                                                  model.points.size()));
   if (model.points.empty())
     for (const ColmapImage& image : model.images) scene.bounds.extend(inverse(image.cam_from_world()).translation);
 
@@ -269,9 +295,10 @@ void run(const SfmConfig& config, StageContext& context) {
   context.metric("photos", double(photos.size()));
   context.metric("registered", double(model.images.size()));
   context.metric("points", double(model.points.size()));
-  context.metric("reprojection_px", observations > 0 ? error / observations : 0);
-  context.summary(fmt::format("registered {}/{}, {} points, {:.2f} px", model.images.size(), photos.size(), model.points.size(),
-                              observations > 0 ? error / observations : 0));
+  if (observations > 0) context.metric("reprojection_px", error / observations);
+  // Without points there is no error that could be small.
+  context.summary(fmt::format("registered {}/{}, {} points{}", model.images.size(), photos.size(), model.points.size(),
+                              observations > 0 ? fmt::format(", {:.2f} px", error / observations) : ""));
 }
 
 std::string problem(const SfmConfig& c) {
@@ -328,7 +355,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 6,
+                 .version = 7,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

@@ -89,6 +89,50 @@ TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
   EXPECT_TRUE(has(few.next.at(0).text, "left out"));
 }
 
+TEST(Figures, PosesAndTheirErrorAreNotRatedFromHardlyAnyPoint) {
+  for (const int points : {0, 99}) {
+    const TemporaryFolder folder;
+    write_output(folder.path(), {.points = points});
+    const Figures f = gather_figures(folder.path(), read_outcome(folder.path()));
+    for (const char* id : {"registered", "reprojection"}) {
+      const Figure* figure = f.find(id);
+      ASSERT_NE(figure, nullptr) << id << " says that it is not known";
+      EXPECT_EQ(figure->rating, Rating::Unknown) << id;
+      EXPECT_EQ(figure->unknown, fmt::format("too few points ({})", points));
+    }
+    const std::string html = page(folder.path());
+    EXPECT_TRUE(has(html, fmt::format("Unknown: too few points ({}).", points)));
+    EXPECT_TRUE(has(html, "rating unknown"));
+    EXPECT_FALSE(has(html, "nan"));
+    const Verdict v = verdict({.points = points});
+    EXPECT_EQ(v.mood, Mood::Borderline) << "not known to be right is not right";
+    EXPECT_TRUE(has(v.sentence, "hardly any point")) << v.sentence;
+    EXPECT_TRUE(has(v.weak.at(0).text, "too few points")) << v.weak.at(0).text;
+  }
+  const TemporaryFolder folder;
+  write_output(folder.path(), {.points = 100});
+  EXPECT_EQ(gather_figures(folder.path(), read_outcome(folder.path())).find("reprojection")->rating, Rating::Good);
+}
+
+TEST(Figures, OneHeldOutViewIsShownAndNotRated) {
+  const TemporaryFolder folder;
+  write_output(folder.path(), {.psnr = 40, .train_psnr = 40, .heldout_views = 1});
+  const Figures f = gather_figures(folder.path(), read_outcome(folder.path()));
+  for (const char* id : {"psnr", "ssim", "gap", "region_rest"}) EXPECT_EQ(f.find(id)->rating, Rating::Unknown) << id;
+  EXPECT_EQ(f.find("psnr")->value, 40);
+  const Verdict v = verdict({.psnr = 40, .train_psnr = 40, .heldout_views = 1});
+  EXPECT_NE(v.mood, Mood::Good);
+  EXPECT_TRUE(has(v.next.at(0).text, "Take more photos")) << v.next.at(0).text;
+}
+
+TEST(Figures, AMeshWithoutTrianglesHasNoGoodFigure) {
+  const TemporaryFolder folder;
+  write_output(folder.path());
+  write_file(folder.path() / "mesh/report.json",
+             R"({"mesh": {"faces": 0, "components": 0, "edges": 0, "boundary_edges": 0, "self_intersections": 0}})");
+  EXPECT_EQ(gather_figures(folder.path(), read_outcome(folder.path())).find("mesh_crossing")->rating, Rating::Unknown);
+}
+
 TEST(Figures, SurfelsAreCountedOverAllLayers) {
   const TemporaryFolder folder;
   write_output(folder.path());
