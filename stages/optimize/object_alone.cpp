@@ -87,7 +87,8 @@ Surroundings surroundings_to_train(const std::string& wanted, const Capture& cap
                                     "something of it around the masks; {:.0f} % stand still before the camera instead",
                                     100 * counts.part(counts.still), 100 * counts.part(counts.in_place + counts.plain))};
   };
-  const bool explained = outside >= kMostOutside || double(counts.still) >= kMostlyStill * double(counts.all);
+  const bool explained =
+      outside >= kMostOutside || (counts.still > 0 && double(counts.still) >= kMostlyStill * double(counts.all));
   if (explained && !counts.moving()) return everything();
   const std::vector<StillPoint> points = still_points(capture, depth, evidence);
   std::vector<std::vector<uint8_t>> shown_in(capture.photos.size());
