@@ -124,6 +124,22 @@ TEST_F(Tiff, JpegCompressedIsRgbAgain) {
     }
 }
 
+TEST_F(Tiff, YcbcrBecomesRgb) {
+  for (const bool tiled : {false, true}) {
+    const ImageF read =
+        read_unchanged(written({.photometric = PHOTOMETRIC_YCBCR, .compression = COMPRESSION_LZW, .tiled = tiled}));
+    ASSERT_EQ(read.channels(), 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double luma = test::tiff_sample(x, y, 0), cb = test::tiff_sample(x, y, 1) - 128.0,
+                     cr = test::tiff_sample(x, y, 2) - 128.0;
+        const double rgb[] = {luma + 1.402 * cr, luma - 0.344136 * cb - 0.714136 * cr, luma + 1.772 * cb};
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(read.at(x, y, c) * 255, std::clamp(rgb[c], 0.0, 255.0), 2) << x << " " << y << " " << tiled;
+      }
+  }
+}
+
 TEST_F(Tiff, AlphaIsKeptAndDividedOutWhereItWasMultipliedIn) {
   const auto read_with = [&](unsigned samples, unsigned photometric, std::vector<uint16_t> extra, unsigned bits,
                              bool planar = false) {
