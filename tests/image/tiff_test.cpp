@@ -205,6 +205,26 @@ TEST_F(Tiff, ThePictureIsTheLargestFullPage) {
   expect_picture(read_unchanged(folder.path() / "sub.tif"), test::tiff_picture(kWidth, kHeight, 3), 1e-6f, "sub-directory");
 }
 
+TEST_F(Tiff, DirectoriesInACircleAndSizesThatNoFileHoldsDoNoHarm) {
+  std::string bytes = read_file(written({}));
+  const uint64_t directory = tiff_pages(bytes).chosen().directory;
+  const size_t entries = uint8_t(bytes[directory]) + 256u * uint8_t(bytes[directory + 1]);
+  const uint32_t itself = uint32_t(directory);
+  std::memcpy(&bytes[directory + 2 + 12 * entries], &itself, 4);
+  write_file(folder.path() / "circle.tif", bytes);
+  expect_picture(read_unchanged(folder.path() / "circle.tif"), test::tiff_picture(kWidth, kHeight, 3), 1e-6f, "circle");
+  EXPECT_EQ(examine_picture(bytes, ".tif").notes,
+            std::vector<std::string>{"a TIFF with damaged further pages: they are left out"});
+  const uint32_t large = 16000;
+  for (size_t i = 0; i < 2; ++i) {  // width and height are the first entries
+    std::memcpy(&bytes[directory + 2 + 12 * i + 2], "\x04\0", 2);
+    std::memcpy(&bytes[directory + 2 + 12 * i + 8], &large, 4);
+  }
+  write_file(folder.path() / "large.tif", bytes);
+  EXPECT_NE(refusal(folder.path() / "large.tif").find("cannot hold 16000 x 16000"), std::string::npos)
+      << refusal(folder.path() / "large.tif");
+}
+
 TEST_F(Tiff, WhatIsNotReadIsNamedWithTheWayOut) {
   const auto has = [&](const TiffDesc& d, std::string_view words) {
     const std::string why = refusal(written(d));
