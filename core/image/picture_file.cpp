@@ -48,8 +48,12 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
       break;
     }
     case PhotoFormat::Png:
-    case PhotoFormat::Exr:
-      file.refusal = missing_end(bytes);
+      if (bytes.size() > 16 && bytes.substr(12, 4) == "CgBI")
+        file.refusal = "it is a PNG in the form of iPhone apps (CgBI), which only Apple reads: convert it to a usual PNG";
+      else
+        file.refusal = missing_end(bytes);
+      break;
+    case PhotoFormat::Exr:  // its reader finds out
       break;
   }
   return file;

@@ -305,7 +305,7 @@ std::vector<std::string> tiff_notes(const TiffPages& t) {
   if (full > 1 && !p.reduced)
     notes.push_back(fmt::format("a TIFF of {} pages of equal size: the first is read", full));
   else if (t.picture != 0)
-    notes.emplace_back("a TIFF whose first page is no full picture: its largest page is read");
+    notes.emplace_back("a TIFF whose first page is not its largest: the largest is read");
   const TiffChannels c = tiff_channels(p);
   if (c.premultiplied) notes.emplace_back("a TIFF whose colours are multiplied by its alpha: they are divided by it");
   if (c.dropped > 0)

@@ -131,6 +131,11 @@ TEST(Png, TrailersAreIgnoredAndCutsAreFound) {
     write_file(folder.path() / "c.png", png.substr(0, length));
     EXPECT_NE(error_of([&] { read_srgb(folder.path() / "c.png"); }).detail().why, "") << length;
   }
+  EXPECT_NE(examine_picture("\x89PNG\r\n\x1a\n\0\0\0\x04"
+                            "CgBI\x50\0\x20\x02"sv,
+                            ".png")
+                .refusal.find("CgBI"),
+            std::string::npos);
   std::string flipped = png;
   flipped[png.size() / 2] = char(flipped[png.size() / 2] ^ 1);
   write_file(folder.path() / "c.png", flipped);

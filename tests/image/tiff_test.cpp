@@ -124,6 +124,22 @@ TEST_F(Tiff, JpegCompressedIsRgbAgain) {
     }
 }
 
+TEST_F(Tiff, YcbcrBecomesRgb) {
+  for (const bool tiled : {false, true}) {
+    const ImageF read =
+        read_unchanged(written({.photometric = PHOTOMETRIC_YCBCR, .compression = COMPRESSION_LZW, .tiled = tiled}));
+    ASSERT_EQ(read.channels(), 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const double luma = test::tiff_sample(x, y, 0), cb = test::tiff_sample(x, y, 1) - 128.0,
+                     cr = test::tiff_sample(x, y, 2) - 128.0;
+        const double rgb[] = {luma + 1.402 * cr, luma - 0.344136 * cb - 0.714136 * cr, luma + 1.772 * cb};
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(read.at(x, y, c) * 255, std::clamp(rgb[c], 0.0, 255.0), 2) << x << " " << y << " " << tiled;
+      }
+  }
+}
+
 TEST_F(Tiff, AlphaIsKeptAndDividedOutWhereItWasMultipliedIn) {
   const auto read_with = [&](unsigned samples, unsigned photometric, std::vector<uint16_t> extra, unsigned bits,
                              bool planar = false) {
@@ -187,6 +203,26 @@ TEST_F(Tiff, ThePictureIsTheLargestFullPage) {
   test::add_tiff_page(tiff, kWidth, kHeight, {});
   TIFFClose(tiff);
   expect_picture(read_unchanged(folder.path() / "sub.tif"), test::tiff_picture(kWidth, kHeight, 3), 1e-6f, "sub-directory");
+}
+
+TEST_F(Tiff, DirectoriesInACircleAndSizesThatNoFileHoldsDoNoHarm) {
+  std::string bytes = read_file(written({}));
+  const uint64_t directory = tiff_pages(bytes).chosen().directory;
+  const size_t entries = uint8_t(bytes[directory]) + 256u * uint8_t(bytes[directory + 1]);
+  const uint32_t itself = uint32_t(directory);
+  std::memcpy(&bytes[directory + 2 + 12 * entries], &itself, 4);
+  write_file(folder.path() / "circle.tif", bytes);
+  expect_picture(read_unchanged(folder.path() / "circle.tif"), test::tiff_picture(kWidth, kHeight, 3), 1e-6f, "circle");
+  EXPECT_EQ(examine_picture(bytes, ".tif").notes,
+            std::vector<std::string>{"a TIFF with damaged further pages: they are left out"});
+  const uint32_t large = 16000;
+  for (size_t i = 0; i < 2; ++i) {  // width and height are the first entries
+    std::memcpy(&bytes[directory + 2 + 12 * i + 2], "\x04\0", 2);
+    std::memcpy(&bytes[directory + 2 + 12 * i + 8], &large, 4);
+  }
+  write_file(folder.path() / "large.tif", bytes);
+  EXPECT_NE(refusal(folder.path() / "large.tif").find("cannot hold 16000 x 16000"), std::string::npos)
+      << refusal(folder.path() / "large.tif");
 }
 
 TEST_F(Tiff, WhatIsNotReadIsNamedWithTheWayOut) {

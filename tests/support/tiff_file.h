@@ -69,6 +69,7 @@ inline void add_tiff_page(TIFF* tiff, int width, int height, const TiffDesc& d, 
   if (!d.extra.empty()) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, d.extra.size(), d.extra.data());
   if (d.predictor != 1) TIFFSetField(tiff, TIFFTAG_PREDICTOR, d.predictor);
   if (d.compression == COMPRESSION_JPEG) TIFFSetField(tiff, TIFFTAG_JPEGQUALITY, 100);
+  if (d.photometric == PHOTOMETRIC_YCBCR && d.compression != COMPRESSION_JPEG) TIFFSetField(tiff, TIFFTAG_YCBCRSUBSAMPLING, 1, 1);
   std::vector<uint16_t> colours[3];
   if (d.photometric == PHOTOMETRIC_PALETTE) {
     for (unsigned c = 0; c < 3; ++c)
