@@ -128,8 +128,8 @@ void MaskClassFolders::throw_if_unknown() const {
        .why = fmt::format("{} file{} there; the classes are object, transparent, specular and ignore, and no photo lies in "
                           "a folder of that name",
                           files, files == 1 ? "" : "s"),
-       .hint = meant.empty() ? fmt::format("call it like a class, move it elsewhere, or {}", alone)
-                             : fmt::format("{}? rename the folder, or {}", meant, alone),
+       .hint =
+           meant.empty() ? fmt::format("call it like a class, move it elsewhere, or {}", alone) : meant + "? rename the folder",
        .code = "MASKS_UNKNOWN_CLASS"});
 }
 

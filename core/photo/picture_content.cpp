@@ -136,9 +136,9 @@ PhotoMeasures small_measures(const fs::path& path, const Head& head) {
 
 }  // namespace
 
-bool looks_like_mask(const fs::path& path, bool both) {
+bool looks_like_mask(const fs::path& path, const MaskLook& look) {
   // Hundreds of masks of many pixels take long to decode, and no photograph is a PNG of a tenth of a byte per pixel.
-  if (const Head head = head_of(path); !both && head.format == PhotoFormat::Png) {
+  if (const Head head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
     constexpr double kPlain = 0.1;
     std::error_code ec;
     if (double(fs::file_size(path, ec)) < kPlain * head.width * head.height && !ec) return true;
@@ -146,14 +146,14 @@ bool looks_like_mask(const fs::path& path, bool both) {
   return unless_undecodable([&] {
     const ImageF image = read_unchanged(path);
     const int channels = image.channels();
-    if (channels == 2 || channels == 4) {
+    if (look.alpha && (channels == 2 || channels == 4)) {
       bool varies = false;
       const size_t last = size_t(channels) - 1;
       for (size_t i = 0; i < image.pixel_count() && !varies; ++i)
         varies = image.data()[i * size_t(channels) + last] != image.data()[last];
-      if (varies) return few_levels(image, channels - 1, both);
+      if (varies) return few_levels(image, channels - 1, look.both);
     }
-    return colour_share(image) > kColourShare ? few_colours(image) : few_levels(image, 0, both);
+    return colour_share(image) > kColourShare ? few_colours(image) : few_levels(image, 0, look.both);
   });
 }
 

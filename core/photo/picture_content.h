@@ -6,9 +6,13 @@
 
 namespace vitrine {
 
-// Few levels of grey (or painted colours), or an alpha channel of few levels. `both`: there must be pixels of the class and
-// others, as in no photo that is black or white all over.
-bool looks_like_mask(const std::filesystem::path& path, bool both = false);
+struct MaskLook {
+  bool both = false;   // there must be pixels of the class and others, as in no photo that is black or white all over
+  bool alpha = true;   // an alpha channel of few levels makes a mask of a colour picture, too
+  bool quick = false;  // a PNG of very few bytes counts without being decoded: for files whose names say that they are masks
+};
+// Few levels of grey, or few painted colours, or such an alpha channel.
+bool looks_like_mask(const std::filesystem::path& path, const MaskLook& look = {});
 // One channel, or three equal ones, beside a photo that has colour (or fewer bits).
 bool looks_like_depth(const std::filesystem::path& path, const std::filesystem::path& photo);
 // Colours that are unit vectors, 2 c - 1, or no colour at all.

@@ -156,7 +156,7 @@ class Partners {
 bool content_agrees(const Candidate& c, const fs::path& path, const fs::path& of) {
   switch (c.role) {
     case PictureRole::Mask:
-      return looks_like_mask(path, c.twin);
+      return looks_like_mask(path, {.both = c.twin, .alpha = true, .quick = !c.twin});
     case PictureRole::Depth:
       return looks_like_depth(path, of);
     case PictureRole::Normals:
@@ -216,8 +216,10 @@ void sort_by_role(PhotoFolder& folder) {
     if (agrees[i] && candidates[i]->role == PictureRole::Mask) masks.push_back(i);
   const auto without_mask_of_mask = [&](const std::vector<size_t>& pictures) {
     std::vector<uint8_t> of_mask(pictures.size(), 0);
-    parallel_for(pictures.size(), 1,
-                 [&](size_t k) { of_mask[k] = looks_like_mask(folder.photos[candidates[pictures[k]]->of].path); });
+    parallel_for(pictures.size(), 1, [&](size_t k) {
+      of_mask[k] =
+          looks_like_mask(folder.photos[candidates[pictures[k]]->of].path, {.both = false, .alpha = false, .quick = false});
+    });
     bool any = false;
     for (size_t k = 0; k < pictures.size(); ++k)
       if (of_mask[k]) {

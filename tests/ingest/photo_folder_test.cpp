@@ -227,6 +227,21 @@ TEST_F(PhotoFolders, OneMaskOfAllPhotosIsNoPhoto) {
   EXPECT_TRUE(says(note(f, "MASKS_BESIDE_PHOTOS"), "mask.png of all photos")) << note(f, "MASKS_BESIDE_PHOTOS");
 }
 
+TEST_F(PhotoFolders, RenderedPhotosWithPlainGroundsHaveMasksToo) {
+  for (int i = 0; i < 3; ++i) {
+    Image8 render(640, 480, 3, 255);  // a small coloured thing on white: few bytes a pixel
+    const Image8 thing = photo(uint64_t(i), 120, 90);
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 120; ++x)
+        for (int c = 0; c < 3; ++c) render.at(300 + x, 200 + y, c) = thing.at(x, y, c);
+    put(fmt::format("r_{}.png", i), render);
+    put(fmt::format("r_{}_mask.png", i), disk(640, 480));
+  }
+  const PhotoFolder f = found();
+  EXPECT_EQ(f.photos.size(), 3u);
+  EXPECT_EQ(f.beside.size(), 3u);
+}
+
 TEST_F(PhotoFolders, AFolderOfMasksAloneIsTakenAsItIs) {
   for (const char* name : {"a.png", "b.png", "transparent/a.png", "transparent/b.png", "a_mask.png"}) put(name, disk());
   EXPECT_EQ(found().photos.size(), 5u);
