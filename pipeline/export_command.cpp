@@ -95,6 +95,7 @@ int export_command(const Words& words) {
   check_formats(a.formats);
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const ProjectLock lock(project);
+  const fs::path target = result_folder(project, (a.edited ? edited_folder(project) : project) / kExportStage, a.output);
   ToolInputs inputs{
       .stages = {"sfm", "optimize", "mesh"}, .optional = {"refine", "relight"}, .missing = "there is no scene to export yet"};
   const Words how = quietness(a);
@@ -113,8 +114,6 @@ int export_command(const Words& words) {
   const ToolResult result = run_tool("export", project, run, how);
   if (result.exit_code != 0) return result.exit_code;
 
-  const fs::path there = (a.edited ? edited_folder(project) : project) / kExportStage;
-  const fs::path target = a.output.empty() ? there : fs::absolute(a.output).lexically_normal();
   put_export(result.entry, result.manifest, {.project = project, .target = target, .overwrite = a.overwrite});
   if (!a.quiet) fmt::print("{}\n", target.string());
   return 0;

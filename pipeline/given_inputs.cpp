@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/base/inside.h"
+#include "core/camera/photo_masks.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -29,35 +31,85 @@ void check_marks(const std::string& path, const std::string& photos) {
   errors.throw_if_any(fmt::format("marks name photos of {}", photos));
 }
 
+// A folder or transforms.json of masks, as the sfm and masks stages will read it.
+void check_masks(const fs::path& masks, const Settings& settings) {
+  std::vector<std::string> photos = PhotoNames(settings.text("input.photos")).all();
+  if (photos.empty()) return;  // ingest has something to say about that
+  const auto option = [&](const std::string& path, const std::string& otherwise) {
+    const Option* o = settings.options.table.find(path);
+    return o == nullptr ? otherwise : o->text();
+  };
+  std::vector<MaskClass> used;
+  for (MaskClass kind : kMaskClasses) {
+    const std::string source = option(fmt::format("masks.{}.source", name(kind)), "auto");
+    const bool of_features = option(fmt::format("sfm.masks.{}", name(kind)), "off") != "off" &&
+                             !(kind == MaskClass::Object && option("sfm.turntable", "auto") == "no");
+    if (source == "auto" || source == "files" || of_features) used.push_back(kind);
+  }
+  check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
+}
+
 }  // namespace
 
 PhotoNames::PhotoNames(const fs::path& photos) {
-  std::error_code ec;
-  for (fs::recursive_directory_iterator it(photos, ec), end; !ec && it != end; it.increment(ec))
-    if (it->is_regular_file(ec)) files_.push_back(it->path().lexically_relative(photos));
-  std::ranges::sort(files_);
+  try {
+    files_ = find_photos(photos).photos;
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+  }
+}
+
+std::vector<std::string> PhotoNames::all() const {
+  std::vector<std::string> names;
+  for (const PhotoFile& file : files_) names.push_back(file.name);
+  return names;
 }
 
 bool PhotoNames::has(const std::string& name) const {
-  return std::ranges::any_of(files_, [&](const fs::path& file) {
-    const std::string extension = file.extension().string(), plain = fs::path(file).replace_extension().generic_string();
-    const std::string twin = extension.empty() ? plain : plain + "_" + extension.substr(1);
-    const std::string shown = extension == ".exr" || extension == ".EXR" ? ".png" : extension;
-    return name == plain || name == twin || name == plain + shown || name == twin + shown;
-  });
+  return std::ranges::any_of(files_, [&](const PhotoFile& file) { return name == file.name || name == file.stem; });
 }
 
 bool PhotoNames::has_by_part(const std::string& name) const {
-  return has(name) || std::ranges::any_of(files_, [&](const fs::path& file) {
-           return name == file.generic_string() || name == file.filename().string() || name == file.stem().string() ||
-                  name == file.stem().string() + ".png";
+  return has(name) || std::ranges::any_of(files_, [&](const PhotoFile& file) {
+           const fs::path source(file.source);
+           return name == file.source || name == source.filename().string() || name == source.stem().string() ||
+                  name == source.stem().string() + ".png";
          });
 }
 
 std::string PhotoNames::nearest(const std::string& name) const {
   std::vector<std::string> names;
-  for (const fs::path& file : files_) names.push_back(file.generic_string());
+  for (const PhotoFile& file : files_) names.push_back(file.source);
   return nearest_word(name, names);
+}
+
+void check_inputs_apart(const fs::path& project, const Graph& graph, const Settings& settings) {
+  std::set<std::string> results{"images", "linear", "sparse", "eval", "edited", ".cache"}, names;
+  for (const StageNode& node : graph.nodes) {
+    results.insert(node.name);
+    for (const NodeInput& input : node.inputs)
+      if (!input.artifact) names.insert(input.name);
+  }
+  for (const std::string& name : names) {
+    const std::string path = settings.text("input." + name);
+    std::error_code ec;
+    if (path.empty() || path == "none" || !fs::is_directory(path, ec)) continue;
+    if (lies_in(project, path))
+      throw Error(ErrorKind::Usage, fmt::format("the output folder lies inside the folder of {}", name),
+                  {.where = project.string(),
+                   .why = name == "photos" ? std::string() : fmt::format("{} = {}", name, path),
+                   .hint = "choose another one with -o",
+                   .code = "USAGE"});
+    if (!lies_in(path, project)) continue;
+    const fs::path below = fs::weakly_canonical(path, ec).lexically_relative(fs::weakly_canonical(project, ec));
+    if (!below.empty() && results.contains(below.begin()->string()))
+      throw Error(
+          ErrorKind::Usage, fmt::format("the folder of {} lies where results are written", name),
+          {.where = path,
+           .why = fmt::format("{} in the output folder {} is replaced by results", below.begin()->string(), project.string()),
+           .hint = "choose another output folder with -o, or move what is given out of it",
+           .code = "USAGE"});
+  }
 }
 
 void check_given_inputs(const Planner& planner, const Settings& settings) {
@@ -76,7 +128,11 @@ void check_given_inputs(const Planner& planner, const Settings& settings) {
       throw Error(
           ErrorKind::Input, fmt::format("input '{}' does not exist", name),
           {.where = value, .why = fmt::format("{} names it", given.origin), .hint = "check the path", .code = "MISSING_INPUT"});
-    if (name == "masks" && is_yaml_file(value)) check_marks(value, settings.text("input.photos"));
+    if (name != "masks") continue;
+    if (is_yaml_file(value))
+      check_marks(value, settings.text("input.photos"));
+    else
+      check_masks(value, settings);
   }
 }
 

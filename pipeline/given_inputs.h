@@ -6,16 +6,19 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/photo/photo_files.h"
 #include "pipeline/plan.h"
 
 namespace vitrine {
 
-// The photos of a folder, with all names that users and stages have for them.
+// The photos of a folder, with all names that users and stages have for them. Nothing where the folder is missing or holds none:
+// ingest says so.
 class PhotoNames {
  public:
   explicit PhotoNames(const fs::path& photos);
 
   bool empty() const { return files_.empty(); }
+  std::vector<std::string> all() const;  // as the ingest stage calls them
   // As the ingest stage calls them: with their folders; an .exr becomes a .png; of two that differ by their extension alone the
   // second keeps it in its stem.
   bool has(const std::string& name) const;
@@ -25,11 +28,16 @@ class PhotoNames {
   std::string nearest(const std::string& name) const;
 
  private:
-  std::vector<fs::path> files_;  // relative to the folder, sorted
+  std::vector<PhotoFile> files_;
 };
 
+// Results are never written into what they are made from, nor over it, by whatever links it is reached. Error{Usage}: the output
+// folder lies in a folder that is given; or one that is given lies where results of the output folder go.
+void check_inputs_apart(const fs::path& project, const Graph& graph, const Settings& settings);
+
 // Of what this command gives or its chosen stages read. Error{Input}: it does not exist. Error{Usage}: a file of marks that
-// cannot be read as YAML, or marks a photo that is not there.
+// cannot be read as YAML, or marks a photo that is not there. Error{Input}: masks in folders that are no classes, or of other
+// photos.
 void check_given_inputs(const Planner& planner, const Settings& settings);
 
 // "preset preview -> standard, masks marks.yaml -> none"; empty where nothing differs. Of two presets only their names and the

@@ -74,6 +74,8 @@ void add_input_file(const std::string& name, const std::string& path, const std:
 
 int run_picture_tool(const PictureTool& tool, const fs::path& project, const PictureArguments& a) {
   const ProjectLock lock(project);
+  const fs::path there = a.edited ? edited_folder(project) : project;
+  const fs::path target = result_folder(project, there, a.output);
   Words how;
   if (a.no_progress) how.emplace_back("--no-progress");
   if (a.quiet) how.emplace_back("--quiet");
@@ -94,8 +96,6 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   const ToolResult result = run_tool(tool.name, project, run, how);
   if (result.exit_code != 0) return result.exit_code;
 
-  const fs::path there = a.edited ? edited_folder(project) : project;
-  const fs::path target = a.output.empty() ? there : fs::absolute(a.output).lexically_normal();
   // Which pictures lie in the project, and which beside its edits.
   const std::string role = a.edited ? tool.name + "-edited" : tool.name;
   ArtifactStore store(store_of(project));

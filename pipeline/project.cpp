@@ -10,8 +10,10 @@
 #include "core/artifact/current.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
+#include "core/base/inside.h"
 #include "core/base/log.h"
 #include "core/config/reference.h"
+#include "core/config/yaml.h"
 
 namespace vitrine {
 
@@ -62,6 +64,20 @@ bool settings_untouched(const fs::path& project) {
   std::error_code ec;
   if (!fs::exists(written_settings(project), ec) || !is_project(project)) return false;
   return read_file(written_settings(project)) == digest_bytes(read_file(project / "vitrine.yaml")).hex();
+}
+
+fs::path result_folder(const fs::path& project, const fs::path& there, const std::string& target) {
+  if (target.empty() || (lies_in(target, there) && lies_in(there, target))) return there;
+  const fs::path folder = fs::absolute(target).lexically_normal();
+  const YamlFile settings = read_yaml((project / "vitrine.yaml").string());
+  const YamlNode* input = settings.root.kind == YamlNode::Kind::Map ? settings.root.find("input") : nullptr;
+  const YamlNode* photos = input != nullptr && input->kind == YamlNode::Kind::Map ? input->find("photos") : nullptr;
+  std::error_code ec;
+  if (photos != nullptr && !photos->text.empty() && fs::is_directory(project / photos->text, ec) &&
+      lies_in(folder, project / photos->text))
+    throw Error(ErrorKind::Usage, "the output folder lies inside the folder of photos",
+                {.where = folder.string(), .hint = "choose another one with -o", .code = "USAGE"});
+  return folder;
 }
 
 ProjectLock::ProjectLock(const fs::path& project) {

@@ -18,6 +18,10 @@ void write_project_settings(const fs::path& project, const Settings& settings);
 // up anew; once somebody has edited it, it is a layer of settings that no command touches.
 bool settings_untouched(const fs::path& project);
 
+// Where results of a finished project go when -o names a folder: `target`, or `there` itself when it is the same folder by
+// another path. Throws Error{Usage} when it lies in the folder of the photos, whose next run would take the results for photos.
+fs::path result_folder(const fs::path& project, const fs::path& there, const std::string& target);
+
 // Held while a run works in the folder, released by the system however the process ends. Error{Locked} with the owner's pid and
 // host when another run holds it. A lock left behind by a killed run is taken over with a note.
 class ProjectLock {

@@ -4,6 +4,7 @@
 
 #include "core/artifact/current.h"
 #include "core/base/error.h"
+#include "core/base/inside.h"
 #include "core/base/log.h"
 #include "core/base/machine.h"
 #include "core/base/parallel.h"
@@ -87,14 +88,13 @@ Target target_of(const RunArguments& a) {
                  .hint = "give a folder of photos, or the output folder of an earlier run",
                  .code = "MISSING_INPUT"});
   if (is_project(what)) {
-    if (!a.output.empty() && fs::absolute(a.output).lexically_normal() != what)
+    if (!a.output.empty() && !(lies_in(a.output, what) && lies_in(what, a.output)))
       throw Error(ErrorKind::Usage, "this is the output folder of an earlier run: it cannot have another one",
                   {.where = what.string(), .hint = "leave out -o, or give the folder of photos", .code = "USAGE"});
     return {what, {}, false};
   }
   const fs::path project = a.output.empty() ? default_project(what) : fs::absolute(a.output).lexically_normal();
-  const fs::path inside = project.lexically_relative(what);
-  if (fs::is_directory(what, ec) && !inside.empty() && *inside.begin() != "..")
+  if (fs::is_directory(what, ec) && lies_in(project, what))
     throw Error(ErrorKind::Usage, "the output folder lies inside the folder of photos",
                 {.where = project.string(), .hint = "choose another one with -o", .code = "USAGE"});
   return {project, what.string(), !is_project(project) || settings_untouched(project)};
@@ -226,6 +226,7 @@ int run_command(const Words& words) {
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
+  check_inputs_apart(target.project, graph, settings);
   Planner planner(graph, settings, target.project, a.selection);
   check_given_inputs(planner, settings);
   const std::string replaced = replaced_settings(graph, settings, target);

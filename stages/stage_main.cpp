@@ -14,6 +14,7 @@
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
+#include "core/base/inside.h"
 #include "core/base/log.h"
 #include "core/base/machine.h"
 #include "core/base/parallel.h"
@@ -93,6 +94,7 @@ class Run : public StageContext {
         fs::absolute(arguments_.store.empty() ? fs::path(arguments_.output) / ".cache" : fs::path(arguments_.store));
     ArtifactStore store(root.lexically_normal());
     inputs_ = resolve_inputs(stage_.info, arguments_.inputs, store.digests());
+    keep_apart();
     fit_into_memory();
     manifest_.stage = stage_.info.name;
     manifest_.version = stage_.info.version;
@@ -143,6 +145,19 @@ class Run : public StageContext {
   }
 
  private:
+  // Results among the photos would be photos of the next run.
+  void keep_apart() const {
+    for (const StageInput& input : stage_.info.inputs) {
+      const auto given = inputs_.find(input.name);
+      std::error_code ec;
+      if (input.artifact || given == inputs_.end() || !fs::is_directory(given->second.path, ec)) continue;
+      for (const std::string& place : {arguments_.output, arguments_.store})
+        if (!place.empty() && lies_in(place, given->second.path))
+          throw Error(ErrorKind::Usage, fmt::format("the output folder lies inside the folder of {}", input.name),
+                      {.where = fs::absolute(place).string(), .hint = "choose another one with --output", .code = "USAGE"});
+    }
+  }
+
   void fit_into_memory() {
     if (max_memory_ == 0 || !fit_) return;
     InputPaths paths;

@@ -57,7 +57,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
 }  // namespace
 
 std::vector<OutputFile> artifact_files(DigestCache& digests, const fs::path& folder) {
-  std::vector<OutputFile> files = digests.files_below(folder, true);
+  std::vector<OutputFile> files = digests.artifact_files(folder);
   std::erase_if(files, [](const OutputFile& f) { return f.path == kManifestName || f.path == kTimingName; });
   return files;
 }

@@ -6,8 +6,11 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/folder_files.h"
 #include "core/camera/json_file.h"
+#include "core/camera/mask_classes.h"
 #include "core/image/ldr.h"
+#include "core/photo/photo_files.h"
 
 namespace vitrine {
 
@@ -30,12 +33,24 @@ bool is_picture(const fs::path& path) { return kMaskExtensions.contains(lowered(
 // "left/b.jpg" -> "left/b", with the case of letters gone.
 std::string stem_key(const std::string& photo) { return lowered(fs::path(photo).replace_extension().generic_string()); }
 
-// The photo's own extension inside a mask's name: letters and digits, at most four, at least one letter ("b.jpg", not "v1.25").
-bool has_photo_extension(const std::string& base) {
-  const std::string e = fs::path(base).extension().string();
-  return e.size() >= 3 && e.size() <= 5 && e != ".mask" &&
-         std::all_of(e.begin() + 1, e.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)); }) &&
-         std::any_of(e.begin() + 1, e.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)); });
+// Of a folder that holds photos and, by name and content, masks beside them: the masks, and the photo of each. Empty for all
+// others.
+std::map<std::string, std::string> masks_beside_photos(const fs::path& folder) {
+  std::map<std::string, std::string> masks;
+  try {
+    for (const BesidePhoto& file : find_photos(folder).beside)
+      if (file.role == PictureRole::Mask && !file.of.empty()) masks[file.source] = file.of;
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;  // no pictures at all
+  }
+  return masks;
+}
+
+bool in_folder_of_masks(const fs::path& name) {
+  const fs::path folder = name.parent_path();
+  return std::any_of(folder.begin(), folder.end(), [](const fs::path& part) {
+    return role_of_folder(part.string()) == PictureRole::Mask || is_class_folder(part.string());
+  });
 }
 
 std::string joined(const fs::path& folder, const std::string& base) { return lowered((folder / base).generic_string()); }
@@ -53,7 +68,11 @@ std::optional<MaskClass> mask_class(std::string_view word) {
   return std::nullopt;
 }
 
-MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
+MaskFolder::MaskFolder(const fs::path& path, MaskClass flat, const std::vector<std::string>& photos) : path_(path) {
+  for (const std::string& photo : photos) {
+    const std::string file = fs::path(photo).filename().generic_string();
+    photo_stems_.insert({stem_key(photo), stem_key(file)});
+  }
   std::error_code ec;
   if (fs::is_regular_file(path, ec)) {
     add_transforms(flat, path);
@@ -63,42 +82,74 @@ MaskFolder::MaskFolder(const fs::path& path, MaskClass flat) : path_(path) {
     throw Error(
         ErrorKind::Input, "there are no masks",
         {.where = path.string(), .hint = "give a folder of masks, or a transforms.json with mask_path", .code = "MASKS_MISSING"});
-  std::vector<fs::path> found;
-  fs::recursive_directory_iterator at(path, fs::directory_options::follow_directory_symlink, ec);
-  for (std::error_code odd; !ec && at != fs::recursive_directory_iterator(); at.increment(ec))
-    if (at->is_regular_file(odd)) found.push_back(at->path());
-  if (ec)  // no permission, or links in a circle
+  add_folder(flat, photos);
+}
+
+void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& photos) {
+  std::error_code ec;
+  const FolderFiles listed = files_below(path_, ReachedTwice::Always, ec);
+  if (ec || !listed.unreadable.empty())
     throw Error(ErrorKind::Input, "cannot read the folder of masks",
-                {.where = path.string(),
-                 .why = ec.message(),
-                 .hint = "check its permissions, and that no link in it leads to a folder above",
+                {.where = (ec ? path_ : path_ / listed.unreadable[0]).string(),
+                 .why = ec ? ec.message() : "it cannot be opened",
+                 .hint = "check its permissions",
                  .code = "MASKS_UNREADABLE"});
-  std::sort(found.begin(), found.end());
-  for (const fs::path& file : found) {
-    fs::path relative = file.lexically_relative(path);
-    MaskClass kind = flat;
-    const std::string top = lowered(relative.begin()->string());
-    // What this program writes beside the classes.
-    if (std::distance(relative.begin(), relative.end()) > 1) {
-      if (top == "colmap" || top == "confidence") continue;
-      if (const auto named = mask_class(top)) {
-        kind = *named;
-        relative = relative.lexically_relative(*relative.begin());
-      }
+  // What programs say of their masks, first: folders of files that are named there are no classes.
+  std::set<fs::path> scenes;
+  for (const fs::path& name : listed.files) {
+    const std::string extension = lowered(name.extension().string());
+    const bool transforms = lowered(name.filename().string()).starts_with("transforms") && extension == ".json";
+    if (!transforms && extension != ".sfm") continue;
+    const MaskClass kind = mask_class(lowered(name.begin()->string())).value_or(flat);
+    if (transforms) {
+      add_transforms(kind, path_ / name);
+    } else {
+      add_meshroom(kind, path_ / name);
+      scenes.insert(name.parent_path());
     }
-    const std::string extension = lowered(file.extension().string());
-    if (lowered(file.filename().string()).starts_with("transforms") && extension == ".json")
-      add_transforms(kind, file);
-    else if (extension == ".sfm")
-      add_meshroom(kind, file);
-    else if (is_picture(file) && lowered(file.filename().string()) != "contact_sheet.png")
-      add(kind, file, relative);
   }
+  std::set<fs::path> named;
+  for (const Index& index : classes_)
+    for (const auto& [photo, files] : index.by_stem)
+      for (const MaskFile& file : files) named.insert(file.path.lexically_normal());
+
+  const std::map<std::string, std::string> beside = masks_beside_photos(path_);
+  MaskClassFolders classes(path_, flat, photos);
+  for (const fs::path& name : listed.files) {
+    const fs::path file = path_ / name;
+    if (!is_picture(file) || lowered(name.filename().string()) == "contact_sheet.png") continue;
+    const auto photo = beside.find(name.generic_string());
+    // Among photos: a photo, or what else lies beside one.
+    if (!beside.empty() && photo == beside.end() && !in_folder_of_masks(name)) continue;
+    const std::string top = lowered(name.begin()->string());
+    if (name.has_parent_path() && (top == "colmap" || top == "confidence"))
+      continue;  // written by this program beside the classes
+    if (scenes.contains(name.parent_path()) || named.contains(file.lexically_normal())) {
+      const auto kind = name.has_parent_path() ? mask_class(top) : std::nullopt;
+      add(kind.value_or(flat), file, kind ? name.lexically_relative(*name.begin()) : name);
+      continue;
+    }
+    const auto place = classes.place(name);
+    if (!place) continue;
+    if (photo != beside.end())
+      add_beside(place->kind, file, photo->second);
+    else
+      add(place->kind, file, place->name);
+  }
+  classes.throw_if_unknown();
+}
+
+void MaskFolder::add_beside(MaskClass kind, const fs::path& file, const std::string& photo) {
+  if (kind == MaskClass::Object && lowered(file.filename().string()).starts_with("dynamic_mask")) kind = MaskClass::Ignore;
+  Index& index = classes_[static_cast<size_t>(kind)];
+  ++index.files;
+  index.by_name[lowered(photo)].push_back({file, "b_mask.*"});
+  index.by_stem[stem_key(photo)].push_back({file, "b_mask.*"});
 }
 
 void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relative) {
   const fs::path folder = relative.parent_path();
-  std::string base = relative.stem().string();
+  const std::string base = relative.stem().string();
   const std::string low = lowered(base);
   constexpr std::string_view kDynamic = "dynamic_mask_";
   // instant-ngp's masks mark what moves, whatever stands beside them.
@@ -110,14 +161,17 @@ void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relat
   }
   Index& index = classes_[static_cast<size_t>(kind)];
   ++index.files;
-  for (const auto& [suffix, convention] : {std::pair{"_mask", "b_mask.*"}, std::pair{".mask", "b.mask.*"}})
-    if (low.ends_with(suffix)) {
-      const std::string photo = base.substr(0, base.size() - 5);
-      if (has_photo_extension(photo))
-        index.by_name[joined(folder, photo)].push_back({file, convention});
+  // A photo may be called so itself: carnival_mask.jpg has the mask carnival_mask.png.
+  const bool is_photo = photo_stems_.contains(joined(folder, base)) || photo_stems_.contains(low);
+  if (!is_photo)
+    for (const NamedRole& role : roles_of_stem(base)) {
+      if (role.role != PictureRole::Mask || role.of == base) continue;
+      const std::string convention = low.ends_with(".mask") ? "b.mask.*" : "b_mask.*";
+      if (has_photo_extension(role.of))
+        index.by_name[joined(folder, role.of)].push_back({file, convention});
       else
-        index.by_stem[joined(folder, photo)].push_back({file, convention});
-      return;
+        index.by_stem[joined(folder, role.of)].push_back({file, convention});
+      break;
     }
   // "b.jpg.png" may also belong to a photo "b.jpg.tif".
   if (has_photo_extension(base)) index.by_name[joined(folder, base)].push_back({file, "b.jpg.png"});
@@ -184,7 +238,10 @@ std::optional<MaskFile> MaskFolder::find(MaskClass kind, const std::string& phot
   std::vector<MaskFile> anywhere;
   for (const auto& [map, wanted] : {std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
     for (const auto& [key, files] : *map)
-      if (fs::path(key).filename().generic_string() == wanted) anywhere.insert(anywhere.end(), files.begin(), files.end());
+      if (fs::path(key).filename().generic_string() == wanted)
+        for (const MaskFile& file : files)  // one file may stand under both keys
+          if (std::none_of(anywhere.begin(), anywhere.end(), [&](const MaskFile& a) { return a.path == file.path; }))
+            anywhere.push_back(file);
   if (anywhere.size() == 1) return anywhere[0];
   return std::nullopt;
 }
@@ -254,11 +311,12 @@ void MaskExtent::add(const ImageF& mask) {
   const int w = mask.width(), h = mask.height(), edge_x = std::max(1, w / 20), edge_y = std::max(1, h / 20);
   double sum = 0, border_sum = 0, centre_sum = 0;
   size_t border_count = 0, centre_count = 0;
-  bool anything = false;
+  bool anything = false, everything = true;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const float v = mask.at(x, y);
       anything |= v > kNothing;
+      everything &= v >= 1 - kNothing;
       sum += v;
       if (x < edge_x || y < edge_y || x >= w - edge_x || y >= h - edge_y) border_sum += v, ++border_count;
       if (3 * x >= w && 3 * x < 2 * w && 3 * y >= h && 3 * y < 2 * h) centre_sum += v, ++centre_count;
@@ -268,6 +326,7 @@ void MaskExtent::add(const ImageF& mask) {
   border += (border_sum / double(std::max<size_t>(border_count, 1)) - border) / n;
   centre += (centre_sum / double(std::max<size_t>(centre_count, 1)) - centre) / n;
   empty += !anything;
+  full += everything;
 }
 
 bool looks_inverted(const MaskExtent& e) {

@@ -1,11 +1,14 @@
 // Mask files as people and neighbouring programs leave them, found for a photo whatever they are called:
 //
-//   b.jpg.png   COLMAP, Brush                b.png, b.*       nerfstudio, LichtFeld, Postshot, COLMAP's fall-back; or an alpha
-//   channel b_mask.*    3DGRUT, ODM                  b.mask.*         OpenMVS (labels: 0 = no, everything else = yes), Brush
-//   dynamic_mask_b.png   instant-ngp: what is not black moves
+//   b.jpg.png             COLMAP, Brush
+//   b.png, b.*            nerfstudio, LichtFeld, Postshot, COLMAP's fall-back; or an alpha channel
+//   b_mask.*, mask_b.*    3DGRUT, ODM, openMVG; other words for it: core/photo/picture_roles.h
+//   b.mask.*              OpenMVS (labels: 0 = no, everything else = yes), Brush
+//   dynamic_mask_b.png    instant-ngp: what is not black moves
 //   mask_path of a transforms.json           <viewId>.png beside a Meshroom .sfm file
 //
-// below a folder per class (object/ transparent/ specular/ ignore/), or all in one folder, which then is the mask of the object.
+// below a folder per class (object/ transparent/ specular/ ignore/: mask_classes.h), or all in one folder, which then is the mask
+// of the object. The folder may be that of the photos, with masks beside them: the photos themselves are no masks then.
 // Values are as in the file: which of black and white means "belongs to the class" is the caller's to say (polarity).
 #pragma once
 
@@ -13,6 +16,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,8 +39,10 @@ struct MaskFile {
 
 class MaskFolder {
  public:
-  // `path`: a folder, or a transforms.json. `flat`: the class of files that do not lie in the folder of a class.
-  explicit MaskFolder(const std::filesystem::path& path, MaskClass flat = MaskClass::Object);
+  // `path`: a folder, or a transforms.json. `flat`: the class of files that do not lie in the folder of a class. `photos`: the
+  // names of all photos, with folders. Throws Error{Input}: nothing there, or folders that are neither a class nor the photos'.
+  explicit MaskFolder(const std::filesystem::path& path, MaskClass flat = MaskClass::Object,
+                      const std::vector<std::string>& photos = {});
 
   const std::filesystem::path& path() const { return path_; }
   size_t file_count(MaskClass kind) const { return classes_[static_cast<size_t>(kind)].files; }
@@ -49,11 +55,15 @@ class MaskFolder {
     size_t files = 0;
     std::map<std::string, std::vector<MaskFile>> by_name, by_stem;  // keys without letter case
   };
+  void add_folder(MaskClass flat, const std::vector<std::string>& photos);
+  // `relative`: the file's name as that of a photo.
   void add(MaskClass kind, const std::filesystem::path& file, const std::filesystem::path& relative);
+  void add_beside(MaskClass kind, const std::filesystem::path& file, const std::string& photo);
   void add_transforms(MaskClass kind, const std::filesystem::path& json);
   void add_meshroom(MaskClass kind, const std::filesystem::path& json);
   std::filesystem::path path_;
   std::array<Index, kMaskClassCount> classes_;
+  std::set<std::string> photo_stems_;  // keys without letter case; with folders and without
 };
 
 // One channel in [0, 1]. Colour counts by its luma, an alpha channel that varies wins over colour, and a file of small whole
@@ -63,7 +73,7 @@ ImageF read_mask(const MaskFile& file);
 // How masks of one class lie in their pictures, to tell a mask from its negative.
 struct MaskExtent {
   double mean = 0, border = 0, centre = 0;  // of the mask; of its outermost twentieth; of the middle third
-  size_t masks = 0, empty = 0;              // empty: black, but for noise
+  size_t masks = 0, empty = 0, full = 0;    // empty: black, but for noise; full: white, but for noise
   void add(const ImageF& mask);             // running means
 };
 // What a mask marks is as a rule smaller than what it leaves, and leaves the border alone: true when both hold the other way

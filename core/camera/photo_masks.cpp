@@ -33,22 +33,59 @@ std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& pho
 
 }  // namespace
 
-PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarity == "black"), files_(desc.photos.size()) {
-  const std::string class_name(name(desc.kind));
-  for (size_t i = 0; i < files_.size(); ++i) {
-    files_[i] = desc.folder.find(desc.kind, desc.photos[i]);
-    matched_ += files_[i].has_value();
+std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
+                                                    const std::vector<std::string>& photos, const std::string& off_setting) {
+  std::vector<std::optional<MaskFile>> found(photos.size());
+  bool any = false;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    found[i] = folder.find(kind, photos[i]);
+    any |= found[i].has_value();
   }
-  const size_t files = desc.folder.file_count(desc.kind);
-  if (matched_ == 0)
-    throw Error(
-        ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),
-        {.where = desc.folder.path().string(),
-         .why = fmt::format("{} file{} there; none is called like a photo, for example {}", files, files == 1 ? "" : "s",
-                            desc.photos.front()),
-         .hint = fmt::format("call them {}, or --set {}",
-                             std::filesystem::path(desc.photos.front()).replace_extension(".png").string(), desc.off_setting),
-         .code = "MASKS_MATCH_NO_PHOTO"});
+  if (any || photos.empty()) return found;
+  const size_t files = folder.file_count(kind);
+  throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", name(kind)),
+              {.where = folder.path().string(),
+               .why = fmt::format("{} file{} there; none is called like a photo, for example {}", files, files == 1 ? "" : "s",
+                                  photos.front()),
+               .hint = fmt::format("call them {}, or --set {}",
+                                   std::filesystem::path(photos.front()).replace_extension(".png").string(), off_setting),
+               .code = "MASKS_MATCH_NO_PHOTO"});
+}
+
+std::vector<std::string> check_mask_names(const std::filesystem::path& masks, MaskClass flat,
+                                          const std::vector<std::string>& photos, std::span<const MaskClass> used) {
+  const MaskFolder folder(masks, flat, photos);
+  size_t files = 0;
+  for (MaskClass kind : kMaskClasses) files += folder.file_count(kind);
+  if (files == 0) throw_no_mask_file(masks);
+  std::vector<std::string> notes;
+  for (MaskClass kind : used) {
+    if (folder.file_count(kind) == 0) continue;
+    const auto found = matching_masks(folder, kind, photos, fmt::format("masks.{}.source=none", name(kind)));
+    const size_t without = size_t(std::count(found.begin(), found.end(), std::nullopt));
+    if (without > 0)
+      notes.push_back(fmt::format("{} of {} photos have no mask of the class '{}'", without, photos.size(), name(kind)));
+  }
+  return notes;
+}
+
+void throw_no_mask_file(const std::filesystem::path& masks) {
+  throw Error(ErrorKind::Input, "there is no mask file",
+              {.where = masks.string(),
+               .why = "masks are pictures (png, jpg, tif), in folders called object, transparent, specular or ignore",
+               .hint = "stages/masks/README.md shows how they may be called",
+               .code = "MASKS_MISSING"});
+}
+
+PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
+    : kind_(desc.kind),
+      where_(desc.folder.path().string()),
+      polarity_option_(desc.polarity_option),
+      off_setting_(desc.off_setting),
+      black_belongs_(desc.polarity == "black"),
+      files_(matching_masks(desc.folder, desc.kind, desc.photos, desc.off_setting)) {
+  const std::string class_name(name(desc.kind));
+  matched_ = size_t(std::count_if(files_.begin(), files_.end(), [](const auto& f) { return f.has_value(); }));
   std::vector<MaskExtent> extents(files_.size());
   std::vector<uint8_t> left_out(files_.size(), 0), photo_itself(files_.size(), 0);
   parallel_for(files_.size(), 1, [&](size_t i) {
@@ -82,16 +119,11 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
     all.border += (e.border - all.border) / n;
     all.centre += (e.centre - all.centre) / n;
     all.empty += e.empty;
+    all.full += e.full;
   }
   if (all.masks == 0) return;
-  if (all.empty == all.masks)
-    throw Error(ErrorKind::Input,
-                fmt::format("all masks of the class '{}' are {}", class_name, black_belongs_ ? "white" : "black"),
-                {.where = desc.folder.path().string(),
-                 .why = fmt::format("{} masks, and no pixel belongs to the class", all.masks),
-                 .hint = fmt::format("white means '{}' (--set {}=black turns it round); without such pixels: --set {}",
-                                     class_name, desc.polarity_option, desc.off_setting),
-                 .code = "MASKS_ALL_BLACK"});
+  extent_ = all;
+  if (nothing()) return;
   if (desc.polarity == "auto" && looks_inverted(all))
     throw Error(ErrorKind::Input, fmt::format("the masks of the class '{}' look inverted", class_name),
                 {.where = desc.folder.path().string(),
@@ -100,6 +132,19 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarit
                  .hint = fmt::format("--set {}=black if black means '{}', white if they are right as they are",
                                      desc.polarity_option, class_name),
                  .code = "MASKS_INVERTED"});
+}
+
+std::string PhotoMasks::all_black_text() const {
+  return fmt::format("all masks of the class '{}' are {}", name(kind_), black_belongs_ ? "white" : "black");
+}
+
+void PhotoMasks::throw_all_black() const {
+  throw Error(ErrorKind::Input, all_black_text(),
+              {.where = where_,
+               .why = fmt::format("{} masks, and no pixel belongs to the class", extent_.masks),
+               .hint = fmt::format("white means '{}' (--set {}=black turns it round); without such pixels: --set {}", name(kind_),
+                                   polarity_option_, off_setting_),
+               .code = "MASKS_ALL_BLACK"});
 }
 
 ImageF PhotoMasks::at(size_t photo) const {

@@ -1,11 +1,13 @@
 // The user's masks of one class for a list of photos: which file belongs to which photo, read with the right polarity, and
 // looked at before anything uses them. Whoever needs masks (features in sfm, the masks stage) refuses the same files for the same
-// reasons: no file called like a photo, another shape than the photo, nothing in any mask, a negative.
+// reasons: no file called like a photo, another shape than the photo, a negative. Masks that mark nothing are a class that the
+// scene does not have, unless no other class has pixels: throw_all_black() is for the caller, who knows the others.
 #pragma once
 
 #include <functional>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,14 +38,37 @@ class PhotoMasks {
   // Files that are the photo itself, without an alpha channel that varies: they are no masks.
   size_t photos_themselves() const { return photos_themselves_; }
   bool black_belongs() const { return black_belongs_; }
+  bool nothing() const {
+    return extent_.masks > 0 && extent_.empty == extent_.masks;
+  }  // no pixel of any photo belongs to the class
+  bool everything() const { return extent_.masks > 0 && extent_.full == extent_.masks; }  // every pixel of every mask does
+  [[noreturn]] void throw_all_black() const;
+  // "all masks of the class 'object' are black"
+  std::string all_black_text() const;
   std::set<std::string> conventions() const;
 
  private:
   ImageF with_polarity(ImageF mask) const;
+  MaskClass kind_;
+  std::string where_, polarity_option_, off_setting_;
+  MaskExtent extent_;
   bool black_belongs_ = false;
   std::vector<std::optional<MaskFile>> files_;
   size_t matched_ = 0, photos_themselves_ = 0;
 };
+
+// The masks of one class by the photos' names alone. Throws Error{Input} when no photo has one; `off_setting` is how to do
+// without.
+std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
+                                                    const std::vector<std::string>& photos, const std::string& off_setting);
+
+// What a run would refuse of masks by their names, before anything is computed: nothing there, folders that are no classes, no
+// file called like a photo. Returns sentences on photos without a mask. `photos`: as ingest calls them; `used`: classes that are
+// taken from files.
+std::vector<std::string> check_mask_names(const std::filesystem::path& masks, MaskClass flat,
+                                          const std::vector<std::string>& photos, std::span<const MaskClass> used = kMaskClasses);
+
+[[noreturn]] void throw_no_mask_file(const std::filesystem::path& masks);
 
 // Same picture at another size: sides in proportion, up to the rounding of one pixel of the smaller one.
 bool same_shape(int width, int height, double other_width, double other_height);

@@ -8,6 +8,7 @@
 #include "core/base/utf8.h"
 #include "core/image/exr.h"
 #include "core/image/picture_file.h"
+#include "core/photo/sorted_pictures.h"
 
 namespace vitrine {
 
@@ -49,6 +50,17 @@ std::string printable(const std::string& s) {
   return out;
 }
 
+// "; 2 links lead to nothing; 1 folder cannot be opened", for a folder without photos.
+std::string closed_text(const FolderFiles& listed) {
+  std::string text;
+  const auto add = [&](size_t n, const char* one, const char* several) {
+    if (n > 0) text += fmt::format("; {} {}", n, n == 1 ? one : several);
+  };
+  add(listed.dangling.size(), "link leads to nothing", "links lead to nothing");
+  add(listed.unreadable.size(), "folder cannot be opened", "folders cannot be opened");
+  return text;
+}
+
 }  // namespace
 
 PhotoFolder find_photos(const fs::path& folder) {
@@ -56,33 +68,27 @@ PhotoFolder find_photos(const fs::path& folder) {
   if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
   if (!fs::is_directory(folder, error)) throw_unreadable(folder, "it is not a folder");
   PhotoFolder found;
-  fs::recursive_directory_iterator it(folder, error), end;
-  for (; !error && it != end; it.increment(error)) {
-    if (it->path().filename().string().starts_with('.')) {
-      ++found.hidden;
-      it.disable_recursion_pending();
-      continue;
-    }
-    std::error_code ignored;
-    if (!it->is_regular_file(ignored)) continue;
-    const std::string extension = lower(it->path().extension().string());
-    if (contains(kExtensions, extension)) {
-      found.photos.push_back({it->path(), it->path().lexically_relative(folder).generic_string(), {}, {}});
-    } else {
-      ++found.skipped[extension];
-    }
-  }
+  found.folder = folder;
+  found.listed = files_below(folder, ReachedTwice::Once, error);
   if (error) throw_unreadable(folder, error.message());
+  for (const fs::path& file : found.listed.files) {
+    const std::string extension = lower(file.extension().string());
+    if (contains(kExtensions, extension))
+      found.photos.push_back({folder / file, file.generic_string(), {}, {}});
+    else
+      ++found.skipped[extension];
+  }
+  found.listed.files.clear();
   if (found.photos.empty()) {
     const std::string others = skipped_text(found);
     throw Error(ErrorKind::Input, "there are no photos in this folder",
                 {.where = folder.string(),
                  .why = "looked for .jpg .jpeg .png .tif .tiff .exr (also in sub-folders); found " +
-                        (others.empty() ? "no files" : others),
+                        (others.empty() ? "no files" : others) + closed_text(found.listed),
                  .hint = "give the folder that holds the photos; convert raw or HEIC photos to JPEG or 16-bit TIFF first",
                  .code = "NO_PHOTOS"});
   }
-  std::sort(found.photos.begin(), found.photos.end(), [](const PhotoFile& a, const PhotoFile& b) { return a.source < b.source; });
+  sort_pictures(found);
   assign_names(found.photos);
   return found;
 }

@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "core/base/folder_files.h"
 #include "core/base/hash.h"
 #include "core/image/probe.h"
 #include "core/photo/exif.h"
 #include "core/photo/photo_color.h"
+#include "core/photo/picture_roles.h"
 
 namespace vitrine {
 
@@ -19,14 +21,41 @@ struct PhotoFile {
   std::string name, stem;  // unique (core/camera/photo_list.h)
 };
 
-struct PhotoFolder {
-  std::vector<PhotoFile> photos;          // sorted by source, byte order
-  std::map<std::string, size_t> skipped;  // lower-case extension ("" = none) -> files that are no photo we read
-  size_t hidden = 0;                      // files and folders whose name starts with a dot
+// A picture that belongs to a photo and is none.
+struct BesidePhoto {
+  std::filesystem::path path;
+  std::string source;  // below the folder, with '/'
+  PictureRole role = PictureRole::Mask;
+  std::string of;  // the photo's source; empty: all photos in its folder
 };
 
-// Sub-folders are searched. Throws Error{Input} when the folder is missing, unreadable or holds no photo.
+// A second set of the same photos that is left out, because it is of about the same size as the one that is used.
+struct SecondSet {
+  std::string used, left_out;  // folders
+  size_t photos = 0;
+};
+
+struct PhotoFolder {
+  std::filesystem::path folder;
+  std::vector<PhotoFile> photos;          // sorted by source, byte order
+  std::map<std::string, size_t> skipped;  // lower-case extension ("" = none) -> files that are no photo we read
+  std::vector<BesidePhoto> beside;        // sorted by source
+  std::vector<std::string> like_photos;   // called like a mask, ... of another picture, and a photo by their content
+  std::vector<SecondSet> second_sets;
+  FolderFiles listed;  // links, closed folders, junk; without its files
+};
+
+// Sub-folders are searched, and linked ones. Throws Error{Input} when the folder is missing, unreadable or holds no photo.
 PhotoFolder find_photos(const std::filesystem::path& folder);
+
+// What a user should know of a folder of photos.
+struct FolderNote {
+  std::string code;      // "MASKS_BESIDE_PHOTOS"
+  bool warning = false;  // something is left out that may be missed; else what is left out is no photo
+  std::string what, why, hint;
+  std::string sentence() const { return what + (why.empty() ? "" : " (" + why + ")") + ": " + hint; }
+};
+std::vector<FolderNote> notes_of(const PhotoFolder& folder);
 
 // Gives every photo its name and stem. `photos` is sorted by source.
 void assign_names(std::vector<PhotoFile>& photos);

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/hash.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
@@ -33,6 +34,7 @@ struct Outcome {
   RepairedValues repaired;
   std::vector<std::string> notes;
   std::string aside;
+  Digest digest;  // of the file
 };
 
 size_t stored_pixels(const fs::path& path) {
@@ -76,6 +78,7 @@ Outcome ingest_photo(const PhotoFile& file, int max_side, const fs::path& output
   outcome.repaired = developed.repaired;
   outcome.notes = std::move(developed.notes);
   outcome.aside = std::move(developed.aside);
+  outcome.digest = digest_file(file.path);
   write_exr_rgb(ingested_linear_path(output, outcome.photo), developed.linear);
   write_ldr(ingested_ldr_path(output, outcome.photo), srgb8_from_linear(developed.linear));
   return outcome;
@@ -112,14 +115,30 @@ std::string failure_list(const std::vector<PhotoFile>& files, const std::vector<
 void report_folder(const PhotoFolder& folder, StageContext& context) {
   size_t skipped = 0;
   for (const auto& [extension, count] : folder.skipped) skipped += count;
-  context.metric("files_skipped", static_cast<double>(skipped + folder.hidden));
-  if (skipped + folder.hidden > 0)
-    log_info("skipped {} hidden and {} other files{}{}", folder.hidden, skipped, skipped ? ": " : "", skipped_text(folder));
-  if (const size_t unread = skipped_photo_like(folder); unread > 0)
-    context.warning("PHOTO_TYPES_NOT_READ",
-                    fmt::format("{} files hold photos or video in a form that is not read ({}): convert them to "
-                                "JPEG or 16-bit TIFF to use them",
-                                unread, skipped_text(folder)));
+  const size_t unseen = folder.listed.hidden + folder.listed.junk;
+  context.metric("files_skipped", static_cast<double>(skipped + unseen));
+  context.metric("files_beside_photos", static_cast<double>(folder.beside.size()));
+  if (skipped + unseen > 0)
+    log_info("skipped {} hidden, {} of the system and {} other files{}{}", folder.listed.hidden, folder.listed.junk, skipped,
+             skipped ? ": " : "", skipped_text(folder));
+  for (const FolderNote& note : notes_of(folder)) context.warning(note.code, note.sentence());
+}
+
+// Copies of one file: they cost time and tell nothing new, but do no harm.
+void report_repeated(const std::vector<PhotoFile>& files, const std::vector<Outcome>& outcomes, StageContext& context) {
+  std::map<std::string, size_t> first;
+  size_t repeated = 0;
+  std::string example;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!outcomes[i].failure.empty()) continue;
+    const auto [same, is_new] = first.emplace(outcomes[i].digest.hex(), i);
+    if (is_new) continue;
+    if (++repeated == 1) example = fmt::format("{} is {}", files[i].source, files[same->second].source);
+  }
+  if (repeated > 0)
+    context.warning("PHOTOS_REPEATED",
+                    fmt::format("{} the same file as another ({}): {} different photos remain",
+                                repeated == 1 ? "1 photo is" : fmt::format("{} photos are", repeated), example, first.size()));
 }
 
 // Each thing that was left out or assumed once, with the number of photos and the name of the first.
@@ -219,6 +238,7 @@ void run(const IngestConfig& config, StageContext& context) {
   else if (repaired.negative > 0)
     log_info("{}", repaired.text());
   report_contents(folder.photos, outcomes, context);
+  report_repeated(folder.photos, outcomes, context);
   write_photo_list(context.output(), photos);
   report_photos(photos, report_colors(outcomes, context), left_out, context);
 }

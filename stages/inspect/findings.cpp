@@ -33,6 +33,12 @@ std::string photos(size_t n, const char* one, const char* several) {
   return fmt::format("{} {}", n, n == 1 ? std::string("photo") + one : std::string("photos") + several);
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 class Judge {
  public:
   Judge(const PhotoFolder& folder, const std::vector<PhotoFacts>& photos, double soft_ratio)
@@ -85,13 +91,10 @@ class Judge {
     if (!broken.empty())
       say({"unreadable_photos", Severity::Problem, fmt::format("{} of {} photos cannot be read", broken.size(), photos_.size()),
            photos_[broken[0]].failure, "copy them from the camera again, or take them out of the folder", broken});
-    if (const size_t unread = skipped_photo_like(folder_); unread > 0)
-      say({"types_not_read",
-           Severity::Warning,
-           fmt::format("{} files are of a kind that is not read", unread),
-           skipped_text(folder_),
-           "convert them to JPEG or 16-bit TIFF",
-           {}});
+    for (const FolderNote& note : notes_of(folder_)) {
+      const std::string code = note.code == "PHOTO_TYPES_NOT_READ" ? "types_not_read" : lower_case(note.code);
+      say({code, note.warning ? Severity::Warning : Severity::Note, note.what, note.why, note.hint, {}});
+    }
   }
 
   void count() {

@@ -9,8 +9,8 @@ namespace vitrine {
 
 class FileSource final : public MaskSource {
  public:
-  // Looks at every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, when all masks
-  // are empty, or when they look like negatives and nobody said that this is meant. `capture` must outlive the source.
+  // Looks at every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, or when
+  // they look like negatives and nobody said that this is meant. `capture` must outlive the source.
   FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
              const std::string& frame);
 
@@ -18,6 +18,7 @@ class FileSource final : public MaskSource {
   std::optional<SoftMask> at(size_t view) const override;
   void report(nlohmann::ordered_json& j) const override;
   size_t matched() const { return masks_.matched(); }
+  const PhotoMasks& masks() const { return masks_; }
 
  private:
   const MaskCapture& capture_;

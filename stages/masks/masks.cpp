@@ -29,17 +29,44 @@ std::string chosen_source(MaskClass kind, const MasksConfig& config, const std::
   return kind == MaskClass::Transparent || kind == MaskClass::Specular ? "proposed" : "none";
 }
 
-std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& config, const MaskCapture& capture,
+void tell_all_white(MaskClass kind, const MasksConfig& config, const PhotoMasks& masks, StageContext& context) {
+  const std::string text =
+      fmt::format("all masks of the class '{}' are {} everywhere", name(kind), masks.black_belongs() ? "black" : "white");
+  const std::string turned = fmt::format("--set masks.{}.polarity={} turns them round", name(kind),
+                                         config.of(kind).polarity == "black" ? "white" : "black");
+  if (kind == MaskClass::Ignore)
+    throw Error(ErrorKind::Input, text,
+                {.why = fmt::format("{} masks, and no pixel is left to learn from", masks.matched()),
+                 .hint = turned,
+                 .code = "MASKS_ALL_WHITE"});
+  context.warning("MASKS_ALL_WHITE", fmt::format("{}: every pixel belongs to it; {}", text, turned));
+}
+
+std::unique_ptr<FileSource> file_source(MaskClass kind, const MasksConfig& config, const MaskCapture& capture,
                                         const std::optional<MaskFolder>& folder, StageContext& context) {
   if (!folder)
     throw Error(ErrorKind::Usage, fmt::format("masks.{}.source is 'files', and there are no files", name(kind)),
                 {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-masks)", .code = "MASKS_MISSING"});
   auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
   const size_t views = capture.set.views.size();
-  if (source->matched() < views)
+  if (source->masks().everything()) tell_all_white(kind, config, source->masks(), context);
+  if (source->matched() < views && !source->masks().nothing())
     context.warning("MASKS_INCOMPLETE",
                     fmt::format("{} of {} photos have no mask of the class '{}'", views - source->matched(), views, name(kind)));
   return source;
+}
+
+// A class whose masks mark nothing is absent, and that is said; unless no class has a pixel: that is a mistake in the files.
+void leave_out_empty(std::array<std::unique_ptr<FileSource>, kMaskClassCount>& files, bool other_sources, StageContext& context) {
+  const auto marks = [](const auto& source) { return source && !source->masks().nothing(); };
+  const bool any = other_sources || std::any_of(files.begin(), files.end(), marks);
+  for (std::unique_ptr<FileSource>& source : files) {
+    if (!source || !source->masks().nothing()) continue;
+    if (!any) source->masks().throw_all_black();
+    context.warning("MASKS_EMPTY", fmt::format("{} ({}): the scene has nothing of it", source->masks().all_black_text(),
+                                               source->masks().matched()));
+    source.reset();
+  }
 }
 
 void sources_of_network(const MasksConfig& config, const MaskCapture& capture, const std::optional<fs::path>& file,
@@ -144,15 +171,12 @@ void run_masks(const MasksConfig& config, StageContext& context) {
                                                           fmt::join(marks.without_camera, ", "),
                                                           marks.without_camera.size() == 1 ? "that photo" : "those photos"));
   } else if (path) {
-    folder.emplace(*path, mask_class(config.flat).value());
+    std::vector<std::string> photos = capture.without_camera;
+    for (const View& view : capture.set.views) photos.push_back(view.name);
+    folder.emplace(*path, mask_class(config.flat).value(), photos);
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
-    if (files == 0)
-      throw Error(ErrorKind::Input, "there is no mask file",
-                  {.where = path->string(),
-                   .why = "masks are pictures (png, jpg, tif), in folders called object, transparent, specular or ignore",
-                   .hint = "stages/masks/README.md shows how they may be called",
-                   .code = "MASKS_MISSING"});
+    if (files == 0) throw_no_mask_file(*path);
   }
   const std::optional<fs::path> network = context.optional_input("mask_network");
   std::array<std::string, kMaskClassCount> chosen;
@@ -168,9 +192,14 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     tell_unused_network(config, *network, context);
   std::shared_ptr<const Proposal> proposal;
   std::shared_ptr<const MarkedMasks> carried;
+  std::array<std::unique_ptr<FileSource>, kMaskClassCount> from_files;
+  for (MaskClass kind : kMaskClasses)
+    if (chosen[size_t(kind)] == "files") from_files[size_t(kind)] = file_source(kind, config, capture, folder, context);
+  leave_out_empty(from_files, std::ranges::any_of(chosen, [](const std::string& c) { return c != "files" && c != "none"; }),
+                  context);
   for (MaskClass kind : kMaskClasses) {
     const std::string& source = chosen[size_t(kind)];
-    if (source == "files") sources[size_t(kind)] = file_source(kind, config, capture, folder, context);
+    if (source == "files") sources[size_t(kind)] = std::move(from_files[size_t(kind)]);
     if (source == "boxes") {
       if (marked.empty())
         throw Error(
@@ -216,7 +245,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 9,
+      .version = 10,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {
           {.name = "sfm", .doc = "cameras and undistorted photos"},

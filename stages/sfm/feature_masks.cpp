@@ -54,16 +54,21 @@ void describe(Describer& d, FeatureMasksConfig& c) {
 FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
                            const std::vector<SfmPhoto>& photos)
     : turntable_(turntable) {
-  const MaskFolder files(folder, mask_class(config.flat).value());
   std::vector<std::string> names;
   for (const SfmPhoto& p : photos) {
     names.push_back(p.name);
     sizes_.push_back({p.width, p.height});
     sides_.push_back(std::max(p.width, p.height));
   }
+  const MaskFolder files(folder, mask_class(config.flat).value(), names);
+  bool unread = false;  // a class has files that are not looked at here
   for (MaskClass kind : kMaskClasses) {
     const std::string& polarity = word_of(config, kind);
-    if (polarity == "off" || files.file_count(kind) == 0 || (kind == MaskClass::Object && turntable == "no")) continue;
+    if (files.file_count(kind) == 0) continue;
+    if (polarity == "off" || (kind == MaskClass::Object && turntable == "no")) {
+      unread = true;
+      continue;
+    }
     const std::string option = fmt::format("sfm.masks.{}", name(kind));
     std::atomic<size_t> other_shape{0};
     masks_[size_t(kind)].emplace(PhotoMasksDesc{.folder = files,
@@ -82,6 +87,14 @@ FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMas
                                                 }});
     other_shape_ += other_shape;
     if (masks_[size_t(kind)]->matched() == 0) masks_[size_t(kind)].reset();
+  }
+  // A class whose masks mark nothing is absent. Where no class has a pixel, the files are wrong.
+  const bool any = std::any_of(masks_.begin(), masks_.end(), [](const auto& m) { return m && !m->nothing(); });
+  for (auto& masks : masks_) {
+    if (!masks || !masks->nothing()) continue;
+    if (!any && !unread) masks->throw_all_black();
+    log_info("sfm: {}: no feature is held to them", masks->all_black_text());
+    masks.reset();
   }
   if (turntable == "yes" && !has(MaskClass::Object))
     throw Error(ErrorKind::Input, "a turntable needs masks of the object",

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ fs::path commit(ArtifactStore& store, const std::string& text, const std::string
   return pending.commit(m, "{}");
 }
 
-// Sets the time back, as files younger than the clock's grain are never remembered.
+// Sets the time back.
 void age(const fs::path& path) { fs::last_write_time(path, fs::last_write_time(path) - std::chrono::seconds(10)); }
 
 TEST(Store, CommitsWholeArtifactsWithDigests) {
@@ -126,12 +127,15 @@ TEST(Key, ChangesAreToldInWords) {
   EXPECT_TRUE(changed_terms(a, a).empty());
 }
 
+// Files that changed a moment ago are not remembered: their time may not tell a second change.
+void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(150)); }
+
 TEST(DigestCache, TouchingAFileKeepsItsDigest) {
   TemporaryFolder folder;
   const fs::path photos = folder.path() / "photos", file = folder.path() / "digests.txt";
   write_file(photos / "a.jpg", "picture");
   write_file(photos / ".DS_Store", "junk");
-  age(photos / "a.jpg");
+  settle();
   std::string first;
   {
     DigestCache cache(file);
@@ -140,6 +144,7 @@ TEST(DigestCache, TouchingAFileKeepsItsDigest) {
   ASSERT_TRUE(fs::exists(file));
   fs::last_write_time(photos / "a.jpg", fs::file_time_type::clock::now() - std::chrono::seconds(5));
   write_file(photos / ".DS_Store", "other junk");
+  write_file(photos / "@eaDir/a.jpg", "a thumbnail of a network drive");
   EXPECT_EQ(DigestCache(file).digest_tree(photos), first);
   fs::rename(photos, folder.path() / "moved");
   EXPECT_EQ(DigestCache(file).digest_tree(folder.path() / "moved"), first);
@@ -153,15 +158,44 @@ TEST(DigestCache, DoesNotReadAnUnchangedFileAgain) {
   TemporaryFolder folder;
   const fs::path photo = folder.path() / "a.jpg", file = folder.path() / "digests.txt";
   write_file(photo, "picture");
+  settle();
+  const std::string digest = DigestCache(file).digest(photo), invented(32, '7');
+  std::string known = read_file(file);
+  ASSERT_NE(known.find(digest), std::string::npos);
+  write_file(file, known.replace(known.find(digest), 32, invented));
+  EXPECT_EQ(DigestCache(file).digest(photo), invented) << "answered from the file of digests";
+}
+
+TEST(DigestCache, SeesAnEditThatKeepsSizeAndTime) {
+  TemporaryFolder folder;
+  const fs::path photo = folder.path() / "a.jpg", file = folder.path() / "digests.txt";
+  write_file(photo, "picture");
   age(photo);
+  settle();
   const std::string first = DigestCache(file).digest(photo);
-  // Same size, same time, same inode: taken for the same file without a look at its bytes.
   const auto time = fs::last_write_time(photo);
-  std::ofstream(photo) << "PICTURE";
+  std::ofstream(photo) << "PICTURE";  // in place: the inode stays
   fs::last_write_time(photo, time);
-  EXPECT_EQ(DigestCache(file).digest(photo), first);
-  fs::last_write_time(photo, time + std::chrono::seconds(1));
   EXPECT_NE(DigestCache(file).digest(photo), first);
+  std::ofstream(photo) << "picture";
+  fs::last_write_time(photo, time);
+  EXPECT_EQ(DigestCache(file).digest(photo), first) << "the old content has the old digest";
+}
+
+TEST(DigestCache, SeesWhatLiesBehindLinks) {
+  TemporaryFolder folder;
+  const fs::path photos = folder.path() / "photos", other = folder.path() / "other";
+  write_file(photos / "a.jpg", "a");
+  write_file(other / "b.jpg", "b");
+  DigestCache cache({});
+  const std::string alone = cache.digest_tree(photos);
+  fs::create_directory_symlink(other, photos / "day2");
+  fs::create_directory_symlink(photos, photos / "circle");
+  fs::create_symlink(folder.path() / "nowhere", photos / "c.jpg");
+  const std::string linked = cache.digest_tree(photos);
+  EXPECT_NE(linked, alone);
+  write_file(other / "b.jpg", "B");
+  EXPECT_NE(cache.digest_tree(photos), linked);
 }
 
 }  // namespace

@@ -65,6 +65,18 @@ class ExportCommand : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(ExportCommand, WritesNothingAmongThePhotos) {
+  const fs::path photos = project() / "my photos", link = project() / "link";
+  make_folders(photos);
+  fs::create_directory_symlink(photos, link);
+  write_file(project() / "vitrine.yaml", "input:\n  photos: \"" + photos.string() + "\"\n");
+  for (const fs::path& target : {photos, photos / "export", link / "export"}) {
+    const Error e = error_of([&] { run({"--formats", "mesh-obj", "-o", target.string()}); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << target;
+  }
+  EXPECT_TRUE(fs::is_empty(photos));
+}
+
 TEST_F(ExportCommand, WritesTheFormatsAskedForIntoTheProject) {
   EXPECT_EQ(run({"--formats", "mesh-glb,mesh-ply"}), 0);
   EXPECT_TRUE(fs::exists(project() / "export/mesh.glb"));

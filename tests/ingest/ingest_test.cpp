@@ -9,10 +9,10 @@
 #include "core/base/rng.h"
 #include "core/camera/photo_list.h"
 #include "core/image/exr.h"
+#include "core/image/probe.h"
 #include "core/math/color.h"
 #include "core/photo/exif.h"
 #include "core/photo/photo_files.h"
-#include "core/image/probe.h"
 #include "stages/ingest/develop.h"
 #include "tests/ingest/tiny_photos.h"
 #include "tests/support/error_of.h"
@@ -316,6 +316,30 @@ TEST(Ingest, DamagedPhotosNeverCrash) {
       }
     }
   }
+}
+
+TEST(Ingest, SaysWhatItLeavesOutAndWhatIsThereTwice) {
+  TemporaryFolder folder;
+  const fs::path other = folder.path() / "other", photos = folder.path() / "photos";
+  make_folders(photos);
+  make_folders(other);
+  for (int i = 0; i < 3; ++i) write_ldr(photos / fmt::format("{}.jpg", i), picture(64, 48, uint64_t(i)));
+  write_file(photos / "0 copy.jpg", read_file(photos / "0.jpg"));
+  Image8 mask(64, 48, 1);
+  for (int x = 20; x < 40; ++x) mask.at(x, 20) = 255;
+  write_ldr(photos / "1_mask.png", mask);
+  write_ldr(other / "b.jpg", picture(64, 48, 9));
+  fs::create_directory_symlink(other, photos / "day2");
+  RecordingContext context({{"photos", photos}});
+  run_ingest(context);
+  EXPECT_EQ(context.metrics["photos"], 5);
+  EXPECT_EQ(context.metrics["files_beside_photos"], 1);
+  EXPECT_EQ(context.warnings["PHOTOS_REPEATED"],
+            "1 photo is the same file as another (0.jpg is 0 copy.jpg): 4 different photos remain");
+  EXPECT_NE(context.warnings["MASKS_BESIDE_PHOTOS"].find("1 file is a mask of another file (1_mask.png of 1.jpg)"),
+            std::string::npos);
+  const std::vector<Photo> list = read_photo_list(context.output());
+  EXPECT_EQ(list.back().name, "day2/b.jpg");
 }
 
 TEST(Ingest, RefusesFoldersWithoutEnoughPhotos) {

@@ -114,6 +114,27 @@ TEST(Inspect, NamesThePhotosThatAreWrong) {
             (std::set<std::string>{"soft_photos", "mixed_exposure", "near_duplicates", "unreadable_photos", "small_photos"}));
 }
 
+TEST(Inspect, SaysWhatLiesBesideThePhotos) {
+  Folder folder;
+  folder.walls(16, 960, 720);
+  Image8 mask(960, 720, 1);
+  for (int y = 200; y < 500; ++y)
+    for (int x = 300; x < 600; ++x) mask.at(x, y) = 255;
+  folder.add(mask, "00_mask.png");
+  fs::create_symlink("nowhere.jpg", folder.path("gone.jpg"));
+  write_file(folder.path("a.heic"), "x");
+  const auto report = folder.report();
+  EXPECT_EQ(report["photos"].size(), 16u);
+  EXPECT_EQ(codes(report), (std::set<std::string>{"masks_beside_photos", "links_broken", "types_not_read"}));
+  for (const auto& f : report["findings"]) {
+    if (f["code"] == "masks_beside_photos") {
+      EXPECT_EQ(f["what"], "1 file is a mask of another file");
+      EXPECT_EQ(f["why"], "00_mask.png of 00.jpg");
+      EXPECT_NE(f["try"].get<std::string>().find("--masks "), std::string::npos);
+    }
+  }
+}
+
 TEST(Inspect, SeesCamerasAndZoomInExif) {
   Folder folder;
   folder.walls(16, 960, 720);

@@ -30,7 +30,8 @@ class GivenInputs : public testing::Test {
   GivenInputs() {
     unsetenv("VITRINE_STAGE_DIR");
     make_folders(photos);
-    for (const char* name : {"img_0001.jpg", "img_0002.jpg", "upper.JPG", "linear.exr"}) write_file(photos / name, "x");
+    for (const char* name : {"img_0001.jpg", "img_0002.jpg", "upper.JPG", "upper.png", "linear.exr"})
+      write_file(photos / name, "x");
   }
   Answer dry_run(const std::vector<std::string>& options) const {
     std::vector<std::string> words{"run", photos.string(), "-o", (folder.path() / "out").string(), "--dry-run"};
@@ -48,9 +49,9 @@ class GivenInputs : public testing::Test {
 
 TEST_F(GivenInputs, PhotosHaveTheNamesThatIngestGivesThem) {
   const PhotoNames names(photos);
-  for (const char* name : {"img_0001.jpg", "img_0001", "upper.JPG", "linear.png", "linear", "linear_exr.png"})
+  for (const char* name : {"img_0001.jpg", "img_0001", "upper.JPG", "upper_png.png", "linear.png", "linear"})
     EXPECT_TRUE(names.has(name)) << name;
-  for (const char* name : {"img_0003.jpg", "linear.exr", ""}) EXPECT_FALSE(names.has(name)) << name;
+  for (const char* name : {"img_0003.jpg", "linear.exr", "upper.png", ""}) EXPECT_FALSE(names.has(name)) << name;
   EXPECT_TRUE(names.has_by_part("linear.exr"));
   EXPECT_EQ(names.nearest("img_0003.jpg"), "img_0001.jpg");
   EXPECT_TRUE(PhotoNames(folder.path() / "nowhere").empty());
@@ -79,6 +80,60 @@ TEST_F(GivenInputs, MarksAreReadBeforeAnythingIsComputed) {
     EXPECT_NE(photo.text.find(std::string(name) + ":2:12"), std::string::npos) << photo.text;
     EXPECT_NE(photo.text.find("did you mean 'img_0002.jpg'"), std::string::npos) << photo.text;
   }
+}
+
+TEST_F(GivenInputs, MasksInFoldersThatAreNoClassesEndTheRunAtOnce) {
+  const fs::path masks = folder.path() / "masks";
+  write_file(masks / "object/img_0001.png", "x");
+  EXPECT_EQ(dry_run({"--masks", masks.string()}).code, 0);
+  write_file(masks / "glass/img_0001.png", "x");
+  const Answer a = dry_run({"--masks", masks.string()});
+  EXPECT_EQ(a.code, 3);
+  EXPECT_NE(a.text.find("did you mean 'transparent'"), std::string::npos) << a.text;
+  EXPECT_NE(a.text.find((masks / "glass").string()), std::string::npos) << a.text;
+  // The photos may have such a folder themselves.
+  write_file(photos / "glass/img_0001.jpg", "x");
+  EXPECT_EQ(dry_run({"--masks", masks.string()}).code, 0);
+}
+
+TEST_F(GivenInputs, MasksOfOtherPhotosEndTheRunAtOnceUnlessTheyAreNotUsed) {
+  const fs::path masks = folder.path() / "masks";
+  write_file(masks / "specular/other.png", "x");
+  const Answer a = dry_run({"--masks", masks.string()});
+  EXPECT_EQ(a.code, 3);
+  EXPECT_NE(a.text.find("no photo has a mask of the class 'specular'"), std::string::npos) << a.text;
+  EXPECT_EQ(dry_run({"--masks", masks.string(), "--set", "masks.specular.source=none", "--set", "sfm.masks.specular=off"}).code,
+            0);
+}
+
+TEST_F(GivenInputs, ResultsAreNeverWrittenIntoThemOrOverThem) {
+  const fs::path link = folder.path() / "link", scene = folder.path() / "scene";
+  fs::create_directory_symlink(photos, link);
+  const auto answer = [&](const fs::path& of, const fs::path& out, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"run", of.string(), "-o", out.string(), "--dry-run"});
+    return answer_of(more);
+  };
+  for (const auto& [of, out] :
+       {std::pair{photos, photos / "out"}, std::pair{link, photos / "out"}, std::pair{photos, link / "out"},
+        std::pair{photos, photos}, std::pair{photos, link}, std::pair{link, photos / "new/../out"}}) {
+    const Answer a = answer(of, out);
+    EXPECT_EQ(a.code, 2) << of << " " << out << a.text;
+    EXPECT_NE(a.text.find("inside the folder of photos"), std::string::npos) << a.text;
+    EXPECT_FALSE(fs::exists(photos / "out"));
+  }
+  // images/ in the output folder holds undistorted photos; photos/ holds nothing of a run.
+  write_file(scene / "images/a.jpg", "x");
+  write_file(scene / "photos/a.jpg", "x");
+  fs::create_directory_symlink(scene, folder.path() / "scene link");
+  for (const fs::path& out : {scene, folder.path() / "scene link"}) {
+    const Answer a = answer(scene / "images", out);
+    EXPECT_EQ(a.code, 2);
+    EXPECT_NE(a.text.find("lies where results are written"), std::string::npos) << a.text;
+    EXPECT_EQ(answer(scene / "photos", out).code, 0);
+  }
+  write_file(scene / "masks/object/a.png", "x");
+  EXPECT_EQ(answer(scene / "photos", scene, {"--masks", (scene / "masks").string()}).code, 2);
+  EXPECT_EQ(answer(scene / "photos", scene / "masks/out", {"--masks", (scene / "masks").string()}).code, 2);
 }
 
 TEST_F(GivenInputs, SettingsThatAreReplacedAreNamed) {

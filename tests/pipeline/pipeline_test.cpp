@@ -259,7 +259,8 @@ TEST(PrintedKey, IsFoundBetweenWhatLibrariesSay) {
 TEST_F(Sandbox, AGreyCardIsLookedAtBeforeAnythingIsComputed) {
   EXPECT_TRUE(run({"--grey-card", "a.jpg:1,2,3,4"}).has("--grey-card is of no use here: no stage reads 'grey_card'"));
   write_file(photos() / "d.exr", "five");
-  for (const char* good : {"a.jpg:0,0,1,1", "a:410,220,60,40", "ä b.jpg:1,2,3,4", "a_jpg.jpg:1,2,3,4", "d.png:1,2,3,4"})
+  write_file(photos() / "a.png", "nine");  // the second photo with this stem keeps its extension in it
+  for (const char* good : {"a.jpg:0,0,1,1", "a:410,220,60,40", "ä b.jpg:1,2,3,4", "a_png.png:1,2,3,4", "d.png:1,2,3,4"})
     EXPECT_NO_THROW(check_grey_card(good, photos())) << good;
   for (const char* bad : {"a.jpg", "a.jpg:1,2,3", "a.jpg:1,2,3,4,5", "a.jpg:1,2,0,4", "a.jpg:-1,2,3,4", "a.jpg:1 2 3 4",
                           ":1,2,3,4", "a.jpg:1,2,3,99999999999", "d.jpg:1,2,3,4", "a.png:1,2,3,4"}) {

@@ -112,6 +112,13 @@ TEST(FeatureMasks, WhatCannotBeRightIsRefused) {
   write_stripe(folder.path() / "black/specular/p0.png", 0, 0);
   EXPECT_EQ(code_of("black", {}, "auto"), "MASKS_ALL_BLACK");
   EXPECT_EQ(code_of("black", {.specular = "off"}, "auto"), "accepted, 0 of another shape");
+  // A class whose masks are black is absent where another one has pixels.
+  write_stripe(folder.path() / "mixed/specular/p0.png", 0, 0);
+  write_stripe(folder.path() / "mixed/transparent/p0.png", 0, 10);
+  EXPECT_EQ(code_of("mixed", {}, "auto"), "accepted, 0 of another shape");
+  EXPECT_FALSE(FeatureMasks(folder.path() / "mixed", {}, "auto", photos(1)).has(MaskClass::Specular));
+  write_stripe(folder.path() / "unknown/glass/p0.png", 0, 10);
+  EXPECT_EQ(code_of("unknown", {}, "auto"), "MASKS_UNKNOWN_CLASS");
   write_stripe(folder.path() / "other/specular/q.png", 0, 10);
   EXPECT_EQ(code_of("other", {}, "auto"), "MASKS_MATCH_NO_PHOTO");
   write_stripe(folder.path() / "turned/specular/p0.png", 0, 10, kHeight, kWidth);

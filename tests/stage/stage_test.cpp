@@ -124,6 +124,16 @@ TEST_F(StageMain, UsageErrorsSayWhatToWrite) {
   EXPECT_EQ(call("collect", {"--input", "photos=" + photos().string(), "--output", "/proc/nowhere"}).exit, 6);
 }
 
+TEST_F(StageMain, WritesNothingIntoWhatItReads) {
+  fs::create_directory_symlink(photos(), folder.path() / "link");
+  for (const fs::path& place : {photos() / "out", photos(), folder.path() / "link/out"}) {
+    const Outcome o = call("collect", {"--input", "photos=" + photos().string(), "--output", place.string()});
+    EXPECT_EQ(o.exit, 2) << place;
+    EXPECT_NE(o.text.find("inside the folder of photos"), std::string::npos) << o.text;
+  }
+  EXPECT_FALSE(fs::exists(photos() / "out"));
+}
+
 TEST_F(StageMain, ReadsConfigFilesFlatOrByStage) {
   const fs::path flat = folder.path() / "flat.yaml", whole = folder.path() / "whole.yaml", wrong = folder.path() / "wrong.yaml";
   write_file(flat, "label: flat\nrepeat: 2\n");
