@@ -27,7 +27,7 @@ constexpr Scale kPictures{"comparisons of the photos at the model's points", 0.6
 constexpr Scale kOwnPoints{"observations of the model's own points", 0.5, 0.9, 0.8};
 
 constexpr size_t kFewestTests = 60;        // fewer say nothing
-constexpr size_t kMostTests = 40000;       // for every reading that is tried
+constexpr size_t kMostTests = 15000;       // for every reading that is tried
 constexpr double kSuspicious = 0.85;       // of matches: below this other readings are tried
 constexpr double kPhotoDisagrees = 0.3;    // matches
 constexpr double kPhotoLooksOther = 0.65;  // pictures

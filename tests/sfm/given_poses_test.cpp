@@ -154,6 +154,36 @@ TEST(GivenPoses, WithPointsNoFeatureIsUsedAndNoMaskIsRead) {
   EXPECT_EQ(load_view_set(context.output()).views.size(), 6u);
 }
 
+TEST(GivenPoses, AModelOfOtherPhotosEndsTheStage) {
+  const TemporaryFolder folder;
+  const ColmapModel truth = synthetic_model(ring(8, 3, 1, {0, 0, 1}), cloud(120, 1, 0.8), {1, 1, 320, 240, {300, 300, 160, 120}});
+  make_folders(folder.path() / "photos");
+  for (const ColmapImage& image : truth.images) {
+    Image8 photo(320, 240, 3, uint8_t{20});  // a spot of its own colour for every place
+    for (const ColmapPoint2D& p : image.points) {
+      if (p.point3d_id == kNoPoint3D) continue;
+      Rng rng(11, p.point3d_id);
+      const uint8_t colour[] = {uint8_t(rng.below(256)), uint8_t(rng.below(256)), uint8_t(rng.below(256))};
+      for (int y = std::max(0, int(p.y) - 4); y < std::min(240, int(p.y) + 5); ++y)
+        for (int x = std::max(0, int(p.x) - 4); x < std::min(320, int(p.x) + 5); ++x) std::copy_n(colour, 3, photo.pixel(x, y));
+    }
+    write_ldr(folder.path() / "photos" / image.name, photo);
+  }
+  make_ingest(folder.path() / "photos", folder.path() / "ingest");
+  const auto run = [&](const ColmapModel& model, const char* name) {
+    make_folders(folder.path() / name);
+    write_colmap_model(folder.path() / name, model, ColmapFormat::Binary);
+    RecordingContext context({{"ingest", folder.path() / "ingest"}, {"poses", folder.path() / name}},
+                             folder.path() / (std::string(name) + "_run"));
+    sfm_stage().run(context);
+    return context.last_summary;
+  };
+  EXPECT_NE(run(truth, "right").find("registered 8/8"), std::string::npos);
+  ColmapModel shifted = truth;
+  for (size_t i = 0; i < 8; ++i) shifted.images[i].name = truth.images[(i + 1) % 8].name;
+  EXPECT_EQ(error_of([&] { run(shifted, "shifted"); }).detail().code, "POSES_DISAGREE");
+}
+
 TEST(GivenPoses, SaysWhatIsWrong) {
   const ColmapModel truth = synthetic_model(ring(6, 3, 1, {0, 0, 1}), cloud(80, 1));
   const TemporaryFolder folder;
