@@ -9,10 +9,12 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text_file.h"
 #include "core/camera/compacted.h"
+#include "core/camera/named_poses.h"
 #include "core/camera/photo_finder.h"
 #include "core/camera/photo_masks.h"
-#include "core/camera/view_set.h"
+#include "core/camera/pose_files.h"
 
 namespace vitrine {
 
@@ -39,16 +41,6 @@ ColmapCamera resized(ColmapCamera camera, int width, int height) {
   return camera;
 }
 
-std::vector<fs::path> matrix_files(const fs::path& folder) {
-  std::vector<fs::path> out;
-  if (!fs::is_directory(folder)) return out;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && (entry.path().extension() == ".txt" || entry.path().extension() == ".P"))
-      out.push_back(entry.path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 // "00006_P.txt" -> "00006": what the file shares with the name of its photo.
 std::string matrix_key(const fs::path& file) {
   std::string stem = file.stem().string();
@@ -65,8 +57,10 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
     Decomposed d;
   };
   std::vector<Row> rows;
+  const PhotoFinder finder(photos);
+  std::map<size_t, fs::path> file_of;  // photo -> its matrix
   for (const fs::path& file : files) {
-    std::istringstream text(read_file(file));
+    std::istringstream text(read_text_file(file));
     double p[12];
     int n = 0;
     while (n < 12 && text >> p[n]) ++n;
@@ -77,9 +71,10 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
                    .hint = "write 3 rows of 4 numbers",
                    .code = "POSES_BAD_MATRIX"});
     const std::string key = matrix_key(file);
-    std::optional<size_t> photo;
+    std::optional<size_t> photo = finder.match(key).photo;
+    const bool called_so = photo.has_value();
     bool unique = true;
-    for (size_t i = 0; i < photos.size(); ++i) {
+    for (size_t i = 0; i < photos.size() && !called_so; ++i) {
       const std::string name = fs::path(photos[i].name).filename().string();
       // The key, and then no further digit: "0001" must not mean "00012".
       if (!name.starts_with(key) || (name.size() > key.size() && std::isdigit(static_cast<unsigned char>(name[key.size()]))))
@@ -91,6 +86,12 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
       log_warning("sfm: {} names {} photo; it is left out", file.string(), photo ? "more than one" : "no");
       continue;
     }
+    if (const auto [first, fresh] = file_of.emplace(*photo, file); !fresh)
+      throw Error(ErrorKind::Input, "two projection matrices are of one photo",
+                  {.where = file.string(),
+                   .why = fmt::format("{} names the photo {}, too", first->second.string(), photos[*photo].name),
+                   .hint = "remove one of them",
+                   .code = "POSES_TWICE"});
     rows.push_back({*photo, decomposed_projection(p, file)});
   }
   double scale = given_scale;
@@ -128,9 +129,14 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
   return model;
 }
 
-// Keeps images that are photos, renames them, scales cameras and observations to the ingested size.
+// Images are named like photos (named_poses.h). Scales cameras and observations to the ingested size.
 ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos) {
-  const PhotoFinder find(photos);
+  std::map<std::string, size_t> photo_of;
+  for (size_t i = 0; i < photos.size(); ++i) photo_of.emplace(photos[i].name, i);
+  const auto find = [&](const std::string& name) {
+    const auto at = photo_of.find(name);
+    return at != photo_of.end() ? std::optional(at->second) : std::nullopt;
+  };
   std::set<size_t> taken;
   std::vector<ColmapImage> images;
   std::map<std::pair<uint32_t, std::pair<int, int>>, uint32_t> camera_ids;  // (source camera, ingested size) -> new id
@@ -203,32 +209,30 @@ Decomposed decomposed_projection(const double (&p)[12], const fs::path& where) {
   return d;
 }
 
-ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
-  ColmapModel model;
-  if (fs::is_regular_file(path)) {
-    model = on_photos(read_transforms_model(path), photos);
-  } else if (const auto folder = find_colmap_model(path)) {
-    model = on_photos(read_colmap_model(*folder), photos);
-  } else if (fs::is_regular_file(path / "transforms.json")) {
-    model = on_photos(read_transforms_model(path / "transforms.json"), photos);
-  } else {
-    std::vector<fs::path> files = matrix_files(path / "P");
-    if (files.empty()) files = matrix_files(path);
-    if (files.empty())
+GivenPoses given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
+  const std::vector<PoseFile> files = find_pose_files(path);
+  GivenPoses given;
+  given.source = files[0].path;
+  ColmapModel& model = given.model;
+  if (files[0].kind == PoseFile::Kind::Matrices) {
+    model = read_matrices(matrix_files(files[0].path), photos, matrix_scale);
+    if (model.images.size() < 2)
       throw Error(
-          ErrorKind::Input, "no camera poses found",
+          ErrorKind::Input, "the given poses do not belong to these photos",
           {.where = path.string(),
-           .why = "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
-           .hint = "give one of these with --poses",
-           .code = "POSES_MISSING"});
-    model = read_matrices(files, photos, matrix_scale);
+           .why = fmt::format("{} of {} photos have a matrix of their name: the matrices are called like '{}', the photos "
+                              "like '{}'",
+                              model.images.size(), photos.size(), matrix_files(files[0].path)[0].filename().string(),
+                              photos.empty() ? "" : photos[0].source),
+           .hint = "0001.txt or 0001_P.txt is the matrix of 0001.jpg",
+           .code = "POSES_DO_NOT_MATCH"});
+  } else {
+    NamedPoses named = named_poses(files, photos);
+    given.source = named.file.path;
+    given.other_versions = std::move(named.versions);
+    given.notes = std::move(named.notes);
+    model = on_photos(std::move(named.model), photos);
   }
-  if (model.images.size() < 2)
-    throw Error(ErrorKind::Input, "the given poses do not belong to these photos",
-                {.where = path.string(),
-                 .why = fmt::format("{} of {} photos have a pose of their name", model.images.size(), photos.size()),
-                 .hint = "names in the poses must be names of photos",
-                 .code = "POSES_DO_NOT_MATCH"});
   // Ids in name order, as everywhere in this stage.
   std::map<uint32_t, uint32_t> new_id;
   std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
@@ -239,8 +243,12 @@ ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos
   }
   for (ColmapPoint3D& p : model.points)
     for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
-  check_colmap_model(model, path);
-  return model;
+  check_colmap_model(model, given.source);
+  return given;
+}
+
+ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
+  return given_poses(path, photos, matrix_scale).model;
 }
 
 }  // namespace vitrine

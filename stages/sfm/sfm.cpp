@@ -6,7 +6,9 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "core/camera/given_poses.h"
 #include "core/camera/photo_list.h"
+#include "core/camera/pose_files.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
@@ -16,7 +18,6 @@
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
-#include "core/camera/given_poses.h"
 #include "stages/sfm/outputs.h"
 
 namespace vitrine {
@@ -78,9 +79,21 @@ std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext&
   return masks;
 }
 
-ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos) {
-  ColmapModel given = read_given_poses(poses, photos, config.pose_scale);
+// Photos that are another version of one with a pose ("images_4/a.jpg") leave the list.
+ColmapModel given_model(const fs::path& poses, const SfmConfig& config, std::vector<Photo>& photos, StageContext& context) {
+  GivenPoses read = given_poses(poses, photos, config.pose_scale);
+  for (const Note& note : read.notes)
+    if (note.code.empty())
+      log_info("sfm: {}", note.text);
+    else
+      context.warning(note.code, note.text);
+  for (auto i = read.other_versions.rbegin(); i != read.other_versions.rend(); ++i) photos.erase(photos.begin() + long(*i));
+  ColmapModel given = std::move(read.model);
   log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
+  if (!given.points.empty() && given.points.size() < kPointsWorthKeeping)
+    context.warning("POSES_FEW_POINTS", fmt::format("the {} points of the given model are too few to start from (fewer than {}): "
+                                                    "points are triangulated from the photos",
+                                                    given.points.size(), kPointsWorthKeeping));
   if (given.images.size() < kSmallestGiven || double(given.images.size()) < config.min_registered * double(photos.size()))
     throw Error(ErrorKind::Input, "too few photos have a given pose",
                 {.where = poses.string(),
@@ -106,9 +119,9 @@ void principal_points(ColmapModel& model, StageContext& context) {
     log_debug("sfm: a principal point {}: it stays in the middle", text);
 }
 
-Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
+Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
-  if (const auto poses = context.optional_input("poses")) given = given_model(*poses, config, photos);
+  if (const auto poses = context.optional_input("poses")) given = given_model(*poses, config, photos, context);
   Solved s;
   if (given && given->points.size() >= kPointsWorthKeeping) {
     s.reconstruction = complete_as_given(std::move(*given), photos);
@@ -190,7 +203,7 @@ Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext
 
 void run(const SfmConfig& config, StageContext& context) {
   const fs::path ingest = context.input("ingest"), output = context.output();
-  const std::vector<Photo> photos = read_photo_list(ingest);
+  std::vector<Photo> photos = read_photo_list(ingest);
   Solved s = solved(config, context, ingest, photos);
   measure_photos(ingest, photos, s.reconstruction);
   const Reconstruction& r = s.reconstruction;
@@ -328,13 +341,14 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 6,
+                 .version = 7,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",
                              .artifact = false,
                              .optional = true,
-                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices"},
+                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices",
+                             .meant = meant_poses},
                             {.name = "masks",
                              .artifact = false,
                              .optional = true,
