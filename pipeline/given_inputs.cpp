@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/error.h"
+#include "core/config/photo_name_finder.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -48,10 +49,11 @@ bool PhotoNames::has(const std::string& name) const {
 }
 
 bool PhotoNames::has_by_part(const std::string& name) const {
-  return has(name) || std::ranges::any_of(files_, [&](const fs::path& file) {
-           return name == file.generic_string() || name == file.filename().string() || name == file.stem().string() ||
-                  name == file.stem().string() + ".png";
-         });
+  if (has(name)) return true;
+  std::vector<std::string> names;
+  for (const fs::path& file : files_) names.push_back(file.generic_string());
+  const PhotoMatch meant = PhotoNameFinder(names).match(name);
+  return meant.photo || !meant.could_be.empty();  // a stage says which ones it could be
 }
 
 std::string PhotoNames::nearest(const std::string& name) const {

@@ -9,12 +9,10 @@
 
 namespace vitrine {
 
-PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc) : black_belongs_(desc.polarity == "black"), files_(desc.photos.size()) {
+PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
+    : black_belongs_(desc.polarity == "black"), files_(desc.folder.match(desc.kind, desc.photos, &notes_)) {
   const std::string class_name(name(desc.kind));
-  for (size_t i = 0; i < files_.size(); ++i) {
-    files_[i] = desc.folder.find(desc.kind, desc.photos[i]);
-    matched_ += files_[i].has_value();
-  }
+  for (const auto& file : files_) matched_ += file.has_value();
   const size_t files = desc.folder.file_count(desc.kind);
   if (matched_ == 0)
     throw Error(

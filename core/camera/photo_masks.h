@@ -35,9 +35,11 @@ class PhotoMasks {
   ImageF at(size_t photo) const;  // of a photo with a mask; 1 = belongs to the class; size as in the file
   bool black_belongs() const { return black_belongs_; }
   std::set<std::string> conventions() const;
+  const Notes& notes() const { return notes_; }  // on names
 
  private:
   bool black_belongs_ = false;
+  Notes notes_;
   std::vector<std::optional<MaskFile>> files_;
   size_t matched_ = 0;
 };

@@ -18,6 +18,7 @@ class FileSource final : public MaskSource {
   std::optional<SoftMask> at(size_t view) const override;
   void report(nlohmann::ordered_json& j) const override;
   size_t matched() const { return masks_.matched(); }
+  const Notes& notes() const { return masks_.notes(); }
 
  private:
   const MaskCapture& capture_;

@@ -35,6 +35,7 @@ std::unique_ptr<MaskSource> file_source(MaskClass kind, const MasksConfig& confi
     throw Error(ErrorKind::Usage, fmt::format("masks.{}.source is 'files', and there are no files", name(kind)),
                 {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-masks)", .code = "MASKS_MISSING"});
   auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
+  for (const Note& note : source->notes()) context.warning(note.code, note.text);
   const size_t views = capture.set.views.size();
   if (source->matched() < views)
     context.warning("MASKS_INCOMPLETE",
@@ -145,6 +146,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
                                                           marks.without_camera.size() == 1 ? "that photo" : "those photos"));
   } else if (path) {
     folder.emplace(*path, mask_class(config.flat).value());
+    for (const Note& note : folder->notes()) context.warning(note.code, note.text);
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
     if (files == 0)
@@ -216,7 +218,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 9,
+      .version = 10,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {
           {.name = "sfm", .doc = "cameras and undistorted photos"},

@@ -243,7 +243,7 @@ void run_relit(const RelitConfig& config, StageContext& context) {
 Stage relit_stage() {
   StageInfo info{
       .name = "relit",
-      .version = 7,
+      .version = 8,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
