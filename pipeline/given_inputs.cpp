@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/inside.h"
 #include "core/camera/photo_masks.h"
+#include "core/config/photo_name_finder.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -70,11 +71,11 @@ bool PhotoNames::has(const std::string& name) const {
 }
 
 bool PhotoNames::has_by_part(const std::string& name) const {
-  return has(name) || std::ranges::any_of(files_, [&](const PhotoFile& file) {
-           const fs::path source(file.source);
-           return name == file.source || name == source.filename().string() || name == source.stem().string() ||
-                  name == source.stem().string() + ".png";
-         });
+  if (has(name)) return true;
+  std::vector<std::string> names;
+  for (const PhotoFile& file : files_) names.push_back(file.source);
+  const PhotoMatch meant = PhotoNameFinder(names).match(name);
+  return meant.photo || !meant.could_be.empty();  // a stage says which ones it could be
 }
 
 std::string PhotoNames::nearest(const std::string& name) const {

@@ -22,7 +22,7 @@ class PhotoNames {
   // As the ingest stage calls them: with their folders; an .exr becomes a .png; of two that differ by their extension alone the
   // second keeps it in its stem.
   bool has(const std::string& name) const;
-  // Also without folder or extension, as in a file of marks.
+  // Also by a part of it, as in a file of marks (core/config/photo_name_finder.h).
   bool has_by_part(const std::string& name) const;
   // The photo that is called most like it; empty if none is.
   std::string nearest(const std::string& name) const;

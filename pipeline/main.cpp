@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/current_folder.h"
 #include "core/base/error.h"
 #include "core/base/process.h"
 #include "core/base/terminal.h"
@@ -51,6 +52,7 @@ int dispatch(const Words& words) {
     std::cout << "vitrine " << VITRINE_VERSION << "\n";
     return 0;
   }
+  require_current_folder();
   Words names;
   for (const Command& c : kCommands) {
     if (words[0] == c.name) return c.run(Words(words.begin() + 1, words.end()));
@@ -82,6 +84,8 @@ int main(int argc, char** argv) {
     return complain(
         Error(ErrorKind::Resource, "out of memory",
               {.why = "the system gave no more memory", .hint = "end other programs, or fewer photos", .code = "OUT_OF_MEMORY"}));
+  } catch (const std::filesystem::filesystem_error& e) {
+    return complain(error_of_file_system(e));
   } catch (const std::exception& e) {
     return complain(Error(ErrorKind::Internal, fmt::format("internal error: {}", e.what()),
                           {.hint = "this is a bug in vitrine: please report it", .code = "INTERNAL"}));

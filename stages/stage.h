@@ -26,6 +26,8 @@ struct StageInput {
   bool optional = false;
   std::string doc;
   std::vector<std::string> skips = {};  // of an outside input: files with these extensions are for other stages (".yaml")
+  // What a path means that stands for more than itself: one file of a COLMAP model for the whole, which then is in the key.
+  std::filesystem::path (*meant)(const std::filesystem::path&) = nullptr;
 };
 
 struct StageInfo {

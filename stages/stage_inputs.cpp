@@ -56,7 +56,8 @@ std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const
           {.where = "--input", .hint = fmt::format("vitrine-{} --help lists the names", info.name), .code = "BAD_INPUT_NAME"});
     const std::string name = word.substr(0, equals);
     const StageInput& input = declared(info, name);
-    const fs::path path = fs::absolute(word.substr(equals + 1)).lexically_normal();
+    fs::path path = fs::absolute(word.substr(equals + 1)).lexically_normal();
+    if (input.meant != nullptr) path = input.meant(path);
     std::error_code ec;
     if (!fs::exists(path, ec))
       throw Error(ErrorKind::Input, fmt::format("input '{}' of stage '{}' does not exist", name, info.name),

@@ -13,6 +13,7 @@
 
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
+#include "core/base/current_folder.h"
 #include "core/base/error.h"
 #include "core/base/inside.h"
 #include "core/base/log.h"
@@ -276,6 +277,7 @@ int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
     if (arguments.version)
       std::cout << fmt::format("vitrine-{} {} (stage version {})\n", stage.info.name, VITRINE_VERSION, stage.info.version);
     if (arguments.help || arguments.describe || arguments.version) return 0;
+    require_current_folder();
     if (!arguments.log_file.empty()) {
       make_folders(fs::path(arguments.log_file).parent_path());
       set_log_file(arguments.log_file);
@@ -289,6 +291,8 @@ int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
         reporter,
         Error(ErrorKind::Resource, fmt::format("out of memory in stage '{}'", stage.info.name),
               {.why = "the system gave no more memory", .hint = less_memory_hint(stage.info.name), .code = "OUT_OF_MEMORY"}));
+  } catch (const fs::filesystem_error& e) {
+    return failed(reporter, error_of_file_system(e));
   } catch (const std::exception& e) {
     return failed(reporter, Error(ErrorKind::Internal, fmt::format("internal error in stage '{}': {}", stage.info.name, e.what()),
                                   {.hint = "this is a bug in vitrine: please report it with run.json", .code = "INTERNAL"}));

@@ -6,7 +6,9 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/inside.h"
 #include "core/base/log.h"
+#include "core/base/text_file.h"
 #include "core/camera/colmap_files.h"
 
 namespace vitrine {
@@ -57,11 +59,22 @@ bool holds_model(const fs::path& folder, ColmapFormat format) {
                .code = "COLMAP_MODEL_DAMAGED"});
 }
 
+// The format in which a part lies in the folder: `preferred` if it can be. nullopt: neither.
+std::optional<ColmapFormat> format_of(const fs::path& folder, const char* part, ColmapFormat preferred) {
+  const ColmapFormat other = preferred == ColmapFormat::Binary ? ColmapFormat::Text : ColmapFormat::Binary;
+  std::error_code ignored;
+  for (ColmapFormat format : {preferred, other})
+    if (fs::is_regular_file(part_path(folder, part, format), ignored)) return format;
+  return std::nullopt;
+}
+
 template <class T>
-std::vector<T> read_part(const fs::path& path, std::vector<T> (*parse)(std::string_view)) {
-  const std::string bytes = read_file(path);
+std::vector<T> read_part(const fs::path& path, std::vector<T> (*from_binary)(std::string_view),
+                         std::vector<T> (*from_text)(std::string_view)) {
+  const bool text = path.extension() == ".txt";
+  const std::string bytes = text ? read_text_file(path) : read_file(path);
   try {
-    return parse(bytes);
+    return text ? from_text(bytes) : from_binary(bytes);
   } catch (const colmap::Malformed& malformed) {
     throw_damaged(path, malformed.why);
   }
@@ -88,11 +101,6 @@ const T* find_by_id(const std::vector<T>& items, Id id) {
 
 bool finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-bool stays_inside(const std::string& name) {
-  const fs::path path(name);
-  return !path.is_absolute() && std::none_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
-}
-
 void check_cameras(const ColmapModel& model, const fs::path& where) {
   for (const ColmapCamera& c : model.cameras) {
     const ColmapCameraType* type = colmap_camera_type(c.model_id);
@@ -108,7 +116,7 @@ void check_cameras(const ColmapModel& model, const fs::path& where) {
   }
 }
 
-void check_images(const ColmapModel& model, const fs::path& where) {
+void check_images(const ColmapModel& model, const fs::path& where, ColmapNames checked_names) {
   std::set<std::string_view> names;
   for (const ColmapImage& image : model.images) {
     const Quatd& q = image.rotation;
@@ -117,10 +125,12 @@ void check_images(const ColmapModel& model, const fs::path& where) {
       throw_damaged(where, fmt::format("the pose of image {} is not a rigid motion", image.id));
     if (!model.find_camera(image.camera_id))
       throw_damaged(where, fmt::format("image {} uses camera {}, which is not in the model", image.id, image.camera_id));
-    if (image.name.empty() || !stays_inside(image.name))
-      throw_damaged(where,
-                    fmt::format("image {} has the name '{}', which is not a path inside the image folder", image.id, image.name));
-    if (!names.insert(image.name).second) throw_damaged(where, fmt::format("two images have the name '{}'", image.name));
+    if (checked_names == ColmapNames::Inside) {
+      if (!stays_below(image.name))
+        throw_damaged(
+            where, fmt::format("image {} has the name '{}', which is not a path inside the image folder", image.id, image.name));
+      if (!names.insert(image.name).second) throw_damaged(where, fmt::format("two images have the name '{}'", image.name));
+    }
     if (model.points.empty()) continue;
     for (const ColmapPoint2D& p : image.points) {
       if (p.point3d_id != kNoPoint3D && !model.find_point(p.point3d_id))
@@ -182,33 +192,50 @@ const ColmapPoint3D* ColmapModel::find_point(uint64_t id) const { return find_by
 
 std::optional<fs::path> find_colmap_model(const fs::path& root) {
   for (const fs::path& folder : {root / "sparse" / "0", root / "sparse", root / "dense" / "sparse", root})
-    if (holds_model(folder, ColmapFormat::Binary) || holds_model(folder, ColmapFormat::Text)) return folder;
+    if (holds_colmap_model(folder)) return folder;
   return std::nullopt;
 }
 
+bool holds_colmap_model(const fs::path& folder) {
+  return format_of(folder, "cameras", ColmapFormat::Binary) && format_of(folder, "images", ColmapFormat::Binary);
+}
+
 ColmapModel read_colmap_model(const fs::path& folder) {
-  if (holds_model(folder, ColmapFormat::Binary)) return read_colmap_model(folder, ColmapFormat::Binary);
-  if (holds_model(folder, ColmapFormat::Text)) return read_colmap_model(folder, ColmapFormat::Text);
-  throw Error(ErrorKind::Input, "there is no COLMAP model here",
-              {.where = folder.string(),
-               .why = "neither cameras.bin and images.bin nor cameras.txt and images.txt exist",
-               .hint = "give the folder that holds them, or its parent with sparse/0",
-               .code = "COLMAP_MODEL_MISSING"});
+  ColmapModel model = read_colmap_parts(folder);
+  check_colmap_model(model, folder);
+  return model;
 }
 
 ColmapModel read_colmap_model(const fs::path& folder, ColmapFormat format) {
-  const bool binary = format == ColmapFormat::Binary;
-  ColmapModel model;
-  model.cameras =
-      read_part(part_path(folder, "cameras", format), binary ? colmap::cameras_from_binary : colmap::cameras_from_text);
-  model.images = read_part(part_path(folder, "images", format), binary ? colmap::images_from_binary : colmap::images_from_text);
-  const fs::path points = part_path(folder, "points3D", format);
-  if (fs::exists(points)) {
-    model.points = read_part(points, binary ? colmap::points_from_binary : colmap::points_from_text);
-  } else {
-    log_warning("{} does not exist: the model is read as poses without points", points.string());
-  }
+  ColmapModel model = read_colmap_parts(folder, format);
   check_colmap_model(model, folder);
+  return model;
+}
+
+ColmapModel read_colmap_parts(const fs::path& folder) {
+  const bool all_text = holds_model(folder, ColmapFormat::Text) && !holds_model(folder, ColmapFormat::Binary);
+  return read_colmap_parts(folder, all_text ? ColmapFormat::Text : ColmapFormat::Binary);
+}
+
+ColmapModel read_colmap_parts(const fs::path& folder, ColmapFormat preferred) {
+  if (!holds_colmap_model(folder))
+    throw Error(ErrorKind::Input, "there is no COLMAP model here",
+                {.where = folder.string(),
+                 .why = "cameras and images, .bin or .txt, do not both exist",
+                 .hint = "give the folder that holds them, or its parent with sparse/0",
+                 .code = "COLMAP_MODEL_MISSING"});
+  const auto path_of = [&](const char* part) {
+    return part_path(folder, part, format_of(folder, part, preferred).value_or(preferred));
+  };
+  ColmapModel model;
+  model.cameras = read_part(path_of("cameras"), colmap::cameras_from_binary, colmap::cameras_from_text);
+  model.images = read_part(path_of("images"), colmap::images_from_binary, colmap::images_from_text);
+  const fs::path points = path_of("points3D");
+  if (fs::exists(points))
+    model.points = read_part(points, colmap::points_from_binary, colmap::points_from_text);
+  else
+    log_warning("{} does not exist: the model is read as poses without points", points.string());
+  sort_by_ids(model, folder);
   return model;
 }
 
@@ -220,12 +247,16 @@ void write_colmap_model(const fs::path& folder, const ColmapModel& model, Colmap
   for (size_t i = 0; i < std::size(kParts); ++i) write_file(part_path(folder, kParts[i], format), texts[i]);
 }
 
-void check_colmap_model(ColmapModel& model, const fs::path& where) {
+void sort_by_ids(ColmapModel& model, const fs::path& where) {
   sort_and_require_unique_ids(model.cameras, where, "camera");
   sort_and_require_unique_ids(model.images, where, "image");
   sort_and_require_unique_ids(model.points, where, "point");
+}
+
+void check_colmap_model(ColmapModel& model, const fs::path& where, ColmapNames names) {
+  sort_by_ids(model, where);
   check_cameras(model, where);
-  check_images(model, where);
+  check_images(model, where, names);
   check_points(model, where);
 }
 

@@ -86,16 +86,26 @@ struct ColmapModel {
 // --- files ----------------------------------------------------------------------------------------------------------
 enum class ColmapFormat { Binary, Text };
 
-// The folder that holds the model: `root`/sparse/0, `root`/sparse, `root`/dense/sparse, or `root` itself, in this order.
+// The folder of a model of ours: `root`/sparse/0, `root`/sparse, `root`/dense/sparse, or `root` itself, in this order. Models of
+// others: pose_files.h.
 std::optional<std::filesystem::path> find_colmap_model(const std::filesystem::path& root);
-// Reads the model of exactly this folder (.bin preferred). points3D may be absent (a model of poses alone).
+// Cameras and images are there, in either format.
+bool holds_colmap_model(const std::filesystem::path& folder);
+// Reads the model of exactly this folder (.bin preferred) and checks it. points3D may be absent (a model of poses alone). A part
+// that exists in the other format alone is read from that.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
-ColmapModel read_colmap_model(const std::filesystem::path& folder, ColmapFormat format);
+ColmapModel read_colmap_model(const std::filesystem::path& folder, ColmapFormat preferred);
+// Sorted by ids, and not checked otherwise: for models of others, which colmap_repair.h makes usable.
+ColmapModel read_colmap_parts(const std::filesystem::path& folder);
+ColmapModel read_colmap_parts(const std::filesystem::path& folder, ColmapFormat preferred);
 // Three files, each written whole. Numbers in text files round-trip exactly.
 void write_colmap_model(const std::filesystem::path& folder, const ColmapModel& model, ColmapFormat format);
-// Sorts the lists and proves the promises above: ids unique, references exist, poses finite, sizes sane, image names stay
-// inside their folder. Throws Error{Input} with `where` as the place. The readers call it.
-void check_colmap_model(ColmapModel& model, const std::filesystem::path& where);
+// Throws Error{Input} when an id occurs twice.
+void sort_by_ids(ColmapModel& model, const std::filesystem::path& where);
+// Sorts the lists and proves the promises above: ids unique, references exist, poses finite, sizes sane, image names unique and
+// inside their folder (or not looked at: Any). Throws Error{Input} with `where` as the place. The readers call it.
+enum class ColmapNames { Inside, Any };
+void check_colmap_model(ColmapModel& model, const std::filesystem::path& where, ColmapNames names = ColmapNames::Inside);
 
 // Moves the world: points and poses.
 void transform_world(ColmapModel& model, const Similarity& new_from_old);

@@ -2,8 +2,13 @@
 // images.txt:   two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then (X Y POINT3D_ID)*, perhaps empty
 // points3D.txt: POINT3D_ID X Y Z R G B ERROR (IMAGE_ID POINT2D_IDX)*
 // Lines that start with # are comments. A point id of -1 means none. The name is the rest of its line: it may hold spaces.
+// As COLMAP does, a whole number may be written with a point ("320.0"). Scripts leave out the lines of 2D points: a line that can
+// be no list of them, and begins like an image, is the next image.
 #include <charconv>
+#include <cmath>
 #include <iterator>
+#include <limits>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -63,10 +68,12 @@ class Fields {
   T number(const char* what) {
     const std::string_view w = word(what);
     T value{};
-    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (error != std::errc() || end != w.data() + w.size())
-      throw Malformed{fmt::format("line {}: '{}' is not {}", line_number_, w.substr(0, 40), what)};
-    return value;
+    if (parse(w, value)) return value;
+    if constexpr (std::is_integral_v<T>)
+      if (double decimal = 0; parse(w, decimal) && decimal == std::floor(decimal) && decimal >= 0 &&
+                              decimal <= double(std::numeric_limits<T>::max()) && decimal < 9e15)
+        return static_cast<T>(decimal);
+    throw Malformed{fmt::format("line {}: '{}' is not {}", line_number_, w.substr(0, 40), what)};
   }
   uint64_t point_id() {
     const std::string_view before = rest_;
@@ -83,9 +90,34 @@ class Fields {
   }
 
  private:
+  template <class T>
+  static bool parse(std::string_view w, T& value) {
+    if (w.size() > 1 && w[0] == '+') w.remove_prefix(1);
+    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
+    return error == std::errc() && end == w.data() + w.size();
+  }
   std::string_view rest_;
   size_t line_number_;
 };
+
+// Ten fields or more, of which the tenth (the name) is no number: no list of 2D points.
+bool begins_an_image(std::string_view line) {
+  Fields fields(line, 0);
+  try {
+    fields.number<uint32_t>("");
+    for (int i = 0; i < 7; ++i) fields.number<double>("");
+    fields.number<uint32_t>("");
+    if (fields.at_end()) return false;
+  } catch (const Malformed&) {
+    return false;
+  }
+  try {
+    fields.number<double>("");
+    return false;
+  } catch (const Malformed&) {
+    return true;
+  }
+}
 
 }  // namespace
 
@@ -114,7 +146,9 @@ std::vector<ColmapImage> images_from_text(std::string_view text) {
   std::vector<ColmapImage> images;
   Lines lines(text);
   std::string_view line;
-  while (lines.next_record(line)) {
+  bool ahead = false;  // `line` is the next image already
+  while (ahead || lines.next_record(line)) {
+    ahead = false;
     Fields fields(line, lines.number());
     ColmapImage image;
     image.id = fields.number<uint32_t>("an image id");
@@ -123,7 +157,9 @@ std::vector<ColmapImage> images_from_text(std::string_view text) {
       *v = fields.number<double>("a number of the pose");
     image.camera_id = fields.number<uint32_t>("a camera id");
     image.name = fields.rest("the image name");
-    if (lines.next(line)) {
+    const bool more = lines.next(line);
+    ahead = more && begins_an_image(line);
+    if (more && !ahead) {
       Fields points(line, lines.number());
       while (!points.at_end()) {
         ColmapPoint2D p;

@@ -10,25 +10,17 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/text_file.h"
 #include "core/camera/compacted.h"
+#include "core/camera/named_poses.h"
 #include "core/camera/photo_finder.h"
-#include "core/camera/view_set.h"
+#include "core/camera/pose_files.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kTinySkew = 1e-3;  // of the focal length: a third of a pixel over 640
-
-std::vector<fs::path> matrix_files(const fs::path& folder) {
-  std::vector<fs::path> out;
-  if (!fs::is_directory(folder)) return out;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && (entry.path().extension() == ".txt" || entry.path().extension() == ".P"))
-      out.push_back(entry.path());
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 // "00006_P.txt" -> "00006": what the file shares with the name of its photo.
 std::string matrix_key(const fs::path& file) {
@@ -50,8 +42,10 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
     Decomposed d;
   };
   std::vector<Row> rows;
+  const PhotoFinder finder(photos);
+  std::map<size_t, fs::path> file_of;  // photo -> its matrix
   for (const fs::path& file : files) {
-    std::istringstream text(read_file(file));
+    std::istringstream text(read_text_file(file));
     double p[12];
     int n = 0;
     while (n < 12 && text >> p[n]) ++n;
@@ -62,9 +56,10 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
                    .hint = "write 3 rows of 4 numbers",
                    .code = "POSES_BAD_MATRIX"});
     const std::string key = matrix_key(file);
-    std::optional<size_t> photo;
+    std::optional<size_t> photo = finder.match(key).photo;
+    const bool called_so = photo.has_value();
     bool unique = true;
-    for (size_t i = 0; i < photos.size(); ++i) {
+    for (size_t i = 0; i < photos.size() && !called_so; ++i) {
       const std::string name = fs::path(photos[i].name).filename().string();
       // The key, and then no further digit: "0001" must not mean "00012".
       if (!name.starts_with(key) || (name.size() > key.size() && std::isdigit(static_cast<unsigned char>(name[key.size()]))))
@@ -76,6 +71,12 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
       log_warning("sfm: {} names {} photo; it is left out", file.string(), photo ? "more than one" : "no");
       continue;
     }
+    if (const auto [first, fresh] = file_of.emplace(*photo, file); !fresh)
+      throw Error(ErrorKind::Input, "two projection matrices are of one photo",
+                  {.where = file.string(),
+                   .why = fmt::format("{} names the photo {}, too", first->second.string(), photos[*photo].name),
+                   .hint = "remove one of them",
+                   .code = "POSES_TWICE"});
     rows.push_back({*photo, decomposed_projection(p, file)});
   }
   // Matrices often belong to larger originals, and know nothing of EXIF: of 1, 1/2, .. 1/8 and the ingest's own reduction, for
@@ -146,9 +147,14 @@ ColmapModel read_matrices(const std::vector<fs::path>& files, std::span<const Ph
        .code = "POSES_SIZE"});
 }
 
-// Keeps images that are photos, renames them, scales cameras and observations to the ingested size and turns them upright.
+// Images are named like photos (named_poses.h). Scales cameras and observations to the ingested size and turns them upright.
 ColmapModel on_photos(ColmapModel model, std::span<const Photo> photos, const fs::path& path, PosePixels& pixels) {
-  const PhotoFinder find(photos);
+  std::map<std::string, size_t> index_of;
+  for (size_t i = 0; i < photos.size(); ++i) index_of.emplace(photos[i].name, i);
+  const auto find = [&](const std::string& name) {
+    const auto at = index_of.find(name);
+    return at != index_of.end() ? std::optional(at->second) : std::nullopt;
+  };
   std::set<size_t> taken;
   std::vector<size_t> matched;  // images of the model
   std::vector<const Photo*> photo_of;
@@ -245,36 +251,32 @@ Decomposed decomposed_projection(const double (&p)[12], const fs::path& where) {
   return d;
 }
 
-ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale, PosePixels* told) {
-  ColmapModel model;
-  PosePixels pixels;
-  if (fs::is_regular_file(path)) {
-    pixels.source = PoseSource::Transforms;
-    model = on_photos(read_transforms_model(path), photos, path, pixels);
-  } else if (const auto folder = find_colmap_model(path)) {
-    model = on_photos(read_colmap_model(*folder), photos, *folder, pixels);
-  } else if (fs::is_regular_file(path / "transforms.json")) {
-    pixels.source = PoseSource::Transforms;
-    model = on_photos(read_transforms_model(path / "transforms.json"), photos, path, pixels);
-  } else {
-    std::vector<fs::path> files = matrix_files(path / "P");
-    if (files.empty()) files = matrix_files(path);
-    if (files.empty())
+GivenPoses given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale) {
+  const std::vector<PoseFile> files = find_pose_files(path);
+  GivenPoses given;
+  given.source = files[0].path;
+  ColmapModel& model = given.model;
+  if (files[0].kind == PoseFile::Kind::Matrices) {
+    given.pixels.source = PoseSource::Matrices;
+    model = read_matrices(matrix_files(files[0].path), photos, matrix_scale, given.pixels);
+    if (model.images.size() < 2)
       throw Error(
-          ErrorKind::Input, "no camera poses found",
+          ErrorKind::Input, "the given poses do not belong to these photos",
           {.where = path.string(),
-           .why = "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
-           .hint = "give one of these with --poses",
-           .code = "POSES_MISSING"});
-    pixels.source = PoseSource::Matrices;
-    model = read_matrices(files, photos, matrix_scale, pixels);
+           .why = fmt::format("{} of {} photos have a matrix of their name: the matrices are called like '{}', the photos "
+                              "like '{}'",
+                              model.images.size(), photos.size(), matrix_files(files[0].path)[0].filename().string(),
+                              photos.empty() ? "" : photos[0].source),
+           .hint = "0001.txt or 0001_P.txt is the matrix of 0001.jpg",
+           .code = "POSES_DO_NOT_MATCH"});
+  } else {
+    NamedPoses named = named_poses(files, photos);
+    given.source = named.file.path;
+    given.other_versions = std::move(named.versions);
+    given.notes = std::move(named.notes);
+    given.pixels.source = named.file.kind == PoseFile::Kind::Transforms ? PoseSource::Transforms : PoseSource::Colmap;
+    model = on_photos(std::move(named.model), photos, given.source, given.pixels);
   }
-  if (model.images.size() < 2)
-    throw Error(ErrorKind::Input, "the given poses do not belong to these photos",
-                {.where = path.string(),
-                 .why = fmt::format("{} of {} photos have a pose of their name", model.images.size(), photos.size()),
-                 .hint = "names in the poses must be names of photos",
-                 .code = "POSES_DO_NOT_MATCH"});
   // Ids in name order, as everywhere in this stage.
   std::map<uint32_t, uint32_t> new_id;
   std::sort(model.images.begin(), model.images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
@@ -285,9 +287,14 @@ ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos
   }
   for (ColmapPoint3D& p : model.points)
     for (ColmapTrackElement& t : p.track) t.image_id = new_id.at(t.image_id);
-  check_colmap_model(model, path);
-  if (told != nullptr) *told = std::move(pixels);
-  return model;
+  check_colmap_model(model, given.source);
+  return given;
+}
+
+ColmapModel read_given_poses(const fs::path& path, std::span<const Photo> photos, double matrix_scale, PosePixels* pixels) {
+  GivenPoses given = given_poses(path, photos, matrix_scale);
+  if (pixels != nullptr) *pixels = std::move(given.pixels);
+  return std::move(given.model);
 }
 
 }  // namespace vitrine

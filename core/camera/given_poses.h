@@ -1,11 +1,13 @@
 // Poses from the user instead of from matching: a COLMAP model (bin or txt), a transforms.json, or a folder of 3x4 projection
-// matrices. Cameras are scaled to the size at which the photos were ingested; photos are found by name, by path below the photo
-// folder, by file name, or by stem, whichever is unique.
+// matrices. Which file is read: pose_files.h; which photo a name means: photo_finder.h. Cameras are scaled to the size at which
+// the photos were ingested.
 #pragma once
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
+#include "core/base/note.h"
 #include "core/camera/colmap_model.h"
 #include "core/camera/photo_list.h"
 #include "core/camera/pose_pixels.h"
@@ -19,9 +21,17 @@ struct Decomposed {
 };
 Decomposed decomposed_projection(const double (&p)[12], const std::filesystem::path& where);
 
+struct GivenPoses {
+  std::filesystem::path source;        // what was read: the folder of a COLMAP model, a JSON file, the folder of matrices
+  ColmapModel model;                   // image names are photo names; points and observations where the source has them
+  std::vector<size_t> other_versions;  // photos without a pose that are another version of a photo with one ("images_4/a.jpg")
+  PosePixels pixels;                   // for which pixels of the photos the poses were; has notes of its own
+  Notes notes;
+};
 // `path`: file or folder. `matrix_scale`: factor of the first two rows of projection matrices; 0 = found from the principal
-// point. Image names of the result are photo names. Points and observations are kept when the source has them. Cameras and poses
-// of the result are those of the upright photos; `pixels` (optional) tells what that took and what was assumed (pose_pixels.h).
+// point. Cameras and poses of the result are those of the upright photos; `pixels` tells what that took and what was assumed.
+// Throws Error{Input}.
+GivenPoses given_poses(const std::filesystem::path& path, std::span<const Photo> photos, double matrix_scale);
 ColmapModel read_given_poses(const std::filesystem::path& path, std::span<const Photo> photos, double matrix_scale,
                              PosePixels* pixels = nullptr);
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 #include "core/base/json.h"
@@ -12,7 +13,7 @@
 namespace vitrine {
 
 // Parses `path` and hands the document to `read`. Syntax errors, missing keys and wrong types become Error{Input} with the
-// file and the cause; `format` says in words what the file should be.
+// file, the line and column where they are known, and the cause; `format` says in words what the file should be.
 void read_json_file(const std::filesystem::path& path, const char* format,
                     const std::function<void(const nlohmann::json&)>& read);
 // Indented, keys sorted, numbers in their shortest exact form, newline at the end.
@@ -24,5 +25,32 @@ std::filesystem::path path_inside(const std::filesystem::path& folder, const std
 
 nlohmann::json json_of(const Vec3d& v);
 Vec3d vec3_of(const nlohmann::json& j);  // throws nlohmann's exceptions, for use inside read_json_file
+
+// A mistake at a known place of the document; read_json_file finds its line and column. For use inside read_json_file.
+struct JsonMistake : std::invalid_argument {
+  JsonMistake(std::string pointer, const std::string& why) : std::invalid_argument(why), place(std::move(pointer)) {}
+  std::string place;  // JSON pointer, "/frames/3/transform_matrix"
+};
+
+// A value and its place in the document. What is missing or has another type is a JsonMistake: "frames[3].file_path: expected a
+// text, found a number".
+class JsonAt {
+ public:
+  explicit JsonAt(const nlohmann::json& value, std::string place = {}) : value_(&value), place_(std::move(place)) {}
+
+  const nlohmann::json& value() const { return *value_; }
+  bool has(const char* key) const;        // of an object, and not null
+  JsonAt at(const char* key) const;       // must be there
+  JsonAt operator[](size_t index) const;  // of a list that is long enough
+  size_t size() const { return value_->size(); }
+  double number() const;  // finite
+  std::string text() const;
+  const JsonAt& list(const char* of) const;  // must be a list; `of`: what is expected, "a list of frames"
+  [[noreturn]] void fail(const std::string& why) const;
+
+ private:
+  const nlohmann::json* value_;
+  std::string place_;
+};
 
 }  // namespace vitrine

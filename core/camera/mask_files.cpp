@@ -7,8 +7,10 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/folder_files.h"
+#include "core/base/inside.h"
 #include "core/camera/json_file.h"
 #include "core/camera/mask_classes.h"
+#include "core/config/photo_name_finder.h"
 #include "core/image/ldr.h"
 #include "core/photo/photo_files.h"
 
@@ -54,6 +56,46 @@ bool in_folder_of_masks(const fs::path& name) {
 }
 
 std::string joined(const fs::path& folder, const std::string& base) { return lowered((folder / base).generic_string()); }
+
+// A file that a JSON file in `folder` names: the path as written; else, when that was written elsewhere
+// ("/home/me/set/masks/a.png", "C:\\set\\masks\\a.png"), its longest end below `folder`, with one folder at least. nullopt: it
+// does not exist. Never outside.
+std::optional<fs::path> named_file(const fs::path& folder, const JsonAt& written) {
+  std::string text = written.text();
+  std::error_code ec;
+  if (!fs::exists(folder / text, ec)) std::replace(text.begin(), text.end(), '\\', '/');
+  const fs::path path = fs::path(text).lexically_normal();
+  std::vector<fs::path> ends{path};
+  for (auto first = path.begin(); first != path.end(); ++first) {
+    fs::path end;
+    for (auto part = first; part != path.end(); ++part) end /= *part;
+    if (std::distance(first, path.end()) > 1) ends.push_back(end);
+  }
+  for (const fs::path& end : ends)
+    if (stays_below(end) && fs::is_regular_file(folder / end, ec)) return path_inside(folder, end);
+  if (stays_below(path) || !fs::exists(path.is_absolute() ? path : folder / path, ec)) return std::nullopt;
+  written.fail("'" + text + "' is not a path inside the folder of this file");
+}
+
+// Of files that may be the mask of one photo: one that says "mask" wins over one that only has the photo's name, which may be the
+// photo.
+MaskFile one_of(const std::vector<MaskFile>& files, const std::string& photo) {
+  for (std::string_view convention :
+       {"mask_path", "<viewId>.png", "dynamic_mask_b.png", "b.mask.*", "b_mask.*", "b.jpg.png", "b.*"}) {
+    std::vector<const MaskFile*> same;
+    for (const MaskFile& f : files)
+      if (f.convention == convention) same.push_back(&f);
+    if (same.size() > 1)
+      throw Error(ErrorKind::Input, "two files claim to be the mask of one photo",
+                  {.where = photo,
+                   .why = fmt::format("{} and {}", same[0]->path.string(), same[1]->path.string()),
+                   .hint = "remove or rename one of them",
+                   .code = "MASKS_AMBIGUOUS"});
+    if (same.size() == 1) return *same[0];
+  }
+  VITRINE_CHECK(false, "a mask of an unknown convention");
+  return {};
+}
 
 }  // namespace
 
@@ -179,61 +221,94 @@ void MaskFolder::add(MaskClass kind, const fs::path& file, const fs::path& relat
 }
 
 void MaskFolder::add_transforms(MaskClass kind, const fs::path& path) {
-  Index& index = classes_[static_cast<size_t>(kind)];
+  size_t named = 0, missing = 0;
+  std::string first_missing;
   read_json_file(path, "transforms.json", [&](const nlohmann::json& j) {
-    if (!j.contains("frames")) return;
-    for (const nlohmann::json& frame : j.at("frames")) {
-      if (!frame.contains("mask_path")) continue;
-      const fs::path photo = frame.at("file_path").get<std::string>();
-      const fs::path mask = path_inside(path.parent_path(), frame.at("mask_path").get<std::string>());
-      ++index.files;
-      index.by_stem[stem_key(photo.filename().generic_string())].push_back({mask, "mask_path"});
+    const JsonAt top(j);
+    if (!top.has("frames")) return;
+    const JsonAt frames = top.at("frames");
+    frames.list("a list of frames");
+    for (size_t i = 0; i < frames.size(); ++i) {
+      const JsonAt frame = frames[i];
+      if (!frame.has("mask_path")) continue;
+      const JsonAt written = frame.at("mask_path");
+      ++named;
+      if (const auto mask = named_file(path.parent_path(), written))
+        add_listed(kind, frame.at("file_path").text(), {*mask, "mask_path"}, path);
+      else if (missing++ == 0)
+        first_missing = written.text();
     }
   });
+  if (missing == 0) return;
+  const std::string why =
+      fmt::format("{} of {} files that mask_path names do not exist, for example '{}'", missing, named, first_missing);
+  if (missing == named)
+    throw Error(
+        ErrorKind::Input, "the masks of a transforms.json are not there",
+        {.where = path.string(), .why = why, .hint = "paths of masks start at the folder of this file", .code = "MASKS_MISSING"});
+  notes_.push_back({"MASKS_MISSING_FILES", path.string() + ": " + why});
 }
 
 void MaskFolder::add_meshroom(MaskClass kind, const fs::path& path) {
-  Index& index = classes_[static_cast<size_t>(kind)];
   read_json_file(path, "Meshroom scene", [&](const nlohmann::json& j) {
-    if (!j.contains("views")) return;
-    for (const nlohmann::json& view : j.at("views")) {
-      const fs::path photo = view.at("path").get<std::string>();
-      const nlohmann::json& id = view.at("viewId");
-      const std::string number = id.is_string() ? id.get<std::string>() : std::to_string(id.get<uint64_t>());
+    const JsonAt top(j);
+    if (!top.has("views")) return;
+    const JsonAt views = top.at("views");
+    views.list("a list of views");
+    for (size_t i = 0; i < views.size(); ++i) {
+      const JsonAt view = views[i], id = view.at("viewId");
+      const std::string number = id.value().is_number_unsigned() ? std::to_string(id.value().get<uint64_t>()) : id.text();
       const fs::path mask = path_inside(path.parent_path(), number + ".png");
       std::error_code ec;
-      if (!fs::exists(mask, ec)) continue;
-      ++index.files;
-      index.by_stem[stem_key(photo.filename().generic_string())].push_back({mask, "<viewId>.png"});
+      if (fs::exists(mask, ec)) add_listed(kind, view.at("path").text(), {mask, "<viewId>.png"}, path);
     }
   });
 }
 
-std::optional<MaskFile> MaskFolder::find(MaskClass kind, const std::string& photo) const {
+void MaskFolder::add_listed(MaskClass kind, const std::string& photo, MaskFile mask, const fs::path& list) {
+  Index& index = classes_[static_cast<size_t>(kind)];
+  ++index.files;
+  index.listed_photos.push_back(photo);
+  index.listed.push_back(std::move(mask));
+  if (std::find(index.lists.begin(), index.lists.end(), list.parent_path()) == index.lists.end())
+    index.lists.push_back(list.parent_path());
+}
+
+std::vector<std::optional<MaskFile>> MaskFolder::match(MaskClass kind, std::span<const std::string> photos, Notes* notes) const {
   const Index& index = classes_[static_cast<size_t>(kind)];
-  const auto one_of = [&](const std::vector<MaskFile>& files) -> MaskFile {
-    // A file that says "mask" wins over one that only has the photo's name: that may be the photo.
-    for (std::string_view convention :
-         {"mask_path", "<viewId>.png", "dynamic_mask_b.png", "b.mask.*", "b_mask.*", "b.jpg.png", "b.*"}) {
-      std::vector<const MaskFile*> same;
-      for (const MaskFile& f : files)
-        if (f.convention == convention) same.push_back(&f);
-      if (same.size() > 1)
-        throw Error(ErrorKind::Input, "two files claim to be the mask of one photo",
-                    {.where = photo,
-                     .why = fmt::format("{} and {}", same[0]->path.string(), same[1]->path.string()),
-                     .hint = "remove or rename one of them",
-                     .code = "MASKS_AMBIGUOUS"});
-      if (same.size() == 1) return *same[0];
+  std::vector<std::vector<MaskFile>> listed(photos.size());
+  const PhotoNameFinder finder(photos);
+  const std::vector<PhotoMatch> matches = finder.match(index.listed_photos, index.lists);
+  size_t ambiguous = 0;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (const auto photo = matches[i].photo) {
+      std::vector<MaskFile>& files = listed[*photo];
+      const bool known =
+          std::any_of(files.begin(), files.end(), [&](const MaskFile& f) { return f.path == index.listed[i].path; });
+      if (!known) files.push_back(index.listed[i]);
     }
-    VITRINE_CHECK(false, "a mask of an unknown convention");
-    return {};
-  };
+    if (!matches[i].could_be.empty() && ambiguous++ == 0 && notes != nullptr)
+      notes->push_back(
+          {"MASKS_AMBIGUOUS_NAMES", fmt::format("the mask {} belongs to no photo: '{}' may be {}", index.listed[i].path.string(),
+                                                index.listed_photos[i], vitrine::listed(finder, matches[i].could_be))});
+  }
+  if (ambiguous > 1 && notes != nullptr) notes->back().text += fmt::format("; so it is with {} more masks", ambiguous - 1);
+  std::vector<std::optional<MaskFile>> out;
+  for (size_t i = 0; i < photos.size(); ++i)
+    out.push_back(listed[i].empty() ? called_like(index, photos[i]) : std::optional(one_of(listed[i], photos[i])));
+  return out;
+}
+
+std::optional<MaskFile> MaskFolder::find(MaskClass kind, const std::string& photo) const {
+  return match(kind, std::span(&photo, 1))[0];
+}
+
+std::optional<MaskFile> MaskFolder::called_like(const Index& index, const std::string& photo) {
   const std::string full = lowered(photo), stem = stem_key(photo);
   const std::string file_name = lowered(fs::path(photo).filename().generic_string()), file_stem = stem_key(file_name);
   for (const auto& [map, key] : {std::pair{&index.by_name, full}, std::pair{&index.by_stem, stem},
                                  std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})
-    if (const auto found = map->find(key); found != map->end()) return one_of(found->second);
+    if (const auto found = map->find(key); found != map->end()) return one_of(found->second, photo);
   // By file name alone, whatever the folder, where only one file has it.
   std::vector<MaskFile> anywhere;
   for (const auto& [map, wanted] : {std::pair{&index.by_name, file_name}, std::pair{&index.by_stem, file_stem}})

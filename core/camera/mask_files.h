@@ -17,10 +17,12 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/base/note.h"
 #include "core/image/image.h"
 
 namespace vitrine {
@@ -46,14 +48,19 @@ class MaskFolder {
 
   const std::filesystem::path& path() const { return path_; }
   size_t file_count(MaskClass kind) const { return classes_[static_cast<size_t>(kind)].files; }
-  // The mask of a photo by its name, "left/b.jpg": by path, else by file name where that is unique. Throws Error{Input} when two
-  // files claim the photo with equal right.
-  std::optional<MaskFile> find(MaskClass kind, const std::string& photo) const;
+  // The masks of photos by their names, "left/b.jpg": those that a list (transforms.json, Meshroom) names, else by path, else by
+  // file name where that is unique. Throws Error{Input} when two files claim a photo with equal right.
+  std::vector<std::optional<MaskFile>> match(MaskClass kind, std::span<const std::string> photos, Notes* notes = nullptr) const;
+  std::optional<MaskFile> find(MaskClass kind, const std::string& photo) const;  // of one photo
+  const Notes& notes() const { return notes_; }                                  // on the files
 
  private:
   struct Index {
     size_t files = 0;
     std::map<std::string, std::vector<MaskFile>> by_name, by_stem;  // keys without letter case
+    std::vector<std::string> listed_photos;                         // names in lists, and
+    std::vector<MaskFile> listed;                                   // their masks
+    std::vector<std::filesystem::path> lists;                       // folders of the lists
   };
   void add_folder(MaskClass flat, const std::vector<std::string>& photos);
   // `relative`: the file's name as that of a photo.
@@ -61,7 +68,10 @@ class MaskFolder {
   void add_beside(MaskClass kind, const std::filesystem::path& file, const std::string& photo);
   void add_transforms(MaskClass kind, const std::filesystem::path& json);
   void add_meshroom(MaskClass kind, const std::filesystem::path& json);
+  void add_listed(MaskClass kind, const std::string& photo, MaskFile mask, const std::filesystem::path& list);
+  static std::optional<MaskFile> called_like(const Index& index, const std::string& photo);
   std::filesystem::path path_;
+  Notes notes_;
   std::array<Index, kMaskClassCount> classes_;
   std::set<std::string> photo_stems_;  // keys without letter case; with folders and without
 };

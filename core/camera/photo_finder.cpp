@@ -1,6 +1,7 @@
 #include "core/camera/photo_finder.h"
 
-#include <cctype>
+#include <cstdlib>
+#include <map>
 
 #include "core/base/file.h"
 
@@ -8,41 +9,59 @@ namespace vitrine {
 
 namespace {
 
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
+std::vector<std::string> names_of(std::span<const Photo> photos) {
+  std::vector<std::string> names;
+  for (const Photo& p : photos) names.push_back(p.name);
+  return names;
+}
+
+std::vector<std::vector<std::string>> paths_of(std::span<const Photo> photos) {
+  std::vector<std::vector<std::string>> paths;
+  for (const Photo& p : photos) {
+    paths.push_back({p.source.empty() ? p.name : p.source});
+    if (p.name != paths.back()[0]) paths.back().push_back(p.name);
+  }
+  return paths;
 }
 
 }  // namespace
 
-PhotoFinder::PhotoFinder(std::span<const Photo> photos) {
+PhotoFinder::PhotoFinder(std::span<const Photo> photos) : PhotoNameFinder(names_of(photos), paths_of(photos)) {}
+
+std::vector<size_t> first_versions(std::span<const Photo> photos) {
+  const auto key = [](const fs::path& path) { return folded_name(fs::path(path).replace_extension().generic_string()); };
+  std::map<std::string, size_t> by_key;
+  for (size_t i = 0; i < photos.size(); ++i) by_key.emplace(key(photos[i].source), i);
+  // `path` with its folder `part` called otherwise.
+  const auto beside = [&](const fs::path& path, const fs::path::iterator& part,
+                          const std::string& name) -> std::optional<size_t> {
+    fs::path other;
+    for (auto at = path.begin(); at != path.end(); ++at) other /= at == part ? fs::path(name) : *at;
+    const auto found = by_key.find(key(other));
+    return found != by_key.end() ? std::optional(found->second) : std::nullopt;
+  };
+  std::vector<size_t> first(photos.size());
   for (size_t i = 0; i < photos.size(); ++i) {
-    const fs::path name(photos[i].name), source(photos[i].source);
-    note(0, photos[i].name, i);
-    note(1, photos[i].source, i);
-    note(2, lower(name.filename().string()), i);
-    note(3, lower(source.filename().string()), i);
-    note(4, lower(photos[i].stem), i);
-    note(5, lower(name.stem().string()), i);
+    first[i] = i;
+    const fs::path path(photos[i].source);
+    for (auto part = path.begin(); part != path.end(); ++part) {
+      const std::string& folder = part->native();
+      if (folder == "input")
+        if (const auto found = beside(path, part, "images")) first[i] = *found;
+      const size_t line = folder.rfind('_');
+      if (line == std::string::npos || line == 0 || line + 1 == folder.size() || folder.size() - line > 3 ||
+          folder.find_first_not_of("0123456789", line + 1) != std::string::npos)
+        continue;
+      const int factor = std::stoi(folder.substr(line + 1));
+      const auto found = beside(path, part, folder.substr(0, line));
+      if (factor < 2 || !found || *found == i) continue;
+      const auto fits = [&](int a, int b) { return std::abs(double(b) / factor - a) <= 1; };
+      if (fits(photos[i].original_width, photos[*found].original_width) &&
+          fits(photos[i].original_height, photos[*found].original_height))
+        first[i] = *found;
+    }
   }
-}
-
-std::optional<size_t> PhotoFinder::operator()(const std::string& pose_name) const {
-  const fs::path path(pose_name);
-  const std::string file = lower(path.filename().string());
-  const std::string tries[kRules] = {pose_name, pose_name, file, file, lower(pose_name), lower(path.stem().string())};
-  for (size_t rule = 0; rule < kRules; ++rule) {
-    const auto found = keys_[rule].find(tries[rule]);
-    if (found != keys_[rule].end() && found->second) return found->second;
-  }
-  // transforms.json of the Blender kind has no extension.
-  const auto bare = keys_[5].find(file);
-  return bare != keys_[5].end() ? bare->second : std::nullopt;
-}
-
-void PhotoFinder::note(size_t rule, const std::string& key, size_t photo) {
-  const auto [at, fresh] = keys_[rule].emplace(key, photo);
-  if (!fresh && at->second != photo) at->second = std::nullopt;
+  return first;
 }
 
 }  // namespace vitrine

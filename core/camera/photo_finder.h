@@ -1,27 +1,27 @@
-// Which photo a name means that stands in somebody's file: a pose, a mask, a mark. The one place that decides it.
+// The photos of a capture by the names that stand in somebody's file (core/config/photo_name_finder.h).
 #pragma once
 
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/camera/photo_list.h"
+#include "core/config/photo_name_finder.h"
 
 namespace vitrine {
 
-// Tries the strictest rule first: the photo's name as it is, its path below the photo folder, its file name, its stem. A key that
-// two photos share decides nothing.
-class PhotoFinder {
+// Photos are found by their path below the user's photo folder, and by their own name.
+class PhotoFinder : public PhotoNameFinder {
  public:
   explicit PhotoFinder(std::span<const Photo> photos);
-  // Index of the photo; nullopt when none or more than one has that name.
-  std::optional<size_t> operator()(const std::string& name) const;
-
- private:
-  static constexpr size_t kRules = 6;
-  void note(size_t rule, const std::string& key, size_t photo);
-  std::map<std::string, std::optional<size_t>> keys_[kRules];
+  // Index of the photo; nullopt when none or more than one can be meant.
+  std::optional<size_t> operator()(const std::string& name) const { return match(name).photo; }
 };
+
+// Photos that are one picture in several versions, as data sets have them side by side: "images_2/a.jpg" has half the size of
+// "images/a.jpg", and "input/a.jpg" is what 3D Gaussian splatting's script undistorted into "images/a.jpg". Per photo: the first
+// of its versions, perhaps itself.
+std::vector<size_t> first_versions(std::span<const Photo> photos);
 
 }  // namespace vitrine

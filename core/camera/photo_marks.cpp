@@ -1,29 +1,23 @@
 #include "core/camera/photo_marks.h"
 
-#include <filesystem>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "core/config/photo_name_finder.h"
 #include "core/config/text.h"
 
 namespace vitrine {
 
-bool names_photo(const std::string& text, const std::filesystem::path& photo) {
-  const bool plain = std::filesystem::path(photo).replace_extension() == text;
-  return photo == text || photo.filename() == text || photo.stem() == text || plain;
-}
-
 std::optional<size_t> marked_view(YamlReader& in, const YamlNode& name, std::span<const View> views) {
   std::vector<std::string> names;
-  std::vector<size_t> meant;  // called so without their folder or extension
-  for (size_t v = 0; v < views.size(); ++v) {
-    if (views[v].name == name.text) return v;
-    if (names_photo(name.text, views[v].name)) meant.push_back(v);
-    names.push_back(views[v].name);
-  }
-  if (meant.size() == 1) return meant[0];
-  if (meant.size() > 1) {
-    in.complain(name, fmt::format("'{}' may be {} or {}: write all of its name", name.text, names[meant[0]], names[meant[1]]));
+  for (const View& view : views) names.push_back(view.name);
+  const PhotoNameFinder finder(names);
+  const PhotoMatch meant = finder.match(name.text);
+  if (meant.photo) return meant.photo;
+  if (!meant.could_be.empty()) {
+    in.complain(name, fmt::format("'{}' may be {}: write all of its name", name.text, listed(finder, meant.could_be)));
     return std::nullopt;
   }
   const std::string near = nearest_word(name.text, names);

@@ -2,8 +2,9 @@
 // right, bottom]` or `polygon: [[x, y], [x, y], [x, y]]`.
 #pragma once
 
-#include <filesystem>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "core/camera/view.h"
 #include "core/config/yaml_reader.h"
@@ -11,11 +12,8 @@
 
 namespace vitrine {
 
-// Whether a mark calls the photo so: by its whole name, or without its folder or extension.
-bool names_photo(const std::string& text, const std::filesystem::path& photo);
-
-// The view that the node names: its whole name, or without folder or extension when one photo alone is called so. nullopt:
-// complained.
+// The view that the node names: its whole name, or a part of it that means one photo alone (core/config/photo_name_finder.h).
+// nullopt: complained.
 std::optional<size_t> marked_view(YamlReader& in, const YamlNode& name, std::span<const View> views);
 
 struct MarkedRegion {

@@ -34,14 +34,10 @@ std::optional<ImageF> mask_or_photo(const MaskFile& file, const std::string& pho
 }  // namespace
 
 std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
-                                                    const std::vector<std::string>& photos, const std::string& off_setting) {
-  std::vector<std::optional<MaskFile>> found(photos.size());
-  bool any = false;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    found[i] = folder.find(kind, photos[i]);
-    any |= found[i].has_value();
-  }
-  if (any || photos.empty()) return found;
+                                                    const std::vector<std::string>& photos, const std::string& off_setting,
+                                                    Notes* notes) {
+  const std::vector<std::optional<MaskFile>> found = folder.match(kind, photos, notes);
+  if (photos.empty() || std::ranges::any_of(found, [](const auto& f) { return f.has_value(); })) return found;
   const size_t files = folder.file_count(kind);
   throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", name(kind)),
               {.where = folder.path().string(),
@@ -83,7 +79,7 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
       polarity_option_(desc.polarity_option),
       off_setting_(desc.off_setting),
       black_belongs_(desc.polarity == "black"),
-      files_(matching_masks(desc.folder, desc.kind, desc.photos, desc.off_setting)) {
+      files_(matching_masks(desc.folder, desc.kind, desc.photos, desc.off_setting, &notes_)) {
   const std::string class_name(name(desc.kind));
   matched_ = size_t(std::count_if(files_.begin(), files_.end(), [](const auto& f) { return f.has_value(); }));
   std::vector<MaskExtent> extents(files_.size());

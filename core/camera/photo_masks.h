@@ -46,6 +46,7 @@ class PhotoMasks {
   // "all masks of the class 'object' are black"
   std::string all_black_text() const;
   std::set<std::string> conventions() const;
+  const Notes& notes() const { return notes_; }  // on names
 
  private:
   ImageF with_polarity(ImageF mask) const;
@@ -53,6 +54,7 @@ class PhotoMasks {
   std::string where_, polarity_option_, off_setting_;
   MaskExtent extent_;
   bool black_belongs_ = false;
+  Notes notes_;
   std::vector<std::optional<MaskFile>> files_;
   size_t matched_ = 0, photos_themselves_ = 0;
 };
@@ -60,7 +62,8 @@ class PhotoMasks {
 // The masks of one class by the photos' names alone. Throws Error{Input} when no photo has one; `off_setting` is how to do
 // without.
 std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
-                                                    const std::vector<std::string>& photos, const std::string& off_setting);
+                                                    const std::vector<std::string>& photos, const std::string& off_setting,
+                                                    Notes* notes = nullptr);
 
 // What a run would refuse of masks by their names, before anything is computed: nothing there, folders that are no classes, no
 // file called like a photo. Returns sentences on photos without a mask. `photos`: as ingest calls them; `used`: classes that are

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 
 namespace vitrine {
 
@@ -29,7 +30,7 @@ ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<V
         list->push_back(it->second);
       }
   } catch (const nlohmann::json::exception& e) {
-    throw fail(e.what());
+    throw fail(cause_of(e));
   }
   if (split.max_side < 0) throw fail("max_side is negative");
   if (split.train.empty() && split.heldout.empty()) throw fail("it names no views");

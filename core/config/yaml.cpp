@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/text_file.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -158,7 +159,7 @@ YamlFile parse_yaml(std::string_view text, std::string name) {
   return file;
 }
 
-YamlFile read_yaml(const std::string& path) { return parse_yaml(read_file(path), path); }
+YamlFile read_yaml(const std::string& path) { return parse_yaml(read_text_file(path), path); }
 
 void ConfigErrors::add(const YamlFile& file, SourceMark mark, size_t length, const std::string& message) {
   if (++count_ > kMostShown) return;

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 
 namespace vitrine {
 
@@ -62,7 +63,7 @@ std::map<std::string, Tensor> read_safetensors(const fs::path& path, const std::
       tensors.emplace(name, std::move(tensor));
     }
   } catch (const nlohmann::json::exception& e) {
-    throw fail(e.what());
+    throw fail(cause_of(e));
   }
   return tensors;
 }

@@ -3,19 +3,13 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/camera/camera_path.h"
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
 
 namespace vitrine {
 
 namespace {
-
-// The cameras of a path; the pictures are numbered, because the names in such a file need not fit this file system.
-std::vector<View> path_views(const std::filesystem::path& path) {
-  std::vector<View> views = read_transforms_json(path);
-  for (size_t i = 0; i < views.size(); ++i) views[i].name = fmt::format("frame_{:04}.png", i);
-  return views;
-}
 
 std::vector<View> photo_views(const PictureViewsDesc& desc) {
   const std::vector<View> all = load_view_set(desc.sfm).views;
@@ -35,6 +29,17 @@ std::vector<View> photo_views(const PictureViewsDesc& desc) {
   return views;
 }
 
+std::vector<View> path_views(const PictureViewsDesc& desc) {
+  CameraPathDesc path{.file = *desc.path, .size = {}, .usual_size = [&] {
+                        PictureViewsDesc all = desc;
+                        all.which = "all";
+                        const Intrinsics k = photo_views(all).front().intrinsics;
+                        return PictureSize{k.width, k.height};
+                      }};
+  if (desc.width > 0) path.size = {desc.width, desc.height};
+  return read_camera_path(path);
+}
+
 }  // namespace
 
 Intrinsics covering(const Intrinsics& k, int width, int height) {
@@ -47,7 +52,7 @@ std::vector<View> picture_views(const PictureViewsDesc& desc) {
   if (desc.which == "path" && !desc.path)
     throw Error(ErrorKind::Usage, "which camera path?",
                 {.hint = "--input path=FILE, a transforms.json", .code = "MISSING_INPUT"});
-  std::vector<View> views = desc.which == "path" ? path_views(*desc.path) : photo_views(desc);
+  std::vector<View> views = desc.which == "path" ? path_views(desc) : photo_views(desc);
   for (View& v : views) {
     if (desc.width > 0) v.intrinsics = covering(v.intrinsics, desc.width, desc.height);
     if (v.intrinsics.longest_side() > kMaxPictureSide)

@@ -19,8 +19,8 @@ struct PictureViewsDesc {
   std::optional<std::filesystem::path> path = {};  // which = path: a transforms.json in the scene's frame
   int width = 0, height = 0;                       // 0: as trained, or as the path says
 };
-// Sorted by name, never empty. Cameras of a path have gain 1 and are named frame_0000.png on. Throws Error{Input} when there are
-// none, Error{Usage} when the path is missing.
+// Never empty. Those of photos are sorted by name; those of a path keep the order of its file, have gain 1, and are named
+// frame_0000.png on. Throws Error{Input} when there are none, Error{Usage} when the path is missing.
 std::vector<View> picture_views(const PictureViewsDesc& desc);
 
 // The same camera with a picture of exactly this size: square pixels stay square, and what does not fit the new shape is cut off

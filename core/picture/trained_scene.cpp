@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/shape_mesh.h"
 #include "core/model/thick_glass.h"
@@ -203,7 +204,7 @@ ImageOptions read_image_options(const fs::path& path) {
     if (mesh.faces.empty()) throw fail("the mesh of the thick glass has no face");
     options.transmission.thick = std::make_shared<const ThickGlass>(std::move(mesh), ior, tolerance);
   } catch (const nlohmann::json::exception& e) {
-    throw fail(e.what());
+    throw fail(cause_of(e));
   }
   return options;
 }

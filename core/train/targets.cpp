@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/view_masks.h"
@@ -83,7 +84,7 @@ MaskOrigin mask_origin(const fs::path& artifact, const std::string& mask) {
     return {source == "proposed" && !row.value("certain", false), source == "proposed" || source == "boxes"};
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorKind::Input, "the report of the masks is unusable",
-                {.where = path.string(), .why = e.what(), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});
+                {.where = path.string(), .why = cause_of(e), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});
   }
 }
 

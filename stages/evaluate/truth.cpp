@@ -71,7 +71,14 @@ Truth::Truth(fs::path folder, const std::vector<View>& views) : folder_(std::mov
   for (const View& v : views) stems_.push_back(v.stem());
   has_transforms_ = fs::exists(transforms_path());
   if (!has_transforms_) return;
-  for (const View& t : read_transforms_json(transforms_path())) {
+  // Without w and h a truth camera has the size of its photo.
+  const auto size_of = [&](const std::string& name) -> std::optional<PictureSize> {
+    const std::string stem = fs::path(name).replace_extension().generic_string();
+    for (size_t i = 0; i < views.size(); ++i)
+      if (names_view(stem, stems_[i])) return PictureSize{views[i].intrinsics.width, views[i].intrinsics.height};
+    return std::nullopt;
+  };
+  for (const View& t : read_transforms_json(transforms_path(), size_of)) {
     const std::string stem = t.stem();
     for (size_t i = 0; i < views.size(); ++i)
       if (!cameras_[i] && names_view(stem, stems_[i])) cameras_[i] = t;

@@ -19,6 +19,7 @@ class FileSource final : public MaskSource {
   void report(nlohmann::ordered_json& j) const override;
   size_t matched() const { return masks_.matched(); }
   const PhotoMasks& masks() const { return masks_; }
+  const Notes& notes() const { return masks_.notes(); }
 
  private:
   const MaskCapture& capture_;

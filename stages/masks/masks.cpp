@@ -48,6 +48,7 @@ std::unique_ptr<FileSource> file_source(MaskClass kind, const MasksConfig& confi
     throw Error(ErrorKind::Usage, fmt::format("masks.{}.source is 'files', and there are no files", name(kind)),
                 {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-masks)", .code = "MASKS_MISSING"});
   auto source = std::make_unique<FileSource>(capture, *folder, kind, config.of(kind), config.frame);
+  for (const Note& note : source->notes()) context.warning(note.code, note.text);
   const size_t views = capture.set.views.size();
   if (source->masks().everything()) tell_all_white(kind, config, source->masks(), context);
   if (source->matched() < views && !source->masks().nothing())
@@ -174,6 +175,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     std::vector<std::string> photos = capture.without_camera;
     for (const View& view : capture.set.views) photos.push_back(view.name);
     folder.emplace(*path, mask_class(config.flat).value(), photos);
+    for (const Note& note : folder->notes()) context.warning(note.code, note.text);
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
     if (files == 0) throw_no_mask_file(*path);

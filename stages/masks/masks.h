@@ -4,7 +4,8 @@
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
 // version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones. 3:
 // GrabCut keeps the middle of what polygons mark. 4: densification of the quick fit with many photos. 5: marks of
-// glass whose outlines are those of a box are the box. 10: more names of mask files; a class without a pixel is absent.
+// glass whose outlines are those of a box are the box. 6 to 9: hulls of few marks, bodies on the photos' edges, display cases.
+// 10: more names of mask files, by the whole path where lists name photos; a class without a pixel is absent.
 #pragma once
 
 #include <string>

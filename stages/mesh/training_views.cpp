@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 
 namespace vitrine {
 
@@ -21,7 +22,7 @@ std::vector<View> training_views(const ViewSet& set, const fs::path& optimize_fo
     names = document.at("train").get<std::vector<std::string>>();
     if (max_side <= 0) max_side = document.at("max_side").get<int>();
   } catch (const nlohmann::json::exception& e) {
-    throw fail(e.what());
+    throw fail(cause_of(e));
   }
   if (names.empty()) throw fail("it names no training view");
   std::vector<View> views;

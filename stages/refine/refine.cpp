@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
@@ -36,7 +37,7 @@ float voxel_of(const fs::path& report) {
     voxel = nlohmann::json::parse(read_file(report)).at("voxel").get<double>();
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorKind::Input, "the report of the mesh is unusable",
-                {.where = report.string(), .why = e.what(), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
+                {.where = report.string(), .why = cause_of(e), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
   }
   if (!(voxel > 0) || !std::isfinite(voxel))
     throw Error(

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 
 namespace vitrine {
 
@@ -22,7 +23,7 @@ std::vector<MeshVerdict> mesh_verdicts(const std::filesystem::path& report) {
     }
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorKind::Input, "the report of the mesh is unusable",
-                {.where = report.string(), .why = e.what(), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
+                {.where = report.string(), .why = cause_of(e), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
   }
   return verdicts;
 }

@@ -68,16 +68,17 @@ void run_render(const RenderConfig& config, StageContext& context) {
 }
 
 Stage render_stage() {
-  StageInfo info{.name = "render",
-                 .version = 5,
-                 .summary = "pictures of a trained scene from any camera",
-                 .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
-                            {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
-                            {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
-                            {.name = "path",
-                             .artifact = false,
-                             .optional = true,
-                             .doc = "Cameras in the scene's frame: a transforms.json with w and h."}}};
+  StageInfo info{
+      .name = "render",
+      .version = 6,
+      .summary = "pictures of a trained scene from any camera",
+      .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
+                 {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                 {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
+                 {.name = "path",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "Cameras in the scene's frame, in order: a transforms.json, or a camera path of nerfstudio's viewer."}}};
   return make_stage<RenderConfig>(
       std::move(info), run_render,
       [] {

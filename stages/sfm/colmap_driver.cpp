@@ -89,6 +89,13 @@ std::vector<std::pair<std::string, std::string>> child_environment() {
   return {{"QT_QPA_PLATFORM", "offscreen"}, {"OPENBLAS_NUM_THREADS", "1"}};
 }
 
+// COLMAP takes every '\\' of a path for '/'. It runs in its working folder: from there, paths hold names of ours alone.
+std::string from_there(const std::string& value, const fs::path& working_folder) {
+  const std::string folder = working_folder.string() + "/";
+  return !working_folder.empty() && value.size() > folder.size() && value.starts_with(folder) ? value.substr(folder.size())
+                                                                                              : value;
+}
+
 }  // namespace
 
 Colmap::Colmap() : Colmap(program_or_throw()) {}
@@ -154,7 +161,9 @@ std::vector<std::string> Colmap::arguments(const ColmapCommand& call) {
 }
 
 ProcessResult Colmap::run(const ColmapCommand& call) {
-  ProcessResult result = run_process({.arguments = arguments(call),
+  std::vector<std::string> words = arguments(call);
+  for (size_t i = 1; i < words.size(); ++i) words[i] = from_there(words[i], call.working_folder);
+  ProcessResult result = run_process({.arguments = std::move(words),
                                       .environment = child_environment(),
                                       .working_folder = call.working_folder,
                                       .log = call.log,

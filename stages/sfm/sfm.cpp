@@ -10,6 +10,7 @@
 #include "core/camera/given_poses.h"
 #include "core/camera/photo_list.h"
 #include "core/camera/pose_check.h"
+#include "core/camera/pose_files.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
@@ -88,9 +89,19 @@ void tell(const Notes& notes, StageContext& context) {
       context.warning(note.code, note.text);
 }
 
-ColmapModel given_model(const fs::path& poses, const SfmConfig& config, const std::vector<Photo>& photos, PosePixels& pixels) {
-  ColmapModel given = read_given_poses(poses, photos, config.pose_scale, &pixels);
+// Photos that are another version of one with a pose ("images_4/a.jpg") leave the list.
+ColmapModel given_model(const fs::path& poses, const SfmConfig& config, std::vector<Photo>& photos, StageContext& context,
+                        PosePixels& pixels) {
+  GivenPoses read = given_poses(poses, photos, config.pose_scale);
+  tell(read.notes, context);
+  pixels = std::move(read.pixels);
+  for (auto i = read.other_versions.rbegin(); i != read.other_versions.rend(); ++i) photos.erase(photos.begin() + long(*i));
+  ColmapModel given = std::move(read.model);
   log_info("sfm: {} of {} photos have given poses, {} points", given.images.size(), photos.size(), given.points.size());
+  if (!given.points.empty() && given.points.size() < kPointsWorthKeeping)
+    context.warning("POSES_FEW_POINTS", fmt::format("the {} points of the given model are too few to start from (fewer than {}): "
+                                                    "points are triangulated from the photos",
+                                                    given.points.size(), kPointsWorthKeeping));
   if (given.images.size() < kSmallestGiven || double(given.images.size()) < config.min_registered * double(photos.size()))
     throw Error(ErrorKind::Input, "too few photos have a given pose",
                 {.where = poses.string(),
@@ -116,11 +127,11 @@ void principal_points(ColmapModel& model, StageContext& context) {
     log_debug("sfm: a principal point {}: it stays in the middle", text);
 }
 
-Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, const std::vector<Photo>& photos) {
+Solved solved(const SfmConfig& config, StageContext& context, const fs::path& ingest, std::vector<Photo>& photos) {
   std::optional<ColmapModel> given;
   PosePixels pixels;
   const std::optional<fs::path> poses = context.optional_input("poses");
-  if (poses) given = given_model(*poses, config, photos, pixels);
+  if (poses) given = given_model(*poses, config, photos, context, pixels);
   Solved s;
   if (given && given->points.size() >= kPointsWorthKeeping) {
     std::map<std::string, const Photo*> photo_of;
@@ -215,7 +226,7 @@ Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext
 
 void run(const SfmConfig& config, StageContext& context) {
   const fs::path ingest = context.input("ingest"), output = context.output();
-  const std::vector<Photo> photos = read_photo_list(ingest);
+  std::vector<Photo> photos = read_photo_list(ingest);
   Solved s = solved(config, context, ingest, photos);
   measure_photos(ingest, photos, s.reconstruction);
   const Reconstruction& r = s.reconstruction;
@@ -361,7 +372,8 @@ Stage sfm_stage() {
                             {.name = "poses",
                              .artifact = false,
                              .optional = true,
-                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices"},
+                             .doc = "given poses: COLMAP model, transforms.json or 3x4 matrices",
+                             .meant = meant_poses},
                             {.name = "masks",
                              .artifact = false,
                              .optional = true,

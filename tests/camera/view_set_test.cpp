@@ -120,31 +120,31 @@ TEST(TransformsJson, UsesOpenGlAxes) {
 
 TEST(TransformsJson, ReadsBlenderSetsWithoutExtensionsAndSizes) {
   TemporaryFolder folder;
-  fs::create_directories(folder.path() / "train");
-  write_ldr(folder.path() / "train" / "r_0.png", Image8(32, 24, 3, uint8_t{9}));
   write_file(folder.path() / "transforms_train.json", R"({"camera_angle_x": 0.6911112070083618,
     "frames": [{"file_path": "./train/r_0", "rotation": 0.01, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,4],[0,0,0,1]]}]})");
-  const View view = read_transforms_json(folder.path() / "transforms_train.json").at(0);
-  EXPECT_EQ(view.name, "r_0.png");
+  const fs::path path = folder.path() / "transforms_train.json";
+  const View view = read_transforms_json(path, [](const std::string&) { return PictureSize{32, 24}; }).at(0);
+  EXPECT_EQ(view.name, "r_0");
   EXPECT_EQ(view.intrinsics.width, 32);
   EXPECT_NEAR(view.intrinsics.fx, 16 / std::tan(0.5 * 0.6911112070083618), 1e-9);
   EXPECT_DOUBLE_EQ(view.intrinsics.fy, view.intrinsics.fx);
   EXPECT_DOUBLE_EQ(view.intrinsics.cy, 12);
+  EXPECT_NE(why_refused([&] { read_transforms_json(path); }).find("w and h are missing"), std::string::npos);
 }
 
-TEST(TransformsJson, FrameIntrinsicsWinAndDistortionIsKeptInTheModel) {
+TEST(TransformsJson, FrameIntrinsicsWinAndDistortionIsKeptInTheFile) {
   TemporaryFolder folder;
   write_file(folder.path() / "t.json",
              R"({"fl_x": 100, "fl_y": 101, "cx": 21, "cy": 11, "w": 40, "h": 20, "camera_model": "OPENCV", "frames": [
     {"file_path": "images/b.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,5],[0,0,0,1]]},
     {"file_path": "images/sub/a.png", "fl_x": 50, "w": 80, "k1": -0.1, "p2": 0.01, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,5],[0,0,0,1]]}]})");
-  const ColmapModel m = read_transforms_model(folder.path() / "t.json");
-  ASSERT_EQ(m.cameras.size(), 2u);
-  EXPECT_EQ(m.images[0].name, "b.png");
-  EXPECT_EQ(m.images[1].name, "sub/a.png");
-  EXPECT_EQ(m.cameras[0].params, (std::vector<double>{100, 101, 21, 11}));
-  EXPECT_EQ(m.cameras[1].params, (std::vector<double>{50, 101, 21, 11, -0.1, 0, 0, 0.01}));
-  EXPECT_EQ(m.cameras[1].width, 80u);
+  const TransformsFile m = read_transforms_file(folder.path() / "t.json");
+  ASSERT_EQ(m.frames.size(), 2u);
+  EXPECT_EQ(m.frames[1].name, "images/sub/a.png");
+  const ColmapCamera first = m.frames[0].camera.camera({1, 1}), second = m.frames[1].camera.camera({1, 1});
+  EXPECT_EQ(first.params, (std::vector<double>{100, 101, 21, 11}));
+  EXPECT_EQ(second.params, (std::vector<double>{50, 101, 21, 11, -0.1, 0, 0, 0.01}));
+  EXPECT_EQ(second.width, 80u);
   EXPECT_NE(why_refused([&] { read_transforms_json(folder.path() / "t.json"); }).find("distortion"), std::string::npos);
 }
 

@@ -95,6 +95,20 @@ TEST(ColmapDriver, PassesArgumentsWithoutAShellAndReportsTheExitCode) {
   EXPECT_NE(read_file(folder.path() / "log.txt").find("<Fotos/Küche>"), std::string::npos);
 }
 
+TEST(ColmapDriver, GivesPathsFromTheWorkingFolderBecauseColmapChangesBackslashes) {
+  const TemporaryFolder folder;
+  Colmap colmap(fake_colmap(folder.path(), kVersions[0]));
+  const fs::path there = folder.path() / "back\\slash";
+  make_folders(there);
+  std::vector<std::string> lines;
+  colmap.run({.command = "feature_extractor",
+              .settings = {{"database", (there / "a.db").string()}, {"images", (there / "pictures").string()}},
+              .working_folder = there,
+              .log = there / "log.txt",
+              .on_line = [&](std::string_view line) { lines.emplace_back(line); }});
+  EXPECT_EQ(lines, (std::vector<std::string>{"<feature_extractor>", "<--database_path>", "<a.db>", "<--image_path>", "<pictures>"}));
+}
+
 TEST(ColmapDriver, NamesAMissingOptionAndTheVersion) {
   const TemporaryFolder folder;
   Colmap colmap(fake_colmap(folder.path(), kVersions[5]));

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/camera/photo_marks.h"
 #include "core/camera/photo_masks.h"
+#include "core/config/photo_name_finder.h"
 
 namespace vitrine {
 
@@ -43,6 +44,15 @@ class Reader {
   }
 
  private:
+  // The photo that the text means is one that sfm could not place.
+  bool meant_photo_is_lost(const std::string& text) const {
+    std::vector<std::string> names;
+    for (const View& view : capture_.set.views) names.push_back(view.name);
+    names.insert(names.end(), capture_.without_camera.begin(), capture_.without_camera.end());
+    const PhotoMatch meant = PhotoNameFinder(names).match(text);
+    return meant.photo && *meant.photo >= capture_.set.views.size();
+  }
+
   std::string lost_marks_of(const MarkedThing& thing) const {
     std::vector<std::string> photos;
     for (const auto& [of, photo] : lost_)
@@ -99,9 +109,7 @@ class Reader {
     const YamlNode *photo = node.find("photo"), *kind_node = node.find("class"), *thing = node.find("thing");
     if (photo == nullptr || kind_node == nullptr) return in_.complain(node, "a mark names its photo and its class");
     if (thing != nullptr && thing->text.empty()) return in_.complain(*thing, "'thing' is a word that tells it from others");
-    const auto named = [&](const std::string& name) { return names_photo(photo->text, name); };
-    const bool lost =
-        std::ranges::none_of(capture_.set.views, named, &View::name) && std::ranges::any_of(capture_.without_camera, named);
+    const bool lost = meant_photo_is_lost(photo->text);
     const auto view = lost ? std::nullopt : marked_view(in_, *photo, capture_.set.views);
     const std::optional<MaskClass> kind = mask_class(kind_node->text);
     if (!kind)
