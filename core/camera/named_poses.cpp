@@ -104,6 +104,7 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
   const auto best = std::max_element(readings.begin(), readings.end(), [](const Reading& a, const Reading& b) {
     return std::tuple(a.photos, a.same_size) < std::tuple(b.photos, b.same_size);  // the first of equal ones
   });
+  if (best->photos < 2 && first_failure) std::rethrow_exception(first_failure);  // it may be the one that is meant
   Reading out = *best;
   std::string others, beside;
   for (const Reading& r : readings) {

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 
@@ -56,11 +57,12 @@ bool is_own_output(const fs::path& folder) {
 
 std::vector<fs::path> colmap_folders(const fs::path& root) {
   std::vector<fs::path> found, level{root};
-  size_t seen = 0;
+  std::set<fs::path> seen;  // a folder counts once, by whatever links it is reached
   for (size_t depth = 0; depth <= kDeepest && !level.empty(); ++depth) {
     std::vector<fs::path> next;
     for (const fs::path& folder : level) {
-      if (++seen > kMostFolders) break;
+      std::error_code ignored;
+      if (seen.size() >= kMostFolders || !seen.insert(fs::weakly_canonical(folder, ignored)).second) continue;
       if (holds_colmap_model(folder)) found.push_back(folder);
       if (depth == kDeepest) continue;
       std::error_code ec;

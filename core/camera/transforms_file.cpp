@@ -89,7 +89,7 @@ TransformsFile transforms_of(const JsonAt& top) {
             : "'frames' is missing");
   const JsonAt frames = bare_list ? top : top.at("frames");
   frames.list("a list of frames");
-  if (frames.size() == 0) frames.fail("it has no frames");
+  if (frames.size() == 0) top.fail("it has no frames");
   const auto applied = [&](const char* key) { return top.has(key); };
   const Similarity original_from_applied =
       applied("applied_transform") ? inverse(similarity_of(top.at("applied_transform"))) : Similarity{};

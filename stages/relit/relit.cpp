@@ -258,7 +258,7 @@ Stage relit_stage() {
                  {.name = "path",
                   .artifact = false,
                   .optional = true,
-                  .doc = "Cameras in the scene's frame: a transforms.json with w and h."}}};
+                  .doc = "Cameras in the scene's frame, in order: a transforms.json, or a camera path of nerfstudio's viewer."}}};
   return make_stage<RelitConfig>(
       std::move(info), run_relit,
       [] {

@@ -47,6 +47,14 @@ TEST(PoseFiles, OfAnEarlierRunBelowTheFolderAreNotMeant) {
   EXPECT_EQ(find_pose_files(root.path() / "out").size(), 1u) << "given itself, it is";
 }
 
+TEST(PoseFiles, ThatLinksReachTwiceCountOnce) {
+  const TemporaryFolder root;
+  write_colmap_model(root.path() / "sparse/0", tiny_model(), ColmapFormat::Text);
+  fs::create_directory_symlink(".", root.path() / "again");
+  fs::create_directory_symlink("sparse", root.path() / "zz");
+  EXPECT_EQ(find_pose_files(root.path()).size(), 1u);
+}
+
 TEST(PoseFiles, OneFileOfAModelStandsForTheModel) {
   const TemporaryFolder root;
   write_colmap_model(root.path(), tiny_model(), ColmapFormat::Text);
