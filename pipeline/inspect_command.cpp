@@ -13,6 +13,7 @@
 #include "core/config/text.h"
 #include "pipeline/commands.h"
 #include "pipeline/cost_model.h"
+#include "pipeline/given_inputs.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/rehearsal.h"
@@ -54,12 +55,18 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   require_given(a.poses, "poses", "give a COLMAP model or a transforms.json, as to vitrine run");
   if (is_project(what))
     s.project = what;
-  else if (!a.output.empty())
-    s.project = project_of(a.output);
+  else if (!a.output.empty() && is_project(fs::absolute(a.output).lexically_normal()))
+    s.project = fs::absolute(a.output).lexically_normal();
   else if (const fs::path usual = default_project(what); is_project(usual))
     s.project = usual;
-  if (!s.project) return s;
   Settings settings(graph);
+  if (!s.project) {
+    settings.load({.flags = {{"input.photos", what.string(), "PHOTOS"},
+                             {"input.poses", a.poses, "--poses"},
+                             {"input.masks", a.masks, "--masks"}}});
+    if (!a.output.empty()) check_inputs_apart(fs::absolute(a.output).lexically_normal(), graph, settings);
+    return s;
+  }
   settings.load({.project = *s.project});
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");

@@ -21,7 +21,7 @@ Finding refused(const Error& e) {
 
 // The masks of one class. Masks of another shape may be of undistorted photos, whose size is not known before the poses are.
 void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<PhotoFacts>& photos,
-                 const std::vector<size_t>& usable, std::vector<Finding>& list) {
+                 const std::vector<size_t>& usable, std::vector<Finding>& list, std::vector<std::string>& blank) {
   std::vector<std::string> names;
   for (size_t i : usable) names.push_back(photos[i].name);
   std::vector<uint8_t> other_shape(usable.size(), 0);
@@ -39,6 +39,19 @@ void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<Pho
                             other_shape[i] = 1;
                             return true;
                           }});
+  for (const Note& note : masks.notes())
+    list.push_back({note.code, Severity::Warning, note.text, "a name means one photo", "", {}});
+  if (masks.nothing()) {
+    blank.push_back(masks.all_black_text());
+    return;
+  }
+  if (masks.everything())
+    list.push_back({"MASKS_ALL_WHITE",
+                    Severity::Warning,
+                    fmt::format("all masks of the class '{}' are white", name(kind)),
+                    "every pixel of every photo belongs to the class",
+                    "leave the class out if it is not meant",
+                    {}});
   std::vector<size_t> without, other;
   for (size_t i = 0; i < usable.size(); ++i) {
     if (!masks.file(i)) without.push_back(usable[i]);
@@ -64,26 +77,33 @@ std::vector<Finding> mask_findings(const std::filesystem::path& path, const std:
   for (size_t i = 0; i < photos.size(); ++i)
     if (photos[i].usable()) usable.push_back(i);
   if (usable.empty()) return list;
+  std::vector<std::string> names;
+  for (size_t i : usable) names.push_back(photos[i].name);
   try {
-    const MaskFolder folder(path);
-    size_t files = 0;
+    const MaskFolder folder(path, MaskClass::Object, names);
+    for (const Note& note : folder.notes()) list.push_back({note.code, Severity::Warning, note.text, path.string(), "", {}});
+    size_t classes = 0;
+    std::vector<std::string> blank;
     for (MaskClass kind : kMaskClasses) {
-      files += folder.file_count(kind);
       if (folder.file_count(kind) == 0) continue;
+      ++classes;
       try {
-        check_class(folder, kind, photos, usable, list);
+        check_class(folder, kind, photos, usable, list, blank);
       } catch (const Error& e) {
         if (e.kind() != ErrorKind::Input) throw;
         list.push_back(refused(e));
       }
     }
-    if (files == 0)
-      list.push_back({"MASKS_MISSING",
-                      Severity::Problem,
-                      "there is no mask file",
-                      path.string(),
-                      "masks are pictures (png, jpg, tif), in folders called object, transparent, specular or ignore",
-                      {}});
+    if (classes == 0) throw_no_mask_file(path);
+    for (const std::string& text : blank)
+      list.push_back(classes == blank.size()
+                         ? Finding{"MASKS_ALL_BLACK",
+                                   Severity::Problem,
+                                   text,
+                                   "no pixel of any photo belongs to a class",
+                                   "white means yes: --set masks.CLASS.polarity=black turns it round",
+                                   {}}
+                         : Finding{"MASKS_EMPTY", Severity::Warning, text, "the class is taken as absent", "", {}});
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;
     list.push_back(refused(e));
