@@ -25,6 +25,10 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
     return file;
   }
   file.probe = probe_photo(bytes);
+  if (file.probe.format == PhotoFormat::Png && bytes.size() > 16 && bytes.substr(12, 4) == "CgBI") {
+    file.refusal = "it is a PNG in the form of iPhone apps (CgBI), which only Apple reads: convert it to a usual PNG";
+    return file;
+  }
   if (file.refusal = implausible_size(file.probe, bytes.size()); !file.refusal.empty()) return file;
   switch (file.probe.format) {
     case PhotoFormat::Unknown:
@@ -48,10 +52,7 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
       break;
     }
     case PhotoFormat::Png:
-      if (bytes.size() > 16 && bytes.substr(12, 4) == "CgBI")
-        file.refusal = "it is a PNG in the form of iPhone apps (CgBI), which only Apple reads: convert it to a usual PNG";
-      else
-        file.refusal = missing_end(bytes);
+      file.refusal = missing_end(bytes);
       break;
     case PhotoFormat::Exr:  // its reader finds out
       break;
