@@ -148,10 +148,12 @@ std::vector<Evidence> voted(const PhotoEvidence& photo) {
 
 double EvidenceCounts::part(size_t n) const { return n > 0 ? double(n) / double(still + unexplained + in_place + plain) : 0; }
 
-bool EvidenceCounts::moving() const {
-  const double textured = part(in_place), all = part(in_place + plain), unlike = part(unexplained + in_place);
-  return textured >= kMovesInPlace || all >= kMovesPlain || unlike >= kMovesUnexplained ||
-         (textured >= kSomeInPlace && unlike >= kSomeUnexplained);
+bool EvidenceCounts::moving() const { return moving_by_texture() || part(in_place + plain) >= kMovesPlain; }
+
+bool EvidenceCounts::moving_by_texture() const {
+  const double in_place_share = part(in_place), unlike = part(unexplained + in_place);
+  return in_place_share >= kMovesInPlace || unlike >= kMovesUnexplained ||
+         (in_place_share >= kSomeInPlace && unlike >= kSomeUnexplained);
 }
 
 MovingEvidence moving_evidence(const Capture& capture, const Targets& targets, const DenseDepth& dense) {

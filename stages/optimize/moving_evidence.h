@@ -32,6 +32,7 @@ struct EvidenceCounts {
   double part(size_t n) const;  // of all that say something
   // Surroundings that move, in part at least.
   bool moving() const;
+  bool moving_by_texture() const;  // not by a plain backdrop alone
 };
 
 struct MovingEvidence {

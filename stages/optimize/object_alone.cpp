@@ -113,7 +113,9 @@ Surroundings surroundings_to_train(const std::string& wanted, const Capture& cap
       "{:.1f} % of the sightings of sparse points lie outside the masks",
       100 * share, 100 * double(counts.in_place + counts.plain) / double(std::max<size_t>(counts.all, 1)),
       100 * double(counts.unexplained) / double(std::max<size_t>(counts.all, 1)), 100 * outside);
-  if (share < kLeastStill) return {Trained::ObjectAlone, figures};
+  // Before a plain backdrop with a plate that has hardly a point, what seems explained beside the object is chance.
+  const bool by_points = outside >= kMostOutside || counts.moving_by_texture();
+  if (share < kLeastStill || !by_points) return {Trained::ObjectAlone, figures};
   for (size_t i = 0; i < shown_in.size(); ++i) widen_masks(capture, shown_in[i], depth.level, i, targets);
   targets.has[size_t(MaskClass::Ignore)] = true;
   return {Trained::StillPart, figures};

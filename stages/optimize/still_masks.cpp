@@ -28,6 +28,7 @@ constexpr int kBorder = 2;           // pixels: a patch is explained by what lie
 // What the photos say of a place.
 struct Votes {
   size_t still = 0, against = 0, silent = 0;
+  size_t plain = 0;  // of the silent: a backdrop, where a point with texture would show
 };
 
 Votes votes_at(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence, const Vec3d& position) {
@@ -50,7 +51,7 @@ Votes votes_at(const Capture& capture, const DenseDepth& dense, const MovingEvid
     else if (depth > 0)
       ++votes.still;
     else
-      ++votes.silent;
+      ++votes.silent, votes.plain += of.plain[pixel];
   }
   return votes;
 }
@@ -84,7 +85,8 @@ std::vector<StillPoint> explained(const Capture& capture, const DenseDepth& dens
         const double z = double(map.zdepth[i]);
         const Vec3d position = world_from_cam * (z * k.ray(x + 0.5, y + 0.5));
         const Votes votes = votes_at(capture, dense, evidence, position);
-        if (votes.still >= kFewestPhotos && double(votes.against) <= kMostAgainst * double(votes.against + votes.still))
+        const size_t against = votes.against + votes.plain;
+        if (votes.still >= kFewestPhotos && double(against) <= kMostAgainst * double(against + votes.still))
           of_photo[t].push_back({position, world_from_cam.rotation * cast<double>(map.normal[i]), 0.75 * step * z / k.fx});
       }
   });
