@@ -127,9 +127,9 @@ std::optional<std::string> other_format(const fs::path& file) {
   return "no JSON";
 }
 
-[[noreturn]] void throw_missing(const fs::path& path, std::string why) {
+[[noreturn]] void throw_missing(const fs::path& path, std::string why, const char* hint = kHint) {
   throw Error(ErrorKind::Input, "no camera poses found",
-              {.where = path.string(), .why = std::move(why), .hint = kHint, .code = "POSES_MISSING"});
+              {.where = path.string(), .why = std::move(why), .hint = hint, .code = "POSES_MISSING"});
 }
 
 }  // namespace
@@ -169,8 +169,8 @@ std::vector<PoseFile> find_pose_files(const fs::path& given) {
   for (const fs::path& file : transforms_files(path)) found.push_back({PoseFile::Kind::Transforms, file});
   if (found.empty() && !matrix_files(path).empty()) found.push_back({PoseFile::Kind::Matrices, path});
   if (found.empty())
-    throw_missing(path,
-                  "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)");
+    throw_missing(path, "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
+                  "give one of these with --poses");
   return found;
 }
 
