@@ -5,6 +5,7 @@
 #include "core/camera/colmap_model.h"
 #include "core/camera/view_set.h"
 #include "core/image/ldr.h"
+#include "core/image/png.h"
 #include "core/image/resample.h"
 #include "tests/ingest/tiny_photos.h"
 #include "tests/support/vitrine_process.h"
