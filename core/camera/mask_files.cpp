@@ -152,8 +152,7 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
   }
   std::set<fs::path> named;
   for (const Index& index : classes_)
-    for (const auto& [photo, files] : index.by_stem)
-      for (const MaskFile& file : files) named.insert(file.path.lexically_normal());
+    for (const MaskFile& file : index.listed) named.insert(file.path.lexically_normal());
 
   const std::map<std::string, std::string> beside = masks_beside_photos(path_);
   MaskClassFolders classes(path_, flat, photos);
@@ -166,7 +165,8 @@ void MaskFolder::add_folder(MaskClass flat, const std::vector<std::string>& phot
     const std::string top = lowered(name.begin()->string());
     if (name.has_parent_path() && (top == "colmap" || top == "confidence"))
       continue;  // written by this program beside the classes
-    if (scenes.contains(name.parent_path()) || named.contains(file.lexically_normal())) {
+    if (named.contains(file.lexically_normal())) continue;
+    if (scenes.contains(name.parent_path())) {
       const auto kind = name.has_parent_path() ? mask_class(top) : std::nullopt;
       add(kind.value_or(flat), file, kind ? name.lexically_relative(*name.begin()) : name);
       continue;

@@ -173,6 +173,17 @@ void Targets::forget(MaskClass mask) {
     for (TargetLevel& level : photo) level.masks[static_cast<size_t>(mask)].clear();
 }
 
+void Targets::ignore_outside(const Targets& trained) {
+  for (size_t photo = 0; photo < photos.size(); ++photo)
+    for (size_t level = 0; level < kLevels; ++level) {
+      const std::vector<uint8_t>& object = trained.photos[photo][level].masks[size_t(MaskClass::Object)];
+      std::vector<uint8_t>& ignore = photos[photo][level].masks[size_t(MaskClass::Ignore)];
+      ignore.resize(std::max(ignore.size(), object.size()), 0);
+      for (size_t i = 0; i < object.size(); ++i) ignore[i] = std::max(ignore[i], uint8_t(255 - object[i]));
+      has[size_t(MaskClass::Ignore)] |= !object.empty();
+    }
+}
+
 Targets load_targets(const Capture& capture, const std::optional<fs::path>& masks, const std::optional<fs::path>& normals) {
   Targets targets;
   targets.photos.resize(capture.photos.size());

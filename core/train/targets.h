@@ -37,6 +37,8 @@ struct Targets {
   std::vector<TargetProblem> warnings;
 
   void forget(MaskClass mask);
+  // What lies outside the object masks of `trained` weighs nothing from here on. A photo without such a mask stays as it is.
+  void ignore_outside(const Targets& trained);
   bool any(MaskClass mask) const { return has[static_cast<size_t>(mask)]; }
   bool vouched(MaskClass mask) const { return any(mask) && !guessed[static_cast<size_t>(mask)]; }
 };

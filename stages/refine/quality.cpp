@@ -32,6 +32,7 @@ QualityMeter::QualityMeter(const TrainedScene& scene, const Capture& capture, co
     throw_if_interrupted();
     const std::vector<uint8_t>& mask = targets.photos[photo][0].masks[static_cast<size_t>(MaskClass::Transparent)];
     std::vector<uint8_t>& glass = glass_.emplace_back(capture.photos[photo].levels[0].srgb.size() / 3, 0);
+    ignored_.push_back(targets.photos[photo][0].masks[static_cast<size_t>(MaskClass::Ignore)]);
     if (!mask.empty()) {
       for (size_t i = 0; i < glass.size(); ++i) glass[i] = mask[i] >= 128;
       continue;
@@ -57,6 +58,7 @@ Quality QualityMeter::of(const TrainedScene& scene) const {
     const size_t pixels = target.size() / 3;
     std::array<SquaredError, 3> error;  // glass, rest, all
     for (size_t i = 0; i < pixels; ++i) {
+      if (!ignored_[p].empty() && ignored_[p][i] >= 128) continue;
       double e = 0;
       for (size_t c = 0; c < 3; ++c) {
         const double d = double(shown[3 * i + c]) - double(target[c * pixels + i]);

@@ -12,7 +12,7 @@ struct Quality {
 };
 
 // Photos at full size of the capture, and which of their pixels are glass: by their masks, else where the scene's surfels are
-// transparent. Whatever becomes of the scene, the pixels stay the same.
+// transparent. Whatever becomes of the scene, the pixels stay the same; pixels that the masks say to ignore are not among them.
 class QualityMeter {
  public:
   QualityMeter(const TrainedScene& scene, const Capture& capture, const Targets& targets, std::span<const uint32_t> photos);
@@ -21,7 +21,8 @@ class QualityMeter {
  private:
   const Capture& capture_;
   std::vector<uint32_t> photos_;
-  std::vector<std::vector<uint8_t>> glass_;  // [photo][h,w]
+  std::vector<std::vector<uint8_t>> glass_;    // [photo][h,w]
+  std::vector<std::vector<uint8_t>> ignored_;  // [photo][h,w] or empty: pixels of 128 and more do not count
 };
 
 }  // namespace vitrine

@@ -84,6 +84,7 @@ class Refiner {
               voxel_of(context.input("mesh") / "mesh" / "report.json")),
         // A scene trained on all photos is judged by them.
         judges_(capture_.heldout.empty() ? capture_.train : capture_.heldout) {
+    leave_out_what_was_not_trained();
     targets_.forget(MaskClass::Object);  // its loss is for objects that are trained alone, by the optimize stage
     for (const TargetProblem& problem : targets_.warnings) context.warning(problem.code, problem.text);
   }
@@ -116,6 +117,14 @@ class Refiner {
   }
 
  private:
+  // A scene that was trained inside the masks of an object holds nothing else, and is refined and measured there alone.
+  void leave_out_what_was_not_trained() {
+    const fs::path optimize = context_.input("optimize") / "optimize";
+    if (!read_view_split(optimize / "views.json", capture_.view_set.views).object_alone) return;
+    const fs::path widened = optimize / "trained";
+    targets_.ignore_outside(fs::is_directory(widened) ? load_targets(capture_, widened, std::nullopt) : Targets(targets_));
+  }
+
   std::vector<GlassView> views_of(std::span<const uint32_t> photos) const {
     return glass_views({.capture = capture_,
                         .targets = targets_,

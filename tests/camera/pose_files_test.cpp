@@ -74,7 +74,7 @@ TEST(PoseFiles, OfOtherFormatsAreNamed) {
                                    {"cameras.xml", "Metashape"},
                                    {"poses_bounds.npy", "LLFF"},
                                    {"scene.sfm", "Meshroom"},
-                                   {"notes.md", "no JSON"}}) {
+                                   {"notes.rst", "no JSON"}}) {
     write_file(root.path() / file, "anything");
     const Error e = error_of([&] { find_pose_files(root.path() / file); });
     EXPECT_EQ(e.detail().code, "POSES_MISSING");

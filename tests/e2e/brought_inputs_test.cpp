@@ -131,7 +131,8 @@ class BroughtInputs : public VitrineProcess {
 TEST_F(BroughtInputs, RightPosesAndPhotosAreSaidToBeWithoutFault) {
   const Answer look = inspected({photos().string(), "--poses", true_poses()});
   EXPECT_EQ(look.exit, 0);
-  EXPECT_EQ(look.codes, (std::set<std::string>{"small_photos", "few_photos"})) << look.text;
+  // Photos of 320x240 have too few points to tell the exposure of each.
+  EXPECT_EQ(look.codes, (std::set<std::string>{"small_photos", "few_photos", "SFM_GAIN_UNKNOWN"})) << look.text;
 }
 
 TEST_F(BroughtInputs, PosesInAxesOfOpenCVAreRefused) {

@@ -170,8 +170,10 @@ TEST(Inspect, NamesColourProfilesAndAlpha) {
   EXPECT_EQ(photos_of(report, "alpha_not_used"), (Names{"16.tif"}));
   EXPECT_EQ(report["photos"][4]["color_profile"], "Adobe RGB (1998)");
   EXPECT_EQ(report["photos"][4]["color_source"], "exif ColorSpace");
-  for (const auto& f : report["findings"])
-    if (f["code"] == "color_profiles") EXPECT_EQ(f["what"], "2 photos Adobe RGB (1998) -> linear Rec. 709");
+  for (const auto& f : report["findings"]) {
+    if (f["code"] != "color_profiles") continue;
+    EXPECT_EQ(f["what"], "2 photos Adobe RGB (1998) -> linear Rec. 709");
+  }
 }
 
 TEST(Inspect, SaysThatAWallIsBare) {

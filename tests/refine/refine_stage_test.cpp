@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/image/ldr.h"
 #include "core/picture/view_picture.h"
 #include "tests/evaluate/tiny_capture.h"
 #include "tests/support/error_of.h"
@@ -119,6 +120,27 @@ TEST_F(GlassBall, LosesWhatHangsInEmptySpace) {
   EXPECT_EQ(run(alone), report);
   EXPECT_EQ(read_file(alone.output() / "refine/gaussians/transmittance.ply"), chosen);
   set_thread_limit(0);
+}
+
+// A scene that was trained inside the masks of its object holds nothing else: a bright room around it is no error.
+TEST_F(GlassBall, MeasuresAnObjectThatWasTrainedAloneInsideItsMasks) {
+  make_folders(masks() / "masks/object");
+  for (const View& v : capture.views) {
+    fs::copy_file(masks() / "masks/transparent" / (v.stem() + ".png"), masks() / "masks/object" / (v.stem() + ".png"));
+    const Image8 object = read_grey8(masks() / "masks/object" / (v.stem() + ".png"));
+    ImageF photo = read_exr_rgb(linear_image_path(capture.sfm(), v));
+    for (size_t i = 0; i < object.pixel_count(); ++i)
+      if (object.data()[i] == 0)
+        for (size_t c = 0; c < 3; ++c) photo.data()[3 * i + c] = 1;
+    write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
+  }
+  const auto before = [&](bool object_alone) {
+    capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, object_alone);
+    test::RecordingContext context(inputs());
+    return run(context).at("before").at("all").get<double>();
+  };
+  EXPECT_LT(before(false), 10);
+  EXPECT_GT(before(true), 30);
 }
 
 TEST_F(GlassBall, TrainsOnWhereSortingHelped) {
