@@ -27,10 +27,11 @@ ImageF coloured_blocks(bool saturated = false) {
                               {0.6f, 0.5f, 0.05f},   {0.21f, 0.21f, 0.21f}, {0.65f, 0.66f, 0.62f}};
   const float outside[6][3] = {{-0.01f, 0.5f, 0.08f}, {-0.015f, 0.6f, 0.2f}, {-0.02f, 0.5f, 0.03f},
                                {-0.01f, 0.3f, 0.2f},  {-0.02f, 0.7f, 0.3f},  {-0.008f, 0.25f, 0.05f}};
+  const auto& blocks = saturated ? outside : inside;
   ImageF image(48, 32, 3);
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 48; ++x)
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = (saturated ? outside : inside)[y / 16 * 3 + x / 16][c];
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = blocks[y / 16 * 3 + x / 16][c];
   return image;
 }
 
