@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/base/process.h"

@@ -2,8 +2,8 @@
 // ingest/photos.json with what EXIF knows about focal length and exposure (README.md).
 //
 // Version history: 1 = JPEG, PNG, TIFF, EXR; 2 = photos.json holds the EXIF orientation; colour profiles are applied and named
-// (README.md, "Colours"), negative values of floating-point photos stay; masks, depth maps and reduced copies beside photos are no
-// photos, linked folders are followed.
+// (README.md, "Colours"), negative values of floating-point photos stay; masks, depth maps and reduced copies beside photos are
+// no photos, linked folders are followed.
 #pragma once
 
 #include "stages/stage.h"

@@ -1,6 +1,7 @@
 // Where a JPEG ends, and that every way in which one is not whole is found.
 #include <gtest/gtest.h>
 
+#include "core/base/file.h"
 #include "core/base/rng.h"
 #include "core/image/file_kind.h"
 #include "core/image/jpeg.h"

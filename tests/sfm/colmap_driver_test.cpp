@@ -106,7 +106,8 @@ TEST(ColmapDriver, GivesPathsFromTheWorkingFolderBecauseColmapChangesBackslashes
               .working_folder = there,
               .log = there / "log.txt",
               .on_line = [&](std::string_view line) { lines.emplace_back(line); }});
-  EXPECT_EQ(lines, (std::vector<std::string>{"<feature_extractor>", "<--database_path>", "<a.db>", "<--image_path>", "<pictures>"}));
+  EXPECT_EQ(lines,
+            (std::vector<std::string>{"<feature_extractor>", "<--database_path>", "<a.db>", "<--image_path>", "<pictures>"}));
 }
 
 TEST(ColmapDriver, NamesAMissingOptionAndTheVersion) {
