@@ -50,13 +50,14 @@ void require_given(const std::string& path, const char* name, const char* hint) 
 
 Subject subject_of(const std::string& word, const InspectArguments& a, const Graph& graph) {
   const fs::path what = fs::absolute(word).lexically_normal();
+  const fs::path output = a.output.empty() ? fs::path() : fs::absolute(a.output).lexically_normal();
   Subject s{.photos = what, .poses = a.poses, .masks = a.masks};
   require_given(a.masks, "masks", "give a folder of masks or a file of marks, as to vitrine run");
   require_given(a.poses, "poses", "give a COLMAP model or a transforms.json, as to vitrine run");
   if (is_project(what))
     s.project = what;
-  else if (!a.output.empty() && is_project(fs::absolute(a.output).lexically_normal()))
-    s.project = fs::absolute(a.output).lexically_normal();
+  else if (!a.output.empty() && is_project(output))
+    s.project = output;
   else if (const fs::path usual = default_project(what); is_project(usual))
     s.project = usual;
   Settings settings(graph);
@@ -64,13 +65,15 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
     settings.load({.flags = {{"input.photos", what.string(), "PHOTOS"},
                              {"input.poses", a.poses, "--poses"},
                              {"input.masks", a.masks, "--masks"}}});
-    if (!a.output.empty()) check_inputs_apart(fs::absolute(a.output).lexically_normal(), graph, settings);
+    if (!a.output.empty()) check_inputs_apart(output, graph, settings);
     return s;
   }
   settings.load({.project = *s.project});
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
   if (a.masks.empty()) s.masks = settings.text("input.masks");
+  // Poses that a run has taken already need no rehearsal.
+  if (a.poses.empty() && !current_key(*s.project, "sfm")) s.poses = settings.text("input.poses");
   return s;
 }
 
@@ -339,7 +342,7 @@ int inspect_command(const Words& words) {
   cli.value("output", 'o', "DIR", a.output, "Output folder of a run of these photos; default: the one `vitrine run` would take.");
   cli.value("poses", 0, "PATH", a.poses,
             "Poses that the run will be given: do they belong to these photos, and agree with them? Default: those of an earlier "
-            "run.");
+            "run that has no cameras yet.");
   cli.value("masks", 0, "PATH", a.masks,
             "Masks that the run will be given: would they be taken? Layers take longer. Default: those of an earlier run.");
   cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-inspect.");

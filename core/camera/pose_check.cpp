@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-// Where shares stand (12 photos around a cabinet, 320 x 240, and 36 of 640 x 480; README of the sfm stage):
+// Where shares stand (stages/sfm/EXPERIMENTS.md):
 //   matches      right 0.94, off by 1 % of the longest side 0.75, other conventions 0.00 to 0.05, other photos 0.09 to 0.14,
 //                shifted by one 0.39, twice the focal length 0.57
 //   pictures     right 0.98 and more, other photos 0.50 to 0.54, shifted by one 0.57

@@ -1,7 +1,5 @@
 #include "stages/inspect/given_masks.h"
 
-#include <mutex>
-
 #include "core/base/error.h"
 #include "core/camera/photo_masks.h"
 
@@ -47,7 +45,7 @@ void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<Pho
   }
   if (masks.everything())
     list.push_back({"MASKS_ALL_WHITE",
-                    Severity::Warning,
+                    kind == MaskClass::Ignore ? Severity::Problem : Severity::Warning,  // then no pixel is left
                     fmt::format("all masks of the class '{}' are white", name(kind)),
                     "every pixel of every photo belongs to the class",
                     "leave the class out if it is not meant",

@@ -98,15 +98,12 @@ std::vector<StillPoint> explained(const Capture& capture, const DenseDepth& dens
 // The convex part of a plane that the points on it span: inside of `most[d]` in each of the directions d.
 struct PlanePatch {
   Vec3d u, v;
+  std::array<Vec3d, kDirections> directions;
   std::array<double, kDirections> most;
 
-  static Vec3d direction(size_t d, const Vec3d& u, const Vec3d& v) {
-    const double angle = 2 * std::numbers::pi * double(d) / kDirections;
-    return std::cos(angle) * u + std::sin(angle) * v;
-  }
   bool contains(const Vec3d& position) const {
     for (size_t d = 0; d < kDirections; ++d)
-      if (dot(direction(d, u, v), position) > most[d]) return false;
+      if (dot(directions[d], position) > most[d]) return false;
     return true;
   }
 };
@@ -118,7 +115,9 @@ PlanePatch patch_of(const ScenePlane& plane, const std::vector<StillPoint>& on_p
   patch.v = cross(plane.normal, patch.u);
   std::vector<double> reach(on_plane.size());
   for (size_t d = 0; d < kDirections; ++d) {
-    for (size_t i = 0; i < on_plane.size(); ++i) reach[i] = dot(PlanePatch::direction(d, patch.u, patch.v), on_plane[i].position);
+    const double angle = 2 * std::numbers::pi * double(d) / kDirections;
+    patch.directions[d] = std::cos(angle) * patch.u + std::sin(angle) * patch.v;
+    for (size_t i = 0; i < on_plane.size(); ++i) reach[i] = dot(patch.directions[d], on_plane[i].position);
     const auto last = reach.begin() + long(double(reach.size() - 1) * (1 - kTrim));
     std::nth_element(reach.begin(), last, reach.end());
     patch.most[d] = *last;
@@ -128,16 +127,16 @@ PlanePatch patch_of(const ScenePlane& plane, const std::vector<StillPoint>& on_p
 
 // Flat surface between explained points, of which photos say nothing else.
 void add_between(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence, const ScenePlane& plane,
-                 std::vector<StillPoint>& points) {
+                 std::span<const StillPoint> explained_points, std::vector<StillPoint>& points) {
   double distance = 0;
   for (uint32_t v : capture.train) distance += length(dense.photos[v].view.centre_in_world() - plane.centre);
   distance /= double(capture.train.size());
   std::vector<StillPoint> on_plane;
-  for (const StillPoint& p : points)
+  for (const StillPoint& p : explained_points)
     if (std::abs(dot(plane.normal, p.position) - plane.offset) < kNearPlane * distance &&
         std::abs(dot(plane.normal, p.normal)) > kTurned)
       on_plane.push_back(p);
-  if (on_plane.size() < kFewestOnPlane || double(on_plane.size()) < kLeastOfPoints * double(points.size())) return;
+  if (on_plane.size() < kFewestOnPlane || double(on_plane.size()) < kLeastOfPoints * double(explained_points.size())) return;
   std::vector<double> radii;
   for (const StillPoint& p : on_plane) radii.push_back(p.radius);
   std::nth_element(radii.begin(), radii.begin() + long(radii.size() / 2), radii.end());
@@ -180,11 +179,7 @@ std::vector<uint8_t> moved_rim(const std::vector<uint8_t>& marked, int width, in
 std::vector<StillPoint> still_points(const Capture& capture, const DenseDepth& dense, const MovingEvidence& evidence) {
   const std::vector<StillPoint> found = explained(capture, dense, evidence);
   std::vector<StillPoint> points = found;
-  for (const ScenePlane& plane : dense.planes) {
-    std::vector<StillPoint> patch = found;
-    add_between(capture, dense, evidence, plane, patch);
-    points.insert(points.end(), patch.begin() + long(found.size()), patch.end());
-  }
+  for (const ScenePlane& plane : dense.planes) add_between(capture, dense, evidence, plane, found, points);
   return points;
 }
 
