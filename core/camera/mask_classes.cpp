@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "core/base/error.h"
+#include "core/base/lower_case.h"
 #include "core/config/text.h"
 
 namespace vitrine {
@@ -31,7 +32,6 @@ const std::map<std::string, MaskClass> kWords{
     {"translucent", MaskClass::Transparent},
     {"refractive", MaskClass::Transparent},
     {"clear", MaskClass::Transparent},
-    {"bottle", MaskClass::Transparent},
     {"mirror", MaskClass::Specular},
     {"metal", MaskClass::Specular},
     {"metallic", MaskClass::Specular},
@@ -68,8 +68,7 @@ const std::set<std::string> kContainers{"mask",  "masks",  "images", "image", "p
 std::string plain_word(const std::string& text) {
   const size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
   std::string word = begin == std::string::npos ? std::string() : text.substr(begin, end - begin + 1);
-  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return word;
+  return lowered(word);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/folder_files.h"
 #include "core/base/inside.h"
+#include "core/base/lower_case.h"
 #include "core/camera/json_file.h"
 #include "core/camera/mask_classes.h"
 #include "core/config/photo_name_finder.h"
@@ -18,11 +19,6 @@ namespace vitrine {
 namespace {
 
 const std::set<std::string> kMaskExtensions{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"};
-
-std::string lowered(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 bool is_picture(const fs::path& path) { return kMaskExtensions.contains(lowered(path.extension().string())); }
 

@@ -1,7 +1,6 @@
 // The photos of a capture by the names that stand in somebody's file (core/config/photo_name_finder.h).
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,8 +14,6 @@ namespace vitrine {
 class PhotoFinder : public PhotoNameFinder {
  public:
   explicit PhotoFinder(std::span<const Photo> photos);
-  // Index of the photo; nullopt when none or more than one can be meant.
-  std::optional<size_t> operator()(const std::string& name) const { return match(name).photo; }
 };
 
 // Photos that are one picture in several versions, as data sets have them side by side: "images_2/a.jpg" has half the size of

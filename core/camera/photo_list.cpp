@@ -46,8 +46,8 @@ std::vector<Photo> read_photo_list(const fs::path& folder) {
       p.exposure_ev = optional_number(j.at("exposure_ev"));
       p.camera = j.at("camera").get<std::string>();
       p.time = j.at("time").get<std::string>();
-      p.color_profile = j.value("color_profile", "");
-      p.color_source = j.value("color_source", "");
+      p.color_profile = j.at("color_profile").get<std::string>();
+      p.color_source = j.at("color_source").get<std::string>();
       constexpr int kMaxSide = 1 << 20;
       for (int side : {p.width, p.height, p.original_width, p.original_height})
         if (side <= 0 || side > kMaxSide) throw_bad_json(path, kPhotoListFormat, "photo '" + p.name + "' has no size");

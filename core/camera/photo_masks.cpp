@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lower_case.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 
@@ -13,11 +14,6 @@ namespace {
 
 // The file is called like the photo, extension included: where the folder of photos is given for the masks, it is the photo.
 bool called_like_photo(const MaskFile& file, const std::string& photo) {
-  const auto lowered = [](std::string text) {
-    for (char& c : text)
-      if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-  };
   return lowered(file.path.filename().string()) == lowered(std::filesystem::path(photo).filename().string());
 }
 
@@ -100,11 +96,12 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
   throw_if_interrupted();
   for (size_t i = 0; i < files_.size(); ++i)
     if (left_out[i]) files_[i].reset(), --matched_;
-  photos_themselves_ = static_cast<size_t>(std::count(photo_itself.begin(), photo_itself.end(), 1));
-  if (matched_ == 0 && photos_themselves_ > 0)
+  // Files that are the photo itself, without an alpha channel that varies, are no masks.
+  const auto photos_themselves = static_cast<size_t>(std::count(photo_itself.begin(), photo_itself.end(), 1));
+  if (matched_ == 0 && photos_themselves > 0)
     throw Error(ErrorKind::Input, fmt::format("no photo has a mask of the class '{}'", class_name),
                 {.where = desc.folder.path().string(),
-                 .why = fmt::format("its {} files are photos, and none has an alpha channel that varies", photos_themselves_),
+                 .why = fmt::format("its {} files are photos, and none has an alpha channel that varies", photos_themselves),
                  .hint = fmt::format("give a folder of masks, or --set {}", desc.off_setting),
                  .code = "MASKS_ARE_PHOTOS"});
   MaskExtent all;

@@ -35,8 +35,6 @@ class PhotoMasks {
   size_t matched() const { return matched_; }  // photos with a mask
   const std::optional<MaskFile>& file(size_t photo) const { return files_[photo]; }
   ImageF at(size_t photo) const;  // of a photo with a mask; 1 = belongs to the class; size as in the file
-  // Files that are the photo itself, without an alpha channel that varies: they are no masks.
-  size_t photos_themselves() const { return photos_themselves_; }
   bool black_belongs() const { return black_belongs_; }
   bool nothing() const {
     return extent_.masks > 0 && extent_.empty == extent_.masks;
@@ -56,7 +54,7 @@ class PhotoMasks {
   bool black_belongs_ = false;
   Notes notes_;
   std::vector<std::optional<MaskFile>> files_;
-  size_t matched_ = 0, photos_themselves_ = 0;
+  size_t matched_ = 0;
 };
 
 // The masks of one class by the photos' names alone. Throws Error{Input} when no photo has one; `off_setting` is how to do

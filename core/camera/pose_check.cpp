@@ -127,9 +127,15 @@ void settle_open(CheckedPoses& out, PosePixels& pixels, const Measure& measure) 
 }
 
 std::string one_place(const ColmapModel& model) {
+  constexpr double kRounding = 1e-9;  // of the distance from the origin: a centre is the product of a rotation and a translation
   Bounds3 centres;
-  for (const ColmapImage& image : model.images) centres.extend(inverse(image.cam_from_world()).translation);
-  return centres.diagonal() > 0 ? "" : "; all cameras are at one place";
+  double farthest = 0;
+  for (const ColmapImage& image : model.images) {
+    const Vec3d centre = inverse(image.cam_from_world()).translation;
+    centres.extend(centre);
+    farthest = std::max(farthest, length(centre));
+  }
+  return centres.diagonal() > kRounding * farthest ? "" : "; all cameras are at one place";
 }
 
 void note_accuracy(const Agreement& a, const ColmapModel& model, CheckedPoses& out) {

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/lower_case.h"
 #include "core/base/text_file.h"
 #include "core/camera/colmap_model.h"
 
@@ -35,11 +36,6 @@ const std::array kUsual{"sparse/0",
                         "colmap",
                         "distorted/sparse/0",
                         "distorted/sparse"};
-
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
 
 std::vector<fs::path> sorted_entries(const fs::path& folder) {
   std::vector<fs::path> out;
@@ -119,10 +115,10 @@ std::optional<std::string> other_format(const fs::path& file) {
                                                         {".npy", "a NumPy array (LLFF: poses_bounds.npy)"},
                                                         {".npz", "a NumPy archive"},
                                                         {".zip", "an archive: unpack it"}};
-  if (const auto at = known.find(lower(file.extension().string())); at != known.end()) return at->second;
+  if (const auto at = known.find(lowered(file.extension().string())); at != known.end()) return at->second;
   const std::string text = read_text_file(file);
   const size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos || text[first] == '{' || text[first] == '[' || lower(file.extension().string()) == ".json")
+  if (first == std::string::npos || text[first] == '{' || text[first] == '[' || lowered(file.extension().string()) == ".json")
     return std::nullopt;
   return "no JSON";
 }

@@ -80,15 +80,15 @@ bool our_undistortion(const std::vector<fs::path>& folders, const PixelSize& pho
     if (!fs::is_regular_file(report, failed)) continue;
     const nlohmann::json j = nlohmann::json::parse(read_file(report), nullptr, false);
     if (!j.is_object() || !j.contains("cameras") || !j["cameras"].is_array()) continue;
-    const auto has_size = [](const nlohmann::json& c, const char* key, const PixelSize& size) {
-      const auto found = c.find(key);
-      return found != c.end() && found->is_object() && found->value("width", 0.0) == size.width &&
-             found->value("height", 0.0) == size.height;
+    // Somebody else's file may be called so: nothing in it is taken for granted.
+    const auto is = [](const nlohmann::json& in, const char* key, const nlohmann::json& value) {
+      return in.is_object() && in.contains(key) && in[key] == value;
+    };
+    const auto has_size = [&](const nlohmann::json& c, const char* key, const PixelSize& size) {
+      return c.contains(key) && is(c[key], "width", size.width) && is(c[key], "height", size.height);
     };
     for (const nlohmann::json& c : j["cameras"])
-      if (c.is_object() && c.value("resampled", false) && has_size(c, "photographed", photo) &&
-          has_size(c, "undistorted", camera))
-        return true;
+      if (is(c, "resampled", true) && has_size(c, "photographed", photo) && has_size(c, "undistorted", camera)) return true;
   }
   return false;
 }

@@ -69,7 +69,6 @@ std::string folder_of(const std::vector<std::string>& parts, size_t common) {
 }  // namespace
 
 struct PhotoNameFinder::Query {
-  std::string name;
   Parts parts[2];               // as written; folded
   std::vector<Candidate> best;  // of equal rank; more than one: ambiguous
   // Smaller fits better.
@@ -187,7 +186,7 @@ void PhotoNameFinder::decide(std::vector<Query>& queries) const {
 
 std::vector<PhotoMatch> PhotoNameFinder::match(std::span<const std::string> names, std::span<const fs::path> folders) const {
   const auto query = [&](const std::string& name) {
-    Query q{.name = name, .parts = {parts_of(name), {}}, .best = {}};
+    Query q{.parts = {parts_of(name), {}}, .best = {}};
     for (const std::string& part : q.parts[0]) q.parts[1].push_back(folded_name(part));
     return q;
   };

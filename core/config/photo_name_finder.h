@@ -40,7 +40,6 @@ class PhotoNameFinder {
   PhotoMatch match(const std::string& name) const;
 
   const std::string& name(size_t photo) const { return names_[photo]; }
-  size_t size() const { return names_.size(); }
 
  private:
   enum Level : size_t { kExact, kFolded, kBare, kFoldedBare, kLevels };

@@ -121,7 +121,10 @@ ColorProfile::ColorProfile(std::string name, const std::vector<Curve>& curves, c
   };
   if (same_matrix(rec709_from_rgb, Mat3d::identity())) {
     if (curves_.empty()) kind_ = Kind::Rec709, name_ = "linear Rec. 709";
-    if (has_curve(srgb_curve)) kind_ = Kind::Srgb, name_ = "sRGB", tables_ = {};
+    if (has_curve(srgb_curve)) {
+      kind_ = Kind::Srgb, name_ = "sRGB", tables_ = {};
+      return;  // it has a table of its own
+    }
   }
   for (const KnownSpace& known : kKnownSpaces)
     if (same_matrix(rec709_from_rgb, rec709_from_xyz_d50() * xyz_d50_from(known.primaries)) && has_curve(known.curve))

@@ -34,7 +34,7 @@ Mat3d rec709_from_xyz_d50();
 
 class ColorProfile {
  public:
-  using Curve = std::function<double(double)>;                                // encoded -> linear, odd: f(-x) = -f(x)
+  using Curve = std::function<double(double)>;                                // encoded -> linear, asked for values of 0 and more
   using PixelFunction = std::function<void(const float*, float*, unsigned)>;  // [n, 3] -> [n, 3], callable from several threads
 
   // `curves` empty: the values are linear already. Well-known spaces get their usual name, whatever `name` calls them.

@@ -1,4 +1,5 @@
 #include "core/image/exr_layers.h"
+#include "core/base/lower_case.h"
 
 #include <algorithm>
 #include <map>
@@ -9,15 +10,9 @@ namespace vitrine {
 
 namespace {
 
-std::string lowered_name(std::string s) {
-  for (char& c : s)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return s;
-}
-
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words(1);
-  for (const char c : lowered_name(text)) {
+  for (const char c : lowered(text)) {
     if (c == '.' || c == ':' || c == '/' || c == ' ' || c == '_' || c == '-')
       words.emplace_back();
     else
@@ -77,7 +72,7 @@ std::vector<ExrLayer> layers_of(const std::vector<ExrPart>& parts, const std::ve
       layer.rank = rank_of(layer, words);
       for (size_t v = 0; v < views.size(); ++v)
         if (parts[p].view == views[v] ||
-            fmt::format(".{}.", lowered_name(prefix)).find(fmt::format(".{}.", lowered_name(views[v]))) != std::string::npos)
+            fmt::format(".{}.", lowered(prefix)).find(fmt::format(".{}.", lowered(views[v]))) != std::string::npos)
           layer.view = static_cast<int>(v);
       layers.push_back(layer);
     }
@@ -95,7 +90,7 @@ std::string exr_layer_name(const std::string& channel) {
 }
 
 std::string exr_base_name(const std::string& channel) {
-  const std::string base = lowered_name(channel.substr(channel.rfind('.') + 1));
+  const std::string base = lowered(channel.substr(channel.rfind('.') + 1));
   for (const auto& [name, written] : {std::pair{"R", "r"},
                                       {"R", "red"},
                                       {"G", "g"},

@@ -20,7 +20,6 @@ constexpr std::string_view kFrames = "extract its frames as pictures";
 struct Magic {
   size_t at;
   std::string_view bytes, name, advice;
-  bool decodable = false;
 };
 
 // The first that fits counts.
@@ -138,7 +137,7 @@ FileKind file_kind(std::string_view b) {
       (b[2] == '\n' || b[2] == ' ' || b[2] == '\r' || b[2] == '\t'))
     return {"a PNM or PFM picture", std::string(kConvert), true};
   for (const Magic& m : kMagics)
-    if (b.size() >= m.at && b.substr(m.at).starts_with(m.bytes)) return {std::string(m.name), std::string(m.advice), m.decodable};
+    if (b.size() >= m.at && b.substr(m.at).starts_with(m.bytes)) return {std::string(m.name), std::string(m.advice), false};
   if (!b.empty() && std::all_of(b.begin(), b.end(), [](char c) { return c == '\0'; }))
     return {"a file of zeros (an interrupted copy, or a failing card)", "copy it again"};
   if (FileKind kind = text_kind(b); !kind.name.empty()) return kind;

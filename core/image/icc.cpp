@@ -83,10 +83,11 @@ std::string four_letters(cmsUInt32Number signature) {
   return word;
 }
 
+// Straight beyond the last entry: floating-point samples may be brighter than white.
 ColorProfile::Curve curve_of_table(std::vector<float> table) {
   return [table = std::move(table)](double v) {
-    const double at = std::min(std::max(v, 0.0), 1.0) * double(table.size() - 1);
-    const size_t i = std::min(static_cast<size_t>(at), table.size() - 2);
+    const double at = std::max(v, 0.0) * double(table.size() - 1);
+    const size_t i = static_cast<size_t>(std::min(at, double(table.size() - 2)));
     return table[i] + (at - double(i)) * (table[i + 1] - table[i]);
   };
 }

@@ -9,11 +9,14 @@
 
 namespace vitrine {
 
-template <class T> class Image {
+template <class T>
+class Image {
  public:
   Image() = default;
   Image(int width, int height, int channels, T value = T{})
-      : width_(width), height_(height), channels_(channels),
+      : width_(width),
+        height_(height),
+        channels_(channels),
         data_(static_cast<size_t>(width) * static_cast<size_t>(height) * static_cast<size_t>(channels), value) {}
 
   int width() const { return width_; }
@@ -26,7 +29,7 @@ template <class T> class Image {
   const T& at(int x, int y, int c = 0) const { return data_[index(x, y, c)]; }
   T* pixel(int x, int y) { return &data_[index(x, y, 0)]; }
   const T* pixel(int x, int y) const { return &data_[index(x, y, 0)]; }
-  std::span<T> data() { return data_; }                      // [h * w * c]
+  std::span<T> data() { return data_; }  // [h * w * c]
   std::span<const T> data() const { return data_; }
   bool operator==(const Image&) const = default;
 

@@ -14,12 +14,13 @@ namespace {
 
 constexpr double kEqualImagesDb = 99.0;
 constexpr int kWindowRadius = 5;
-constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;     // for values in [0, 1]
+constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // for values in [0, 1]
 
 void check_sizes(const ImageF& a, const ImageF& b, const ImageF* mask) {
   VITRINE_CHECK(a.width() == b.width() && a.height() == b.height() && a.channels() == b.channels(), "images of {}x{} and {}x{}",
                 a.width(), a.height(), b.width(), b.height());
-  VITRINE_CHECK(!mask || (mask->width() == a.width() && mask->height() == a.height() && mask->channels() == 1), "mask size differs");
+  VITRINE_CHECK(!mask || (mask->width() == a.width() && mask->height() == a.height() && mask->channels() == 1),
+                "mask size differs");
 }
 
 using Plane = std::vector<double>;
@@ -40,7 +41,8 @@ Plane blurred(const Plane& in, int width, int height, const std::array<double, 2
     for (int x = 0; x < width; ++x) {
       double sum = 0;
       for (int k = -kWindowRadius; k <= kWindowRadius; ++k)
-        if (y + k >= 0 && y + k < height) sum += kernel[size_t(k + kWindowRadius)] * rows[size_t(y + k) * size_t(width) + size_t(x)];
+        if (y + k >= 0 && y + k < height)
+          sum += kernel[size_t(k + kWindowRadius)] * rows[size_t(y + k) * size_t(width) + size_t(x)];
       out[row * size_t(width) + size_t(x)] = sum;
     }
   });
@@ -69,7 +71,8 @@ double ssim(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask
   check_sizes(srgb, reference_srgb, mask);
   std::array<double, 2 * kWindowRadius + 1> kernel{};
   double sum = 0;
-  for (int k = -kWindowRadius; k <= kWindowRadius; ++k) sum += kernel[size_t(k + kWindowRadius)] = std::exp(-k * k / (2 * 1.5 * 1.5));
+  for (int k = -kWindowRadius; k <= kWindowRadius; ++k)
+    sum += kernel[size_t(k + kWindowRadius)] = std::exp(-k * k / (2 * 1.5 * 1.5));
   for (double& k : kernel) k /= sum;
 
   const int width = srgb.width(), height = srgb.height();
@@ -85,7 +88,8 @@ double ssim(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask
       ab[i] = a[i] * b[i];
     }
     const Plane ma = blurred(a, width, height, kernel), mb = blurred(b, width, height, kernel);
-    const Plane maa = blurred(aa, width, height, kernel), mbb = blurred(bb, width, height, kernel), mab = blurred(ab, width, height, kernel);
+    const Plane maa = blurred(aa, width, height, kernel), mbb = blurred(bb, width, height, kernel),
+                mab = blurred(ab, width, height, kernel);
     for (size_t i = 0; i < n; ++i) {
       const double va = maa[i] - ma[i] * ma[i], vb = mbb[i] - mb[i] * mb[i], cov = mab[i] - ma[i] * mb[i];
       const double s = ((2 * ma[i] * mb[i] + kC1) * (2 * cov + kC2)) / ((ma[i] * ma[i] + mb[i] * mb[i] + kC1) * (va + vb + kC2));

@@ -33,7 +33,7 @@ void probe_tiff(std::string_view b, Probe& probe) {
 }
 
 void probe_exr(std::string_view b, Probe& probe) {
-  constexpr std::string_view kWindow("dataWindow\0box2i\0", 17);
+  constexpr std::string_view kWindow("displayWindow\0box2i\0", 20);  // what is read, whatever part of it the file holds
   const size_t at = b.find(kWindow);
   if (at == std::string_view::npos) return;
   int32_t box[4];

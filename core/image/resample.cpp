@@ -13,7 +13,7 @@ namespace {
 
 struct Tap {
   int first = 0;
-  std::vector<float> weights;       // sum 1, for source pixels first, first+1, ...
+  std::vector<float> weights;  // sum 1, for source pixels first, first+1, ...
 };
 
 // For every target pixel, the source pixels under its footprint: area overlap when shrinking, a tent of width one source
@@ -69,7 +69,8 @@ ImageF resized(const ImageF& image, int width, int height) {
 }
 
 void sample_bilinear(const ImageF& image, double x, double y, float* out) {
-  const double fx = std::clamp(x - 0.5, 0.0, double(image.width() - 1)), fy = std::clamp(y - 0.5, 0.0, double(image.height() - 1));
+  const double fx = std::clamp(x - 0.5, 0.0, double(image.width() - 1)),
+               fy = std::clamp(y - 0.5, 0.0, double(image.height() - 1));
   const int x0 = int(fx), y0 = int(fy);
   const int x1 = std::min(x0 + 1, image.width() - 1), y1 = std::min(y0 + 1, image.height() - 1);
   const float u = float(fx - x0), v = float(fy - y0);
@@ -79,7 +80,8 @@ void sample_bilinear(const ImageF& image, double x, double y, float* out) {
 }
 
 void sample_bicubic(const ImageF& image, double x, double y, float* out) {
-  const double fx = std::clamp(x - 0.5, 0.0, double(image.width() - 1)), fy = std::clamp(y - 0.5, 0.0, double(image.height() - 1));
+  const double fx = std::clamp(x - 0.5, 0.0, double(image.width() - 1)),
+               fy = std::clamp(y - 0.5, 0.0, double(image.height() - 1));
   const int x0 = int(fx), y0 = int(fy);
   // Catmull-Rom weights of the four taps at -1, 0, 1, 2.
   const auto weights = [](float t, float* w) {
@@ -95,7 +97,8 @@ void sample_bicubic(const ImageF& image, double x, double y, float* out) {
     float sum = 0, low = INFINITY, high = -INFINITY;
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i) {
-        const float value = image.at(std::clamp(x0 + i - 1, 0, image.width() - 1), std::clamp(y0 + j - 1, 0, image.height() - 1), c);
+        const float value =
+            image.at(std::clamp(x0 + i - 1, 0, image.width() - 1), std::clamp(y0 + j - 1, 0, image.height() - 1), c);
         sum += wx[i] * wy[j] * value;
         if ((i == 1 || i == 2) && (j == 1 || j == 2)) {
           low = std::min(low, value);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/lower_case.h"
 #include "core/image/tiff_directory.h"
 
 namespace vitrine {
@@ -49,13 +50,6 @@ enum TiffPhotometric : unsigned {
   kLogLuv = 32845,
 };
 
-std::string lower_case_of(std::string_view s) {
-  std::string out(s);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
 struct TiffReadPage {
   TiffPage page;
   std::vector<uint64_t> sub_directories;
@@ -78,7 +72,7 @@ TiffReadPage tiff_page_of(const TiffBytes& in, const TiffDirectory& directory, u
     };
     if (e.tag == kDngVersion) r.dng = true;
 
-    if (e.tag == kMake && e.type == 2) r.make = lower_case_of(in.text(e.values, std::min<uint64_t>(e.count, 64)));
+    if (e.tag == kMake && e.type == 2) r.make = lowered(in.text(e.values, std::min<uint64_t>(e.count, 64)));
     if (!is_tiff_whole_number(e.type) || e.count == 0) return;
     const auto one = [&] { return static_cast<unsigned>(value(0)); };
     switch (e.tag) {

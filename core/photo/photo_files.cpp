@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/base/lower_case.h"
 #include "core/base/utf8.h"
 #include "core/image/exr.h"
 #include "core/image/picture_file.h"
@@ -17,12 +18,6 @@ namespace {
 const char* const kExtensions[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"};
 const char* const kPhotoLike[] = {".cr2",  ".cr3",  ".nef", ".arw", ".dng", ".orf", ".rw2", ".raf", ".heic", ".heif",
                                   ".webp", ".avif", ".bmp", ".gif", ".jp2", ".hdr", ".mp4", ".mov", ".avi",  ".mkv"};
-
-std::string lower(std::string s) {
-  for (char& c : s)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return s;
-}
 
 template <size_t N>
 bool contains(const char* const (&list)[N], const std::string& word) {
@@ -72,7 +67,7 @@ PhotoFolder find_photos(const fs::path& folder) {
   found.listed = files_below(folder, ReachedTwice::Once, error);
   if (error) throw_unreadable(folder, error.message());
   for (const fs::path& file : found.listed.files) {
-    const std::string extension = lower(file.extension().string());
+    const std::string extension = lowered(file.extension().string());
     if (contains(kExtensions, extension))
       found.photos.push_back({folder / file, file.generic_string(), {}, {}});
     else
@@ -105,7 +100,7 @@ void assign_names(std::vector<PhotoFile>& photos) {
       if (n > 1) photo.stem += fmt::format("_{}", n);
     }
     // The sfm stage writes an 8-bit picture under this name, which an .exr cannot be.
-    if (lower(extension) == ".exr") extension = ".png";
+    if (lowered(extension) == ".exr") extension = ".png";
     photo.name = photo.stem + extension;
   }
 }

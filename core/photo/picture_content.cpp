@@ -44,8 +44,10 @@ Head head_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(std::max<std::streamsize>(in.gcount(), 0)));
-  const Probe probe = probe_photo(bytes);
-  Head head{.format = probe.format, .width = double(probe.width), .height = double(probe.height)};
+  Probe probe = probe_photo(bytes);
+  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
+  Head head{
+      .format = probe.format, .width = double(probe.width), .height = double(probe.height), .orientation = probe.orientation};
   if (probe.format == PhotoFormat::Jpeg || probe.format == PhotoFormat::Png)
     head.orientation = parse_exif(exif_block(bytes)).orientation;
   constexpr size_t kBitDepthAt = 24, kColourTypeAt = 25;  // in the header of a PNG, which comes first

@@ -1,4 +1,5 @@
 #include "core/photo/picture_roles.h"
+#include "core/base/lower_case.h"
 
 #include <algorithm>
 #include <cctype>
@@ -52,12 +53,6 @@ constexpr std::string_view kClassFolders[] = {"object", "transparent", "specular
 
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-std::string lowered(std::string_view text) {
-  std::string low(text);
-  for (char& c : low) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return low;
-}
 
 // Joined without a separator where the word is plain enough: "mask0001", "IMG_7mask".
 bool joins(const Word& word, char neighbour) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/lower_case.h"
 #include "core/base/parallel.h"
 #include "core/photo/picture_content.h"
 
@@ -17,11 +18,6 @@ namespace {
 using Parts = std::vector<std::string>;
 
 constexpr size_t kSamples = 5;  // pictures that are compared to tell a folder of copies
-
-std::string lowered(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 template <class T>
 std::vector<T> spread_samples(const std::vector<T>& all) {

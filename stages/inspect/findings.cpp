@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/lower_case.h"
 #include "core/math/median.h"
 
 namespace vitrine {
@@ -31,12 +32,6 @@ constexpr double kFocalStep = 1.03;  // a lens breathes by less
 // "1 photo is", "3 photos are".
 std::string photos(size_t n, const char* one, const char* several) {
   return fmt::format("{} {}", n, n == 1 ? std::string("photo") + one : std::string("photos") + several);
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 class Judge {
@@ -91,7 +86,7 @@ class Judge {
       say({"unreadable_photos", Severity::Problem, fmt::format("{} of {} photos cannot be read", broken.size(), photos_.size()),
            photos_[broken[0]].failure, "copy them from the camera again, or take them out of the folder", broken});
     for (const FolderNote& note : notes_of(folder_)) {
-      const std::string code = note.code == "PHOTO_TYPES_NOT_READ" ? "types_not_read" : lower_case(note.code);
+      const std::string code = note.code == "PHOTO_TYPES_NOT_READ" ? "types_not_read" : lowered(note.code);
       say({code, note.warning ? Severity::Warning : Severity::Note, note.what, note.why, note.hint, {}});
     }
   }

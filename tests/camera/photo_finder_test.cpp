@@ -118,11 +118,11 @@ TEST(PhotoFinder, KnowsAPhotoByItsFileAndByTheNameThatIngestGaveIt) {
   std::vector<Photo> photos{photo_at("a.jpg", 4, 3), photo_at("a.png", 4, 3), photo_at("b.exr", 4, 3)};
   photos[1].name = "a_png.png", photos[2].name = "b.png";
   const PhotoFinder find(photos);
-  EXPECT_EQ(find("a.jpg"), 0u);
-  EXPECT_EQ(find("a.png"), 1u);
-  EXPECT_EQ(find("a_png.png"), 1u);
-  EXPECT_EQ(find("b.exr"), 2u);
-  EXPECT_EQ(find("b.png"), 2u);
+  EXPECT_EQ(find.match("a.jpg").photo, 0u);
+  EXPECT_EQ(find.match("a.png").photo, 1u);
+  EXPECT_EQ(find.match("a_png.png").photo, 1u);
+  EXPECT_EQ(find.match("b.exr").photo, 2u);
+  EXPECT_EQ(find.match("b.png").photo, 2u);
 }
 
 TEST(FirstVersions, AreThoseThatDataSetsScaleDown) {
