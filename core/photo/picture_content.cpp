@@ -30,23 +30,14 @@ constexpr size_t kFewColours = 32;       // labels or painted parts; a photo has
 constexpr double kBothShare = 0.001;     // of pixels: less is no class
 constexpr size_t kHeadBytes = 1 << 18;   // EXIF with a thumbnail ends well before
 
-struct Head {
-  PhotoFormat format = PhotoFormat::Unknown;
-  double width = 0, height = 0;  // upright
-  int orientation = 1;
-  // Of a PNG: bits per sample, and whether it has one channel.
-  int bits = 0;
-  bool grey = false;
-};
-
-Head head_of(const fs::path& path) {
+PictureHead head_of(const fs::path& path) {
   std::string bytes(kHeadBytes, '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   Probe probe = probe_photo(bytes);
   if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
-  Head head{
+  PictureHead head{
       .format = probe.format, .width = double(probe.width), .height = double(probe.height), .orientation = probe.orientation};
   if (probe.format == PhotoFormat::Jpeg || probe.format == PhotoFormat::Png)
     head.orientation = parse_exif(exif_block(bytes)).orientation;
@@ -121,7 +112,7 @@ bool few_colours(const ImageF& image) {
 }
 
 // Small, upright: its thumbnail is what counts.
-PhotoMeasures small_measures(const fs::path& path, const Head& head) {
+PhotoMeasures small_measures(const fs::path& path, const PictureHead& head) {
   if (head.format == PhotoFormat::Exr) return measured(srgb8_from_linear(read_exr_rgb(path)));
   constexpr double kEnough = 200;  // pixels of the longest side
   int reduction = 1;
@@ -140,7 +131,7 @@ PhotoMeasures small_measures(const fs::path& path, const Head& head) {
 
 bool looks_like_mask(const fs::path& path, const MaskLook& look) {
   // Hundreds of masks of many pixels take long to decode, and no photograph is a PNG of a tenth of a byte per pixel.
-  if (const Head head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
+  if (const PictureHead head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
     constexpr double kPlain = 0.1;
     std::error_code ec;
     if (double(fs::file_size(path, ec)) < kPlain * head.width * head.height && !ec) return true;
@@ -160,13 +151,13 @@ bool looks_like_mask(const fs::path& path, const MaskLook& look) {
 }
 
 bool looks_like_depth(const fs::path& path, const fs::path& photo) {
-  const Head head = head_of(path), beside = head_of(photo);
+  const PictureHead head = head_of(path), beside = head_of(photo);
   // Nobody takes photographs as EXR beside those that a camera writes; and many depth maps have a channel Z alone.
   if (head.format == PhotoFormat::Exr && beside.format != PhotoFormat::Exr) return true;
   constexpr int kManyBits = 16;
   if (head.grey && head.bits == kManyBits && !(beside.grey && beside.bits == kManyBits)) return true;
   return unless_undecodable([&] {
-    const auto pixels = [](const fs::path& p, const Head& h) {
+    const auto pixels = [](const fs::path& p, const PictureHead& h) {
       return h.format == PhotoFormat::Exr ? read_exr_rgb(p) : read_unchanged(p);
     };
     const ImageF map = pixels(path, head);
@@ -177,7 +168,7 @@ bool looks_like_depth(const fs::path& path, const fs::path& photo) {
 }
 
 bool looks_like_normals(const fs::path& path) {
-  const Head head = head_of(path);
+  const PictureHead head = head_of(path);
   return unless_undecodable([&] {
     const bool exr = head.format == PhotoFormat::Exr;
     const ImageF map = exr ? read_exr_rgb(path) : read_unchanged(path);
@@ -202,11 +193,16 @@ bool looks_like_normals(const fs::path& path) {
   });
 }
 
-bool looks_like_copy(const fs::path& copy, const fs::path& of, bool shrunk) {
+const PictureHead& CopyFinder::head(const fs::path& path) {
+  const auto known = heads_.find(path);
+  return known != heads_.end() ? known->second : heads_.emplace(path, head_of(path)).first->second;
+}
+
+bool CopyFinder::looks_like_copy(const fs::path& copy, const fs::path& of, bool shrunk) {
   // Thumbnails of copies of 80 x 60 pixels agree to 0.994, of larger ones to 0.9995; of the next photo of a rig to less than
   // 0.97.
   constexpr double kShrunk = 1.4, kAlike = 0.985, kMuchAlike = 0.6;
-  const Head small = head_of(copy), large = head_of(of);
+  const PictureHead &small = head(copy), &large = head(of);
   if (small.width < 1 || large.width < 1) return false;
   const double across = large.width / small.width, down = large.height / small.height;
   if (shrunk) {

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+
+#include "core/image/probe.h"
 
 namespace vitrine {
 
@@ -17,8 +20,25 @@ bool looks_like_mask(const std::filesystem::path& path, const MaskLook& look = {
 bool looks_like_depth(const std::filesystem::path& path, const std::filesystem::path& photo);
 // Colours that are unit vectors, 2 c - 1, or no colour at all.
 bool looks_like_normals(const std::filesystem::path& path);
-// `shrunk`: the same picture with fewer pixels, by a factor of 1.4 or more, and nothing else. Otherwise: much the same picture at
-// any size (without the lens's distortion, cut at the border).
-bool looks_like_copy(const std::filesystem::path& copy, const std::filesystem::path& of, bool shrunk);
+// What the beginning of a file says of its picture.
+struct PictureHead {
+  PhotoFormat format = PhotoFormat::Unknown;
+  double width = 0, height = 0;  // upright
+  int orientation = 1;
+  // Of a PNG: bits per sample, and whether it has one channel.
+  int bits = 0;
+  bool grey = false;
+};
+// Compares pictures of many folders with each other; the head of each file is read once.
+class CopyFinder {
+ public:
+  // `shrunk`: the same picture with fewer pixels, by a factor of 1.4 or more, and nothing else. Otherwise: much the same picture
+  // at any size (without the lens's distortion, cut at the border).
+  bool looks_like_copy(const std::filesystem::path& copy, const std::filesystem::path& of, bool shrunk);
+
+ private:
+  const PictureHead& head(const std::filesystem::path& path);
+  std::map<std::filesystem::path, PictureHead> heads_;
+};
 
 }  // namespace vitrine

@@ -158,7 +158,7 @@ bool content_agrees(const Candidate& c, const fs::path& path, const fs::path& of
     case PictureRole::Normals:
       return looks_like_normals(path);
     case PictureRole::Copy:
-      return looks_like_copy(path, of, true);
+      return CopyFinder().looks_like_copy(path, of, true);
   }
   return false;
 }
@@ -283,11 +283,12 @@ void leave_out_second_sets(PhotoFolder& folder) {
   if (folders.size() < 2) return;
   std::vector<uint8_t> out(folder.photos.size(), 0);
   const auto path = [&](size_t i) { return folder.photos[i].path; };
+  CopyFinder finder;
   // All common photos of `small` are those of `large`, with fewer pixels (`shrunk`) or in another version.
   const auto is_version = [&](const std::vector<std::string>& common, const Stems& small, const Stems& large, bool shrunk) {
     const std::vector<std::string> samples = spread_samples(common);
     return std::all_of(samples.begin(), samples.end(), [&](const std::string& stem) {
-      return looks_like_copy(path(small.at(stem)), path(large.at(stem)), shrunk);
+      return finder.looks_like_copy(path(small.at(stem)), path(large.at(stem)), shrunk);
     });
   };
   for (const auto& [small_name, small] : folders)
