@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -105,10 +106,10 @@ Reading best_reading(std::span<const PoseFile> files, const PhotoFinder& finder,
     return std::tuple(a.photos, a.same_size) < std::tuple(b.photos, b.same_size);  // the first of equal ones
   });
   if (best->photos < 2 && first_failure) std::rethrow_exception(first_failure);  // it may be the one that is meant
-  Reading out = *best;
+  Reading out = std::move(*best);
+  readings.erase(best);
   std::string others, beside;
   for (const Reading& r : readings) {
-    if (&r == &*best) continue;
     // A transforms.json beside a COLMAP model is the same in another format, as a rule.
     std::string& list = r.file.kind == out.file.kind ? others : beside;
     list += fmt::format("{}{} ({} poses, of {} of these photos)", list.empty() ? "" : ", ", r.file.path.string(), r.names.size(),

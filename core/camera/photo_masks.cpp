@@ -65,7 +65,7 @@ void throw_no_mask_file(const std::filesystem::path& masks) {
   throw Error(ErrorKind::Input, "there is no mask file",
               {.where = masks.string(),
                .why = "masks are pictures (png, jpg, tif), in folders called object, transparent, specular or ignore",
-               .hint = "stages/masks/README.md shows how they may be called",
+               .hint = "stages/masks/mask_files.md shows how they may be called",
                .code = "MASKS_MISSING"});
 }
 

@@ -72,25 +72,30 @@ std::vector<fs::path> folders_around(const fs::path& model) {
   return out;
 }
 
-// The report of an earlier run says that pictures of one size were resampled to pictures of another.
-bool our_undistortion(const std::vector<fs::path>& folders, const PixelSize& photo, const PixelSize& camera) {
+// Sizes of pictures that an earlier run resampled, by its report.
+struct Resampled {
+  PixelSize photographed, undistorted;
+};
+std::vector<Resampled> our_undistortions(const std::vector<fs::path>& folders) {
+  // Somebody else's file may be called so: nothing in it is taken for granted.
+  const auto size_at = [](const nlohmann::json& camera, const char* key) {
+    const auto side = [](const nlohmann::json& in, const char* name) {
+      return in.is_object() && in.contains(name) && in[name].is_number() ? in[name].get<double>() : 0.0;
+    };
+    return camera.contains(key) ? PixelSize{side(camera[key], "width"), side(camera[key], "height")} : PixelSize{};
+  };
+  std::vector<Resampled> out;
   for (const fs::path& folder : folders) {
     std::error_code failed;
     const fs::path report = folder / "sfm" / "report.json";
     if (!fs::is_regular_file(report, failed)) continue;
     const nlohmann::json j = nlohmann::json::parse(read_file(report), nullptr, false);
     if (!j.is_object() || !j.contains("cameras") || !j["cameras"].is_array()) continue;
-    // Somebody else's file may be called so: nothing in it is taken for granted.
-    const auto is = [](const nlohmann::json& in, const char* key, const nlohmann::json& value) {
-      return in.is_object() && in.contains(key) && in[key] == value;
-    };
-    const auto has_size = [&](const nlohmann::json& c, const char* key, const PixelSize& size) {
-      return c.contains(key) && is(c[key], "width", size.width) && is(c[key], "height", size.height);
-    };
     for (const nlohmann::json& c : j["cameras"])
-      if (is(c, "resampled", true) && has_size(c, "photographed", photo) && has_size(c, "undistorted", camera)) return true;
+      if (c.is_object() && c.contains("resampled") && c["resampled"] == true)
+        out.push_back({size_at(c, "photographed"), size_at(c, "undistorted")});
   }
-  return false;
+  return out;
 }
 
 // What `colmap image_undistorter` leaves.
@@ -210,6 +215,8 @@ void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos,
   const std::vector<fs::path> around = folders_around(model);
   std::vector<std::string> names;
   for (const PosedPhoto& p : pixels.photos) names.push_back(p.name);
+  const std::vector<Resampled> resampled = our_undistortions(around);
+  const bool by_colmap = colmap_undistortion(around);
   size_t odd = 0, usual = 0;
   std::string odd_sizes, usual_sizes;
   for (size_t i = 0; i < pixels.photos.size(); ++i) {
@@ -221,8 +228,10 @@ void check_pixel_sizes(PosePixels& pixels, std::span<const Photo* const> photos,
     const std::string sizes =
         fmt::format("the cameras are for {} pixels, the photos have {}", size_text(p.given), size_text(original));
     const bool usual_ratio = usual_resize(p.given, original), straight = !is_distorted(cameras[i]);
-    const bool ours = straight && (our_undistortion(around, original, p.given) || our_undistortion(around, ingested, p.given));
-    const bool colmaps = straight && colmap_undistortion(around);
+    const bool ours = straight && std::ranges::any_of(resampled, [&](const Resampled& r) {
+                        return same(r.undistorted, p.given) && (same(r.photographed, original) || same(r.photographed, ingested));
+                      });
+    const bool colmaps = straight && by_colmap;
     if (ours || (straight && !usual_ratio)) {
       const fs::path pictures = pictures_beside(model, names, p.given);
       if (ours || colmaps || !pictures.empty()) {

@@ -1,4 +1,5 @@
-// Which photo a name means that stands in somebody's file: a pose, a mask, a mark. The one place that decides it.
+// Which photo a name means that stands in somebody's file: a pose, a mask that a list names, a mark. The one place that decides
+// it.
 //
 // All names of a file are matched together. In this order:
 //   1. the path as written, below the photo folder;
