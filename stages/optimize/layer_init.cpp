@@ -48,6 +48,8 @@ void set(SplatLayer& layer, Attribute a, size_t i, double value) {
   std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
 }
 
+bool is_glass(const SplatLayer& layer, size_t i) { return *layer.at(Attribute::Transmission, i) > 0; }  // tau above one half
+
 // Sums over the training photos, for each of `masks`; per-photo depths come for free.
 struct Survey {
   std::vector<MaskEvidence> evidence;      // [mask]
@@ -242,9 +244,10 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   SplatLayer& diffuse = scene.diffuse;
   const Survey found = survey(desc, scene, {MaskClass::Specular, MaskClass::Transparent});
   const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1];
-  const bool masked = desc.targets.any(MaskClass::Specular);
+  // Masks of any class say what reflects; without one everything may.
+  const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
   Hull hull;
-  if (masked && phase.hull_points > 0)
+  if (marked && phase.hull_points > 0)
     hull = mask_hull({.kind = HullClass::Gloss,
                       .capture = desc.capture,
                       .targets = desc.targets,
@@ -266,8 +269,10 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     const auto mixed = [&](Attribute a, double outside, double inside) {
       set(diffuse, a, i, outside + gloss * (inside - outside));
     };
-    mixed(Attribute::SpecularWeight, kDull, phase.specular_weight);
-    mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0);
+    if (!is_glass(diffuse, i)) {  // glass that was placed before has its materials
+      mixed(Attribute::SpecularWeight, kDull, phase.specular_weight);
+      mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0);
+    }
     if (!masked || share < kMostlyInside) dull.push_back(index);
     (hull.points.empty() || gloss < kBehindGlass ? stay : gone).push_back(index);
   }

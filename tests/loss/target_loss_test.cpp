@@ -157,6 +157,22 @@ TEST(Targets, LossesWithoutTheirTargetAreSilent) {
   }
 }
 
+// How much glass reflects is Fresnel's law and no matter of masks, whether the specular mask includes it or not.
+TEST(Targets, TheSpecularMaskHasNoSayOnGlass) {
+  TestFrame frame(10, 8, false);
+  std::fill(frame.transparent.begin(), frame.transparent.begin() + 40, 1.f);
+  std::fill(frame.transparent.begin() + 40, frame.transparent.end(), 0.f);
+  LossGradient g = frame.gradient();
+  const auto loss = make("specular_mask");
+  const double with_glass = loss->evaluate(frame.input(), 1, g);
+  const auto grad = frame.grad_raster.plane(Aov::SpecularWeight);
+  for (size_t i = 0; i < 40; ++i) ASSERT_EQ(grad[i], 0) << i;
+  EXPECT_TRUE(std::any_of(grad.begin() + 40, grad.end(), [](float v) { return v != 0; }));
+  for (size_t i = 0; i < 40; ++i) frame.specular[i] = 1 - frame.specular[i];
+  g = frame.gradient();
+  EXPECT_EQ(loss->evaluate(frame.input(), 1, g), with_glass);
+}
+
 // Ignored pixels have no say, and do not thin the others out.
 TEST(Targets, IgnoredPixelsHaveNoSay) {
   for (const char* name : {"specular_mask", "transmission_mask", "object_mask"}) {
