@@ -1,12 +1,14 @@
 #include "core/train/picture_step.h"
 
+#include "core/base/parallel.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr float kOpaque = 0.9f;  // 1 - tau of what is no glass
+constexpr float kOpaque = 0.9f;      // 1 - tau of what is no glass
+constexpr float kHeldGloss = 0.01f;  // k_s: below it nothing is held, and nothing is looked up
 
 LossRays loss_rays(const SecondaryRays& rays) {
   return {.first_hit = rays.values.first_hit,
@@ -69,10 +71,12 @@ void share_glass(SplatLayer& diffuse) {
     }
 }
 
-void hold_gloss(const SplatLayer& diffuse, float gloss_factor, std::vector<float>& damping) {
+void hold_gloss(const SplatLayer& diffuse, const KnownSurface& known, float gloss_factor, std::vector<float>& damping) {
   damping.resize(diffuse.size(), 1.f);
-  for (size_t i = 0; i < damping.size(); ++i)
-    damping[i] *= 1 - (1 - gloss_factor) * sigmoid(*diffuse.at(Attribute::SpecularWeight, i));
+  parallel_for(damping.size(), 1024, [&](size_t i) {
+    const float k_s = sigmoid(*diffuse.at(Attribute::SpecularWeight, i)), *mean = diffuse.at(Attribute::Mean, i);
+    if (k_s > kHeldGloss && known.near({mean[0], mean[1], mean[2]})) damping[i] *= 1 - (1 - gloss_factor) * k_s;
+  });
 }
 
 }  // namespace vitrine

@@ -4,6 +4,7 @@
 
 #include "core/loss/loss_set.h"
 #include "core/model/layered_model.h"
+#include "core/train/known_surface.h"
 
 namespace vitrine {
 
@@ -30,8 +31,8 @@ void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float
 // One f0 and one k_s for all surfels of glass: their means.
 void share_glass(SplatLayer& diffuse);
 
-// What reflects stays where it is as far as it reflects: `damping` (empty: ones) is multiplied by 1 to `gloss_factor`. For shapes
-// that are known better than a picture in a mirror tells.
-void hold_gloss(const SplatLayer& diffuse, float gloss_factor, std::vector<float>& damping);
+// Surfels near `known` stay where they are as far as they reflect: `damping` (empty: ones) is multiplied by 1 to `gloss_factor`.
+// The surface is known better than a picture in a mirror tells.
+void hold_gloss(const SplatLayer& diffuse, const KnownSurface& known, float gloss_factor, std::vector<float>& damping);
 
 }  // namespace vitrine

@@ -29,6 +29,7 @@ constexpr double kShellShare = 0.25;               // of the reflection layer: w
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
 constexpr float kBesideTolerance = 1.5f;           // of the spacing of the hull
+constexpr float kKnownReach = 2;                   // of the same: surfels this near to a known point show it
 constexpr size_t kLines = 96;                      // of the profile of a turned surface
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
@@ -294,13 +295,15 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(wanted)), color, diffuse);
   counts.hull = taken.size();
   if (told) {
+    for (const HullPoint& p : hull.points)
+      if (p.known) counts.known_points.push_back(p.position);
+    counts.known_reach = kKnownReach * hull.spacing;
     for (const SolidOfRevolution& solid : hull.solids) counts.shapes.push_back(with_equal_lines(turned_surface(solid), kLines));
     counts.beside = hull.beside;
     counts.beside_tolerance = kBesideTolerance * hull.spacing;
   }
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
-    counts.known += known;
     set(diffuse, Attribute::SpecularWeight, first + k, known ? phase.known_specular_weight : phase.specular_weight);
     set(diffuse, Attribute::F0, first + k, known ? phase.known_f0 : phase.f0);
   }

@@ -35,7 +35,8 @@ struct MaskEvidence {
 
 struct HullCounts {
   size_t hull = 0, moved = 0;         // surfels put on the hull; surfels that left the diffuse layer for them
-  size_t known = 0;                   // of those on the hull, where its shape is known (HullPoint)
+  std::vector<Vec3f> known_points;    // of the hull of gloss, where its shape is known (HullPoint)
+  float known_reach = 0;              // how far from them surfels lie that show it, at most
   std::vector<TurnedSurface> shapes;  // that gloss is
   TriMesh beside;                     // what stands out of them, and how far surfels that show it lie behind it, at most
   float beside_tolerance = 0;

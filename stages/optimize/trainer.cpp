@@ -159,7 +159,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)])
     hold_glass(scene_.diffuse, static_cast<float>(config().phases.transmittance.glass_factor), damping_, frame_.statistics.error,
                grad_.diffuse);
-  if (gloss_known_) hold_gloss(scene_.diffuse, static_cast<float>(config().phases.reflection.known_factor), damping_);
+  if (!known_gloss_.empty())
+    hold_gloss(scene_.diffuse, known_gloss_, static_cast<float>(config().phases.reflection.known_factor), damping_);
   DescentCounts worst;
   bool blank = false;
   broken_ = false;
@@ -252,7 +253,8 @@ void Trainer::begin_phases() {
     const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
-    if (kind == LayerKind::Reflection && counts.known > 0) gloss_known_ = 1;
+    if (kind == LayerKind::Reflection && !counts.known_points.empty())
+      known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
     if (kind == LayerKind::Reflection && config().shading.shapes) {
       shapes_ = ShapeTraining(counts.shapes);
       beside_shapes_ = MeshTraining(counts.beside, counts.beside_tolerance);

@@ -10,6 +10,7 @@
 #include "core/optim/archive.h"
 #include "core/stereo/scene_planes.h"
 #include "core/train/capture.h"
+#include "core/train/known_surface.h"
 #include "core/train/layer_training.h"
 #include "core/train/mesh_training.h"
 #include "core/train/shape_training.h"
@@ -102,7 +103,8 @@ class Trainer {
   std::shared_ptr<const GlassCase> case_;  // whose panes are mirrors
   MeshTraining beside_shapes_;             // what stands out of those
   ShapeTraining shapes_;                   // of polished metal
-  uint8_t filled_ = 0, gloss_known_ = 0;   // what no photo shows; where the shape of what reflects is known
+  KnownSurface known_gloss_;               // of what reflects
+  uint8_t filled_ = 0;                     // what no photo shows
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel

@@ -13,7 +13,7 @@ void Trainer::save(ArchiveWriter& out) const {
   out.value(begun_);
   out.array(std::span<const ScenePlane>(planes_));
   out.value(background_);
-  out.value(gloss_known_);
+  known_gloss_.save(out);
   out.value(filled_);
   shapes_.save(out);
   beside_shapes_.save(out);
@@ -37,7 +37,7 @@ void Trainer::load(ArchiveReader& in) {
   in.value(begun_);
   in.array(planes_);
   in.value(background_);
-  in.value(gloss_known_);
+  known_gloss_.load(in);
   in.value(filled_);
   shapes_.load(in);
   beside_shapes_.load(in);

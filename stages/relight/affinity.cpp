@@ -5,7 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
-#include "stages/relight/point_grid.h"
+#include "core/math/point_grid.h"
 
 namespace vitrine {
 

@@ -8,6 +8,7 @@
 #include "core/image/exr.h"
 #include "core/image/resample.h"
 #include "core/math/median.h"
+#include "core/math/point_grid.h"
 #include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
@@ -16,7 +17,6 @@
 #include "core/trace/tracer.h"
 #include "stages/relight/light_solver.h"
 #include "stages/relight/metal_roughness.h"
-#include "stages/relight/point_grid.h"
 
 namespace vitrine {
 

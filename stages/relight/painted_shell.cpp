@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/math/point_grid.h"
 #include "core/scene/activation.h"
-#include "stages/relight/point_grid.h"
 
 namespace vitrine {
 

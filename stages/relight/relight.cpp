@@ -14,6 +14,7 @@
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
 #include "core/light/environment.h"
+#include "core/math/point_grid.h"
 #include "core/mesh/mesh_io.h"
 #include "core/picture/relight_materials.h"
 #include "core/picture/surfel_colors.h"
@@ -26,7 +27,6 @@
 #include "stages/relight/mirrored_sky.h"
 #include "stages/relight/painted_shell.h"
 #include "stages/relight/pictures.h"
-#include "stages/relight/point_grid.h"
 #include "stages/relight/spread.h"
 #include "stages/relight/wall_tops.h"
 

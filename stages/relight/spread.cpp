@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/math/point_grid.h"
 #include "core/math/rigid.h"
 #include "core/math/spherical_harmonics.h"
-#include "stages/relight/point_grid.h"
 
 namespace vitrine {
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
 #include "core/train/picture_step.h"
@@ -191,14 +193,22 @@ TEST(MaskHull, OfAKettleLeavesItsNeighbourAlone) {
 
 TEST(MaskHull, WhatReflectsKeepsItsShapeAsFarAsItDoes) {
   SplatLayer layer(LayerKind::Diffuse, 0, 3);
-  const float weights[] = {0.001f, 0.5f, 0.9f};
+  const float weights[] = {0.02f, 0.5f, 0.9f};
   for (size_t i = 0; i < 3; ++i) *layer.at(Attribute::SpecularWeight, i) = logit(weights[i]);
   std::vector<float> damping;
-  hold_gloss(layer, 0.02f, damping);
+  const KnownSurface known({{0, 0, 0}, {0.05f, 0, 0}}, 0.1f);
+  hold_gloss(layer, known, 0.02f, damping);
   for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(damping[i], 1 - 0.98f * weights[i], 1e-5);
   damping = {0.5f, 0.5f, 0.5f};  // of glass
-  hold_gloss(layer, 0.02f, damping);
+  hold_gloss(layer, known, 0.02f, damping);
   EXPECT_NEAR(damping[2], 0.5f * (1 - 0.98f * 0.9f), 1e-5);
+  damping.clear();
+  layer.at(Attribute::Mean, 1)[0] = 0.2f;  // another thing that reflects, whose shape nobody knows
+  layer.at(Attribute::Mean, 2)[0] = std::numeric_limits<float>::quiet_NaN();
+  hold_gloss(layer, known, 0.02f, damping);
+  EXPECT_NEAR(damping[0], 1 - 0.98f * weights[0], 1e-5);
+  EXPECT_EQ(damping[1], 1) << "one known shape holds nothing but its own surfels";
+  EXPECT_EQ(damping[2], 1);
 }
 
 TEST(Glass, ReflectsAlikeEverywhere) {

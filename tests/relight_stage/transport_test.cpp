@@ -8,7 +8,6 @@
 
 #include "core/base/rng.h"
 #include "stages/relight/affinity.h"
-#include "stages/relight/point_grid.h"
 #include "stages/relight/spread.h"
 
 namespace vitrine {
@@ -88,24 +87,6 @@ TEST(Spread, TheTwoSidesOfAThinThingKeepTheirOwnLight) {
   const std::vector<Vec3f> spread = spread_irradiance(layer, box, points, light, std::vector<bool>(points.size(), true),
                                                       {.inner_radius = 0.01f, .outer_radius = 0.06f});
   for (size_t s = 0; s < spread.size(); ++s) ASSERT_NEAR(spread[s].x, s % 4 >= 2 ? 5 : 1, 1e-4) << s;
-}
-
-TEST(PointGrid, AgreesWithASearchThroughAll) {
-  Rng rng(3);
-  std::vector<Vec3f> points(500);
-  for (Vec3f& p : points) p = {rng.uniform(), rng.uniform(), 0.2f * rng.uniform()};
-  const PointGrid grid(points, 0.05f);
-  for (int trial = 0; trial < 50; ++trial) {
-    const Vec3f q{1.2f * rng.uniform(), rng.uniform(), 0.3f * rng.uniform()};
-    std::vector<std::pair<float, uint32_t>> all;
-    for (size_t i = 0; i < points.size(); ++i)
-      if (const float d = squared_length(points[i] - q); d <= 0.09f) all.emplace_back(d, uint32_t(i));
-    std::ranges::sort(all);
-    std::vector<PointGrid::Near> near;
-    grid.nearest(q, 7, 0.3f, near);
-    ASSERT_EQ(near.size(), std::min<size_t>(7, all.size()));
-    for (size_t k = 0; k < near.size(); ++k) EXPECT_EQ(near[k].index, all[k].second);
-  }
 }
 
 TEST(Affinity, PairsTheSamePaintAndNoOther) {

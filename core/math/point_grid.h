@@ -20,6 +20,8 @@ class PointGrid {
   };
   // At most `count` points within `radius` of p, nearest first; of equal ones the smaller index.
   void nearest(const Vec3f& p, size_t count, float radius, std::vector<Near>& out) const;
+  // Whether there is a point within `radius` of p; false for a p that is no number.
+  bool any(const Vec3f& p, float radius) const;
 
  private:
   int64_t coordinate(float x) const;

@@ -1,4 +1,4 @@
-#include "stages/relight/point_grid.h"
+#include "core/math/point_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,10 @@
 #include "core/base/rng.h"
 
 namespace vitrine {
+
+namespace {
+constexpr float kFarthest = 1e9f;  // cells; indices of cells beyond are no integers of a float
+}
 
 PointGrid::PointGrid(std::span<const Vec3f> points, float cell) : points_(points), cell_(cell) {
   for (size_t i = 0; i < points.size(); ++i)
@@ -43,6 +47,19 @@ void PointGrid::nearest(const Vec3f& p, size_t count, float radius, std::vector<
   }
   std::ranges::sort(out, closer);
   if (out.size() > count) out.resize(count);
+}
+
+bool PointGrid::any(const Vec3f& p, float radius) const {
+  if (!(squared_length(p) < kFarthest * kFarthest * cell_ * cell_)) return false;
+  const auto last = static_cast<int64_t>(std::ceil(radius / cell_));
+  const int64_t cx = coordinate(p.x), cy = coordinate(p.y), cz = coordinate(p.z);
+  for (int64_t x = cx - last; x <= cx + last; ++x)
+    for (int64_t y = cy - last; y <= cy + last; ++y)
+      for (int64_t z = cz - last; z <= cz + last; ++z)
+        if (const auto it = cells_.find(key(x, y, z)); it != cells_.end())
+          for (const uint32_t i : it->second)
+            if (squared_length(points_[i] - p) <= radius * radius) return true;
+  return false;
 }
 
 }  // namespace vitrine
