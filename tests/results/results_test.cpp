@@ -1,0 +1,105 @@
+// The table of README.md is that of tests/results/*.json, and a finished run is recorded as it was.
+#include "tests/results/results.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/json.h"
+
+namespace vitrine {
+namespace {
+
+const fs::path kSources = VITRINE_SOURCE_DIR;
+const RunLabel kLabel{"two boxes", "0123456789abcdef", "a processor", 2};
+
+TEST(Results, TableOfTheReadmeIsThatOfTheFiles) {
+  const std::string page = read_file(kSources / "README.md");
+  EXPECT_EQ(page, with_table(page, results_table(kSources / "tests/results"))) << "run: build/bin/vitrine-results table";
+}
+
+TEST(Results, AreOneToEight) {
+  const auto files = std::count_if(fs::directory_iterator(kSources / "tests/results"), fs::directory_iterator(),
+                                   [](const auto& e) { return e.path().extension() == ".json"; });
+  EXPECT_GE(files, 1);
+  EXPECT_LE(files, 8);
+}
+
+TEST(Results, NameACommitAndNoFolderOfAMachine) {
+  for (const auto& e : fs::directory_iterator(kSources / "tests/results")) {
+    if (e.path().extension() != ".json") continue;
+    const nlohmann::json r = nlohmann::json::parse(read_file(e.path()));
+    const std::string commit = r.at("commit"), command = r.at("command");
+    EXPECT_EQ(commit.size(), 40u) << e.path();
+    EXPECT_EQ(commit.find_first_not_of("0123456789abcdef"), std::string::npos) << e.path();
+    EXPECT_EQ(command.find(" /"), std::string::npos) << e.path();
+    EXPECT_FALSE(r.at("seeds").empty()) << e.path();
+  }
+}
+
+class RecordedRun : public testing::Test {
+ protected:
+  void write(const std::string& stage_state, const std::string& metrics) const {
+    write_file(folder.path() / "run.json",
+               R"({"command": ["vitrine", "run", "/home/me/vitrine/sample_data/boxes/photos", "-o", "/home/me/boxes", "--masks",
+                   "/home/me/marks.yaml"], "finished": "2031-02-03T04:05:06Z", "seconds": 61.4, "exit": 0, "peak_rss_bytes": 5,
+                   "machine": {"host": "here", "threads": 2},
+                   "stages": [{"name": "ingest", "state": "ran", "cpu_seconds": 59.8},
+                              {"name": "sfm", "cpu_seconds": 60.4, "state": ")" +
+                   stage_state + "\"}]}");
+    write_file(folder.path() / "config.resolved.yaml",
+               "preset: preview\ninput:\n  photos: /home/me/vitrine/sample_data/boxes/photos\noptimize:\n  seed: 7\n");
+    make_folders(folder.path() / "eval");
+    write_file(folder.path() / "eval/metrics.json", metrics);
+  }
+  TemporaryFolder folder;
+};
+
+constexpr const char* kMetrics =
+    R"({"heldout": {"psnr": 21.63687375, "ssim": 0.73587872, "views": 2}, "regions": {"rest": {"psnr": 20.25}}, "surfels": 3912})";
+
+TEST_F(RecordedRun, HoldsFiguresSeedsAndTimes) {
+  write("ran", kMetrics);
+  const nlohmann::json r = nlohmann::json::parse(recorded_run(folder.path(), kLabel));
+  EXPECT_EQ(r.at("command"), "vitrine run sample_data/boxes/photos -o out --masks marks.yaml");
+  EXPECT_EQ(r.at("scene"), "sample_data/boxes/photos");
+  EXPECT_EQ(r.at("preset"), "preview");
+  EXPECT_EQ(r.at("seeds"), nlohmann::json::array({7}));
+  EXPECT_EQ(r.at("date"), "2031-02-03");
+  EXPECT_EQ(r.at("seconds"), 61);
+  EXPECT_EQ(r.at("cpu_seconds"), 120);
+  EXPECT_EQ(r.at("machine").at("cpu"), "a processor");
+  EXPECT_EQ(r.at("figures"), nlohmann::json({{"heldout.psnr", 21.6369},
+                                             {"heldout.ssim", 0.735879},
+                                             {"heldout.views", 2},
+                                             {"regions.rest.psnr", 20.25},
+                                             {"surfels", 3912}}));
+}
+
+TEST_F(RecordedRun, IsARowWithEmptyCellsForFiguresThatAreAbsent) {
+  write("ran", kMetrics);
+  write_file(folder.path() / "rows/boxes.json", recorded_run(folder.path(), kLabel));
+  EXPECT_NE(
+      results_table(folder.path() / "rows")
+          .find("| two boxes | 21.6 | 0.736 |  |  | 20.2 |  |  |  |  | 2 min | `0123456` |\n\nMachines: a processor, 2 cores.\n"),
+      std::string::npos)
+      << results_table(folder.path() / "rows");
+}
+
+TEST_F(RecordedRun, IsRefusedWhenAStageWasTakenFromTheStoreOrNothingWasMeasured) {
+  write("cached", kMetrics);
+  EXPECT_THROW(recorded_run(folder.path(), kLabel), Error);
+  write("ran", "{}");
+  EXPECT_THROW(recorded_run(folder.path(), kLabel), Error);
+}
+
+TEST(Results, PageWithoutMarksIsRefused) {
+  EXPECT_THROW(with_table("<!-- end of results -->\n", "x"), Error);
+  EXPECT_EQ(with_table("a\n<!-- results: written by `vitrine-results table` -->\nold\n<!-- end of results -->\nb\n", "new\n"),
+            "a\n<!-- results: written by `vitrine-results table` -->\nnew\n<!-- end of results -->\nb\n");
+}
+
+}  // namespace
+}  // namespace vitrine
