@@ -1,4 +1,4 @@
-// A surface that is turned on a lathe (kettle, vase, bottle, bowl): a curve in the half plane of an axis, as a line through
+// A surface that is turned on a lathe (vase, bottle, bowl): a curve in the half plane of an axis, as a line through
 // corners. Unlike a list of radii it may run level, as lids and feet do.
 #pragma once
 

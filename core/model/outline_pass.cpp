@@ -153,7 +153,7 @@ uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
     if (in_band_[pixel] == 0) return pixel;
     if (thin == UINT32_MAX) thin = pixel;
   }
-  return thin;  // a spout, all of which is near its outline
+  return thin;  // a thin part, all of which is near its outline
 }
 
 // Whether the two pictures side by side are what the pixel shows.

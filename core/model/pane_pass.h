@@ -4,7 +4,7 @@
 //
 //   near pane   mirrors what lies outside of it          far pane   mirrors what lies on its inner side
 //
-// (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on sample_data/cabinet; the far
+// (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on the sample scene; the far
 // pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
 // Pixels take part that ask for a transmission and show the box where it is. No gradient goes through the mirrored pictures.

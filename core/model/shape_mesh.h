@@ -1,4 +1,4 @@
-// Parts of polished things that no axis turns: spouts, ears, knobs. Their place and normals come from their outlines (a hull of
+// Parts of polished things that no axis turns: handles, knobs, necks. Their place and normals come from their outlines (a hull of
 // the masks, smoothed) and are smooth from pixel to pixel, where those of surfels jump from one to the next.
 #pragma once
 

@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kOnSolid_rel = 0.06;  // of its largest radius: surfels that show it lie this near, spouts and handles do not
+constexpr double kOnSolid_rel = 0.06;  // of its largest radius: surfels that show it lie this near, appendages do not
 // And not so far behind it: another thing, seen where the solid is gone. Gaps of its near side show its far side.
 constexpr double kBehind_rel = 2.2;
 constexpr size_t kRows = 8;

@@ -4,7 +4,7 @@
 // normal from the solid, after the diffuse layer is drawn and before anything is mirrored.
 //
 // A pixel takes part where the layer shows something polished, k_s above ShapeOptions::polished, that is not in front of the
-// solid by more than kOnSolid_rel of its radius: a spout, a handle. No gradient moves or turns the surfels there; what the
+// solid by more than kOnSolid_rel of its radius: an appendage, a handle. No gradient moves or turns the surfels there; what the
 // mirrored rays ask of place and normal is asked of the solid: axis and profile, some hundred numbers for all photos.
 #pragma once
 

@@ -21,7 +21,7 @@ constexpr size_t kFewestPhotos = 3, kFewestEnds = 8;
 constexpr double kFirstMove = 0.06, kLastMove = 5e-4;       // of the bounds' diagonal; radians for the tilt
 constexpr int kRounds = 4;                                  // of contacts and radii, for one axis
 constexpr int kSmoothing = 4;                               // passes of 1 2 1 over the profile
-constexpr double kOutlier = 0.15;                           // of the largest radius: further off is a spout, a handle
+constexpr double kOutlier = 0.15;                           // of the largest radius: further off is an appendage, a handle
 constexpr double kNear = 6;                                 // voxels: the hull may bulge so far
 constexpr double kAlike = 0.5;                              // cosine between normals of a hull and of the solid
 constexpr double kOn = 2, kOnIt = 0.6;                      // voxels: the part of a piece of the hull that lies so near its solid

@@ -1,6 +1,6 @@
-// Solids of revolution whose outlines the masks are: kettles, vases, bottles and bowls are turned about an axis, and the curve
+// Solids of revolution whose outlines the masks are: vases, bottles and bowls are turned about an axis, and the curve
 // that is turned follows from the outlines of all photos at once, with normals as smooth as it is. A visual hull of the same
-// masks is made of voxels and bulges between the cones. Spouts and handles are no part of it.
+// masks is made of voxels and bulges between the cones. Appendages and handles are no part of it.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SolidOfRevolution {
   // The point of the surface nearest to `p`, with its normal: those of the profile's corners, blended between them.
   HullSurfacePoint nearest(const Vec3d& p) const;
   // Where a point of a hull of such voxels, which bulges and wavers around the solid, should lie; nothing for other points: of a
-  // spout, a handle, the table.
+  // appendage, a handle, the table.
   std::optional<HullSurfacePoint> smoothed(const HullSurfacePoint& p, double voxel) const;
   // Where a ray meets it first, in units of `direction`; 0 from within.
   std::optional<double> entry(const Vec3d& eye, const Vec3d& direction) const;

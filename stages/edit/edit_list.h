@@ -1,7 +1,7 @@
 // What a user wants changed in a finished scene: a YAML file, a list of edits that are applied in order. README.md shows it.
 //
 //   edits:
-//     - name: golden kettle
+//     - name: golden vase
 //       select: {class: specular, except: {class: transparent}}
 //       set: {tint: 0.05, f0: [1, 0.77, 0.34], k_s: 0.05, roughness: 0.1}
 //     - select: {box: [-0.2, -0.1, -0.8, 0.3, 0.4, -0.2]}      # x0 y0 z0 x1 y1 z1 in the scene's frame

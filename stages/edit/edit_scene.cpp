@@ -131,7 +131,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
   ImageOptions image = scene.trained.image;
   image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
   image.shape.shapes = remaining(image.shape.shapes, surfels.diffuse, scene.there.diffuse);
-  if (!image.shape.shapes) image.shape.beside = nullptr;  // no surfel of the solids, none of their spouts
+  if (!image.shape.shapes) image.shape.beside = nullptr;  // no surfel of the solids, none of their appendages
   if (image.panes.mirrored < scene.there.diffuse.size())
     image.panes.mirrored = static_cast<size_t>(
         std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));

@@ -110,7 +110,7 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
-// Each class has a hull of its own: a case is a box, a case and a kettle are not.
+// Each class has a hull of its own: a case is a box, a case and an object beside it are not.
 struct ClassHull {
   MaskClass kind;
   VisualHull hull;

@@ -1,5 +1,5 @@
 // The surface of one thing in the hull, to a fraction of a pixel. The grid of the whole hull is as coarse as the largest thing in
-// it, a case of brass, and a spout is six of its cells wide, with normals to match; here a grid of its own, a field that is as
+// it, and a thin part is six of its cells wide, with normals to match; here a grid of its own, a field that is as
 // soft as the masks' edges are, and its gradient.
 #pragma once
 

@@ -25,7 +25,7 @@ struct Hull {
   std::vector<HullPoint> points;          // of the surface, on a grid
   float spacing = 0;                      // of the grid
   std::vector<SolidOfRevolution> solids;  // that pieces of it are
-  TriMesh beside;                         // what stands out of the solids: spouts, ears
+  TriMesh beside;                         // appendages of the solids
   std::optional<OrientedBox> box;         // where the outlines are those of one
 };
 

@@ -22,7 +22,7 @@ constexpr double kFarOut_rel = 0.3;      // of the largest radius: how far somet
 constexpr double kRootWay = 1.25;        // times as far as straight from there to the solid: on the way
 constexpr double kHugs_rel = 0.15;       // of the largest radius: what is lower, and not on the way, is the solid
 constexpr double kThinning = 2;          // of the fine cells
-constexpr double kCrowd = 6;  // of its other parts, spouts and handles, which bend faster than the solid: points in place of one
+constexpr double kCrowd = 6;  // of its other parts, necks and handles, which bend faster than the solid: points in place of one
 
 // Of a cell: the thing it is of or, near the surface of things, the nearest one.
 struct NearestThing {
@@ -53,8 +53,8 @@ void append(TriMesh& to, const TriMesh& more) {
   for (const auto& f : more.faces) to.faces.push_back({first + f[0], first + f[1], first + f[2]});
 }
 
-// What stands out of the solids, up to its root. Masks that were carried from few marks have too much beside a spout: of theirs
-// only what is far out counts, and what lies on its way to the solid.
+// What stands out of the solids, up to its root. Masks that were carried from few marks have too much beside an appendage: of
+// theirs only what is far out counts, and what lies on its way to the solid.
 class StandingOut {
  public:
   // `mesh`: with normals.

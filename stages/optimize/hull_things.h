@@ -1,4 +1,4 @@
-// Things in a hull that have a solid of revolution, kettles and vases with their spouts and ears: each gets a surface of its own,
+// Things in a hull that have a solid of revolution, with their appendages: each gets a surface of its own,
 // finer than the cells of the whole hull, and what stands out of its solids.
 #pragma once
 

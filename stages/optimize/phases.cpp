@@ -54,7 +54,7 @@ void describe(Describer& d, ReflectionPhase& c) {
       .range(0, 1);
   d.option("shape_rate", c.shape_rate, "Step of the place and the profile of a known shape, scene units; from surface_from on.")
       .range(0, 0.1);
-  d.option("beside_rate", c.beside_rate, "Step of the surface of what stands out of it, a spout, scene units.").range(0, 0.1);
+  d.option("beside_rate", c.beside_rate, "Step of the surface of its appendages, scene units.").range(0, 0.1);
   d.option("axis_rate", c.axis_rate, "Step of the direction of its axis, radians.").range(0, 0.1);
 }
 

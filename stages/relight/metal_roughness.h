@@ -1,5 +1,5 @@
 // How rough a metal is, from how much contrast is left in what it mirrors. Comparing pixels does not tell: normals are never so
-// good that a ray meets what its pixel shows, and whatever is blurred more then fits better (a kettle of roughness .22: least
+// good that a ray meets what its pixel shows, and whatever is blurred more then fits better (metal of roughness .22: least
 // error at .33). How much neighbouring pixels differ does not depend on where exactly they look. The more roughness, the less.
 #pragma once
 

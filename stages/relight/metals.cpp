@@ -299,7 +299,7 @@ class PolishedFinder {
     }
   }
 
-  // Handles and knobs are marked together with their kettle, but training found neither mirror nor light in them.
+  // Handles and knobs are marked together with the metal, but training found neither mirror nor light in them.
   void leave_handles(int thing, const std::vector<FaceShows>& shown, Metals& out) const {
     const SplatLayer& layer = d_.scene.surfels.diffuse;
     double specular = 0, opacity = 0, light = 0, faces = 0;

@@ -119,5 +119,20 @@ TEST(Layers, HeavyLibrariesStayOutOfPublicHeaders) {
   }
 }
 
+// No rule is for one scene: what photos of the samples show has no name in the sources.
+TEST(Layers, SourcesNameNoObjectOfASample) {
+  const std::regex object("kettle|spout|brass|cabinet|tankard|plush", std::regex::icase);
+  for (const char* folder : {"core", "stages", "pipeline"})
+    for (const auto& e : fs::recursive_directory_iterator(kRoot / folder)) {
+      const std::string extension = e.path().extension().string(), path = fs::relative(e.path(), kRoot).string();
+      EXPECT_FALSE(std::regex_search(path, object)) << path;
+      if (!e.is_regular_file() || (extension != ".h" && extension != ".cpp")) continue;
+      std::ifstream in(e.path());
+      int number = 0;
+      for (std::string line; std::getline(in, line);)
+        EXPECT_FALSE(++number > 0 && std::regex_search(line, object)) << path << ":" << number << ": " << line;
+    }
+}
+
 }  // namespace
 }  // namespace vitrine

@@ -1,6 +1,6 @@
 // From the blended channels of a pixel to the surface that it shows (README 1), and back.
 //   z = Z/A   x = eye + z ray   n = N/|N|   f0 = F0/A   roughness = clamp(R/A, r_min, 1)   n.v = -n.d
-//   a = smoothstep(0.5, 0.8, |N|/A), the agreement of the normals that are blended: at the rim of a kettle before a wall, n
+//   a = smoothstep(0.5, 0.8, |N|/A), the agreement of the normals that are blended: at the rim of an object before a wall, n
 //   looks at neither, and what is mirrored there comes from nowhere near.
 // The weights k_s and tau are not divided by the coverage A: a pixel covered by half is specular by half.
 #pragma once

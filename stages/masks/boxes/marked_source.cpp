@@ -66,10 +66,10 @@ std::vector<SolidOfRevolution> solids_of_hull(const VisualHull& marked, const st
   return solids_of_revolution(seen, marked.surface(), marked.voxel());
 }
 
-// Kettles and vases: GrabCut takes away bright lids and, photo by photo, spouts, and leaves the outline where what the metal
-// mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about, put on
-// the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and what
-// these have along its outline alone is no part of the thing.
+// Surfaces of revolution: GrabCut takes away bright lids and, photo by photo, appendages, and leaves the outline where what the
+// metal mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about,
+// put on the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and
+// what these have along its outline alone is no part of the thing.
 void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, const VisualHull* marked,
           const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
   parallel_for(views.size(), 1, [&](size_t v) {

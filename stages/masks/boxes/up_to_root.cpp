@@ -36,7 +36,7 @@ std::vector<uint8_t> with_what_sticks_out(const std::vector<uint8_t>& solid, con
   std::vector<uint8_t> out = solid;
   const auto any = [](const std::vector<uint8_t>& set) { return std::ranges::any_of(set, [](uint8_t v) { return v != 0; }); };
   if (!any(far)) return out;
-  if (!any(solid)) {  // the photo shows the spout alone
+  if (!any(solid)) {  // the photo shows the appendage alone
     for (size_t p = 0; p < out.size(); ++p) out[p] = off[p] && far[p];
     return out;
   }

@@ -1,5 +1,5 @@
-// What sticks out of a solid in a picture, a spout, and where it ends: hulls of few marks have it up to its root, and too much
-// along the solid's outline beside it.
+// What sticks out of a solid in a picture, an appendage, and where it ends: hulls of few marks have it up to its root, and too
+// much along the solid's outline beside it.
 #pragma once
 
 #include <cstdint>
