@@ -3,13 +3,13 @@
 
 #include <array>
 
-#include "core/math/oriented_box.h"
+#include "core/shape/box.h"
 
 namespace vitrine {
 
 struct GlassCase {
-  OrientedBox box;
-  std::array<bool, OrientedBox::kFaces> clear{true, true, true, true, true, true};  // [OrientedBox::Face::index]
+  Box box;
+  std::array<bool, Box::kFaces> clear{true, true, true, true, true, true};  // [Box::Face::index]
 };
 
 }  // namespace vitrine

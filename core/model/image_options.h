@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "core/math/turned_surface.h"
 #include "core/model/glass_case.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
+#include "core/shape/surface_of_revolution.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
@@ -28,7 +28,7 @@ struct DiffuseOptions {
 // Surfaces that polished pixels show (ShapePass): solids of revolution, and what stands out of them (shape_mesh.h). nullptr: none
 // is known.
 struct ShapeOptions {
-  std::shared_ptr<const std::vector<TurnedSurface>> shapes = nullptr;
+  std::shared_ptr<const std::vector<SurfaceOfRevolution>> shapes = nullptr;
   std::shared_ptr<const ShapeMesh> beside = nullptr;
   float min_alpha = 0.5f;  // no surface below
   float polished = 0.3f;   // k_s of what is

@@ -54,7 +54,7 @@ class Extent {
   double low_[2] = {1e300, 1e300}, high_[2] = {-1e300, -1e300};
 };
 
-std::optional<Window> window_of(const TurnedSurface& s, const View& view) {
+std::optional<Window> window_of(const SurfaceOfRevolution& s, const View& view) {
   Extent extent(view);
   const Vec3d u = normalized(cross(s.axis, std::abs(s.axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), v = cross(s.axis, u);
   for (const Vec2d& corner : s.profile)
@@ -87,7 +87,7 @@ std::vector<Window> merged(std::vector<Window> windows) {
 
 // What reaches behind the camera has no outline, but hides what is behind it.
 struct Surfaces {
-  const std::vector<TurnedSurface>& shapes;
+  const std::vector<SurfaceOfRevolution>& shapes;
   const ShapeMesh* beside;
   std::vector<uint8_t> outlined;  // [shape], then the mesh
 };
@@ -95,9 +95,7 @@ struct Surfaces {
 class WindowOutline {
  public:
   WindowOutline(const Surfaces& surfaces, const View& view, const Window& window)
-      : shapes_(surfaces.shapes), surfaces_(surfaces), view_(view), window_(window), eye_(view.centre_in_world()) {
-    for (const TurnedSurface& s : shapes_) normals_.push_back(s.corner_normals());
-  }
+      : shapes_(surfaces.shapes), surfaces_(surfaces), view_(view), window_(window), eye_(view.centre_in_world()) {}
 
   std::vector<OutlinePixel> pixels();
 
@@ -106,8 +104,8 @@ class WindowOutline {
   struct Met {
     double t;
     uint32_t shape, line;
-    Vec3f normal{};  // of the mesh alone
-    float u = 0, v = 0;
+    Vec3f normal;
+    float u, v;  // along the line; in the face
   };
   struct End {
     double distance;
@@ -123,13 +121,9 @@ class WindowOutline {
   bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }
   bool beside_edge(int x, int y) const;
   std::optional<OutlinePixel> crossed(int x, int y) const;
-  // Between the corners of the line that was met.
-  double along(const Vec3d& place, const Met& m) const;
-  Vec3f normal(const Vec3d& place, const Met& m) const;
 
-  const std::vector<TurnedSurface>& shapes_;
+  const std::vector<SurfaceOfRevolution>& shapes_;
   const Surfaces& surfaces_;
-  std::vector<std::vector<Vec2d>> normals_;  // [shape][corner]
   const View& view_;
   const Window window_;
   const Vec3d eye_;
@@ -140,8 +134,8 @@ std::optional<WindowOutline::Met> WindowOutline::met(double x, double y) const {
   const Vec3d direction = ray(x, y);
   std::optional<Met> first;
   for (uint32_t k = 0; k < shapes_.size(); ++k)
-    if (const auto e = shapes_[k].entry(eye_, direction); e && (!first || e->t < first->t))
-      first = Met{e->t, k, static_cast<uint32_t>(e->line)};
+    if (const auto e = shapes_[k].intersect({eye_, direction}); e && (!first || e->t < first->t))
+      first = Met{e->t, k, e->element, cast<float>(e->normal), static_cast<float>(e->at.x), 0};
   if (!surfaces_.beside) return first;
   if (const auto e = surfaces_.beside->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
     first = Met{double(e->t), static_cast<uint32_t>(shapes_.size()), e->face, e->normal, e->u, e->v};
@@ -154,25 +148,6 @@ bool WindowOutline::beside_edge(int x, int y) const {
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, window_.width() - 1); ++u)
       if (hit(u, v) != own) return true;
   return false;
-}
-
-double WindowOutline::along(const Vec3d& place, const Met& m) const {
-  const TurnedSurface& s = shapes_[m.shape];
-  const Vec3d q = place - s.origin;
-  const double h = dot(q, s.axis), r = length(q - h * s.axis);
-  const Vec2d &a = s.profile[m.line], &b = s.profile[m.line + 1];
-  const double dx = b.x - a.x, dy = b.y - a.y;
-  return std::clamp(((r - a.x) * dx + (h - a.y) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
-}
-
-Vec3f WindowOutline::normal(const Vec3d& place, const Met& m) const {
-  if (m.shape == shapes_.size()) return m.normal;
-  const TurnedSurface& s = shapes_[m.shape];
-  const Vec3d q = place - s.origin, across = q - dot(q, s.axis) * s.axis;
-  const double r = length(across), w = along(place, m);
-  const Vec2d &a = normals_[m.shape][m.line], &b = normals_[m.shape][m.line + 1];
-  const Vec2d n{(1 - w) * a.x + w * b.x, (1 - w) * a.y + w * b.y};
-  return cast<float>(normalized((r > 0 ? n.x / r : 0) * across + n.y * s.axis));
 }
 
 // How far along `out` from window coordinates (x, y) the solid ends, within kEdgeReach either way.
@@ -223,7 +198,7 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
                  .u = last.u,
                  .v = last.v};
   p.place = eye_ + last.t * ray(mx + inside * out.x, my + inside * out.y);
-  if (last.shape < shapes_.size()) p.along = static_cast<float>(along(p.place, last));
+  if (last.shape < shapes_.size()) p.along = last.u;
   const Vec3d in_camera = view_.cam_from_world * p.place;
   const Intrinsics& k = view_.intrinsics;
   const double gx = out.x * k.fx / in_camera.z, gy = out.y * k.fy / in_camera.z;
@@ -232,9 +207,8 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   // The middle of what is covered, half way from the edge to where the pixel ends.
   const double far_side = -0.5 * (std::abs(out.x) + std::abs(out.y)), middle = 0.5 * (inside + far_side);
   const auto shown = met(mx + middle * out.x, my + middle * out.y);
-  const Vec3d direction = shown ? ray(mx + middle * out.x, my + middle * out.y) : Vec3d{};
   p.z = static_cast<float>(shown ? shown->t : last.t);
-  p.normal = shown ? normal(eye_ + shown->t * direction, *shown) : normal(p.place, last);
+  p.normal = shown ? shown->normal : last.normal;
   return p;
 }
 
@@ -280,7 +254,7 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
       if (!p.crossed && met_[i]) {
         p.shape = met_[i]->shape;
         p.z = static_cast<float>(met_[i]->t);
-        p.normal = normal(eye_ + met_[i]->t * ray(x + 0.5, y + 0.5), *met_[i]);
+        p.normal = met_[i]->normal;
       }
       out.push_back(p);
     }
@@ -289,7 +263,8 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 
 }  // namespace
 
-std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view) {
+std::vector<OutlinePixel> outline_pixels(const std::vector<SurfaceOfRevolution>& shapes, const ShapeMesh* beside,
+                                         const View& view) {
   std::vector<Window> windows;
   Surfaces surfaces{shapes, beside, std::vector<uint8_t>(shapes.size() + 1, 0)};
   for (size_t k = 0; k <= shapes.size(); ++k) {
@@ -306,19 +281,8 @@ std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shape
   return out;
 }
 
-// place = o + h a + r u, (r, h) on the line; a turned axis takes u along: du = -(u.da) a.
-void outline_vjp(const OutlinePixel& at, const TurnedSurface& shape, double grad_covered, TurnedGradient& grad) {
-  const Vec3d g = grad_covered * at.grows, q = at.place - shape.origin;
-  const double h = dot(q, shape.axis);
-  const Vec3d across = q - h * shape.axis;
-  const double r = length(across);
-  const Vec3d u = r > 0 ? across / r : Vec3d{};
-  grad.origin += g;
-  grad.axis += h * g - (r * dot(g, shape.axis)) * u;
-  const double radius = dot(g, u), height = dot(g, shape.axis), w = double(at.along);
-  Vec2d &p = grad.profile[at.line], &n = grad.profile[at.line + 1];
-  p.x += (1 - w) * radius, p.y += (1 - w) * height;
-  n.x += w * radius, n.y += w * height;
+void outline_vjp(const OutlinePixel& at, const SurfaceOfRevolution& shape, double grad_covered, std::vector<double>& grad) {
+  shape.place_vjp({.element = at.line, .at = {double(at.along), 0}}, at.place, grad_covered * at.grows, grad);
 }
 
 void outline_vjp(const OutlinePixel& at, const ShapeMesh& mesh, double grad_covered, std::vector<double>& grad) {

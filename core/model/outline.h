@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/camera/view.h"
-#include "core/math/turned_surface.h"
 #include "core/model/shape_mesh.h"
+#include "core/shape/surface_of_revolution.h"
 
 namespace vitrine {
 
@@ -30,10 +30,11 @@ struct OutlinePixel {
 };
 
 // Pixels ascending. `beside`: what stands out of the shapes, or nullptr. What reaches behind the camera has no outline.
-std::vector<OutlinePixel> outline_pixels(const std::vector<TurnedSurface>& shapes, const ShapeMesh* beside, const View& view);
+std::vector<OutlinePixel> outline_pixels(const std::vector<SurfaceOfRevolution>& shapes, const ShapeMesh* beside,
+                                         const View& view);
 
-// From dL/d covered of a crossed pixel to the solid, added.
-void outline_vjp(const OutlinePixel& at, const TurnedSurface& shape, double grad_covered, TurnedGradient& grad);
+// From dL/d covered of a crossed pixel to the parameters of the solid, added.
+void outline_vjp(const OutlinePixel& at, const SurfaceOfRevolution& shape, double grad_covered, std::vector<double>& grad);
 // The same of one on the mesh, to displacements of its vertices.
 void outline_vjp(const OutlinePixel& at, const ShapeMesh& mesh, double grad_covered, std::vector<double>& grad);
 

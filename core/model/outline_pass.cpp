@@ -40,13 +40,13 @@ std::vector<std::pair<int, int>> around_by_distance() {
 
 // A solid and where it is at all, for those who ask for many points.
 struct Located {
-  const TurnedSurface* shape;
+  const SurfaceOfRevolution* shape;
   Vec3d centre;
   double reach, near;
 };
-std::vector<Located> located(const std::vector<TurnedSurface>& shapes) {
+std::vector<Located> located(const std::vector<SurfaceOfRevolution>& shapes) {
   std::vector<Located> out;
-  for (const TurnedSurface& s : shapes) {
+  for (const SurfaceOfRevolution& s : shapes) {
     const double near = kShowsSolid_rel * s.largest_radius(), middle = 0.5 * (s.profile.front().y + s.profile.back().y);
     double reach = 0;
     for (const Vec2d& p : s.profile) reach = std::max(reach, std::hypot(p.x, p.y - middle));
@@ -69,7 +69,7 @@ bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& soli
       if (std::abs(dot(surfel_normal(diffuse, i), cast<double>(*normal))) > kLikeSolid) return true;
   for (const Located& s : solids) {
     if (length(mean - s.centre) > s.reach || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
-    const TurnedSurface::Place place = s.shape->nearest(mean);
+    const ShapePoint place = s.shape->nearest(mean);
     if (length(place.position - mean) > s.near) continue;
     if (std::abs(dot(surfel_normal(diffuse, i), place.normal)) > kLikeSolid) return true;
   }

@@ -49,7 +49,7 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
 
 // By which panes the rays of the pixels enter and leave, those that get past everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
-  const OrientedBox& box = options_.glass_case->box;
+  const Box& box = options_.glass_case->box;
   const double on_box = kOnBox_rel * box.longest_side(), at_pane = kAtPane_rel * box.longest_side();
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
@@ -78,8 +78,8 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
 }
 
 // The picture in one pane, of all pixels whose rays enter or leave by it.
-void PanePass::mirror(const View& view, OrientedBox::Face face, Pane pane, PaneImages& out) {
-  const OrientedBox& box = options_.glass_case->box;
+void PanePass::mirror(const View& view, Box::Face face, Pane pane, PaneImages& out) {
+  const Box& box = options_.glass_case->box;
   const std::vector<uint8_t>& face_of = face_of_[pane];
   const auto index = static_cast<uint8_t>(face.index());
   const size_t width = static_cast<size_t>(view.intrinsics.width), pixels = face_of.size();
@@ -159,8 +159,8 @@ void PanePass::forward(const SplatScene&, Frame& frame) {
   out.start(frame.pixel_count());
   find_panes(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
-  for (size_t f = 0; f < OrientedBox::kFaces; ++f)
-    for (const Pane pane : {Near, Far}) mirror(*frame.view, OrientedBox::face(f), pane, out);
+  for (size_t f = 0; f < Box::kFaces; ++f)
+    for (const Pane pane : {Near, Far}) mirror(*frame.view, Box::face(f), pane, out);
   // They mirror before there is a reflection layer, too.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;

@@ -40,7 +40,7 @@ class PanePass final : public Pass {
   void find_panes(const Frame& frame, PaneImages& out);
   // The two panes that a pixel's ray passes.
   enum Pane : unsigned char { Near, Far };
-  void mirror(const View& view, OrientedBox::Face face, Pane pane, PaneImages& out);
+  void mirror(const View& view, Box::Face face, Pane pane, PaneImages& out);
 
   PaneOptions options_;
   const ThinGlassPass& behind_;
@@ -48,7 +48,7 @@ class PanePass final : public Pass {
   std::vector<std::vector<uint32_t>> chunks_;
   std::vector<uint32_t> kept_;
   SplatLayer beside_;                            // of the scene without glass what one pane may show: surfels kept_
-  std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] OrientedBox::Face::index, kNoFace
+  std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] Box::Face::index, kNoFace
   std::vector<uint8_t> wanted_;
   RasterImages picture_;
 };

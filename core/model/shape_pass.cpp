@@ -5,8 +5,8 @@
 
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
-#include "core/model/kernels/turned_point.h"
 #include "core/model/shape_mesh.h"
+#include "core/shape/shape.h"
 
 namespace vitrine {
 
@@ -22,22 +22,15 @@ constexpr double kGrazing = 0.05;         // cosine to the ray: where it is less
 // Cosine of normals, and height above the solid in tolerances: there the mesh is the solid, which knows better.
 constexpr float kSameSurface = 0.9f, kSameHeight = 0.5f;
 
-TurnedLine<double> line_of(const TurnedSurface& s, const std::vector<Vec2d>& normals, size_t line) {
-  return {s.origin, s.axis, s.profile[line], s.profile[line + 1], normals[line], normals[line + 1]};
-}
-
-void add(Vec2d& to, const Vec2d& v) { to.x += v.x, to.y += v.y; }
-
 }  // namespace
 
 void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   bands_.clear();
   frame.outline.shapes.clear();
   if (!options_.shapes || options_.shapes->empty() || scene.reflection.size() == 0) return;
-  const std::vector<TurnedSurface>& shapes = *options_.shapes;
-  std::vector<std::vector<Vec2d>> normals;
+  const std::vector<SurfaceOfRevolution>& shapes = *options_.shapes;
   std::vector<double> radius;
-  for (const TurnedSurface& s : shapes) normals.push_back(s.corner_normals()), radius.push_back(s.largest_radius());
+  for (const SurfaceOfRevolution& s : shapes) radius.push_back(s.largest_radius());
   const GBuffer g(frame);
   const auto width = static_cast<size_t>(g.width);
   const Vec3d eye = frame.view->centre_in_world();
@@ -54,15 +47,17 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
       const double z = double(g.zdepth[pixel]) / double(alpha);
       std::optional<Shaped> shown;
       for (size_t k = 0; k < shapes.size(); ++k) {
-        const auto entry = shapes[k].entry(eye, per_z);
+        const auto entry = shapes[k].intersect({eye, per_z});
         if (!entry) continue;
         const double in_front = (entry->t - z) * length(per_z) / radius[k];
         if (in_front > kOnSolid_rel || in_front < -kBehind_rel) continue;
-        const TurnedPoint<double> point = turned_point(line_of(shapes[k], normals[k], entry->line), eye, per_z, entry->t);
-        if (!(dot(point.normal, per_z) < 0)) continue;
-        const Shaped shaped{pixel, static_cast<uint32_t>(k), static_cast<uint32_t>(entry->line), static_cast<float>(point.t),
-                            cast<float>(point.normal)};
-        shown = shaped;
+        if (!(dot(entry->normal, per_z) < 0)) continue;
+        shown = Shaped{pixel,
+                       static_cast<uint32_t>(k),
+                       entry->element,
+                       static_cast<float>(entry->t),
+                       cast<float>(entry->normal),
+                       static_cast<float>(entry->at.x)};
         break;
       }
       if (options_.beside) beside_solids(g, pixel, shown);
@@ -92,18 +87,11 @@ void ShapePass::beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Sh
 // Of the pixels that sent rays, and of those that outlines cross, for their outline alone: it was not their middle that mirrored
 // (OutlinePass). What losses on normals and depths want is meant for the surfels.
 void ShapePass::shape_gradients(const Frame& frame) {
-  const std::vector<TurnedSurface>& shapes = *options_.shapes;
-  std::vector<std::vector<Vec2d>> normals;
-  for (const TurnedSurface& s : shapes) normals.push_back(s.corner_normals());
-  const auto nothing = [&] {
-    std::vector<TurnedGradient> out(shapes.size());
-    for (size_t k = 0; k < shapes.size(); ++k) out[k].profile.resize(shapes[k].profile.size());
-    return out;
-  };
-  gradients_ = nothing();
+  const std::vector<SurfaceOfRevolution>& shapes = *options_.shapes;
+  gradients_.clear();
+  for (const SurfaceOfRevolution& s : shapes) gradients_.emplace_back(parameter_count(s), 0.0);
   beside_gradient_.clear();
   std::optional<MeshSlopes> slopes;
-  std::vector<TurnedGradient> on_normals = nothing();  // at the corners
   const ShadedPixels& s = frame.shaded;
   std::vector<uint32_t> group_of(frame.pixel_count(), UINT32_MAX);
   for (size_t g = 0; g < s.groups(); ++g) group_of[s.chosen_pixel(g)] = static_cast<uint32_t>(g);
@@ -127,16 +115,8 @@ void ShapePass::shape_gradients(const Frame& frame) {
         slopes->add({at.t, at.normal, at.line, at.u, at.v}, along, dot(on_point, per_z) / against, beside_gradient_);
         continue;
       }
-      const TurnedLine<double> back =
-          turned_point_vjp(line_of(shapes[at.shape], normals[at.shape], at.line), eye, per_z, double(at.t),
-                           TurnedPoint<double>{dot(on_point, per_z), cast<double>(on_normal)});
-      TurnedGradient& out = gradients_[at.shape];
-      out.origin += back.origin;
-      out.axis += back.axis;
-      add(out.profile[at.line], back.p0);
-      add(out.profile[at.line + 1], back.p1);
-      add(on_normals[at.shape].profile[at.line], back.n0);
-      add(on_normals[at.shape].profile[at.line + 1], back.n1);
+      const ShapeHit hit{double(at.t), cast<double>(at.normal), at.line, {double(at.u), 0}};
+      shapes[at.shape].hit_vjp({eye, per_z}, hit, {dot(on_point, per_z), cast<double>(on_normal)}, gradients_[at.shape]);
     }
   const OutlineImages& outline = frame.outline;
   for (size_t i = 0; i < outline.grad_covered.size(); ++i) {
@@ -149,7 +129,6 @@ void ShapePass::shape_gradients(const Frame& frame) {
       outline_vjp(p, *options_.beside, double(outline.grad_covered[i]), beside_gradient_);
     }
   }
-  for (size_t k = 0; k < shapes.size(); ++k) corner_normals_vjp(shapes[k], on_normals[k].profile, gradients_[k].profile);
 }
 
 // N = A n and Z = A z, n and z of the solid.

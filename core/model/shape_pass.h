@@ -27,7 +27,7 @@ class ShapePass final : public Pass {
   // Writes the channels Normal and ZDepth of these pixels, as sums: times alpha.
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
-  const std::vector<TurnedGradient>& gradients() const { return gradients_; }  // [shape] of the last backward()
+  const std::vector<std::vector<double>>& gradients() const { return gradients_; }  // [shape][parameter] of the last backward()
   // [vertex] of the mesh, along its normal; empty where the picture does not show it.
   const std::vector<double>& beside_gradient() const { return beside_gradient_; }
 
@@ -36,14 +36,14 @@ class ShapePass final : public Pass {
     uint32_t pixel, shape, line;  // line: of the profile; of the mesh: the face
     float t;                      // z-depth
     Vec3f normal;
-    float u = 0, v = 0;  // in the face
+    float u = 0, v = 0;  // along the line; in the face
   };
   void beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Shaped>& shown) const;
   void shape_gradients(const Frame& frame);
 
   ShapeOptions options_;
   std::vector<std::vector<Shaped>> bands_;  // of the picture of the last forward(), pixels ascending
-  std::vector<TurnedGradient> gradients_;
+  std::vector<std::vector<double>> gradients_;
   std::vector<double> beside_gradient_;
 };
 

@@ -62,11 +62,11 @@ Vec3d read_vec(const nlohmann::json& json, const Fail& fail, const char* problem
 }
 
 template <class Fail>
-std::shared_ptr<const std::vector<TurnedSurface>> read_shapes(const nlohmann::json& json, const Fail& fail) {
+std::shared_ptr<const std::vector<SurfaceOfRevolution>> read_shapes(const nlohmann::json& json, const Fail& fail) {
   constexpr const char* kProblem = "a turned surface is none";
-  auto out = std::make_shared<std::vector<TurnedSurface>>();
+  auto out = std::make_shared<std::vector<SurfaceOfRevolution>>();
   for (const nlohmann::json& j : json) {
-    TurnedSurface s{read_vec(j.at("origin"), fail, kProblem), read_vec(j.at("axis"), fail, kProblem), {}};
+    SurfaceOfRevolution s{read_vec(j.at("origin"), fail, kProblem), read_vec(j.at("axis"), fail, kProblem), {}};
     bool right = std::abs(length(s.axis) - 1) < kSloppy;
     for (const auto& [radius, height] : j.at("profile").get<std::vector<std::array<double, 2>>>()) {
       right &= radius >= 0 && std::isfinite(radius) && std::isfinite(height);
@@ -85,8 +85,8 @@ std::shared_ptr<const GlassCase> read_case(const nlohmann::json& json, const Fai
   const auto& axes = json.at("axes");
   const Vec3d x = vec(axes.at(0)), y = vec(axes.at(1)), z = vec(axes.at(2));
   auto out = std::make_shared<GlassCase>();
-  OrientedBox* const box = &out->box;
-  out->clear = json.at("clear").get<std::array<bool, OrientedBox::kFaces>>();
+  Box* const box = &out->box;
+  out->clear = json.at("clear").get<std::array<bool, Box::kFaces>>();
   box->axes = {x, y, z};
   box->low = vec(json.at("low"));
   box->high = vec(json.at("high"));
@@ -133,7 +133,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
       options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
       [&](const char* key, float value) { json[key] = shortest(value); });
   if (const GlassCase* glass_case = options.panes.glass_case.get()) {
-    const OrientedBox* const box = &glass_case->box;
+    const Box* const box = &glass_case->box;
     Json axes = Json::array();
     for (size_t i = 0; i < 3; ++i) axes.push_back(numbers(box->axes.column(i)));
     json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
@@ -141,7 +141,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   }
   if (options.shape.shapes) {
     Json& shapes = json[kShapes] = Json::array();
-    for (const TurnedSurface& s : *options.shape.shapes) {
+    for (const SurfaceOfRevolution& s : *options.shape.shapes) {
       Json profile = Json::array();
       for (const Vec2d& p : s.profile) profile.push_back({p.x, p.y});
       shapes.push_back({{"origin", numbers(s.origin)}, {"axis", numbers(s.axis)}, {"profile", profile}});

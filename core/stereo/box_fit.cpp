@@ -33,7 +33,7 @@ class RowSums {
   }
   bool says_nothing() const { return all_ == 0; }
 
-  double agreement(const OrientedBox& box) const;
+  double agreement(const Box& box) const;
 
  private:
   size_t stride() const { return size_t(width_) + 1; }
@@ -53,7 +53,7 @@ class RowSums {
 // The outline of a box: the span [left, right] of every row of pixels, at the height of their centres. Empty if a corner is
 // behind the camera.
 using Spans = std::vector<std::array<double, 2>>;
-Spans outline_spans(const OrientedBox& box, const View& view) {
+Spans outline_spans(const Box& box, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::array<Vec2d, 8> corners;
   for (size_t i = 0; i < 8; ++i) {
@@ -76,7 +76,7 @@ Spans outline_spans(const OrientedBox& box, const View& view) {
   return spans;
 }
 
-double RowSums::agreement(const OrientedBox& box) const {
+double RowSums::agreement(const Box& box) const {
   double both = 0, outline = 0;
   const Spans spans = outline_spans(box, view_);
   for (size_t y = 0; y < spans.size(); ++y) {
@@ -87,7 +87,7 @@ double RowSums::agreement(const OrientedBox& box) const {
   return both / std::max(all_ + outline - both, 1.0);
 }
 
-double mean_agreement(const std::vector<RowSums>& photos, const OrientedBox& box) {
+double mean_agreement(const std::vector<RowSums>& photos, const Box& box) {
   std::vector<double> each(photos.size());
   parallel_for(photos.size(), 4, [&](size_t i) { each[i] = photos[i].agreement(box); });
   std::sort(each.begin(), each.end(), std::greater<>());
@@ -108,13 +108,13 @@ std::vector<RowSums> row_sums(std::span<const HullMask> masks) {
 
 }  // namespace
 
-std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction) {
+std::optional<HullHit> first_hit(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   const auto c = box.crossing(origin, direction);
   if (!c) return std::nullopt;
   return HullHit{c->in, box.normal(c->entered)};
 }
 
-double agreement(std::span<const HullMask> masks, const OrientedBox& box) {
+double agreement(std::span<const HullMask> masks, const Box& box) {
   const std::vector<RowSums> photos = row_sums(masks);
   return photos.empty() ? 0 : mean_agreement(photos, box);
 }
@@ -124,10 +124,10 @@ std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& ab
   if (photos.empty() || about.empty()) return std::nullopt;
   const Vec3d centre = about.centre();
   const Vec3d half = 0.5 * (about.high - about.low);
-  const auto score = [&](const OrientedBox& box) { return mean_agreement(photos, box); };
+  const auto score = [&](const Box& box) { return mean_agreement(photos, box); };
   BoxFit best;
   for (int turn = 0; turn < kTurns; ++turn) {
-    OrientedBox box{turned(2, std::numbers::pi / 2 * turn / kTurns), {}, {}};
+    Box box{turned(2, std::numbers::pi / 2 * turn / kTurns), {}, {}};
     const Vec3d c = transposed_times(box.axes, centre), h = 0.85 * half;
     box.low = c - h, box.high = c + h;
     if (const double agreement = improve(score, kFirstStep, kCoarseStep, box); agreement > best.agreement)
@@ -138,7 +138,7 @@ std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& ab
   return best;
 }
 
-std::vector<uint8_t> outline_mask(const OrientedBox& box, const View& view) {
+std::vector<uint8_t> outline_mask(const Box& box, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
   const Spans spans = outline_spans(box, view);

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/oriented_box.h"
+#include "core/shape/box.h"
 #include "core/stereo/hull_mask.h"
 
 namespace vitrine {
@@ -22,10 +22,10 @@ struct HullHit {
 };
 
 // Where a ray from outside enters; t in units of `direction`.
-std::optional<HullHit> first_hit(const OrientedBox& box, const Vec3d& origin, const Vec3d& direction);
+std::optional<HullHit> first_hit(const Box& box, const Vec3d& origin, const Vec3d& direction);
 
 struct BoxFit {
-  OrientedBox box;
+  Box box;
   double agreement = 0;  // intersection over union of outlines and masks: mean over the better three quarters of the photos
 };
 
@@ -35,9 +35,9 @@ struct BoxFit {
 std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least = kLeastBoxAgreement);
 
 // What `fit_box` makes as large as it can.
-double agreement(std::span<const HullMask> masks, const OrientedBox& box);
+double agreement(std::span<const HullMask> masks, const Box& box);
 
 // 1 inside the outline of the box, [h,w] of the view.
-std::vector<uint8_t> outline_mask(const OrientedBox& box, const View& view);
+std::vector<uint8_t> outline_mask(const Box& box, const View& view);
 
 }  // namespace vitrine

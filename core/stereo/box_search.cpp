@@ -10,8 +10,8 @@ Mat3d turned(size_t axis, double angle) {
   return rotation_matrix(q);
 }
 
-OrientedBox moved(const OrientedBox& box, size_t i, double step) {
-  OrientedBox out = box;
+Box moved(const Box& box, size_t i, double step) {
+  Box out = box;
   if (i < 6) {
     const size_t axis = i / 2;
     (i % 2 == 0 ? out.low : out.high)[axis] += (i % 2 == 0 ? -1 : 1) * step * length(box.high - box.low);

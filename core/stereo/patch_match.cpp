@@ -20,7 +20,7 @@ constexpr float kLonelyPenalty = 0.1f;      // a plane that one neighbour alone 
 constexpr float kGoodScore = 0.75f;
 constexpr double kAgreeDepth = 0.02, kAgreePixels = 1.5;
 
-struct Plane {
+struct PlaneHypothesis {
   double z;      // along the pixel's ray (z = 1)
   Vec3d normal;  // camera frame, towards the camera
 };
@@ -46,7 +46,7 @@ class Scan {
     map.score = scores_;
     map.agreeing.resize(planes_.size(), 0);
     map.trusted.resize(planes_.size(), 0);
-    for (const Plane& p : planes_) {
+    for (const PlaneHypothesis& p : planes_) {
       map.zdepth.push_back(float(p.z));
       map.normal.push_back(cast<float>(p.normal));
     }
@@ -56,7 +56,7 @@ class Scan {
  private:
   Vec3d ray(int x, int y) const { return photo_.view.intrinsics.ray(x + 0.5, y + 0.5); }
 
-  float score(const ReferencePatch& patch, const Plane& plane, int x, int y) const {
+  float score(const ReferencePatch& patch, const PlaneHypothesis& plane, int x, int y) const {
     const Vec3d r = ray(x, y);
     const double offset = plane.z * dot(plane.normal, r);  // negative: the normal looks at the camera
     if (!(plane.z >= photo_.near_z && plane.z <= photo_.far_z) || !(offset < 0)) return -1;
@@ -77,7 +77,7 @@ class Scan {
     return second < -1.5f ? best - kLonelyPenalty : 0.5f * (best + second);
   }
 
-  bool attempt(const ReferencePatch& patch, const Plane& plane, int x, int y) {
+  bool attempt(const ReferencePatch& patch, const PlaneHypothesis& plane, int x, int y) {
     const float s = score(patch, plane, x, y);
     const size_t i = at(x, y);
     if (!(s > scores_[i])) return false;
@@ -144,10 +144,10 @@ class Scan {
         const Vec3d own_ray = ray(x, y);
         for (const auto& [nx, ny] : {std::pair{x - step, y}, {x, y - step}}) {
           if (nx < 0 || ny < 0 || nx >= width_ || ny >= height_) continue;
-          const Plane& near = planes_[at(nx, ny)];
+          const PlaneHypothesis& near = planes_[at(nx, ny)];
           const double facing = dot(near.normal, own_ray);
           if (facing > -1e-6) continue;
-          const Plane carried{near.z * dot(near.normal, ray(nx, ny)) / facing, near.normal};
+          const PlaneHypothesis carried{near.z * dot(near.normal, ray(nx, ny)) / facing, near.normal};
           if (patch.flat()) {  // nothing to judge by: a flat patch goes on as its neighbour does
             if (scores_[at(nx, ny)] >= 0.5f && carried.z >= photo_.near_z && carried.z <= photo_.far_z) planes_[i] = carried;
             continue;
@@ -173,7 +173,7 @@ class Scan {
   std::span<const StereoPhoto> photos_;
   Rng rng_;
   std::vector<Transfer> transfers_;
-  std::vector<Plane> planes_;
+  std::vector<PlaneHypothesis> planes_;
   std::vector<float> scores_;
   int width_, height_;
   double nearest_, farthest_;  // inverse depths

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/turned_surface.h"
+#include "core/shape/surface_of_revolution.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/hull_mask.h"
 
@@ -30,7 +30,7 @@ struct SolidOfRevolution {
 };
 
 // With its two flat ends.
-TurnedSurface turned_surface(const SolidOfRevolution& solid);
+SurfaceOfRevolution surface_of_revolution(const SolidOfRevolution& solid);
 
 // One for each connected piece of a hull that lies on it for the most part. Axes start along z. What the photos do not say
 // (mask < 0) does not count, and a photo with something in front is outvoted.

@@ -47,8 +47,8 @@ std::optional<double> SolidOfRevolution::entry(const Vec3d& eye, const Vec3d& di
   return first;
 }
 
-TurnedSurface turned_surface(const SolidOfRevolution& solid) {
-  TurnedSurface out{solid.origin, solid.axis, {{0, solid.low}}};
+SurfaceOfRevolution surface_of_revolution(const SolidOfRevolution& solid) {
+  SurfaceOfRevolution out{solid.origin, solid.axis, {{0, solid.low}}};
   for (size_t i = 0; i < solid.radii.size(); ++i) out.profile.push_back({solid.radii[i], solid.low + solid.step * double(i)});
   out.profile.push_back({0, solid.top()});
   return out;

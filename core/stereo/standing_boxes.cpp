@@ -39,7 +39,7 @@ double edge_between(std::span<const EdgeField> fields, const Vec3d& a, const Vec
 }
 
 // All around the box at a height along its third axis.
-double edge_around(std::span<const EdgeField> fields, const OrientedBox& box, double z) {
+double edge_around(std::span<const EdgeField> fields, const Box& box, double z) {
   const std::array<Vec3d, 4> corners{box.axes * Vec3d{box.low.x, box.low.y, z}, box.axes * Vec3d{box.high.x, box.low.y, z},
                                      box.axes * Vec3d{box.high.x, box.high.y, z}, box.axes * Vec3d{box.low.x, box.high.y, z}};
   double sum = 0;
@@ -86,11 +86,11 @@ std::vector<Rectangle> rectangles(const UprightEdges& upright, double least_post
 }
 
 // As wide as the four corners are in the mean.
-OrientedBox box_on(const Rectangle& r) {
+Box box_on(const Rectangle& r) {
   const auto at = [&](size_t i) { return Vec3d{r.corners[i].x, r.corners[i].y, 0}; };
   const Vec3d middle = 0.25 * (at(0) + at(1) + at(2) + at(3)), s = 0.5 * (at(1) - at(0) + at(2) - at(3)),
               t = 0.5 * (at(3) - at(0) + at(2) - at(1));
-  OrientedBox box;
+  Box box;
   box.axes = turned(2, std::atan2(s.y, s.x));
   const Vec3d centre = transposed_times(box.axes, middle);
   const Vec3d half{0.5 * length(s), 0.5 * length(t), 0};
@@ -100,7 +100,7 @@ OrientedBox box_on(const Rectangle& r) {
 }
 
 // The height of the rim, and how far it stands out of other heights.
-std::pair<double, double> rim_of(std::span<const EdgeField> fields, const OrientedBox& box, const Bounds3& about) {
+std::pair<double, double> rim_of(std::span<const EdgeField> fields, const Box& box, const Bounds3& about) {
   const double height = box.high.z - box.low.z, first = about.low.z,
                last = std::max(about.high.z, box.high.z) + kRimAbove * height;
   std::vector<double> edges(kRimSteps);
@@ -120,10 +120,10 @@ std::pair<double, double> rim_of(std::span<const EdgeField> fields, const Orient
 }
 
 // To where there is most edge along its upright edges and, if asked, its rim. Its height is left to others.
-void draw_to_edges(std::span<const EdgeField> fields, bool rim, OrientedBox& box) {
+void draw_to_edges(std::span<const EdgeField> fields, bool rim, Box& box) {
   static constexpr std::array<size_t, 8> kNumbers{0, 1, 2, 3, 6, 7, 8, 5};
   improve(
-      [&](const OrientedBox& trial) {
+      [&](const Box& trial) {
         std::array<double, 5> edges{};
         parallel_for(rim ? 5 : 4, 1, [&](size_t i) {
           edges[i] =
@@ -155,8 +155,8 @@ std::vector<StandingBox> standing_boxes(std::span<const EdgePhoto> photos, const
   return found;
 }
 
-OrientedBox drawn_to_edges(const OrientedBox& start, std::span<const EdgePhoto> photos) {
-  OrientedBox box = start;
+Box drawn_to_edges(const Box& start, std::span<const EdgePhoto> photos) {
+  Box box = start;
   draw_to_edges(edge_fields(photos, kFineSide), true, box);
   return box;
 }

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "core/math/oriented_box.h"
+#include "core/shape/box.h"
 #include "core/stereo/edge_photo.h"
 
 namespace vitrine {
 
 struct StandingBox {
-  OrientedBox box;  // its third axis points up (+z)
+  Box box;  // its third axis points up (+z)
   // How far its upright edges stand out of the plan around them, and its rim out of other heights: robust standard deviations, of
   // the posts summed over levels of height and in the mean of the four.
   double posts = 0, rim = 0;
@@ -24,8 +24,8 @@ struct StandingBox {
 // large ones 640 pixels are looked at.
 std::vector<StandingBox> standing_boxes(std::span<const EdgePhoto> photos, const Bounds3& about, double least_posts);
 
-// `start`, nearly right and upright, where the photos together have most edge along its upright edges and its rim. The height of its
-// foot stays: what it stands on has edges as well.
-OrientedBox drawn_to_edges(const OrientedBox& start, std::span<const EdgePhoto> photos);
+// `start`, nearly right and upright, where the photos together have most edge along its upright edges and its rim. The height of
+// its foot stays: what it stands on has edges as well.
+Box drawn_to_edges(const Box& start, std::span<const EdgePhoto> photos);
 
 }  // namespace vitrine

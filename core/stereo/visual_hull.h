@@ -48,7 +48,7 @@ class VisualHull {
   double voxel_ = 0;
   int size_[3] = {0, 0, 0};
   double one_sidedness_ = 0;
-  std::optional<OrientedBox> box_;
+  std::optional<Box> box_;
   std::vector<SolidOfRevolution> turned_;
   std::vector<FlatFace> faces_;
   std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred

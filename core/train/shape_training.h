@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "core/math/turned_surface.h"
 #include "core/model/shape_pass.h"
 #include "core/optim/archive.h"
+#include "core/shape/surface_of_revolution.h"
 
 namespace vitrine {
 
@@ -19,12 +19,12 @@ struct ShapeRates {
 class ShapeTraining {
  public:
   ShapeTraining() = default;
-  explicit ShapeTraining(std::vector<TurnedSurface> shapes);
+  explicit ShapeTraining(std::vector<SurfaceOfRevolution> shapes);
 
-  const std::vector<TurnedSurface>& shapes() const { return shapes_; }
+  const std::vector<SurfaceOfRevolution>& shapes() const { return shapes_; }
   bool empty() const { return shapes_.empty(); }
   // Gradients that are not finite are left out.
-  void descend(const std::vector<TurnedGradient>& gradients, const ShapeRates& rates);
+  void descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates);
 
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
@@ -35,7 +35,7 @@ class ShapeTraining {
     double profile_v = 0;
     uint64_t steps = 0;
   };
-  std::vector<TurnedSurface> shapes_;
+  std::vector<SurfaceOfRevolution> shapes_;
   std::vector<Moments> moments_;                // [shape]
   std::vector<std::vector<double>> profile_m_;  // [shape][corner]
 };

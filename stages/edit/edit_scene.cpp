@@ -33,11 +33,11 @@ RelightMaterials remaining(const RelightMaterials& m, const std::vector<uint8_t>
 }
 
 // Solids that most of their polished surfels still lie on.
-std::shared_ptr<const std::vector<TurnedSurface>> remaining(std::shared_ptr<const std::vector<TurnedSurface>> shapes,
-                                                            const SplatLayer& surfels, const std::vector<uint8_t>& keep) {
+std::shared_ptr<const std::vector<SurfaceOfRevolution>> remaining(std::shared_ptr<const std::vector<SurfaceOfRevolution>> shapes,
+                                                                  const SplatLayer& surfels, const std::vector<uint8_t>& keep) {
   if (!shapes || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return shapes;
-  auto out = std::make_shared<std::vector<TurnedSurface>>();
-  for (const TurnedSurface& shape : *shapes) {
+  auto out = std::make_shared<std::vector<SurfaceOfRevolution>>();
+  for (const SurfaceOfRevolution& shape : *shapes) {
     const double on_shape = kOnShape_rel * shape.largest_radius();
     size_t all = 0, left = 0;
     for (size_t i = 0; i < surfels.size(); ++i) {

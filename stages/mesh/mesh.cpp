@@ -190,13 +190,14 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   RenderedDepth rendered(config, layer, scene.image.diffuse.near_z, views);
   std::optional<MirrorShape> mirrors;
   if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
-    mirrors.emplace(MirrorShapeDesc{.sfm = context.input("sfm"),
-                                    .masks = *masks,
-                                    .photos = set.views,
-                                    .views = views,
-                                    .learnt = scene.image.shape.shapes ? *scene.image.shape.shapes : std::vector<TurnedSurface>(),
-                                    .beside = scene.image.shape.beside,
-                                    .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
+    mirrors.emplace(
+        MirrorShapeDesc{.sfm = context.input("sfm"),
+                        .masks = *masks,
+                        .photos = set.views,
+                        .views = views,
+                        .learnt = scene.image.shape.shapes ? *scene.image.shape.shapes : std::vector<SurfaceOfRevolution>(),
+                        .beside = scene.image.shape.beside,
+                        .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
     if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);

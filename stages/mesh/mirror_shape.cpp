@@ -172,10 +172,10 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
 void MirrorShape::find_solids(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
   const std::vector<HullSurfacePoint> surface = hull_->surface();
   std::vector<Solid> found;
-  for (const TurnedSurface& learnt : desc.learnt) found.push_back({learnt, true});
+  for (const SurfaceOfRevolution& learnt : desc.learnt) found.push_back({learnt, true});
   if (found.empty())
     for (const SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel()))
-      found.push_back({turned_surface(solid), false});
+      found.push_back({surface_of_revolution(solid), false});
   for (Solid& solid : found) {
     size_t metal = 0, known = 0;
     for (const HullSurfacePoint& p : surface) {
@@ -207,7 +207,7 @@ size_t MirrorShape::put_vertices(TriMesh& mesh, double tolerance) const {
   for (const auto& [solid, learnt] : solids_) {
     if (!learnt) continue;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
-      const TurnedSurface::Place near = solid.nearest(cast<double>(mesh.positions[v]));
+      const ShapePoint near = solid.nearest(cast<double>(mesh.positions[v]));
       if (length(near.position - cast<double>(mesh.positions[v])) > tolerance) continue;
       if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, a rim
       mesh.positions[v] = cast<float>(near.position);
@@ -244,7 +244,7 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       if (const auto out = beside_ ? beside_->entry(cast<float>(eye), cast<float>(direction)) : std::nullopt) {
         bool in_front = true;
         for (const auto& [solid, learnt] : solids_)
-          if (const auto entry = solid.entry(eye, direction)) in_front &= double(out->t) < entry->t;
+          if (const auto entry = solid.intersect({eye, direction})) in_front &= double(out->t) < entry->t;
         if (in_front) {
           set(p, double(out->t), cast<double>(out->normal), direction);
           continue;
@@ -255,13 +255,13 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       for (const auto& [solid, learnt] : solids_) {
         double hulls = 0;  // share of it
         if (hit) {
-          const TurnedSurface::Place nearest = solid.nearest(place);
+          const ShapePoint nearest = solid.nearest(place);
           if (length(nearest.position - place) > kOnSolid * hull_->voxel() || dot(nearest.normal, hit->normal) < kTurnedAlike)
             continue;
           const double steep = learnt ? 0 : (std::abs(dot(nearest.normal, solid.axis)) - kSteep) / (kSteepest - kSteep);
           hulls = std::clamp(steep, 0.0, 1.0) * std::clamp(steep, 0.0, 1.0) * (3 - 2 * std::clamp(steep, 0.0, 1.0));
         }
-        if (const auto entry = solid.entry(eye, direction)) {
+        if (const auto entry = solid.intersect({eye, direction})) {
           set(p, hulls > 0 ? (1 - hulls) * entry->t + hulls * hit->t : entry->t, solid.nearest(eye + entry->t * direction).normal,
               direction);
           done = true;

@@ -14,9 +14,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/math/turned_surface.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/shape_mesh.h"
+#include "core/shape/surface_of_revolution.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/mesh/rgbd_frame.h"
 
@@ -27,7 +27,7 @@ struct MirrorShapeDesc {
   const std::filesystem::path& masks;
   const std::vector<View>& photos;            // at full size
   const std::vector<View>& views;             // those that are fused
-  std::vector<TurnedSurface> learnt;          // solids that training knows (ImageOptions::shape)
+  std::vector<SurfaceOfRevolution> learnt;    // solids that training knows (ImageOptions::shape)
   std::shared_ptr<const ShapeMesh> beside;    // what stands out of them, or nullptr
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
@@ -66,7 +66,7 @@ class MirrorShape {
   std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
   struct Solid {
-    TurnedSurface surface;
+    SurfaceOfRevolution surface;
     bool learnt;  // the tops of lids as well, which no outline shows
   };
   std::vector<Solid> solids_;                // of metal

@@ -13,9 +13,9 @@ constexpr double kTelling_rel = 0.2;  // of the pixels of the face that most loo
 
 }  // namespace
 
-GlassCase glass_case(const OrientedBox& box, const Capture& capture, const Targets& targets,
-                     std::span<const std::vector<float>> depths, size_t level) {
-  std::array<size_t, OrientedBox::kFaces> left{}, beyond{};
+GlassCase glass_case(const Box& box, const Capture& capture, const Targets& targets, std::span<const std::vector<float>> depths,
+                     size_t level) {
+  std::array<size_t, Box::kFaces> left{}, beyond{};
   const double at_face = kAtFace_rel * box.longest_side();
   for (const uint32_t photo : capture.train) {
     const auto& mask = targets.photos[photo][level].masks[size_t(MaskClass::Transparent)];
@@ -38,7 +38,7 @@ GlassCase glass_case(const OrientedBox& box, const Capture& capture, const Targe
   GlassCase out{box, {}};
   size_t panes = 0;
   const double telling = kTelling_rel * double(*std::ranges::max_element(left));
-  for (size_t f = 0; f < OrientedBox::kFaces; ++f) {
+  for (size_t f = 0; f < Box::kFaces; ++f) {
     out.clear[f] = double(left[f]) < telling || 2 * beyond[f] >= left[f];
     panes += out.clear[f];
   }

@@ -13,7 +13,7 @@ namespace vitrine {
 // The floor of a display case is no pane, though its masks end there: what training photos show through the box stands right at
 // that face. A face is clear unless that is so for most pixels of the transparent masks whose rays leave by it.
 // `depths`: [photo] z-depth of what the diffuse layer shows at `level`, 0 = none; empty for held-out photos.
-GlassCase glass_case(const OrientedBox& box, const Capture& capture, const Targets& targets,
-                     std::span<const std::vector<float>> depths, size_t level);
+GlassCase glass_case(const Box& box, const Capture& capture, const Targets& targets, std::span<const std::vector<float>> depths,
+                     size_t level);
 
 }  // namespace vitrine

@@ -123,7 +123,7 @@ std::vector<HullMask> outlines(const MaskHullDesc& desc) {
 }
 
 // A grid of points over every face.
-void put_on(const OrientedBox& box, double spacing, std::vector<HullPoint>& points) {
+void put_on(const Box& box, double spacing, std::vector<HullPoint>& points) {
   for (size_t axis = 0; axis < 3; ++axis)
     for (bool upper : {false, true}) {
       const size_t u = (axis + 1) % 3, v = (axis + 2) % 3;

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/math/oriented_box.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/render/renderer.h"
+#include "core/shape/box.h"
 #include "core/stereo/revolution_fit.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
@@ -26,7 +26,7 @@ struct Hull {
   float spacing = 0;                      // of the grid
   std::vector<SolidOfRevolution> solids;  // that pieces of it are
   TriMesh beside;                         // appendages of the solids
-  std::optional<OrientedBox> box;         // where the outlines are those of one
+  std::optional<Box> box;                 // where the outlines are those of one
 };
 
 // Gloss: the specular mask without the transparent one, whose pixels then say nothing.

@@ -298,7 +298,8 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     for (const HullPoint& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
-    for (const SolidOfRevolution& solid : hull.solids) counts.shapes.push_back(with_equal_lines(turned_surface(solid), kLines));
+    for (const SolidOfRevolution& solid : hull.solids)
+      counts.shapes.push_back(with_equal_segments(surface_of_revolution(solid), kLines));
     counts.beside = hull.beside;
     counts.beside_tolerance = kBesideTolerance * hull.spacing;
   }

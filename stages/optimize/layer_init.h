@@ -34,11 +34,11 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;         // surfels put on the hull; surfels that left the diffuse layer for them
-  std::vector<Vec3f> known_points;    // of the hull of gloss, where its shape is known (HullPoint)
-  float known_reach = 0;              // how far from them surfels lie that show it, at most
-  std::vector<TurnedSurface> shapes;  // that gloss is
-  TriMesh beside;                     // what stands out of them, and how far surfels that show it lie behind it, at most
+  size_t hull = 0, moved = 0;               // surfels put on the hull; surfels that left the diffuse layer for them
+  std::vector<Vec3f> known_points;          // of the hull of gloss, where its shape is known (HullPoint)
+  float known_reach = 0;                    // how far from them surfels lie that show it, at most
+  std::vector<SurfaceOfRevolution> shapes;  // that gloss is
+  TriMesh beside;                           // what stands out of them, and how far surfels that show it lie behind it, at most
   float beside_tolerance = 0;
   std::optional<GlassCase> glass_case;  // glass that is a box
 };

@@ -314,7 +314,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.panes.glass_case = case_;
-  if (!shapes_.empty()) options.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(shapes_.shapes());
+  if (!shapes_.empty()) options.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(shapes_.shapes());
   options.shape.beside = beside_shapes_.shape();
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;

@@ -26,9 +26,9 @@ const TwoBalls& balls() {
   return scene;
 }
 
-TurnedSurface turned_ball(const Vec3d& centre, double radius) {
+SurfaceOfRevolution turned_ball(const Vec3d& centre, double radius) {
   constexpr int kLines = 32;
-  TurnedSurface out{centre, {0, 0, 1}, {}};
+  SurfaceOfRevolution out{centre, {0, 0, 1}, {}};
   for (int i = 0; i <= kLines; ++i) {
     const double angle = std::numbers::pi * (double(i) / kLines - 0.5);
     out.profile.push_back({i % kLines == 0 ? 0 : radius * std::cos(angle), radius * std::sin(angle)});
@@ -246,8 +246,8 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   glass_case->box = {Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}};
   const size_t all = better.size();
   options.panes = {glass_case, all - 3};
-  options.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(
-      std::vector<TurnedSurface>{turned_ball(TwoBalls::kA, TwoBalls::kRadiusA), turned_ball(TwoBalls::kB, TwoBalls::kRadiusB)});
+  options.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(std::vector<SurfaceOfRevolution>{
+      turned_ball(TwoBalls::kA, TwoBalls::kRadiusA), turned_ball(TwoBalls::kB, TwoBalls::kRadiusB)});
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
   auto inputs = with_edits();

@@ -38,7 +38,7 @@ class Marked : public testing::Test, public BallCapture {
     return fmt::format("  - photo: v{}.jpg\n    class: {}\n    polygon: [{}]\n", view, kind, corners);
   }
   // A polygon around the corners of a box, whole pixels of the large photo: Andrew's monotone chain.
-  std::string corners(const OrientedBox& box, int view) const {
+  std::string corners(const Box& box, int view) const {
     std::vector<Vec2d> p;
     for (size_t i = 0; i < 8; ++i) {
       const Vec3d q = views[size_t(view)].cam_from_world * box.corner(i);
@@ -101,7 +101,7 @@ TEST_F(Marked, GlassIsCarriedByItsHullAndMirrorsToo) {
 
 // Four cones make an edgy ball; of a case they make a leaning one, while its box is known from them to a fraction of a pixel.
 TEST_F(Marked, ACaseIsCarriedAsTheBoxThatItIs) {
-  const OrientedBox box{rotation_matrix(Quatd{std::cos(0.15), 0, 0, std::sin(0.15)}), {-0.2, -0.22, -0.2}, {0.22, 0.15, 0.18}};
+  const Box box{rotation_matrix(Quatd{std::cos(0.15), 0, 0, std::sin(0.15)}), {-0.2, -0.22, -0.2}, {0.22, 0.15, 0.18}};
   for (size_t v = 0; v < views.size(); ++v) {
     const std::vector<uint8_t> inside = outline_mask(box, views[v]);
     for (size_t i = 0; i < inside.size(); ++i) truth[v].data()[i] = inside[i] ? 255 : 0;

@@ -120,7 +120,7 @@ StandingBox box_on_the_floor() {
       {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .low = {-0.15, -0.15, -0.2}, .high = {0.15, 0.15, 0.1}}, 40, 10};
   return standing;
 }
-void stand(FloorCapture& c, const OrientedBox& box) {
+void stand(FloorCapture& c, const Box& box) {
   for (size_t v = 0; v < c.photos.size(); ++v) {
     const View& view = c.photos[v].view;
     for (int y = 0; y < kPhotoHeight; ++y)
@@ -134,7 +134,7 @@ void stand(FloorCapture& c, const OrientedBox& box) {
 
 TEST(DisplayCases, AreSeenThroughFromAllSidesAndStandOnWhatIsBelow) {
   FloorCapture c;
-  OrientedBox figure = box_on_the_floor().box;
+  Box figure = box_on_the_floor().box;
   figure.low = {-0.05, -0.05, -0.3}, figure.high = {0.05, 0.05, 0};
   stand(c, figure);
   const std::vector<StandingBox> boxes{box_on_the_floor(), box_on_the_floor()};  // found twice
@@ -152,12 +152,12 @@ TEST(DisplayCases, AreSeenThroughFromAllSidesAndStandOnWhatIsBelow) {
 
 TEST(DisplayCases, CratesAndTablesAreNone) {
   FloorCapture crate;
-  OrientedBox whole = box_on_the_floor().box;
+  Box whole = box_on_the_floor().box;
   whole.low.z = -0.3;
   stand(crate, whole);
   EXPECT_TRUE(display_cases({}, std::vector{box_on_the_floor()}, crate.photos, crate.fit).empty());
   FloorCapture table;  // only its top is opaque
-  OrientedBox top = whole;
+  Box top = whole;
   top.low.z = 0.09;
   stand(table, top);
   EXPECT_TRUE(display_cases({}, std::vector{box_on_the_floor()}, table.photos, table.fit).empty());

@@ -2,7 +2,6 @@
 
 #include "core/base/rng.h"
 #include "core/math/dual.h"
-#include "core/math/oriented_box.h"
 #include "core/math/rigid.h"
 #include "core/math/spherical_harmonics.h"
 
@@ -67,29 +66,6 @@ TEST(SphericalHarmonics, DirectionGradientMatchesDualNumbersAtEveryDegree) {
     const Vec3d g = sh_basis_vjp(degree, dir, weight);
     for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(g[i], loss.d[i], 1e-6);  // constants are given to float precision
   }
-}
-
-TEST(OrientedBox, RaysGoInAndOutByItsFaces) {
-  const Quatd turn = normalized(Quatd{0.9, 0.1, -0.2, 0.3});
-  const OrientedBox box{rotation_matrix(turn), {-1, -2, -3}, {1, 2, 3.5}};
-  // From the far side of one face to that of another, through the middle.
-  const Vec3d from = box.axes * Vec3d{-4, 0.5, 0.2}, to = box.axes * Vec3d{0.5, -0.4, 4.2};
-  const auto c = box.crossing(from, to - from);
-  ASSERT_TRUE(c);
-  EXPECT_EQ(c->entered, (OrientedBox::Face{0, false}));
-  EXPECT_EQ(c->left, (OrientedBox::Face{2, true}));
-  for (const auto& [t, face] : {std::pair(c->in, c->entered), std::pair(c->out, c->left)}) {
-    const Vec3d p = from + t * (to - from);
-    EXPECT_NEAR(dot(box.normal(face), p), box.offset(face), 1e-12);
-    EXPECT_NEAR(box.distance(p), 0, 1e-12);
-    EXPECT_EQ(OrientedBox::face(face.index()), face);
-  }
-  EXPECT_FALSE(box.crossing(from, from - to)) << "behind";
-  EXPECT_FALSE(box.crossing(box.axes * Vec3d{0, 0, 0}, to - from)) << "from inside";
-  EXPECT_FALSE(box.crossing(from, box.axes * Vec3d{0, 1, 0}));
-  EXPECT_NEAR(box.distance(box.axes * Vec3d{0.8, 0, 0}), -0.2, 1e-12);
-  EXPECT_NEAR(box.distance(box.axes * Vec3d{4, 6, 0}), 5, 1e-12);
-  EXPECT_EQ(box.longest_side(), 6.5);
 }
 
 }  // namespace

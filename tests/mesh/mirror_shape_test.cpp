@@ -83,7 +83,7 @@ TEST_F(PolishedVase, IsTheSolidThatItWasTurnedAs) {
 
 // Outlines say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
-  TurnedSurface learnt = turned_surface(vase);
+  SurfaceOfRevolution learnt = surface_of_revolution(vase);
   for (Vec2d& p : learnt.profile) p.x *= 1.02;
   const MirrorShape shape({sfm, masks, views, views, {learnt}, nullptr, [&](size_t i) { return nothing_learnt(views[i]); }});
   size_t count = 0, level = 0;
@@ -92,7 +92,7 @@ TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   each_ray(views[0], [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
     const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
     if (!(z > 0)) return;
-    const auto entry = learnt.entry(eye, ray);
+    const auto entry = learnt.intersect({eye, ray});
     ASSERT_TRUE(entry);
     EXPECT_NEAR(double(z), entry->t, 1e-6);
     ++count, level += std::abs(learnt.nearest(eye + entry->t * ray).normal.z) > 0.9;
@@ -106,8 +106,7 @@ TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   const auto at = [&](uint32_t k, size_t corner, double away) {
     const double a = 2 * std::numbers::pi * k / kAround;
     const Vec3d out{std::cos(a), std::sin(a), 0};
-    const TurnedSurface::Place on =
-        learnt.nearest(vase.origin + Vec3d{0, 0, learnt.profile[corner].y} + learnt.profile[corner].x * out);
+    const ShapePoint on = learnt.nearest(vase.origin + Vec3d{0, 0, learnt.profile[corner].y} + learnt.profile[corner].x * out);
     return cast<float>(on.position + away * on.normal);
   };
   for (uint32_t k = 0; k < kAround; ++k) {
@@ -123,7 +122,7 @@ TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   const TriMesh before = ring;
   EXPECT_EQ(shape.put_vertices(ring, 0.005), kAround);
   for (size_t v = 0; v < ring.positions.size(); ++v) {
-    const TurnedSurface::Place on = learnt.nearest(cast<double>(ring.positions[v]));
+    const ShapePoint on = learnt.nearest(cast<double>(ring.positions[v]));
     if (v % 2 == 1) {
       EXPECT_EQ(ring.positions[v], before.positions[v]);
       continue;
@@ -135,7 +134,7 @@ TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
 
 // A fin that training learnt stands out of the vase: it has its depth where it is in front, and its normals.
 TEST_F(PolishedVase, HasWhatTrainingLearntStandsOutOfIt) {
-  const TurnedSurface learnt = turned_surface(vase);
+  const SurfaceOfRevolution learnt = surface_of_revolution(vase);
   const View& view = views[0];
   const Vec3d towards = normalized(Vec3d{view.centre_in_world().x, view.centre_in_world().y, 0}),
               side = cross(Vec3d{0, 0, 1}, towards);
@@ -152,7 +151,7 @@ TEST_F(PolishedVase, HasWhatTrainingLearntStandsOutOfIt) {
     const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
     if (!(z > 0)) return;
     const auto of_mesh = beside->entry(cast<float>(eye), cast<float>(ray));
-    const auto entry = learnt.entry(eye, ray);
+    const auto entry = learnt.intersect({eye, ray});
     EXPECT_NEAR(double(z), of_mesh ? double(of_mesh->t) : entry->t, 1e-5);
     (of_mesh ? of_fin : of_vase) += 1;
   });

@@ -9,6 +9,7 @@
 #include "core/model/gbuffer.h"
 #include "core/model/kernels/outline_coverage.h"
 #include "core/model/outline.h"
+#include "core/shape/shape.h"
 #include "tests/model/exact_model.h"
 #include "tests/model/tiny_rooms.h"
 #include "tests/support/gradcheck.h"
@@ -35,8 +36,8 @@ TEST(EdgeInPixel, CoversWhatCountingPointsSays) {
 }
 
 // A bottle with a foot: smooth sides, a shoulder, a level top.
-TurnedSurface bottle(const Vec3d& at) {
-  TurnedSurface s{at, normalized(Vec3d{0.2, 1, 0.1}), {{0, -0.4}, {0.2, -0.4}}};
+SurfaceOfRevolution bottle(const Vec3d& at) {
+  SurfaceOfRevolution s{at, normalized(Vec3d{0.2, 1, 0.1}), {{0, -0.4}, {0.2, -0.4}}};
   for (int i = 1; i < 24; ++i) s.profile.push_back({0.24 + 0.06 * std::sin(0.2 * i), -0.4 + 0.03 * i});
   s.profile.push_back({0.1, 0.36});
   s.profile.push_back({0, 0.36});
@@ -53,21 +54,22 @@ View outline_camera(int side = 48) {
 }
 Vec3d before(const View& v, double z) { return inverse(v.cam_from_world) * Vec3d{0, 0, z}; }
 
-double counted(const TurnedSurface& s, const View& v, uint32_t pixel) {
+double counted(const SurfaceOfRevolution& s, const View& v, uint32_t pixel) {
   constexpr int kSide = 24;
   const int x = int(pixel) % v.intrinsics.width, y = int(pixel) / v.intrinsics.width;
   int inside = 0;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i)
-      inside += s.entry(v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
-                                                              v.intrinsics.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide)))
-                    .has_value();
+      inside +=
+          s.intersect({v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
+                                                             v.intrinsics.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide))})
+              .has_value();
   return double(inside) / (kSide * kSide);
 }
 
 TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
   const View v = outline_camera();
-  const TurnedSurface s = bottle(before(v, 2));
+  const SurfaceOfRevolution s = bottle(before(v, 2));
   const auto pixels = outline_pixels({s}, nullptr, v);
   size_t crossed = 0;
   double squares = 0;
@@ -109,13 +111,12 @@ TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
 TEST(Outline, GradientsMatchDifferences) {
   constexpr uint32_t kSide = 192;
   const View v = outline_camera(kSide);
-  TurnedSurface s = bottle(before(v, 2));
+  SurfaceOfRevolution s = bottle(before(v, 2));
   const auto weight = [&](uint32_t pixel) {
     const double x = double(pixel % kSide) / kSide, y = double(pixel / kSide) / kSide;
     return 1 + std::sin(5 * x) + 0.7 * std::cos(4 * y + x);
   };
-  TurnedGradient g;
-  g.profile.resize(s.profile.size());
+  std::vector<double> g(parameter_count(s), 0.0);
   for (const OutlinePixel& p : outline_pixels({s}, nullptr, v))
     if (p.crossed) outline_vjp(p, s, weight(p.pixel), g);
   std::vector<float> exact;
@@ -127,40 +128,36 @@ TEST(Outline, GradientsMatchDifferences) {
     double out = 0;
     for (uint32_t i = 0; i < covered.size(); ++i) {
       if (covered[i] < 0)
-        covered[i] = s.entry(v.centre_in_world(),
-                             transposed_times(v.cam_from_world.rotation, v.intrinsics.ray(i % kSide + 0.5, i / kSide + 0.5)))
+        covered[i] = s.intersect({v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
+                                                                        v.intrinsics.ray(i % kSide + 0.5, i / kSide + 0.5))})
                          .has_value();
       out += weight(i) * covered[i];
     }
     return out;
   };
-  const auto differ = [&](double gradient, double& value, const auto& f, double step) {
-    exact.push_back(float(gradient)), differences.push_back(finite_difference(value, f, step));
+  const SurfaceOfRevolution at = s;
+  const auto differ = [&](size_t first, size_t last, double step, const GradTolerance& tolerance, const char* parameters) {
+    exact.clear(), differences.clear();
+    for (size_t i = first; i < last; ++i) {
+      std::vector<double> by(g.size(), 0.0);
+      const auto moved_by = [&] {
+        s = at.moved(by);
+        return whole();
+      };
+      exact.push_back(float(g[i])), differences.push_back(finite_difference(by[i], moved_by, step));
+    }
+    s = at;
+    expect_grad_close(exact, differences, tolerance, parameters);
   };
-  for (size_t c = 0; c < 3; ++c) differ(g.origin[c], s.origin[c], whole, 3e-3);
-  expect_grad_close(exact, differences, {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05}, "origin");
-  exact.clear(), differences.clear();
-  // The axis keeps its length: along two directions across it.
-  const Vec3d axis = s.axis, side = normalized(cross(axis, Vec3d{0, 0, 1}));
-  for (const Vec3d& way : {side, cross(axis, side)}) {
-    double by = 0;
-    const auto turned = [&] {
-      s.axis = normalized(axis + by * way);
-      return whole();
-    };
-    differ(dot(g.axis, way), by, turned, 5e-3);
-    s.axis = axis;
-  }
-  expect_grad_close(exact, differences, {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.1}, "axis");
-  exact.clear(), differences.clear();
-  for (size_t i = 1; i + 1 < s.profile.size(); ++i) differ(g.profile[i].x, s.profile[i].x, whole, 2e-3);
-  expect_grad_close(exact, differences, {.relative_l2 = 8e-2, .bias = 5e-2, .row_floor = 0.15}, "radii");
+  differ(0, 2, 3e-3, {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05}, "origin");
+  differ(2, 4, 5e-3, {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.1}, "axis");
+  differ(5, g.size() - 1, 2e-3, {.relative_l2 = 8e-2, .bias = 5e-2, .row_floor = 0.15}, "profile");
 }
 
 // A polished ball of blurry surfels before a wall, and something for it to mirror.
 struct BallBeforeWall {
   LayeredRoom room;
-  std::shared_ptr<std::vector<TurnedSurface>> shapes = std::make_shared<std::vector<TurnedSurface>>();
+  std::shared_ptr<std::vector<SurfaceOfRevolution>> shapes = std::make_shared<std::vector<SurfaceOfRevolution>>();
   ImageOptions options = exact_options();
   size_t of_ball = 0;  // surfels, the first ones; the wall follows
   static constexpr double kRadius = 0.35;
@@ -171,7 +168,7 @@ struct BallBeforeWall {
     room.scene.diffuse = SplatLayer(LayerKind::Diffuse, 1, 0);
     room.scene.reflection = SplatLayer(LayerKind::Reflection, 1, 0);
     room.scene.transmittance = SplatLayer(LayerKind::Transmittance, 1, 0);
-    TurnedSurface s{centre, normalized(Vec3d{0.1, 1, 0.3}), {}};
+    SurfaceOfRevolution s{centre, normalized(Vec3d{0.1, 1, 0.3}), {}};
     for (size_t i = 0; i <= 60; ++i) {
       const double a = kPi * (double(i) / 60 - 0.5);
       s.profile.push_back({i == 0 || i == 60 ? 0 : kRadius * std::cos(a), kRadius * std::sin(a)});
@@ -277,9 +274,17 @@ TEST(OutlinePass, GradientsMatchDifferences) {
   const auto number = [&](double gradient, auto& value, double step) {
     exact.push_back(float(gradient)), differences.push_back(finite_difference(value, loss, step));
   };
-  const TurnedGradient of_ball = model.shape->gradients().at(0);
-  TurnedSurface& ball = (*b.shapes)[0];
-  for (size_t c = 0; c < 3; ++c) number(of_ball.origin[c], ball.origin[c], 2e-4);
+  const std::vector<double> of_ball = model.shape->gradients().at(0);
+  const SurfaceOfRevolution at = (*b.shapes)[0];
+  std::vector<double> by(of_ball.size(), 0.0);
+  for (size_t i = 0; i < 2; ++i) {
+    const auto moved_by = [&] {
+      (*b.shapes)[0] = at.moved(by);
+      return loss();
+    };
+    exact.push_back(float(of_ball[i])), differences.push_back(finite_difference(by[i], moved_by, 2e-4));
+  }
+  (*b.shapes)[0] = at;
   // What a crossed pixel mirrors moves along, which counts for nothing.
   expect_grad_close(exact, differences, {.relative_l2 = 0.12, .bias = 0.12, .row_floor = 0.1}, "place of the ball");
   // The wall and every fifth surfel of the ball; where those stand, is a matter of which pixels show the ball at all.

@@ -31,7 +31,7 @@ struct Showcase {
     view.intrinsics = {32, 28, 46, 45, 16.4, 13.7};
     view.cam_from_world.rotation = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
     view.cam_from_world.translation = -(view.cam_from_world.rotation * eye);
-    for (size_t f = 0; f < OrientedBox::kFaces; ++f) pane(OrientedBox::face(f));
+    for (size_t f = 0; f < Box::kFaces; ++f) pane(Box::face(f));
     panes = scene.diffuse.size();
     Rng rng(4, 4);
     const auto colour = [&] { return Vec3d{rng.uniform_double(), rng.uniform_double(), rng.uniform_double()}; };
@@ -49,7 +49,7 @@ struct Showcase {
     // The rasteriser has one view direction per surfel, rays have their own.
     std::fill_n(layer.at(Attribute::ShRest, i), layer.width(Attribute::ShRest), 0.f);
   }
-  void pane(OrientedBox::Face face) {
+  void pane(Box::Face face) {
     const Vec3d n = glass->box.normal(face), u{n.y, n.z, n.x}, v = cross(n, u);
     for (double a : {-0.3, 0.0, 0.3})
       for (double b : {-0.3, 0.0, 0.3}) {
@@ -105,8 +105,8 @@ TEST(Panes, MirrorWhatRaysWouldMeet) {
   size_t near = 0, far = 0, differ = 0;
   float worst = 0;
   for (const bool of_far : {false, true}) {
-    for (size_t f = 0; f < OrientedBox::kFaces; ++f) {
-      const OrientedBox::Face face = OrientedBox::face(f);
+    for (size_t f = 0; f < Box::kFaces; ++f) {
+      const Box::Face face = Box::face(f);
       const Vec3d n = s.glass->box.normal(face);
       SplatLayer side(LayerKind::Transmittance, 1, 0);
       for (size_t i = 0; i < room.size(); ++i) {

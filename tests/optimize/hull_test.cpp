@@ -58,7 +58,7 @@ TEST(MaskHull, OfACaseIsItsSixFaces) {
 
 // Photos look through the sides to a wall, and down to a floor that the case stands on; something stands in its middle.
 TEST(GlassCase, StandsOnAFloorThatIsNoPane) {
-  const OrientedBox box{Mat3d::identity(), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
+  const Box box{Mat3d::identity(), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
   const auto masks =
       outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
   Marked photos(masks, MaskClass::Transparent);
@@ -71,13 +71,13 @@ TEST(GlassCase, StandsOnAFloorThatIsNoPane) {
           transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(int(i) % width + 0.5, int(i) / width + 0.5));
       const auto c = box.crossing(eye, per_z);
       const double to_floor = (-0.29 - eye.z) / per_z.z;
-      double z = c && c->left == OrientedBox::Face{2, false} ? to_floor : 4;
+      double z = c && c->left == Box::Face{2, false} ? to_floor : 4;
       if (c && i % 5 == 0) z = 0.5 * (c->in + c->out);
       photos.depths[photo][i] = i % 7 == 0 ? 0.f : float(z);
     }
   }
   const GlassCase found = glass_case(box, photos.capture, photos.targets, photos.depths, 0);
-  for (size_t f = 0; f < OrientedBox::kFaces; ++f) EXPECT_EQ(found.clear[f], f != (OrientedBox::Face{2, false}.index())) << f;
+  for (size_t f = 0; f < Box::kFaces; ++f) EXPECT_EQ(found.clear[f], f != (Box::Face{2, false}.index())) << f;
 }
 
 TEST(MaskHull, OfABallIsAsSmoothAsABall) {

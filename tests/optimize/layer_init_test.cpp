@@ -16,7 +16,7 @@ class GlassAlone : public ::testing::Test {
   GlassAlone() : folder_("layer-init-test") {
     const fs::path sfm = folder_.path() / "sfm", masks = folder_.path() / "glass";
     testing::write_tiny_sfm(sfm, 18, 48, 36);
-    const OrientedBox box{Mat3d::identity(), {-0.3, -0.3, -0.29}, {0.3, 0.3, 0.3}};
+    const Box box{Mat3d::identity(), {-0.3, -0.3, -0.29}, {0.3, 0.3, 0.3}};
     for (const View& view : testing::ring_of_views(18, 48, 36)) {
       const std::vector<uint8_t> inside = outline_mask(box, view);
       Image8 mask(48, 36, 1);

@@ -73,7 +73,7 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
 // A case of glass in the middle of the scene, by its outlines: found as a box, mirrored in, remembered by checkpoints and by the
 // description of the scene.
 TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
-  const OrientedBox box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
+  const Box box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
   const fs::path masks = folder_->path() / "case";
   fs::create_directories(masks / "masks/transparent");
   for (const View& view : testing::ring_of_views(18, 48, 36)) {

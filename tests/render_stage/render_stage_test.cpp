@@ -174,8 +174,8 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   }
   o.panes = {};
   EXPECT_EQ(back.shape.shapes, nullptr);
-  o.shape.shapes = std::make_shared<std::vector<TurnedSurface>>(
-      std::vector<TurnedSurface>{{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}}});
+  o.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(
+      std::vector<SurfaceOfRevolution>{{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}}});
   write_image_options(path, o);
   const auto shapes = read_image_options(path).shape.shapes;
   ASSERT_NE(shapes, nullptr);

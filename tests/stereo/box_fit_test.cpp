@@ -17,7 +17,7 @@ std::vector<HullMask> case_masks(int count) {
 }
 
 // Largest angle between a face and the nearest true one, degrees, and largest distance of a corner from the nearest true one.
-std::pair<double, double> errors(const OrientedBox& box) {
+std::pair<double, double> errors(const Box& box) {
   const double c = std::cos(kCaseTurn), s = std::sin(kCaseTurn);
   double angle = 0, distance = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -84,7 +84,7 @@ TEST(BoxFit, OutlinesAreThoseOfTheMasks) {
 }
 
 TEST(BoxFit, RaysMeetItsFaces) {
-  const OrientedBox box{Mat3d::identity(), {-1, -2, -3}, {1, 2, 3}};
+  const Box box{Mat3d::identity(), {-1, -2, -3}, {1, 2, 3}};
   const auto hit = first_hit(box, {5, 0.5, 0}, {-2, 0, 0});
   ASSERT_TRUE(hit);
   EXPECT_DOUBLE_EQ(hit->t, 2);

@@ -144,7 +144,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
 
   if (thing.kind == MaskClass::Transparent && tight)
     if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
-      OrientedBox box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
+      Box box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
       if (agreement(cones, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
       for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(box, views[v]);
       out.summary.box_agreement = fit->agreement;

@@ -23,7 +23,7 @@ constexpr size_t kMostAsked = 12;          // boxes
 
 // visit(z-depth of the fit or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
-void for_each_pixel(const OrientedBox& box, const SmallPhoto& photo, const FittedView& fitted, const Visit& visit) {
+void for_each_pixel(const Box& box, const SmallPhoto& photo, const FittedView& fitted, const Visit& visit) {
   const Intrinsics& k = photo.view.intrinsics;
   const Vec3d eye = photo.view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
@@ -34,8 +34,8 @@ void for_each_pixel(const OrientedBox& box, const SmallPhoto& photo, const Fitte
     }
 }
 
-bool same_place(const OrientedBox& a, const OrientedBox& b) {
-  const auto holds = [](const OrientedBox& box, const OrientedBox& other) {
+bool same_place(const Box& a, const Box& b) {
+  const auto holds = [](const Box& box, const Box& other) {
     const Vec3d middle = transposed_times(box.axes, other.axes * (0.5 * (other.low + other.high)));
     return middle.x > box.low.x && middle.x < box.high.x && middle.y > box.low.y && middle.y < box.high.y;
   };
@@ -43,8 +43,8 @@ bool same_place(const OrientedBox& a, const OrientedBox& b) {
 }
 
 // A case stands on what the fit has in its plan: all but some strays lie above its foot.
-double foot(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
-  OrientedBox column = box;
+double foot(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+  Box column = box;
   const Vec3d middle = 0.5 * (box.low + box.high);
   for (size_t axis = 0; axis < 2; ++axis) {
     column.low[axis] = middle[axis] + kShrunk * (box.low[axis] - middle[axis]);
@@ -64,8 +64,8 @@ double foot(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const
 }
 
 // Of each side that is asked the share of its pixels at which the fit sees what lies behind it; the least.
-double seen_through(const OrientedBox& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
-  std::array<size_t, OrientedBox::kFaces> all{}, through{};
+double seen_through(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+  std::array<size_t, Box::kFaces> all{}, through{};
   for (size_t v = 0; v < photos.size(); ++v)
     for_each_pixel(box, photos[v], fit.views[v], [&](size_t, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
       if (!crossing || (z > 0 && z < (1 - kOnSurface) * crossing->in)) return;

@@ -19,7 +19,7 @@ struct DisplayCaseConfig {
 void describe(Describer& d, DisplayCaseConfig& c);
 
 struct DisplayCase {
-  OrientedBox box;            // its foot where the fit has what it stands on
+  Box box;                    // its foot where the fit has what it stands on
   double posts = 0, rim = 0;  // StandingBox
   double seen_through = 0;    // share of the pixels of the side at which that is least
 };

@@ -1,15 +1,19 @@
-// A box in any position, and where rays go in and out of it.
+// A box in any position, and where rays go in and out of it. Parameters: turn about the centre (3, radians), lower ends of its
+// extent along its axes (3), upper ends (3).
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "core/math/rigid.h"
+#include "core/shape/hit.h"
 
 namespace vitrine {
 
-struct OrientedBox {
+struct Box {
   // A face: at the upper or lower end of the extent along an axis.
   struct Face {
     size_t axis = 0;
@@ -25,6 +29,7 @@ struct OrientedBox {
 
   // Bit k of i: high along axis k.
   Vec3d corner(size_t i) const { return axes * Vec3d{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
+  Vec3d centre() const { return axes * (0.5 * (low + high)); }
   Vec3d normal(Face f) const {  // outwards
     Vec3d n{};
     n[f.axis] = f.upper ? 1 : -1;
@@ -34,34 +39,26 @@ struct OrientedBox {
   double longest_side() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 
   // To the surface; negative inside.
-  double distance(const Vec3d& p) const {
-    const Vec3d q = transposed_times(axes, p);
-    Vec3d outside{};
-    double inside = -1e300;
-    for (size_t i = 0; i < 3; ++i) {
-      const double d = std::max(low[i] - q[i], q[i] - high[i]);
-      outside[i] = std::max(d, 0.0);
-      inside = std::max(inside, d);
-    }
-    return inside < 0 ? inside : length(outside);
-  }
+  double distance(const Vec3d& p) const;
 
   struct Crossing {
     double in, out;  // along the ray, in units of its direction
     Face entered, left;
   };
   // Of a ray that begins outside.
-  std::optional<Crossing> crossing(const Vec3d& origin, const Vec3d& direction) const {
-    const Vec3d o = transposed_times(axes, origin), d = transposed_times(axes, direction);
-    Crossing c{0, 1e300, {}, {}};
-    for (size_t i = 0; i < 3; ++i) {
-      const double a = (low[i] - o[i]) / d[i], b = (high[i] - o[i]) / d[i];
-      if (std::min(a, b) > c.in) c.in = std::min(a, b), c.entered = {i, d[i] < 0};
-      if (std::max(a, b) < c.out) c.out = std::max(a, b), c.left = {i, d[i] > 0};
-    }
-    if (!(c.in > 0) || !(c.in < c.out)) return std::nullopt;
-    return c;
-  }
+  std::optional<Crossing> crossing(const Vec3d& origin, const Vec3d& direction) const;
+
+  std::optional<ShapeHit> intersect(const Ray& ray) const;  // element: Face::index of the face that it enters by
+  ShapePoint nearest(const Vec3d& p) const;
+  std::vector<Vec3d> outer_points() const;
+  double size() const { return longest_side(); }
+  std::vector<Facet> facets() const;  // [Face::index]
+
+  std::vector<ParameterGroup> parameters() const;
+  void hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const;
+  void place_vjp(const ShapeHit& hit, const Vec3d& place, const Vec3d& grad, std::span<double> out) const;
+  void smooth(std::span<double>) const {}
+  Box moved(std::span<const double> step) const;
 };
 
 }  // namespace vitrine

@@ -1,0 +1,70 @@
+#include "core/shape/shape_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/base/json.h"
+#include "core/mesh/mesh_io.h"
+#include "core/shape/registry.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr std::array<const char*, 2> kRoles{"mirror", "sheet"};
+
+std::filesystem::path mesh_path(const std::filesystem::path& folder, size_t entry) {
+  return folder / fmt::format("shape_{}.ply", entry);
+}
+
+ShapeSet::Entry read_entry(const nlohmann::json& json, size_t index, const std::filesystem::path& folder) {
+  const auto unusable = [&](const std::string& why) { return std::domain_error(fmt::format("shape {}: {}", index, why)); };
+  const ShapeKind* kind = find_shape_kind(json.at("kind").get<std::string>());
+  if (!kind) throw unusable("there is no such kind");
+  const auto role = std::ranges::find(kRoles, json.at("role").get<std::string>());
+  if (role == kRoles.end()) throw unusable("there is no such role");
+  const bool meshed = json.contains("mesh");
+  const std::optional<Shape> shape = kind->read(json, meshed ? read_mesh_ply(mesh_path(folder, index)) : TriMesh{});
+  if (!shape) throw unusable(fmt::format("its numbers are no {}", kind->name));
+  ShapeSet::Entry entry{*shape, static_cast<ShapeRole>(role - kRoles.begin()), json.at("tolerance").get<double>(),
+                        json.value("parent", -1), json.value("clear", std::vector<uint8_t>())};
+  if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
+  // Parents stand before their appendages: no circles.
+  if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
+  if (!entry.clear.empty() && entry.clear.size() != facets(entry.shape).size())
+    throw unusable("its clear facets are not its facets");
+  return entry;
+}
+
+}  // namespace
+
+nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::path& folder) {
+  auto out = nlohmann::ordered_json::array();
+  for (size_t i = 0; i < set.entries.size(); ++i) {
+    const ShapeSet::Entry& entry = set.entries[i];
+    const ShapeKind& kind = kind_of(entry.shape);
+    nlohmann::ordered_json json{
+        {"kind", kind.name}, {"role", kRoles[static_cast<size_t>(entry.role)]}, {"tolerance", entry.tolerance}};
+    if (entry.parent >= 0) json["parent"] = entry.parent;
+    if (!entry.clear.empty()) json["clear"] = entry.clear;
+    if (const TriMesh* mesh = kind.mesh(entry.shape)) {
+      json["mesh"] = mesh_path({}, i).string();
+      write_mesh_ply(mesh_path(folder, i), *mesh);
+    }
+    json.update(kind.write(entry.shape));
+    out.push_back(std::move(json));
+  }
+  return out;
+}
+
+ShapeSet read_shapes(const nlohmann::json& json, const std::filesystem::path& folder) {
+  ShapeSet set;
+  for (const nlohmann::json& entry : json) set.entries.push_back(read_entry(entry, set.entries.size(), folder));
+  return set;
+}
+
+}  // namespace vitrine
