@@ -64,9 +64,9 @@ void start_layers(Frame& frame) {
 void CompositePass::forward(const SplatScene&, Frame& frame) {
   const ShadedPixels& s = frame.shaded;
   const size_t pixels = frame.pixel_count();
-  if (options_.layer_images) start_layers(frame);
+  if (frame.options.composite.layer_images) start_layers(frame);
   if (s.groups() == 0) return;
-  const bool gated = options_.gate > 0 && !frame.reflection.radiance.empty() &&
+  const bool gated = frame.options.composite.gate > 0 && !frame.reflection.radiance.empty() &&
                      (!frame.transmission.radiance.empty() || !frame.behind.radiance.empty());
   reflected_.resize(gated ? pixels : 0);
   parallel_chunks(reflected_.size(), kPixels,
@@ -81,7 +81,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
         const Vec3f straight = transmitted(frame, g, pixel);
         const auto [c_r, c_t] = behind_panes(pane_view(frame, pixel), material.f0, {of_group, straight});
         const LayersPresent shown = present(frame, g, i);
-        const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
+        const LayerWeights<float> w = layer_weights(frame.options.composite.blend, material, shown);
         const Vec3f diffuse = hadamard(w.diffuse, buffer.rgb(buffer.color, pixel));
         const Vec3f reflection = hadamard(w.reflection, c_r), transmission = hadamard(w.transmission, c_t);
         write(frame.linear, pixels, pixel, diffuse + reflection + transmission);
@@ -91,7 +91,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
           if (!frame.transmission.picture_weight.empty()) frame.transmission.picture_weight[g] = mean(w.transmission);
         }
         if (!frame.behind.picture_weight.empty()) frame.behind.picture_weight[pixel] = mean(w.transmission);
-        if (!options_.layer_images) continue;
+        if (!frame.options.composite.layer_images) continue;
         LayerImages& l = frame.layers;
         write(l.diffuse, pixels, pixel, diffuse);
         write(l.reflection, pixels, pixel, reflection);
@@ -124,7 +124,7 @@ float CompositePass::gate(const Frame& frame, uint32_t pixel) const {
       ++count;
     }
   const float average = sum / count;
-  return std::exp(-options_.gate * std::max(0.f, squares / count - average * average));
+  return std::exp(-frame.options.composite.gate * std::max(0.f, squares / count - average * average));
 }
 
 // Every pixel of the group to what it shows of its own.
@@ -134,7 +134,7 @@ void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t 
     const uint32_t pixel = s.pixels[i];
     const LayersPresent shown = present(frame, group, i);
     if (!shown.transmission) continue;
-    const LayerWeights<float> w = layer_weights(options_.blend, buffer.material(pixel), shown);
+    const LayerWeights<float> w = layer_weights(frame.options.composite.blend, buffer.material(pixel), shown);
     Vec3f ignored{};
     const Vec3f grad = gate(frame, pixel) * hadamard(buffer.rgb(frame.grad_linear, pixel), w.transmission);
     write(frame.behind.grad_radiance, frame.pixel_count(), pixel,
@@ -156,11 +156,11 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
 
       const BlendMaterial<float> material = buffer.material(pixel);
       const LayersPresent shown = present(frame, g, s.chosen[g]);
-      const LayerWeights<float> w = layer_weights(options_.blend, material, shown);
+      const LayerWeights<float> w = layer_weights(frame.options.composite.blend, material, shown);
       const PaneView<float> panes = pane_view(frame, pixel);
       const PaneRadiances<float> arrived{radiance(frame.reflection, g), transmitted(frame, g, pixel)};
       const auto [c_r, c_t] = behind_panes(panes, material.f0, arrived);
-      BlendMaterial<float> grad_material = layer_weights_vjp(options_.blend, material, shown,
+      BlendMaterial<float> grad_material = layer_weights_vjp(frame.options.composite.blend, material, shown,
                                                              {.diffuse = hadamard(grad, buffer.rgb(buffer.color, pixel)),
                                                               .reflection = hadamard(grad, c_r),
                                                               .transmission = hadamard(grad, c_t)});
@@ -176,7 +176,8 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       if (shown.transmission && frame.behind.radiance.empty())
         frame.transmission.grad_radiance[g] = gate(frame, pixel) * grad_arrived.transmitted;
       const bool glass = !frame.transparent_mask.empty() && frame.transparent_mask[pixel] > 0.5f;
-      write(frame.grad_linear, pixels, pixel, (glass ? options_.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
+      write(frame.grad_linear, pixels, pixel,
+            (glass ? frame.options.composite.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
     }
   });
 }

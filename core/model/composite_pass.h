@@ -3,7 +3,6 @@
 // those of the other radiances and of the materials with the groups of pixels.
 #pragma once
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
@@ -12,9 +11,13 @@ class GBuffer;
 
 class CompositePass final : public Pass {
  public:
-  explicit CompositePass(const CompositeOptions& options) : options_(options) {}
   std::string_view name() const override { return "composite"; }
-  CompositeOptions& options() { return options_; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers,
+                      FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance, FramePart::TransmittedRadiance},
+            .writes = {FramePart::LayerImages},
+            .adds = {FramePart::Linear}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
@@ -23,7 +26,6 @@ class CompositePass final : public Pass {
   float gate(const Frame& frame, uint32_t pixel) const;
   void behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
 
-  CompositeOptions options_;
   std::vector<float> reflected_;  // [h,w] sqrt of the mean of w_r C_r, for the gate
 };
 

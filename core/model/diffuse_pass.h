@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 #include "core/render/renderer.h"
 
@@ -11,18 +10,15 @@ namespace vitrine {
 
 class DiffusePass final : public Pass {
  public:
-  explicit DiffusePass(const DiffuseOptions& options) : options_(options), renderer_(make_renderer(options.backend)) {}
+  explicit DiffusePass(Backend backend = Backend::Cpu) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "diffuse"; }
-  DiffuseOptions& options() { return options_; }
-  void set_sh_degree(int degree) { options_.sh_degree = degree; }
-  void set_distortion(bool on) { options_.distortion = on; }
+  PassAccess access() const override { return {.writes = {FramePart::DiffuseChannels, FramePart::Linear}}; }
   const Renderer& renderer() const { return *renderer_; }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  DiffuseOptions options_;
   std::unique_ptr<Renderer> renderer_;
 };
 

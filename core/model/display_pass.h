@@ -12,6 +12,7 @@ namespace vitrine {
 class DisplayPass final : public Pass {
  public:
   std::string_view name() const override { return "display"; }
+  PassAccess access() const override { return {.reads = {FramePart::Linear}, .writes = {FramePart::Srgb}}; }
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/model/image_options.h"
 #include "core/model/outline.h"
 #include "core/model/secondary_rays.h"
 #include "core/model/thick_glass.h"
@@ -32,7 +33,6 @@ struct BehindGlass {
   std::vector<GlassPath> path;                 // [h,w] where some glass is thick; empty without
   std::vector<float> median_z;                 // [h,w] where half of it is passed, if so much stands there at all
   std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (composite)
-  SurfelStatistics statistics;        // of the diffuse surfels that are seen so; Frame::statistics begins with them
   void clear();
 };
 
@@ -57,8 +57,15 @@ struct OutlineImages {
   void clear();
 };
 
+// Everything but the glass in one layer (ThinGlassPass): the opaque surfels of the diffuse layer, then the transmittance layer.
+struct OpenedScene {
+  SplatLayer surfels;
+  std::vector<uint32_t> opaque;  // which of the diffuse layer, ascending
+};
+
 struct Frame {
   const View* view = nullptr;  // pose, gains, and intrinsics at the size of the picture
+  ImageOptions options;        // of the model, when it formed the picture
 
   // Set by the caller before forward(). Masks are [h,w] in [0,1] or empty; pixels inside ask for rays.
   std::span<const float> specular_mask, transparent_mask;
@@ -70,6 +77,7 @@ struct Frame {
   SecondaryRays reflection, transmission;  // their rays through the two other layers
   PaneImages panes;
   OutlineImages outline;
+  OpenedScene opened;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain
   std::vector<float> srgb;    // [3,h,w] what the photo should show
@@ -78,7 +86,7 @@ struct Frame {
   RasterImages grad_diffuse;
   std::vector<float> grad_linear, grad_srgb;
   std::vector<float> error_image;  // [h,w] or empty: what the surfels are to be blamed for (densification)
-  SurfelStatistics statistics;     // of the diffuse layer, filled by the reverse of its pass
+  SurfelStatistics statistics;     // of the diffuse layer: sums over all passes that show surfels of it, in reverse
 
   size_t pixel_count() const {
     return static_cast<size_t>(view->intrinsics.width) * static_cast<size_t>(view->intrinsics.height);

@@ -1,27 +1,44 @@
-// The image formation: an ordered list of passes, run forwards for a picture and backwards for gradients.
+// The image formation: an ordered list of passes, run forwards for a picture and backwards for gradients. The model owns the one
+// set of options that all of its passes read; they may change from picture to picture, the back ends may not.
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "core/model/diffuse_pass.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
 
 class ImageModel {
  public:
-  void add(std::unique_ptr<Pass> pass) { passes_.push_back(std::move(pass)); }
-  void forward(const SplatScene& scene, const View& view, Frame& frame) const {
-    frame.view = &view;
-    for (const auto& pass : passes_) pass->forward(scene, frame);
-  }
-  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) const {
-    for (auto pass = passes_.rbegin(); pass != passes_.rend(); ++pass) (*pass)->backward(scene, frame, grad);
+  explicit ImageModel(const ImageOptions& options) : options_(options) {}
+
+  const ImageOptions& options() const { return options_; }
+  ImageOptions& options() { return options_; }
+
+  // Appends a pass. Error{Internal}: it reads what no pass before it writes, writes what another does, or changes what one before
+  // it has read.
+  void add(std::unique_ptr<Pass> pass);
+  template <class P, class... Arguments>
+  P* emplace(Arguments&&... arguments) {
+    auto pass = std::make_unique<P>(std::forward<Arguments>(arguments)...);
+    P* const out = pass.get();
+    add(std::move(pass));
+    return out;
   }
 
+  void forward(const SplatScene& scene, const View& view, Frame& frame) const { forward(scene, view, options_, frame); }
+  // With other options than its own, for one picture.
+  void forward(const SplatScene& scene, const View& view, const ImageOptions& options, Frame& frame) const;
+  // Of the last forward(), with its options. Sets the frame's statistics of the diffuse layer.
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) const;
+
  private:
+  ImageOptions options_;
   std::vector<std::unique_ptr<Pass>> passes_;
+  std::vector<std::string> writer_, reader_;  // [part] the first pass that does; empty: none
 };
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// The options of the image formation, one struct per pass. A trainer changes them between steps through pass->options() (the
-// phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
+// The options of the image formation, one struct per pass. A trainer changes them between steps through ImageModel::options()
+// (the phases of a run are nothing else); an evaluation sets samples and layer images and lifts the budget.
 #pragma once
 
 #include <cstdint>

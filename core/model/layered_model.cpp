@@ -1,31 +1,30 @@
 #include "core/model/layered_model.h"
 
+#include "core/model/composite_pass.h"
+#include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
+#include "core/model/outline_pass.h"
+#include "core/model/pane_pass.h"
+#include "core/model/reflection_pass.h"
+#include "core/model/surface_pass.h"
+#include "core/model/thin_glass_pass.h"
+#include "core/model/transmission_pass.h"
 
 namespace vitrine {
 
-namespace {
-template <class P, class... Options>
-P* append(ImageModel& model, const Options&... options) {
-  auto pass = std::make_unique<P>(options...);
-  P* const raw = pass.get();
-  model.add(std::move(pass));
-  return raw;
-}
-}  // namespace
-
-LayeredModel::LayeredModel(const ImageOptions& options)
-    : diffuse(append<DiffusePass>(*this, options.diffuse)),
-      shape(append<ShapePass>(*this, options.shape)),
-      outline(append<OutlinePass>(*this, options.shape, options.diffuse)),
-      surface(append<SurfacePass>(*this, options.surface)),
-      thin_glass(append<ThinGlassPass>(*this, options.transmission, options.diffuse)),
-      panes(append<PanePass>(*this, options.panes, options.diffuse.backend, *thin_glass)),
-      reflection(append<ReflectionPass>(*this, options.reflection)),
-      transmission(append<TransmissionPass>(*this, options.transmission)),
-      composite(append<CompositePass>(*this, options.composite)) {
-  append<OutlineBlendPass>(*this);
-  append<DisplayPass>(*this);
+LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
+  const Backend backend = options.diffuse.backend;
+  emplace<DiffusePass>(backend);
+  shape_ = emplace<ShapePass>();
+  emplace<OutlinePass>(backend);
+  emplace<SurfacePass>();
+  emplace<ThinGlassPass>(backend);
+  emplace<PanePass>(backend);
+  emplace<ReflectionPass>(options.reflection.backend);
+  emplace<TransmissionPass>(options.transmission.backend);
+  emplace<CompositePass>();
+  emplace<OutlineBlendPass>();
+  emplace<DisplayPass>();
 }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// The image model with all three layers, and its passes by name for those who change their options between steps:
+// The image model with all three layers. Its options may change between steps:
 //
 //   LayeredModel model(ImageOptions{...});
 //   frame.specular_mask = ...; frame.transparent_mask = ...; frame.seed = seed; frame.step = step;
@@ -10,38 +10,23 @@
 //
 // First materials: surfels outside the masks begin with k_s and tau below 1/255 (say 0.002), or every pixel of the picture asks
 // for rays and shares the budget with those that need it. Schedule: give the scene a layer when its phase begins;
-// surface->options().depth_gradient, normal_gradient and reflection->options().lobe follow later. Evaluation:
+// options().surface.depth_gradient, normal_gradient and options().reflection.lobe follow later. Evaluation:
 // frame.differentiable = false, ray_budget = 0, Lobe::Sampled with many samples (or the lobe of the training), layer_images =
 // true.
 #pragma once
 
-#include "core/model/composite_pass.h"
-#include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
-#include "core/model/outline_pass.h"
-#include "core/model/pane_pass.h"
-#include "core/model/reflection_pass.h"
 #include "core/model/shape_pass.h"
-#include "core/model/surface_pass.h"
-#include "core/model/thin_glass_pass.h"
-#include "core/model/transmission_pass.h"
 
 namespace vitrine {
 
 class LayeredModel : public ImageModel {
  public:
   explicit LayeredModel(const ImageOptions& options);
+  const ShapePass& shape() const { return *shape_; }  // has the gradients of the shapes
 
-  // Owned by the model.
-  DiffusePass* diffuse;
-  ShapePass* shape;
-  OutlinePass* outline;
-  SurfacePass* surface;
-  ThinGlassPass* thin_glass;
-  PanePass* panes;
-  ReflectionPass* reflection;
-  TransmissionPass* transmission;
-  CompositePass* composite;
+ private:
+  const ShapePass* shape_;
 };
 
 }  // namespace vitrine

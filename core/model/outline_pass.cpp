@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/model/frustum.h"
 #include "core/model/gbuffer.h"
 #include "core/scene/activation.h"
 
@@ -12,7 +11,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kOutlineGrain = 1024;    // surfels
 constexpr double kShowsSolid_rel = 0.06;  // of its largest radius: its surfels lie this near to it
 constexpr double kInFront_rel = 0.005;    // what is in front by more is something else
 constexpr double kLikeSolid = 0.7;        // cosine between the normals of a surfel of the solid and of the solid
@@ -84,55 +82,22 @@ void OutlineImages::clear() {
   for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
 }
 
-// The surfels that `window` may show, but for those of the solids.
-void OutlinePass::without_solids(const SplatLayer& diffuse, const View& window) {
-  const Frustum frustum(window);
-  const std::vector<Located> solids = located(*options_.shapes);
-  chunks_.resize(chunk_count(diffuse.size(), kOutlineGrain));
-  parallel_chunks(diffuse.size(), kOutlineGrain, [&](size_t chunk, size_t first, size_t last) {
-    auto& kept = chunks_[chunk];
-    kept.clear();
-    for (size_t i = first; i < last; ++i) {
-      const float* m = diffuse.at(Attribute::Mean, i);
-      if (frustum.may_show({m[0], m[1], m[2]}, diffuse.at(Attribute::LogScale, i)) && !shows(diffuse, i, solids, options_))
-        kept.push_back(static_cast<uint32_t>(i));
-    }
-  });
-  kept_.clear();
-  for (const auto& kept : chunks_) kept_.insert(kept_.end(), kept.begin(), kept.end());
-  if (rest_.sh_degree() != diffuse.sh_degree()) rest_ = SplatLayer(diffuse.kind(), diffuse.sh_degree(), 0);
-  rest_.resize(kept_.size());
-  parallel_chunks(kept_.size(), kOutlineGrain, [&](size_t, size_t first, size_t last) {
-    for (const AttributeRow& r : kAttributes)
-      for (size_t k = first; k < last; ++k) std::copy_n(diffuse.at(r.id, kept_[k]), diffuse.width(r.id), rest_.at(r.id, k));
-  });
-}
-
+// The scene without the surfels of the solids.
 void OutlinePass::draw_rest(const SplatScene& scene, Frame& frame) {
-  const OutlineImages& out = frame.outline;
   const int width = frame.view->intrinsics.width;
-  int right = 0, bottom = 0;
-  left_ = top_ = INT32_MAX;
-  for (const OutlinePixel& p : out.pixels) {
-    const int x = static_cast<int>(p.pixel) % width, y = static_cast<int>(p.pixel) / width;
-    left_ = std::min(left_, x), right = std::max(right, x + 1), top_ = std::min(top_, y), bottom = std::max(bottom, y + 1);
-  }
-  window_ = *frame.view;
-  Intrinsics& k = window_.intrinsics;
-  k.width = right - left_, k.height = bottom - top_;
-  k.cx -= left_, k.cy -= top_;
-  without_solids(scene.diffuse, window_);
-  wanted_.assign(static_cast<size_t>(k.width) * static_cast<size_t>(k.height), 0);
-  for (const OutlinePixel& p : out.pixels) wanted_[in_window(p.pixel, width)] = 1;
-  RasterDesc desc;
-  desc.intrinsics = k;
-  desc.cam_from_world = window_.cam_from_world;
-  desc.features = FeatureSet::Material;
-  desc.near_z = diffuse_.near_z;
-  desc.sh_degree = std::min(diffuse_.sh_degree, rest_.sh_degree());
-  desc.wanted = wanted_;
-  renderer_->forward(rest_, desc, picture_);
-  gradients_.reset(desc);
+  window_ = {};
+  for (const OutlinePixel& p : frame.outline.pixels)
+    window_.extend(static_cast<int>(p.pixel) % width, static_cast<int>(p.pixel) / width);
+  const std::vector<Located> solids = located(*options_.shapes);
+  rest_.choose(scene.diffuse, window_.view(*frame.view), [&](size_t i) { return !shows(scene.diffuse, i, solids, options_); });
+  wanted_.assign(window_.pixel_count(), 0);
+  for (const OutlinePixel& p : frame.outline.pixels) wanted_[in_window(p.pixel, width)] = 1;
+  const DiffuseOptions& diffuse = frame.options.diffuse;
+  rest_.draw({.features = FeatureSet::Material,
+              .sh_degree = diffuse.sh_degree,
+              .near_z = diffuse.near_z,
+              .wanted = wanted_,
+              .differentiable = true});
 }
 
 uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
@@ -159,15 +124,15 @@ uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
 // Whether the two pictures side by side are what the pixel shows.
 bool OutlinePass::fits(const OutlinePixel& at, const Frame& frame) const {
   const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
-  const float alpha = picture_.plane(Aov::Alpha)[w];
+  const float alpha = rest_.picture().plane(Aov::Alpha)[w];
   if (!(alpha > options_.min_alpha)) return at.covered == 1;
   if (at.covered == 0) return true;
   const double per_z = length(GBuffer(frame).ray(at.pixel).direction_per_z);
-  const double in_front = (double(at.z) - double(picture_.plane(Aov::ZDepth)[w]) / double(alpha)) * per_z;
+  const double in_front = (double(at.z) - double(rest_.picture().plane(Aov::ZDepth)[w]) / double(alpha)) * per_z;
   if (in_front > kInFront_rel * (*options_.shapes)[std::min<size_t>(at.shape, options_.shapes->size() - 1)].largest_radius())
     return false;
-  return at.covered == 1 ||
-         std::max(picture_.plane(Aov::SpecularWeight)[w], picture_.plane(Aov::Transmission)[w]) <= kDullRest * alpha;
+  return at.covered == 1 || std::max(rest_.picture().plane(Aov::SpecularWeight)[w],
+                                     rest_.picture().plane(Aov::Transmission)[w]) <= kDullRest * alpha;
 }
 
 void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) const {
@@ -176,7 +141,7 @@ void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) con
     const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
     for (const Aov a : kShownByRest)
       for (size_t c = 0; c < width_of(a); ++c)
-        frame.diffuse.plane(a)[c * pixels + at.pixel] = picture_.plane(a)[c * wanted_.size() + w];
+        frame.diffuse.plane(a)[c * pixels + at.pixel] = rest_.picture().plane(a)[c * wanted_.size() + w];
   } else {
     for (const Aov a : kMaterials)
       for (size_t c = 0; c < width_of(a); ++c)
@@ -191,6 +156,7 @@ void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) con
 }
 
 void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
+  options_ = frame.options.shape;
   OutlineImages& out = frame.outline;
   donors_.clear();
   out.pixels.clear();
@@ -208,7 +174,7 @@ void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
   out.pixels.resize(kept), donors_.resize(kept);
   if (kept == 0) return out.clear();
   out.rest.assign(3 * kept, 0.f), out.grad_rest.assign(3 * kept, 0.f), out.solid.assign(3 * kept, 0.f);
-  const std::span<const float> color = picture_.plane(Aov::Color);
+  const std::span<const float> color = rest_.picture().plane(Aov::Color);
   for (size_t i = 0; i < kept; ++i) {
     const OutlinePixel& p = out.pixels[i];
     for (size_t c = 0; c < 3; ++c)
@@ -218,7 +184,7 @@ void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
 }
 
 // What losses and later passes ask of a pixel's channels is asked of where they came from.
-void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
+void OutlinePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
   OutlineImages& out = frame.outline;
   if (out.pixels.empty()) return;
   const size_t pixels = frame.pixel_count(), window = wanted_.size();
@@ -233,11 +199,12 @@ void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
     for (size_t c = 0; c < 3; ++c) {
       asked.plane(Aov::Color)[c * pixels + p.pixel] += frame.grad_linear[c * pixels + p.pixel];
       frame.grad_linear[c * pixels + p.pixel] = 0;
-      gradients_.plane(Aov::Color)[c * window + w] += out.grad_rest[3 * i + c];
+      rest_.gradients().plane(Aov::Color)[c * window + w] += out.grad_rest[3 * i + c];
     }
     if (p.covered == 0) {
       for (const Aov a : kShownByRest)
-        for (size_t c = 0; c < width_of(a); ++c) gradients_.plane(a)[c * window + w] += asked.plane(a)[c * pixels + p.pixel];
+        for (size_t c = 0; c < width_of(a); ++c)
+          rest_.gradients().plane(a)[c * window + w] += asked.plane(a)[c * pixels + p.pixel];
     } else {
       for (const Aov a : kMaterials)
         for (size_t c = 0; c < width_of(a) && !own; ++c)
@@ -258,24 +225,7 @@ void OutlinePass::backward(const SplatScene& scene, Frame& frame, SplatScene& gr
     blame_[w] = (1 - p.covered) * frame.error_image[p.pixel];
     frame.error_image[p.pixel] = 0;  // no surfel of the solid shows there
   }
-  if (grad_rest_.size() != rest_.size() || grad_rest_.sh_degree() != rest_.sh_degree())
-    grad_rest_ = rest_.zeros_like();
-  else
-    grad_rest_.fill(0.f);
-  for (auto* values : {&statistics_.screen_gradient, &statistics_.weight, &statistics_.error}) values->assign(rest_.size(), 0.f);
-  renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_rest_, &statistics_);
-  SurfelStatistics& seen = frame.behind.statistics;  // DiffusePass begins with these
-  for (auto* values : {&seen.screen_gradient, &seen.weight, &seen.error}) values->resize(scene.diffuse.size(), 0.f);
-  parallel_chunks(kept_.size(), kOutlineGrain, [&](size_t, size_t first, size_t last) {
-    for (size_t k = first; k < last; ++k) {
-      const size_t i = kept_[k];
-      for (const AttributeRow& r : kAttributes)
-        for (size_t c = 0, n = rest_.width(r.id); c < n; ++c) grad.diffuse.at(r.id, i)[c] += grad_rest_.at(r.id, k)[c];
-      seen.screen_gradient[i] += statistics_.screen_gradient[k];
-      seen.weight[i] += statistics_.weight[k];
-      seen.error[i] += statistics_.error[k];
-    }
-  });
+  rest_.backward(blame_, grad.diffuse, frame.statistics);
 }
 
 void OutlineBlendPass::forward(const SplatScene&, Frame& frame) {

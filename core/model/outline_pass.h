@@ -12,30 +12,30 @@
 // reach the rest, the materials and, through c, the solid: photos see its outline.
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
+#include "core/model/picture_window.h"
+#include "core/model/window_picture.h"
 
 namespace vitrine {
 
 class OutlinePass final : public Pass {
  public:
-  OutlinePass(const ShapeOptions& options, const DiffuseOptions& diffuse)
-      : options_(options), diffuse_(diffuse), renderer_(make_renderer(diffuse.backend)) {}
+  explicit OutlinePass(Backend backend) : rest_(backend) {}
   std::string_view name() const override { return "outline"; }
-  ShapeOptions& options() { return options_; }
-  DiffuseOptions& diffuse() { return diffuse_; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::ShownShapes},
+            .writes = {FramePart::Outlines},
+            .adds = {FramePart::DiffuseChannels, FramePart::Linear}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  void without_solids(const SplatLayer& diffuse, const View& window);
   size_t in_window(uint32_t pixel, int width) const {
-    const int x = static_cast<int>(pixel) % width - left_, y = static_cast<int>(pixel) / width - top_;
-    return static_cast<size_t>(y * window_.intrinsics.width + x);
+    return window_.index(static_cast<int>(pixel) % width, static_cast<int>(pixel) / width);
   }
   void draw_rest(const SplatScene& scene, Frame& frame);
   // The pixel farther inside whose materials `at` takes; UINT32_MAX: there is none.
@@ -43,26 +43,21 @@ class OutlinePass final : public Pass {
   bool fits(const OutlinePixel& at, const Frame& frame) const;
   void show(const OutlinePixel& at, uint32_t donor, Frame& frame) const;
 
-  ShapeOptions options_;
-  DiffuseOptions diffuse_;
-  std::unique_ptr<Renderer> renderer_;
+  ShapeOptions options_;          // of the last forward()
   std::vector<uint8_t> in_band_;  // [h,w]
   std::vector<uint32_t> donors_;  // [outline pixel]
-  // The window of the picture that the outlines lie in, and what is drawn there.
-  int left_ = 0, top_ = 0;
-  View window_;
-  std::vector<std::vector<uint32_t>> chunks_;
-  std::vector<uint32_t> kept_;  // surfels of the diffuse layer
-  SplatLayer rest_, grad_rest_;
+  PictureWindow window_;          // that the outlines lie in
+  WindowPicture rest_;            // what stands behind the solids, there
   std::vector<uint8_t> wanted_;
-  RasterImages picture_, gradients_;
   std::vector<float> blame_;
-  SurfelStatistics statistics_;
 };
 
 class OutlineBlendPass final : public Pass {
  public:
   std::string_view name() const override { return "outline_blend"; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::Outlines}, .adds = {FramePart::Linear, FramePart::LayerImages}};
+  }
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 };

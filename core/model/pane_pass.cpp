@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/model/frustum.h"
 #include "core/model/gbuffer.h"
+#include "core/model/picture_window.h"
 
 namespace vitrine {
 
@@ -49,7 +49,8 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
 
 // By which panes the rays of the pixels enter and leave, those that get past everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
-  const Box& box = options_.glass_case->box;
+  const GlassCase& glass_case = *frame.options.panes.glass_case;
+  const Box& box = glass_case.box;
   const double on_box = kOnBox_rel * box.longest_side(), at_pane = kAtPane_rel * box.longest_side();
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
@@ -66,7 +67,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       if (std::abs(box.distance(eye + z * per_z)) > on_box) continue;
       face_of_[Near][pixel] = static_cast<uint8_t>(crossing->entered.index());
       out.shown[pixel] = 1;
-      if (!options_.glass_case->clear[crossing->left.index()]) continue;
+      if (!glass_case.clear[crossing->left.index()]) continue;
       const double rise = dot(box.normal(crossing->left), per_z);
       const bool past = (double(frame.behind.median_z[pixel]) - crossing->out) * rise > at_pane;
       if (!past && !(frame.behind.inner_transmittance[pixel] > 0.5f)) continue;
@@ -78,89 +79,54 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
 }
 
 // The picture in one pane, of all pixels whose rays enter or leave by it.
-void PanePass::mirror(const View& view, Box::Face face, Pane pane, PaneImages& out) {
-  const Box& box = options_.glass_case->box;
+void PanePass::mirror(const Frame& frame, Box::Face face, Pane pane, PaneImages& out) {
+  const Box& box = frame.options.panes.glass_case->box;
   const std::vector<uint8_t>& face_of = face_of_[pane];
   const auto index = static_cast<uint8_t>(face.index());
-  const size_t width = static_cast<size_t>(view.intrinsics.width), pixels = face_of.size();
-  // Of the whole picture only the window that these pixels lie in is drawn, turned left to right.
-  size_t left = width, right = 0, top = pixels, bottom = 0;
-  for (size_t i = 0; i < pixels; ++i) {
-    if (face_of[i] != index) continue;
-    const size_t x = width - 1 - i % width, y = i / width;
-    left = std::min(left, x), right = std::max(right, x + 1);
-    top = std::min(top, y), bottom = std::max(bottom, y + 1);
-  }
-  if (left >= right) return;
-  View mirrored = mirrored_view(view, box.normal(face), box.offset(face));
-  Intrinsics& window = mirrored.intrinsics;
-  window.width = static_cast<int>(right - left), window.height = static_cast<int>(bottom - top);
-  window.cx -= double(left), window.cy -= double(top);
-  const size_t window_pixels = (right - left) * (bottom - top);
-  const auto seen_at = [&](size_t in_window) {  // the pixel of the view
-    const size_t x = left + in_window % (right - left), y = top + in_window / (right - left);
-    return y * width + (width - 1 - x);
-  };
-  wanted_.resize(window_pixels);
-  for (size_t i = 0; i < window_pixels; ++i) wanted_[i] = face_of[seen_at(i)] == index;
+  const int width = frame.view->intrinsics.width;
+  const size_t pixels = face_of.size();
+  PictureWindow window;  // of the picture turned left to right
+  const auto turned = [&](size_t pixel) { return width - 1 - static_cast<int>(pixel) % width; };
+  const auto row_of = [&](size_t pixel) { return static_cast<int>(pixel) / width; };
+  for (size_t i = 0; i < pixels; ++i)
+    if (face_of[i] == index) window.extend(turned(i), row_of(i));
+  if (window.empty()) return;
+  wanted_.assign(window.pixel_count(), 0);
+  for (size_t i = 0; i < pixels; ++i)
+    if (face_of[i] == index) wanted_[window.index(turned(i), row_of(i))] = 1;
 
   // What lies on the mirror's own side: outside of the near pane, inside of the far one.
   const double side = pane == Near ? 1 : -1;
   const Vec3f normal = cast<float>(side * box.normal(face));
   const auto offset = static_cast<float>(side * box.offset(face) + kAtPane_rel * box.longest_side());
-  const SplatLayer& merged = behind_.merged();
-  const std::span<const uint32_t> opaque = behind_.opaque();
-  const Frustum frustum(mirrored);
-  chunks_.resize(chunk_count(merged.size(), kPaneGrain));
-  parallel_chunks(merged.size(), kPaneGrain, [&](size_t chunk, size_t first, size_t last) {
-    auto& kept = chunks_[chunk];
-    kept.clear();
-    for (size_t i = first; i < last; ++i) {
-      if (i < opaque.size() && opaque[i] >= options_.mirrored) continue;
-      const float* m = merged.at(Attribute::Mean, i);
-      if (dot(normal, Vec3f{m[0], m[1], m[2]}) > offset &&
-          frustum.may_show({m[0], m[1], m[2]}, merged.at(Attribute::LogScale, i)))
-        kept.push_back(static_cast<uint32_t>(i));
-    }
+  const auto& [opened, opaque] = frame.opened;
+  const size_t mirrored = frame.options.panes.mirrored;
+  window_picture_.choose(opened, window.view(mirrored_view(*frame.view, box.normal(face), box.offset(face))), [&](size_t i) {
+    const float* m = opened.at(Attribute::Mean, i);
+    return (i >= opaque.size() || opaque[i] < mirrored) && dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
   });
-  kept_.clear();
-  for (const auto& kept : chunks_) kept_.insert(kept_.end(), kept.begin(), kept.end());
-  if (beside_.kind() != merged.kind() || beside_.sh_degree() != merged.sh_degree())
-    beside_ = SplatLayer(merged.kind(), merged.sh_degree(), 0);
-  beside_.resize(kept_.size());
-  parallel_chunks(kept_.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
-    for (const AttributeRow& r : kAttributes)
-      for (size_t k = first; k < last; ++k) std::copy_n(merged.at(r.id, kept_[k]), merged.width(r.id), beside_.at(r.id, k));
-  });
-
-  RasterDesc desc;
-  desc.intrinsics = window;
-  desc.cam_from_world = mirrored.cam_from_world;
-  desc.features = FeatureSet::ColorOnly;
-  desc.near_z = kMirrorNear;
-  desc.sh_degree = beside_.sh_degree();
-  desc.wanted = wanted_;
-  renderer_->forward(beside_, desc, picture_);
-  const std::span<const float> color = picture_.plane(Aov::Color), alpha = picture_.plane(Aov::Alpha);
+  const RasterImages& picture = window_picture_.draw(
+      {.features = FeatureSet::ColorOnly, .sh_degree = opened.sh_degree(), .near_z = kMirrorNear, .wanted = wanted_});
+  const std::span<const float> color = picture.plane(Aov::Color), alpha = picture.plane(Aov::Alpha);
   std::vector<float>& to = pane == Near ? out.near_color : out.far_color;
   std::vector<float>& open = pane == Near ? out.near_open : out.far_open;
-  for (size_t i = 0; i < window_pixels; ++i) {
-    if (!wanted_[i]) continue;
-    const size_t at = seen_at(i);
-    for (size_t c = 0; c < 3; ++c) to[c * pixels + at] = color[c * window_pixels + i];
-    open[at] = 1 - alpha[i];
+  for (size_t i = 0; i < pixels; ++i) {
+    if (face_of[i] != index) continue;
+    const size_t w = window.index(turned(i), row_of(i));
+    for (size_t c = 0; c < 3; ++c) to[c * pixels + i] = color[c * wanted_.size() + w];
+    open[i] = 1 - alpha[w];
   }
 }
 
 void PanePass::forward(const SplatScene&, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
-  if (!options_.glass_case || frame.behind.radiance.empty()) return;
+  if (!frame.options.panes.glass_case || frame.behind.radiance.empty()) return;
   out.start(frame.pixel_count());
   find_panes(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
   for (size_t f = 0; f < Box::kFaces; ++f)
-    for (const Pane pane : {Near, Far}) mirror(*frame.view, Box::face(f), pane, out);
+    for (const Pane pane : {Near, Far}) mirror(frame, Box::face(f), pane, out);
   // They mirror before there is a reflection layer, too.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;

@@ -12,13 +12,11 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <vector>
 
-#include "core/model/image_options.h"
 #include "core/model/kernels/pane_blend.h"
 #include "core/model/pass.h"
-#include "core/model/thin_glass_pass.h"
+#include "core/model/window_picture.h"
 
 namespace vitrine {
 
@@ -27,11 +25,15 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset);
 
 class PanePass final : public Pass {
  public:
-  // `behind`: the pass that draws what stands behind the glass; it comes first.
-  PanePass(const PaneOptions& options, Backend backend, const ThinGlassPass& behind)
-      : options_(options), behind_(behind), renderer_(make_renderer(backend)) {}
+  // `backend`: of the rasteriser.
+  explicit PanePass(Backend backend) : window_picture_(backend) {}
   std::string_view name() const override { return "panes"; }
-  PaneOptions& options() { return options_; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::TransmissionAskers, FramePart::OpenedScene,
+                      FramePart::BehindGlass},
+            .writes = {FramePart::Panes},
+            .adds = {FramePart::ReflectionAskers}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene&, Frame&, SplatScene&) override {}
@@ -40,17 +42,11 @@ class PanePass final : public Pass {
   void find_panes(const Frame& frame, PaneImages& out);
   // The two panes that a pixel's ray passes.
   enum Pane : unsigned char { Near, Far };
-  void mirror(const View& view, Box::Face face, Pane pane, PaneImages& out);
+  void mirror(const Frame& frame, Box::Face face, Pane pane, PaneImages& out);
 
-  PaneOptions options_;
-  const ThinGlassPass& behind_;
-  std::unique_ptr<Renderer> renderer_;
-  std::vector<std::vector<uint32_t>> chunks_;
-  std::vector<uint32_t> kept_;
-  SplatLayer beside_;                            // of the scene without glass what one pane may show: surfels kept_
+  WindowPicture window_picture_;
   std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] Box::Face::index, kNoFace
   std::vector<uint8_t> wanted_;
-  RasterImages picture_;
 };
 
 }  // namespace vitrine

@@ -1,20 +1,51 @@
-// One step of the image formation. The model runs its list of passes in order and, for gradients, the same list backwards;
-// a reflection or a transmittance layer is one more pass between the diffuse one and the display.
+// One step of the image formation. ImageModel runs its list of passes in order and, for gradients, the same list backwards.
+//
+// A pass says which parts of the frame it reads, writes and adds to (after the graph of filters of Intel's Open Image Denoise).
+// The model refuses a list in which a part is read before it is written, or changed after it has been read. The reverse needs no
+// list of its own: a pass leaves gradients of what it read, and the passes that wrote it come later.
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "core/model/frame.h"
 #include "core/scene/splat_scene.h"
 
 namespace vitrine {
 
+enum class FramePart : unsigned char {
+  DiffuseChannels,      // Frame::diffuse
+  Linear,               // Frame::linear
+  ShownShapes,          // Frame::outline.shapes
+  Outlines,             // the rest of Frame::outline
+  Surfaces,             // Frame::shaded, but for the two below
+  ReflectionAskers,     // ShadedPixels::asks
+  TransmissionAskers,   // likewise
+  OpenedScene,          // Frame::opened
+  BehindGlass,          // Frame::behind
+  Panes,                // Frame::panes
+  ReflectedRadiance,    // Frame::reflection
+  TransmittedRadiance,  // Frame::transmission
+  LayerImages,          // Frame::layers
+  Srgb,                 // Frame::srgb
+};
+std::string_view name(FramePart part);  // "diffuse channels"
+
+struct PassAccess {
+  std::vector<FramePart> reads = {};   // as it will stay
+  std::vector<FramePart> writes = {};  // as the first
+  std::vector<FramePart> adds = {};    // reads and changes
+};
+
 class Pass {
  public:
   virtual ~Pass() = default;
   virtual std::string_view name() const = 0;
+  virtual PassAccess access() const = 0;
+  // Finds its options in frame.options.
   virtual void forward(const SplatScene& scene, Frame& frame) = 0;
-  // Takes the gradients that later passes and the losses left in the frame one step back; adds to `grad`.
+  // Takes the gradients that later passes and the losses left in the frame one step back; adds to `grad`, and to the frame's
+  // statistics of the layers.
   virtual void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) = 0;
 };
 

@@ -50,8 +50,9 @@ TraceDesc trace_desc(const ReflectionOptions& o, const SplatLayer& layer) {
 void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
   const ShadedPixels& s = frame.shaded;
   SecondaryRays& r = frame.reflection;
+  const ReflectionOptions& options = frame.options.reflection;
   const uint64_t draw = mix64(frame.seed, kLobeStream);
-  const int samples = std::max(options_.samples, 1);
+  const int samples = std::max(options.samples, 1);
   chunks_.resize(chunk_count(s.groups(), kReflectionGrain));
   parallel_chunks(s.groups(), kReflectionGrain, [&](size_t chunk, size_t first, size_t last) {
     auto& out = chunks_[chunk];
@@ -61,7 +62,7 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
       const SurfacePoint<float>& p = s.points[g];
       const Vec3f view = s.rays[g].view;
       const auto group = static_cast<uint32_t>(g);
-      if (options_.lobe != Lobe::Sampled || p.roughness < options_.mirror_below) {
+      if (options.lobe != Lobe::Sampled || p.roughness < options.mirror_below) {
         if (first_sample == 0) out.push_back({.group = group, .share = 1, .lobe = mirror_ray(view, p)});
         continue;
       }
@@ -77,14 +78,14 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
     }
   });
   r.gather(s.groups(), chunks_);
-  const bool cone = options_.lobe == Lobe::Cone;
+  const bool cone = options.lobe == Lobe::Cone;
   if (cone) r.spread.resize(r.rays.size());
   parallel_chunks(r.rays.size(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const SurfacePoint<float>& p = s.points[r.rays[i].group];
       r.origins[i] = p.position;
       r.directions[i] = r.rays[i].lobe.direction;
-      r.near[i] = options_.near;
+      r.near[i] = options.near;
       if (cone) r.spread[i] = lobe_spread(p.roughness);
     }
   });
@@ -93,10 +94,11 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
 void ReflectionPass::forward(const SplatScene& scene, Frame& frame) {
   frame.reflection.clear();
   if (scene.reflection.size() == 0 || frame.shaded.groups() == 0) return;
-  tracer_->build(scene.reflection, {.max_footprint = options_.lobe == Lobe::Cone ? options_.max_footprint : 0.f});
+  const ReflectionOptions& options = frame.options.reflection;
+  tracer_->build(scene.reflection, {.max_footprint = options.lobe == Lobe::Cone ? options.max_footprint : 0.f});
   SecondaryRays& r = frame.reflection;
-  const TraceDesc desc = trace_desc(options_, scene.reflection);
-  const int samples = options_.lobe == Lobe::Sampled ? std::max(options_.samples, 1) : 1;
+  const TraceDesc desc = trace_desc(options, scene.reflection);
+  const int samples = options.lobe == Lobe::Sampled ? std::max(options.samples, 1) : 1;
   // All samples at once are needed for gradients alone: 64 of them for a large picture are gigabytes.
   const int at_once = frame.differentiable ? samples : 1;
   sum_.clear();
@@ -114,7 +116,8 @@ void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene&
   SecondaryRays& r = frame.reflection;
   ShadedPixels& s = frame.shaded;
   if (r.rays.empty()) return;
-  r.trace_back(*tracer_, trace_desc(options_, scene.reflection), s, frame.error_image, grad.reflection, &ray_gradients_);
+  r.trace_back(*tracer_, trace_desc(frame.options.reflection, scene.reflection), s, frame.error_image, grad.reflection,
+               &ray_gradients_);
   // Rays of a group are neighbours, and a group's point belongs to it alone.
   parallel_chunks(s.groups(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t g = first; g < last; ++g)

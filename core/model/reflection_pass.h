@@ -6,16 +6,18 @@
 
 #include <memory>
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
 
 class ReflectionPass final : public Pass {
  public:
-  explicit ReflectionPass(const ReflectionOptions& options) : options_(options), tracer_(make_tracer(options.backend)) {}
+  explicit ReflectionPass(TracerBackend backend) : tracer_(make_tracer(backend)) {}
   std::string_view name() const override { return "reflection"; }
-  ReflectionOptions& options() { return options_; }  // the backend stays what it was
+  PassAccess access() const override {
+    return {.reads = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::Panes},
+            .writes = {FramePart::ReflectedRadiance}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
@@ -23,7 +25,6 @@ class ReflectionPass final : public Pass {
  private:
   void emit(Frame& frame, int first_sample, int last_sample);
 
-  ReflectionOptions options_;
   std::unique_ptr<Tracer> tracer_;
   std::vector<std::vector<SecondaryRay>> chunks_;
   std::vector<Vec3f> sum_;  // [groups]

@@ -25,6 +25,7 @@ constexpr float kSameSurface = 0.9f, kSameHeight = 0.5f;
 }  // namespace
 
 void ShapePass::forward(const SplatScene& scene, Frame& frame) {
+  options_ = frame.options.shape;
   bands_.clear();
   frame.outline.shapes.clear();
   if (!options_.shapes || options_.shapes->empty() || scene.reflection.size() == 0) return;

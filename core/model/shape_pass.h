@@ -20,9 +20,8 @@ class GBuffer;
 
 class ShapePass final : public Pass {
  public:
-  explicit ShapePass(const ShapeOptions& options) : options_(options) {}
   std::string_view name() const override { return "shape"; }
-  ShapeOptions& options() { return options_; }
+  PassAccess access() const override { return {.writes = {FramePart::ShownShapes}, .adds = {FramePart::DiffuseChannels}}; }
 
   // Writes the channels Normal and ZDepth of these pixels, as sums: times alpha.
   void forward(const SplatScene& scene, Frame& frame) override;
@@ -41,7 +40,7 @@ class ShapePass final : public Pass {
   void beside_solids(const GBuffer& g, uint32_t pixel, std::optional<Shaped>& shown) const;
   void shape_gradients(const Frame& frame);
 
-  ShapeOptions options_;
+  ShapeOptions options_;                    // of the last forward()
   std::vector<std::vector<Shaped>> bands_;  // of the picture of the last forward(), pixels ascending
   std::vector<std::vector<double>> gradients_;
   std::vector<double> beside_gradient_;

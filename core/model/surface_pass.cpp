@@ -22,10 +22,11 @@ constexpr uint32_t tile_y(uint32_t i) { return tile_x(i >> 1); }
 }  // namespace
 
 void SurfacePass::select(const SplatScene& scene, Frame& frame) {
+  const SurfaceOptions& options = frame.options.surface;
   const GBuffer g(frame);
   const bool reflects = scene.reflection.size() > 0, transmits = scene.transmittance.size() > 0;
   const auto inside = [&](std::span<const float> mask, uint32_t pixel) {
-    return !mask.empty() && mask[pixel] > options_.mask_threshold;
+    return !mask.empty() && mask[pixel] > options.mask_threshold;
   };
   const auto width = static_cast<uint32_t>(g.width), height = static_cast<uint32_t>(g.height);
   bands_.resize((height + kTile - 1) / kTile);
@@ -38,7 +39,7 @@ void SurfacePass::select(const SplatScene& scene, Frame& frame) {
         const uint32_t x = left + tile_x(i), y = top + tile_y(i);
         if (x >= width || y >= height) continue;
         const uint32_t pixel = y * width + x;
-        if (!(g.alpha[pixel] > options_.min_alpha)) continue;
+        if (!(g.alpha[pixel] > options.min_alpha)) continue;
         const bool glass = inside(frame.transparent_mask, pixel);
         const LayersPresent asks{
             .reflection = reflects && (glass || g.specular[pixel] > float(kMinSpecular) || inside(frame.specular_mask, pixel)),
@@ -58,9 +59,10 @@ void SurfacePass::forward(const SplatScene& scene, Frame& frame) {
   ShadedPixels& s = frame.shaded;
   s.clear();
   if (scene.reflection.size() + scene.transmittance.size() == 0) return;
+  const SurfaceOptions& options = frame.options.surface;
   select(scene, frame);
   const size_t asking = s.pixels.size();
-  const size_t groups = options_.ray_budget > 0 ? std::min(asking, static_cast<size_t>(options_.ray_budget)) : asking;
+  const size_t groups = options.ray_budget > 0 ? std::min(asking, static_cast<size_t>(options.ray_budget)) : asking;
   if (groups == 0) return;
   s.begin.resize(groups + 1);
   for (size_t i = 0; i <= groups; ++i) s.begin[i] = static_cast<uint32_t>(i * asking / groups);
@@ -82,16 +84,17 @@ void SurfacePass::forward(const SplatScene& scene, Frame& frame) {
 }
 
 void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
+  const SurfaceOptions& options = frame.options.surface;
   ShadedPixels& s = frame.shaded;
   const size_t groups = s.groups();
   if (groups == 0) return;
   float longest = INFINITY;
-  if (options_.normal_gradient && options_.normal_quantile < 1) {
+  if (options.normal_gradient && options.normal_quantile < 1) {
     lengths_.clear();
     for (const SurfacePoint<float>& p : s.grad_points)
       if (const float l = length(p.normal); l > 0) lengths_.push_back(l);
     if (!lengths_.empty()) {
-      const auto at = lengths_.begin() + static_cast<ptrdiff_t>(options_.normal_quantile * float(lengths_.size() - 1));
+      const auto at = lengths_.begin() + static_cast<ptrdiff_t>(options.normal_quantile * float(lengths_.size() - 1));
       std::nth_element(lengths_.begin(), at, lengths_.end());
       longest = *at;
     }
@@ -102,11 +105,11 @@ void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   parallel_chunks(groups, kSurfaceGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       SurfacePoint<float> grad = s.grad_points[i];
-      if (!options_.normal_gradient) {
+      if (!options.normal_gradient) {
         grad.normal = {};
         grad.cosine = grad.agreement = 0;
       }
-      if (!options_.depth_gradient) grad.position = {};
+      if (!options.depth_gradient) grad.position = {};
       if (const float l = length(grad.normal); l > longest) grad.normal *= longest / l;
       const uint32_t pixel = s.chosen_pixel(i);
       const PixelSums<float> sums = surface_point_vjp(g.sums(pixel), s.rays[i], grad);

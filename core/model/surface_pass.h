@@ -9,16 +9,17 @@
 // the gradient with all rays traced.
 #pragma once
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
 
 class SurfacePass final : public Pass {
  public:
-  explicit SurfacePass(const SurfaceOptions& options) : options_(options) {}
   std::string_view name() const override { return "surface"; }
-  SurfaceOptions& options() { return options_; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::DiffuseChannels},
+            .writes = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
@@ -26,7 +27,6 @@ class SurfacePass final : public Pass {
  private:
   void select(const SplatScene& scene, Frame& frame);
 
-  SurfaceOptions options_;
   struct Asker {
     uint32_t pixel;
     LayersPresent asks;

@@ -16,41 +16,32 @@
 #include <vector>
 
 #include "core/model/bent_rays.h"
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
 
 // Surfels of a diffuse layer that are no glass, ascending.
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
-// Everything but the glass in one layer: `opaque` surfels of the diffuse layer, then the transmittance layer; their spherical
-// harmonics up to the degrees given (beyond: 0). Reuses the memory of `merged`.
-void without_glass(const SplatScene& scene, int diffuse_degree, int layer_degree, std::vector<uint32_t>& opaque,
-                   SplatLayer& merged);
+// The scene without its glass, with spherical harmonics up to the degrees given (beyond: 0). Reuses the memory of `opened`.
+void without_glass(const SplatScene& scene, int diffuse_degree, int layer_degree, OpenedScene& opened);
 
 class ThinGlassPass final : public Pass {
  public:
-  // `diffuse`: how the diffuse layer is shown; the backend stays what it was.
-  ThinGlassPass(const TransmissionOptions& options, const DiffuseOptions& diffuse)
-      : options_(options), diffuse_(diffuse), renderer_(make_renderer(diffuse.backend)) {}
+  // `backend`: of the rasteriser.
+  explicit ThinGlassPass(Backend backend) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "thin_glass"; }
-  TransmissionOptions& options() { return options_; }
-  DiffuseOptions& diffuse() { return diffuse_; }
-  // Of the last forward(), where it had something to show: everything but the glass, and which of it, in this order and first,
-  // are surfels of the diffuse layer.
-  const SplatLayer& merged() const { return merged_; }
-  std::span<const uint32_t> opaque() const { return opaque_; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::TransmissionAskers},
+            .writes = {FramePart::OpenedScene, FramePart::BehindGlass}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  TransmissionOptions options_;
-  DiffuseOptions diffuse_;
   std::unique_ptr<Renderer> renderer_;
-  std::vector<uint32_t> opaque_;  // of the diffuse layer
-  SplatLayer merged_, grad_;      // those, then the transmittance layer
-  std::vector<uint8_t> wanted_;   // [h,w] pixels that ask for what stands behind them
+  SplatLayer grad_;              // of the opened scene
+  std::vector<uint8_t> wanted_;  // [h,w] pixels that ask for what stands behind them
   RasterImages picture_, gradients_;
   std::vector<float> blame_;
   SurfelStatistics statistics_;

@@ -19,8 +19,9 @@ TraceDesc trace_desc(const TransmissionOptions& o, const SplatLayer& layer) {
 void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
   SecondaryRays& r = frame.transmission;
   const ShadedPixels& s = frame.shaded;
+  const TransmissionOptions& options = frame.options.transmission;
   r.clear();
-  if (options_.glass != Glass::Traced || scene.transmittance.size() == 0 || s.groups() == 0) return;
+  if (options.glass != Glass::Traced || scene.transmittance.size() == 0 || s.groups() == 0) return;
   tracer_->build(scene.transmittance);
   rays_.clear();
   for (size_t g = 0; g < s.groups(); ++g) {
@@ -36,16 +37,16 @@ void TransmissionPass::forward(const SplatScene& scene, Frame& frame) {
     for (size_t i = first; i < last; ++i) {
       r.origins[i] = s.points[r.rays[i].group].position;
       r.directions[i] = r.rays[i].lobe.direction;
-      r.near[i] = options_.near;
+      r.near[i] = options.near;
     }
   });
-  r.trace(*tracer_, trace_desc(options_, scene.transmittance), s, frame.differentiable);
+  r.trace(*tracer_, trace_desc(options, scene.transmittance), s, frame.differentiable);
 }
 
 void TransmissionPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   if (frame.transmission.rays.empty()) return;
-  frame.transmission.trace_back(*tracer_, trace_desc(options_, scene.transmittance), frame.shaded, frame.error_image,
-                                grad.transmittance, nullptr);
+  frame.transmission.trace_back(*tracer_, trace_desc(frame.options.transmission, scene.transmittance), frame.shaded,
+                                frame.error_image, grad.transmittance, nullptr);
 }
 
 }  // namespace vitrine

@@ -8,22 +8,22 @@
 
 #include <memory>
 
-#include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
 
 class TransmissionPass final : public Pass {
  public:
-  explicit TransmissionPass(const TransmissionOptions& options) : options_(options), tracer_(make_tracer(options.backend)) {}
+  explicit TransmissionPass(TracerBackend backend) : tracer_(make_tracer(backend)) {}
   std::string_view name() const override { return "transmission"; }
-  TransmissionOptions& options() { return options_; }  // the backend stays what it was
+  PassAccess access() const override {
+    return {.reads = {FramePart::Surfaces, FramePart::TransmissionAskers}, .writes = {FramePart::TransmittedRadiance}};
+  }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
-  TransmissionOptions options_;
   std::unique_ptr<Tracer> tracer_;
   std::vector<SecondaryRay> rays_;
 };

@@ -18,6 +18,9 @@ struct SurfelStatistics {
   std::vector<float> screen_gradient;  // norm of the projected centre's gradient, in half images (Huang et al. 2024)
   std::vector<float> weight;           // sum over pixels of the blending weight w
   std::vector<float> error;            // sum over pixels of w * error_image, when an error image was given
+  void reset(size_t surfels) {
+    for (auto* values : {&screen_gradient, &weight, &error}) values->assign(surfels, 0.f);
+  }
 };
 
 struct BackwardInput {

@@ -147,10 +147,9 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
 // mesh/behind_glass.ply, where glass shows something.
 void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views, const TriMesh& mesh,
                         FusionDesc fusion, RenderedDepth& shell, StageContext& context, Json& report) {
-  std::vector<uint32_t> opaque;
-  SplatLayer content(LayerKind::Transmittance, 0, 0);
-  without_glass(scene.surfels, scene.image.diffuse.sh_degree, scene.image.transmission.sh_degree, opaque, content);
-  RenderedDepth inside(config, content, scene.image.diffuse.near_z, views);
+  OpenedScene content;
+  without_glass(scene.surfels, scene.image.diffuse.sh_degree, scene.image.transmission.sh_degree, content);
+  RenderedDepth inside(config, content.surfels, scene.image.diffuse.near_z, views);
   const TriMesh behind =
       behind_glass({.mesh = mesh,
                     .diffuse = scene.surfels.diffuse,

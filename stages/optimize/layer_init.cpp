@@ -9,6 +9,7 @@
 #include "core/base/rng.h"
 #include "core/math/rigid.h"
 #include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
@@ -61,13 +62,13 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializ
   const size_t n = scene.diffuse.size();
   Survey found{{masks.size(), {std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}}, {}};
   found.depths.resize(desc.capture.photos.size());
-  DiffusePass pass({.sh_degree = desc.sh_degree, .near_z = desc.capture.near_z});
+  ImageModel model({.diffuse = {.sh_degree = desc.sh_degree, .near_z = desc.capture.near_z}});
+  model.emplace<DiffusePass>();
   const SplatScene diffuse{.diffuse = scene.diffuse};
   SplatScene ignored{.diffuse = scene.diffuse.zeros_like()};
   Frame frame;
   for (uint32_t photo : desc.capture.train) {
-    frame.view = &desc.capture.photos[photo].levels[kEvidenceLevel].view;
-    pass.forward(diffuse, frame);
+    model.forward(diffuse, desc.capture.photos[photo].levels[kEvidenceLevel].view, frame);
     const size_t pixels = frame.pixel_count();
     const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha),
                median = frame.diffuse.plane(Aov::MedianZ);
@@ -79,7 +80,7 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializ
       frame.error_image.resize(pixels);
       for (size_t i = 0; i < pixels; ++i) frame.error_image[i] = float(inside[i]) / 255.f;
       frame.grad_linear.assign(3 * pixels, 0.f);
-      pass.backward(diffuse, frame, ignored);
+      model.backward(diffuse, frame, ignored);
       for (size_t i = 0; i < n; ++i) {
         found.evidence[m].weight[i] += frame.statistics.weight[i];
         found.evidence[m].inside[i] += frame.statistics.error[i];

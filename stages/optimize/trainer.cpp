@@ -137,10 +137,9 @@ double Trainer::descend(uint32_t photo_index) {
   const PhotoLevel& photo = setup_.capture.photos[photo_index].levels[l];
   const PhaseClock clock = this->clock();
   const double f = fraction();
-  set_up_passes();
-  bool distortion = false;
-  for (const LossTerm& term : config().loss.terms()) distortion |= term.factory->name == "distortion" && term.schedule.at(f) > 0;
-  model_.diffuse->options().distortion = distortion;
+  model_.options() = image_options();
+  for (const LossTerm& term : config().loss.terms())
+    model_.options().diffuse.distortion |= term.factory->name == "distortion" && term.schedule.at(f) > 0;
   decode(setup_.targets.photos[photo_index][l], target_images_);
   weigh_pixels(clock);
   point_at_masks();
@@ -181,8 +180,8 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     blank |= diffuse && done.active == 0;
   }
   if (!shapes_.empty() && fraction() >= config().phases.reflection.surface_from) {
-    shapes_.descend(model_.shape->gradients(), clock.shape_rates());
-    beside_shapes_.descend(model_.shape->beside_gradient(), clock.shape_rates().beside);
+    shapes_.descend(model_.shape().gradients(), clock.shape_rates());
+    beside_shapes_.descend(model_.shape().beside_gradient(), clock.shape_rates().beside);
   }
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && config().phases.transmittance.one_glass)
     share_glass(scene_.diffuse);
@@ -320,19 +319,6 @@ ImageOptions Trainer::image_options() const {
   return options;
 }
 
-void Trainer::set_up_passes() const {
-  const ImageOptions options = image_options();
-  model_.diffuse->options() = options.diffuse;
-  model_.shape->options() = model_.outline->options() = options.shape;
-  model_.outline->diffuse() = options.diffuse;
-  model_.surface->options() = options.surface;
-  model_.reflection->options() = options.reflection;
-  model_.transmission->options() = model_.thin_glass->options() = options.transmission;
-  model_.thin_glass->diffuse() = options.diffuse;
-  model_.panes->options() = options.panes;
-  model_.composite->options() = options.composite;
-}
-
 // Masks ask for rays; those of glass only when there is a layer behind it.
 void Trainer::point_at_masks() {
   frame_.seed = static_cast<uint64_t>(config().seed);
@@ -350,10 +336,10 @@ void Trainer::point_at_masks() {
 }
 
 void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
-  set_up_passes();
-  model_.surface->options().ray_budget = 0;
-  model_.composite->options().layer_images = layers;
-  model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, frame);
+  ImageOptions options = image_options();
+  options.surface.ray_budget = 0;
+  options.composite.layer_images = layers;
+  model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, options, frame);
 }
 
 }  // namespace vitrine

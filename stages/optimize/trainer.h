@@ -79,7 +79,6 @@ class Trainer {
   uint32_t photo_of_step();
   int sh_degree() const { return fraction() < config().sh_from ? 0 : config().sh_degree; }
   size_t diffuse_cap() const;
-  void set_up_passes() const;
   void point_at_masks();
   void begin_phases();
   void fill_unseen();

@@ -8,6 +8,7 @@
 
 #include "core/light/environment.h"
 #include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
 #include "core/model/thin_glass_pass.h"
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
@@ -38,14 +39,14 @@ constexpr float kWhole = 1.f;      // of the pixels in the photo that shows most
 constexpr float kRim = 0.25f;      // small surfels that were trained may be many
 
 std::vector<SeenPhoto> seen_photos(const SplatLayer& layer, const Capture& capture) {
-  DiffusePass pass({.sh_degree = 0, .near_z = capture.near_z});
+  ImageModel model({.diffuse = {.sh_degree = 0, .near_z = capture.near_z}});
+  model.emplace<DiffusePass>();
   const SplatScene diffuse{.diffuse = layer};
   Frame frame;
   std::vector<SeenPhoto> photos;
   for (uint32_t photo : capture.train) {
     const PhotoLevel& level = capture.photos[photo].levels[kUnseenLevel];
-    frame.view = &level.view;
-    pass.forward(diffuse, frame);
+    model.forward(diffuse, level.view, frame);
     const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha),
                median = frame.diffuse.plane(Aov::MedianZ);
     photos.push_back({&level, std::vector<float>(frame.pixel_count())});
@@ -164,19 +165,22 @@ SplatLayer guessed_layer(std::span<const ScenePlane> planes, double background, 
 class PhotoWeights {
  public:
   PhotoWeights(const SplatLayer& layer, const Capture& capture)
-      : scene_{.diffuse = layer}, ignored_{.diffuse = layer.zeros_like()}, pass_({.sh_degree = 0, .near_z = capture.near_z}) {}
+      : scene_{.diffuse = layer},
+        ignored_{.diffuse = layer.zeros_like()},
+        model_({.diffuse = {.sh_degree = 0, .near_z = capture.near_z}}) {
+    model_.emplace<DiffusePass>();
+  }
 
   const std::vector<float>& in(const View& view) {
-    frame_.view = &view;
-    pass_.forward(scene_, frame_);
+    model_.forward(scene_, view, frame_);
     frame_.grad_linear.assign(3 * frame_.pixel_count(), 0.f);
-    pass_.backward(scene_, frame_, ignored_);
+    model_.backward(scene_, frame_, ignored_);
     return frame_.statistics.weight;
   }
 
  private:
   SplatScene scene_, ignored_;
-  DiffusePass pass_;
+  ImageModel model_;
   Frame frame_;
 };
 

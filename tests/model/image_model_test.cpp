@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
+#include "core/base/error.h"
 #include "core/base/rng.h"
 #include "core/math/color.h"
+#include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
+#include "core/model/shape_pass.h"
+#include "core/model/surface_pass.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
@@ -80,13 +85,41 @@ TEST(DisplayPass, ClippedPixelsOnlyComeBackIntoRange) {
   for (size_t i = 0; i < frame.linear.size(); ++i) EXPECT_EQ(frame.grad_linear[i] > 0, i % 2 == 1);
 }
 
+std::string refusal(const std::function<void(ImageModel&)>& add) {
+  ImageModel model({});
+  try {
+    add(model);
+  } catch (const Error& e) {
+    return e.message();
+  }
+  return "none";
+}
+
+TEST(ImageModel, RefusesPassesInAWrongOrder) {
+  EXPECT_EQ(refusal([](ImageModel& m) { m.emplace<DisplayPass>(); }),
+            "pass 'display' reads 'linear radiance', which no pass before it writes");
+  EXPECT_EQ(refusal([](ImageModel& m) {
+              m.emplace<DiffusePass>();
+              m.emplace<SurfacePass>();
+              m.emplace<ShapePass>();
+            }),
+            "pass 'shape' adds to 'diffuse channels', which pass 'surface' before it has read");
+  EXPECT_EQ(refusal([](ImageModel& m) {
+              m.emplace<DiffusePass>();
+              m.emplace<DiffusePass>();
+            }),
+            "pass 'diffuse' writes 'diffuse channels' as pass 'diffuse' does");
+  EXPECT_EQ(refusal([](ImageModel& m) { m.emplace<ShapePass>(); }),
+            "pass 'shape' adds to 'diffuse channels', which no pass before it writes");
+}
+
 // The whole list, through the rasteriser: colours and opacities against central differences of a quadratic loss.
 TEST(ImageModel, GradientRunsThroughThePassesInReverse) {
   const View view = small_view();
   SplatScene scene = small_scene(12);
-  ImageModel model;
-  model.add(std::make_unique<DiffusePass>(DiffuseOptions{.backend = Backend::Reference, .sh_degree = 1}));
-  model.add(std::make_unique<DisplayPass>());
+  ImageModel model({.diffuse = {.backend = Backend::Reference, .sh_degree = 1}});
+  model.emplace<DiffusePass>(Backend::Reference);
+  model.emplace<DisplayPass>();
   Frame frame;
   const auto loss = [&] {
     model.forward(scene, view, frame);

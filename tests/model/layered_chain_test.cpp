@@ -2,8 +2,15 @@
 #include <gtest/gtest.h>
 
 #include "core/math/dual.h"
+#include "core/model/composite_pass.h"
+#include "core/model/diffuse_pass.h"
 #include "core/model/gbuffer.h"
-#include "core/model/layered_model.h"
+#include "core/model/image_model.h"
+#include "core/model/pane_pass.h"
+#include "core/model/reflection_pass.h"
+#include "core/model/surface_pass.h"
+#include "core/model/thin_glass_pass.h"
+#include "core/model/transmission_pass.h"
 #include "core/trace/reference/reference_trace.h"
 #include "tests/model/tiny_rooms.h"
 #include "tests/support/gradcheck.h"
@@ -88,21 +95,26 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
   options.reflection.samples = options.reflection.lobe == Lobe::Sampled ? 3 : 1;
   const LayeredRoom room = furnished_room({}, 3);
-  LayeredModel model(options);
+  // A loss that is linear in the radiance: there is no display.
+  ImageModel model(options);
+  model.emplace<DiffusePass>(options.diffuse.backend);
+  model.emplace<SurfacePass>();
+  model.emplace<ThinGlassPass>(options.diffuse.backend);
+  model.emplace<PanePass>(options.diffuse.backend);
+  model.emplace<ReflectionPass>(options.reflection.backend);
+  model.emplace<TransmissionPass>(options.transmission.backend);
+  model.emplace<CompositePass>();
   Frame frame;
   model.forward(room.scene, room.view, frame);
   ASSERT_EQ(frame.shaded.groups(), frame.pixel_count());
 
-  // A loss that is linear in the radiance; the display pass is not part of this.
   Rng rng(9);
   const size_t pixels = frame.pixel_count();
   frame.grad_linear.resize(3 * pixels);
   for (float& g : frame.grad_linear) g = rng.normal();
   const std::vector<float> g = frame.grad_linear;
   SplatScene grad = room.scene.zeros_like();
-  for (Pass* pass : {static_cast<Pass*>(model.composite), static_cast<Pass*>(model.transmission),
-                     static_cast<Pass*>(model.reflection), static_cast<Pass*>(model.surface), static_cast<Pass*>(model.diffuse)})
-    pass->backward(room.scene, frame, grad);
+  model.backward(room.scene, frame, grad);
 
   struct Channel {
     const char* name;

@@ -71,12 +71,12 @@ TEST(LayeredModel, DepthAndNormalGradientsCanBeCut) {
   const auto both = norms();
   EXPECT_GT(both.first, 1e-3);
   EXPECT_GT(both.second, 1e-3);
-  model.surface->options().depth_gradient = false;
+  model.options().surface.depth_gradient = false;
   EXPECT_EQ(norms().second, 0);
   EXPECT_EQ(norms().first, both.first);
-  model.surface->options().normal_gradient = false;
+  model.options().surface.normal_gradient = false;
   EXPECT_EQ(norms().first, 0);
-  model.surface->options() = {.normal_quantile = 0.9f};
+  model.options().surface = {.normal_quantile = 0.9f};
   EXPECT_LT(norms().first, 0.99 * both.first) << "the longest are shortened";
 }
 
@@ -86,7 +86,7 @@ TEST(RayBudget, GradientIsUnbiased) {
   LayeredModel model(exact_options());
   Frame frame;
   const auto gradient = [&](uint64_t step, int budget) {
-    model.surface->options().ray_budget = budget;
+    model.options().surface.ray_budget = budget;
     frame.seed = 4;
     frame.step = step;
     model.forward(r.scene, r.view, frame);

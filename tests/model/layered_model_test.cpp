@@ -13,9 +13,9 @@ namespace {
 
 TEST(LayeredModel, WithoutItsLayersIsTheDiffuseModelToTheBit) {
   LayeredRoom r = room({}, 2);
-  ImageModel plain;
-  plain.add(std::make_unique<DiffusePass>(DiffuseOptions{}));
-  plain.add(std::make_unique<DisplayPass>());
+  ImageModel plain({});
+  plain.emplace<DiffusePass>();
+  plain.emplace<DisplayPass>();
   LayeredModel layered(ImageOptions{});
   Frame a, b;
   SplatScene grad_a = r.scene.zeros_like(), grad_b = grad_a;
@@ -70,7 +70,7 @@ TEST(LayeredModel, MirrorShowsAThingWhereGeometrySaysSo) {
   add_surfel(r.scene.reflection,
              {.mean = thing, .normal = normalized(r.point - thing), .size = 0.1, .opacity = 0.95, .rgb = {1, 1, 1}}, 1);
   LayeredModel model(exact_options());
-  model.composite->options().layer_images = true;
+  model.options().composite.layer_images = true;
   Frame frame;
   model.forward(r.scene, r.view, frame);
   double sum = 0, x = 0, y = 0;
@@ -126,10 +126,10 @@ TEST(RayBudget, SampledLobesAverageToWhatManySamplesShow) {
   options.reflection.lobe = Lobe::Sampled;
   LayeredModel model(options);
   Frame frame;
-  model.reflection->options().samples = 200;
+  model.options().reflection.samples = 200;
   model.forward(r.scene, r.view, frame);
   const std::vector<Vec3f> many = frame.reflection.radiance;
-  model.reflection->options().samples = 1;
+  model.options().reflection.samples = 1;
   std::vector<Vec3f> mean(many.size());
   constexpr int kSteps = 200;
   for (int step = 0; step < kSteps; ++step) {

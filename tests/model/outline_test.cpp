@@ -274,7 +274,7 @@ TEST(OutlinePass, GradientsMatchDifferences) {
   const auto number = [&](double gradient, auto& value, double step) {
     exact.push_back(float(gradient)), differences.push_back(finite_difference(value, loss, step));
   };
-  const std::vector<double> of_ball = model.shape->gradients().at(0);
+  const std::vector<double> of_ball = model.shape().gradients().at(0);
   const SurfaceOfRevolution at = (*b.shapes)[0];
   std::vector<double> by(of_ball.size(), 0.0);
   for (size_t i = 0; i < 2; ++i) {

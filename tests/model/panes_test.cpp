@@ -5,7 +5,10 @@
 
 #include "core/base/parallel.h"
 #include "core/math/dual.h"
+#include "core/model/kernels/pane_blend.h"
 #include "core/model/layered_model.h"
+#include "core/model/pane_pass.h"
+#include "core/model/thin_glass_pass.h"
 #include "core/trace/tracer.h"
 #include "tests/model/exact_model.h"
 #include "tests/model/tiny_rooms.h"
@@ -98,9 +101,9 @@ TEST(Panes, MirrorWhatRaysWouldMeet) {
   const PaneImages& panes = frame.panes;
   ASSERT_FALSE(panes.empty());
   const size_t pixels = frame.pixel_count(), width = size_t(s.view.intrinsics.width);
-  SplatLayer room(LayerKind::Transmittance, 1, 0);
-  std::vector<uint32_t> opaque;
-  without_glass(s.scene, 1, 1, opaque, room);
+  OpenedScene opened;
+  without_glass(s.scene, 1, 1, opened);
+  const SplatLayer& room = opened.surfels;
   const Vec3d eye = s.view.centre_in_world();
   size_t near = 0, far = 0, differ = 0;
   float worst = 0;

@@ -66,9 +66,9 @@ TEST(ShapePass, PolishedPixelsHaveThePlaceAndTheNormalOfTheSolid) {
     return std::ranges::equal(with.diffuse.plane(Aov::Normal), without.diffuse.plane(Aov::Normal)) && with.srgb == without.srgb;
   };
   EXPECT_FALSE(own());
-  model.shape->options().polished = 0.95f;
+  model.options().shape.polished = 0.95f;
   EXPECT_TRUE(own());
-  model.shape->options() = r.options.shape;
+  model.options().shape = r.options.shape;
   for (const double away : {-1.0, 3.0}) {
     (*r.shapes)[0].origin = r.centre + away * r.room.normal;
     EXPECT_TRUE(own()) << away;
@@ -129,9 +129,9 @@ TEST(ShapePass, AMeshTellsWhatStandsOutOfTheSolid) {
   start_gradient(frame);
   SplatScene grad = r.room.scene.zeros_like();
   model.backward(r.room.scene, frame, grad);
-  EXPECT_NE(model.shape->gradients().at(0).at(0), 0);
-  ASSERT_EQ(model.shape->beside_gradient().size(), 4u);
-  for (double v : model.shape->beside_gradient()) EXPECT_NE(v, 0);
+  EXPECT_NE(model.shape().gradients().at(0).at(0), 0);
+  ASSERT_EQ(model.shape().beside_gradient().size(), 4u);
+  for (double v : model.shape().beside_gradient()) EXPECT_NE(v, 0);
   // Its back is not seen, and a mesh far in front is another thing.
   const auto picture = [&](TriMesh mesh) {
     ImageOptions options = r.options;
@@ -160,8 +160,8 @@ TEST(ShapePass, GradientsMatchDifferences) {
   start_gradient(frame);
   SplatScene grad = r.room.scene.zeros_like();
   model.backward(r.room.scene, frame, grad);
-  ASSERT_EQ(model.shape->gradients().size(), 1u);
-  const std::vector<double> g = model.shape->gradients()[0];
+  ASSERT_EQ(model.shape().gradients().size(), 1u);
+  const std::vector<double> g = model.shape().gradients()[0];
   const SurfaceOfRevolution at = (*r.shapes)[0];
   std::vector<float> exact;
   std::vector<double> differences, step(g.size(), 0.0);
@@ -217,22 +217,22 @@ TEST(ShapeTraining, FindsTheSolidThatWasPhotographed) {
     if (step == 0) first = error();
     for (size_t i = 0; i < photo.size(); ++i) frame.grad_srgb[i] = frame.srgb[i] - photo[i];
     model.backward(r.room.scene, frame, ignored);
-    training.descend(model.shape->gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
+    training.descend(model.shape().gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
     if (step != 75) continue;
     ArchiveWriter out;
     training.save(out);
     ArchiveReader in(out.bytes());
     resumed.load(in);
     EXPECT_TRUE(in.at_end());
-    resumed.descend(model.shape->gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
+    resumed.descend(model.shape().gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
     ShapeTraining once = training;
-    once.descend(model.shape->gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
+    once.descend(model.shape().gradients(), {.origin = 2e-3, .axis = 1e-4, .profile = 1e-3});
     EXPECT_EQ(resumed.shapes()[0].origin, once.shapes()[0].origin) << "a killed run goes on alike";
   }
   EXPECT_GT(first, 1e-3);
   EXPECT_LT(error(), 0.05 * first);
   // Broken gradients move nothing.
-  auto broken = model.shape->gradients();
+  auto broken = model.shape().gradients();
   broken[0][7] = NAN;
   const Vec3d before = training.shapes()[0].origin;
   training.descend(broken, {.origin = 1, .axis = 1, .profile = 1});

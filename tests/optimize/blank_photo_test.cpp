@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
 #include "core/scene/scene_io.h"
 #include "core/train/capture.h"
 #include "core/train/photo_order.h"
@@ -42,8 +43,9 @@ TEST(OptimizeStageAlone, APhotoThatShowsNoSurfelIsNoCollapse) {
   TestContext context(sfm, folder.path() / "work");
   run_optimize(config, context);
   Frame frame;
-  frame.view = &capture.photos[kAway].levels[0].view;
-  DiffusePass({.sh_degree = 0}).forward({.diffuse = read_layer(context.output() / "gaussians/diffuse.ply")}, frame);
+  ImageModel image_model({.diffuse = {.sh_degree = 0}});
+  image_model.emplace<DiffusePass>();
+  image_model.forward({.diffuse = read_layer(context.output() / "gaussians/diffuse.ply")}, capture.photos[kAway].levels[0].view, frame);
   EXPECT_EQ(std::ranges::max(frame.diffuse.plane(Aov::Alpha)), 0) << "or the last step would be no test";
 }
 

@@ -164,11 +164,10 @@ const SurfaceSampler& ExportSource::sampler() {
     sampler_.emplace(surface);
     return *sampler_;
   }
-  std::vector<uint32_t> opaque;
-  without_glass(scene().surfels, scene().image.diffuse.sh_degree, scene().image.transmission.sh_degree, opaque, content_);
-  content_materials_ = content_materials(materials(), opaque, content_.size());
+  without_glass(scene().surfels, scene().image.diffuse.sh_degree, scene().image.transmission.sh_degree, content_);
+  content_materials_ = content_materials(materials(), content_.opaque, content_.surfels.size());
   const MaterialSource content{
-      .surfels = &content_, .materials = content_materials_, .with_albedo = has_albedo() ? opaque.size() : 0};
+      .surfels = &content_.surfels, .materials = content_materials_, .with_albedo = has_albedo() ? content_.opaque.size() : 0};
   sampler_.emplace(surface, content, first_behind_glass());
   notes_.push_back("what stands behind glass is there, matt" +
                    std::string(has_albedo() ? "; what is seen through glass alone has the photos' light in its colours" : ""));

@@ -67,7 +67,7 @@ class ExportSource {
   std::optional<TriMesh> mesh_;
   std::optional<SolidGlass> solid_;  // faces and vertices of mesh_
   uint32_t first_behind_glass_ = 0;
-  SplatLayer content_{LayerKind::Transmittance, 0, 0};  // everything but the glass
+  OpenedScene content_;
   std::vector<SurfelMaterial> content_materials_;
   std::optional<std::vector<SurfelMaterial>> materials_;
   std::optional<SurfaceSampler> sampler_;  // reads scene_ and materials_

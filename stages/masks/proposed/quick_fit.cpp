@@ -12,6 +12,7 @@
 #include "core/image/resample.h"
 #include "core/loss/loss_set.h"
 #include "core/math/color.h"
+#include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
 #include "core/model/image_model.h"
 #include "core/optim/densify.h"
@@ -140,9 +141,9 @@ QuickFit quick_fit(const QuickFitConfig& config, const MaskCapture& capture, con
   std::vector<SmallPhoto> small(count);
   parallel_for(count, 1, [&](size_t v) { small[v] = halved(photos[v]); });
 
-  ImageModel model;
-  model.add(std::make_unique<DiffusePass>(DiffuseOptions{.sh_degree = 0}));
-  model.add(std::make_unique<DisplayPass>());
+  ImageModel model({.diffuse = {.sh_degree = 0}});
+  model.emplace<DiffusePass>();
+  model.emplace<DisplayPass>();
   SplatScene scene{.diffuse = layer_of(first_surfels(config, capture, photos))};
   SplatScene grad = scene.zeros_like();
   Adam adam(scene.diffuse);

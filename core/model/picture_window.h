@@ -1,0 +1,39 @@
+// The window of a picture that some of its pixels lie in.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/camera/view.h"
+
+namespace vitrine {
+
+struct PictureWindow {
+  int left = 0, top = 0, right = 0, bottom = 0;  // pixels of the picture; left and top inside, right and bottom outside
+
+  bool empty() const { return left >= right; }
+  int width() const { return right - left; }
+  int height() const { return bottom - top; }
+  size_t pixel_count() const { return static_cast<size_t>(width()) * static_cast<size_t>(height()); }
+  void extend(int x, int y) {
+    if (empty()) {
+      *this = {x, y, x + 1, y + 1};
+      return;
+    }
+    left = std::min(left, x), right = std::max(right, x + 1);
+    top = std::min(top, y), bottom = std::max(bottom, y + 1);
+  }
+  // Its pixel that shows (x, y) of the picture.
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y - top) * static_cast<size_t>(width()) + static_cast<size_t>(x - left);
+  }
+  // The camera of the window alone.
+  View view(View whole) const {
+    Intrinsics& k = whole.intrinsics;
+    k.width = width(), k.height = height();
+    k.cx -= left, k.cy -= top;
+    return whole;
+  }
+};
+
+}  // namespace vitrine
