@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 
 namespace vitrine {
 
@@ -215,11 +216,11 @@ size_t TsdfVolume::integrate(const DepthView& view) {
       const double near_z = centre.z - radius;
       if (centre.z + radius <= 0) continue;
       if (near_z > 0.1 * radius) {  // far enough for a pixel rectangle that bounds the sphere
-        const double cx = in.fx * centre.x / near_z, cy = in.fy * centre.y / near_z;
-        const double cx_far = in.fx * centre.x / (centre.z + radius), cy_far = in.fy * centre.y / (centre.z + radius);
+        const ImagePoint near = projected({centre.x, centre.y, near_z}, in),
+                         far = projected({centre.x, centre.y, centre.z + radius}, in);
         const double rx = in.fx * radius / near_z + 1, ry = in.fy * radius / near_z + 1;
-        const double x0 = std::min(cx, cx_far) - rx + in.cx, x1 = std::max(cx, cx_far) + rx + in.cx;
-        const double y0 = std::min(cy, cy_far) - ry + in.cy, y1 = std::max(cy, cy_far) + ry + in.cy;
+        const double x0 = std::min(near.x, far.x) - rx, x1 = std::max(near.x, far.x) + rx;
+        const double y0 = std::min(near.y, far.y) - ry, y1 = std::max(near.y, far.y) + ry;
         if (x1 < 0 || y1 < 0 || x0 > in.width || y0 > in.height) continue;
         if (near_z - t > double(far_tiles.farthest(x0, y0, x1, y1))) continue;  // sdf <= -truncation everywhere
       }

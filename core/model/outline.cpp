@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/model/kernels/outline_coverage.h"
 
 namespace vitrine {
@@ -30,11 +31,10 @@ class Extent {
  public:
   explicit Extent(const View& view) : view_(view) {}
   void add(const Vec3d& place) {
-    const Intrinsics& k = view_.intrinsics;
-    const Vec3d p = view_.cam_from_world * place;
-    behind_ |= p.z < kOutlineNear;
+    const auto p = projection(place, view_, kOutlineNear);
+    behind_ |= !p;
     if (behind_) return;
-    const double at[2] = {k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy};
+    const double at[2] = {p->x, p->y};
     for (size_t c = 0; c < 2; ++c) low_[c] = std::min(low_[c], at[c]), high_[c] = std::max(high_[c], at[c]);
   }
   std::optional<Window> window() const {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/stereo/box_search.h"
 
 namespace vitrine {
@@ -57,9 +58,9 @@ Spans outline_spans(const Box& box, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::array<Vec2d, 8> corners;
   for (size_t i = 0; i < 8; ++i) {
-    const Vec3d p = view.cam_from_world * box.corner(i);
-    if (!(p.z > 1e-6)) return {};
-    corners[i] = {k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy};
+    const auto p = projection(box.corner(i), view, 1e-6);
+    if (!p) return {};
+    corners[i] = {p->x, p->y};
   }
   Spans spans(size_t(k.height), {1e9, -1e9});
   for (size_t i = 0; i < 8; ++i)

@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "core/camera/projection.h"
 #include "core/stereo/inverse_plane.h"
 #include "core/stereo/patch_score.h"
 
@@ -88,12 +89,10 @@ class Witnesses {
         against += 1;
         continue;
       }
-      if (!(p.z > 0)) continue;
-      const Intrinsics& k = photos_[other.index].view.intrinsics;
-      const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
-      if (!(u >= 0) || !(v >= 0) || !(u < k.width) || !(v < k.height)) continue;
+      const auto at = image_point(p, photos_[other.index].view.intrinsics);
+      if (!at) continue;
       const DepthMap& map = maps_[other.index];
-      const size_t pixel = map.index(int(u), int(v));
+      const size_t pixel = map.index(int(at->x), int(at->y));
       if (map.reliable(pixel)) {
         const double z = double(map.zdepth[pixel]);
         if (p.z > (1 + kBefore) * z) continue;  // hidden there

@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/camera/projection.h"
 #include "core/stereo/patch_score.h"
 
 namespace vitrine {
@@ -204,19 +205,18 @@ void count_agreement(std::span<const StereoPhoto> photos, std::span<DepthMap> ma
       for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
           const Vec3d p = there * (double(map.zdepth[map.index(x, y)]) * k.ray(x + 0.5, y + 0.5));
-          if (!(p.z > 1e-6)) continue;
-          const double u = ko.fx * p.x / p.z + ko.cx, v = ko.fy * p.y / p.z + ko.cy;
-          if (!(u >= 0 && v >= 0 && u < other.width && v < other.height)) continue;
-          const size_t j = other.index(int(u), int(v));
-          // The other surface where this ray meets it: its plane, followed from its pixel's centre to (u, v).
-          const Vec3d normal = cast<double>(other.normal[j]), ray = ko.ray(u, v);
+          const auto at = image_point(p, ko, 1e-6);
+          if (!at) continue;
+          const size_t j = other.index(int(at->x), int(at->y));
+          // The other surface where this ray meets it: its plane, followed from its pixel's centre.
+          const Vec3d normal = cast<double>(other.normal[j]), ray = ko.ray(at->x, at->y);
           const double facing = dot(normal, ray);
           if (facing > -1e-6) continue;
-          const double z = double(other.zdepth[j]) * dot(normal, ko.ray(int(u) + 0.5, int(v) + 0.5)) / facing;
+          const double z = double(other.zdepth[j]) * dot(normal, ko.ray(int(at->x) + 0.5, int(at->y) + 0.5)) / facing;
           if (!(std::abs(z / p.z - 1) < kAgreeDepth)) continue;
-          const Vec3d q = back * (z * ray);
-          if (!(q.z > 1e-6)) continue;
-          const double ex = k.fx * q.x / q.z + k.cx - (x + 0.5), ey = k.fy * q.y / q.z + k.cy - (y + 0.5);
+          const auto returned = projection(back * (z * ray), k, 1e-6);
+          if (!returned) continue;
+          const double ex = returned->x - (x + 0.5), ey = returned->y - (y + 0.5);
           if (ex * ex + ey * ey < kAgreePixels * kAgreePixels) ++map.agreeing[map.index(x, y)];
         }
     }

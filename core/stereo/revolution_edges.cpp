@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "core/stereo/revolution_axis.h"
 
@@ -32,15 +33,15 @@ using EdgeRow = std::array<double, 2 * kEdgeSteps + 1>;  // strength at each rad
 float edge_at(const EdgePhoto& photo, const Vec3d& p, const Vec3d& normal) {
   const Intrinsics& k = photo.view.intrinsics;
   const Vec3d q = photo.view.cam_from_world * p, n = photo.view.cam_from_world.rotation * normal;
-  if (!(q.z > 1e-6)) return -1;
-  const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
+  const auto at = image_point(q, k, 1e-6, 2);
+  if (!at) return -1;
   double dx = k.fx * (n.x - n.z * q.x / q.z), dy = k.fy * (n.y - n.z * q.y / q.z);
   const double norm = std::hypot(dx, dy);
-  if (!(norm > 0) || x < 2 || y < 2 || x > k.width - 2 || y > k.height - 2) return -1;
+  if (!(norm > 0)) return -1;
   dx *= kEdgeHalfWidth / norm, dy *= kEdgeHalfWidth / norm;
   float out[3], in[3];
-  sample_bilinear(photo.srgb, x + dx, y + dy, out);
-  sample_bilinear(photo.srgb, x - dx, y - dy, in);
+  sample_bilinear(photo.srgb, at->x + dx, at->y + dy, out);
+  sample_bilinear(photo.srgb, at->x - dx, at->y - dy, in);
   const float change = std::abs(out[0] - in[0]) + std::abs(out[1] - in[1]) + std::abs(out[2] - in[2]);
   return change / (change + kEdgeContrast);
 }

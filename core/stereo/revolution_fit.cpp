@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/stereo/revolution_axis.h"
 
 namespace vitrine {
@@ -118,10 +119,8 @@ class Rims {
 
   // What the photo says about the place at a radius, in one direction.
   static float said(const HullMask& m, const Disc& disc, const Vec3d& direction, double r) {
-    const Vec3d p = m.view.cam_from_world * (disc.centre + r * direction);
-    if (!(p.z > 1e-6)) return -1;
-    const Intrinsics& k = m.view.intrinsics;
-    return value(m.mask, k.fx * p.x / p.z + k.cx - 0.5, k.fy * p.y / p.z + k.cy - 0.5);
+    const auto p = projection(disc.centre + r * direction, m.view, 1e-6);
+    return p ? value(m.mask, p->x - 0.5, p->y - 0.5) : -1;
   }
 
   // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/stereo/box_fit.h"
 
 namespace vitrine {
@@ -43,22 +44,19 @@ std::vector<float> carved(std::span<const HullMask> masks, const Grid& grid, con
         const Vec3d centre = grid.centre(x, y, int(z));
         size_t seen = 0, outside = 0;
         for (const HullMask& m : masks) {
-          const Vec3d p = m.view.cam_from_world * centre;
-          if (!(p.z > grid.voxel)) continue;
-          const Intrinsics& k = m.view.intrinsics;
-          const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
-          if (!(u >= 0 && v >= 0 && u < m.mask.width() && v < m.mask.height())) continue;
-          const float value = m.mask.at(int(u), int(v));
+          const auto p = image_point(centre, m.view, grid.voxel);
+          if (!p) continue;
+          const int u = int(p->x), v = int(p->y);
+          const float value = m.mask.at(u, v);
           if (value < 0) continue;
           bool inside = value >= 0.5f;
-          if (const int r = int(std::ceil(slack * grid.voxel * k.fx / p.z)); !inside && slack > 0)
+          if (const int r = int(std::ceil(slack * grid.voxel * m.view.intrinsics.fx / p->z)); !inside && slack > 0)
             for (int dy = -r; dy <= r && !inside; ++dy)
               for (int dx = -r; dx <= r && !inside; ++dx)
-                inside = m.mask.at(std::clamp(int(u) + dx, 0, m.mask.width() - 1),
-                                   std::clamp(int(v) + dy, 0, m.mask.height() - 1)) >= 0.5f;
+                inside = m.mask.at(std::clamp(u + dx, 0, m.mask.width() - 1), std::clamp(v + dy, 0, m.mask.height() - 1)) >= 0.5f;
           if (!inside && !m.zdepth.empty()) {
-            const float z = m.zdepth.at(int(u), int(v));
-            if (z > 0 && z < kInFront * float(p.z)) continue;
+            const float z = m.zdepth.at(u, v);
+            if (z > 0 && z < kInFront * float(p->z)) continue;
           }
           ++seen;
           outside += !inside;

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/projection.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -79,13 +80,8 @@ float near_plane(const ViewSet& set) {
   constexpr double kQuantile = 0.01;
   std::vector<float> depths;
   for (const View& view : set.views)
-    for (const auto& point : set.points) {
-      const Vec3d p = view.cam_from_world * point.position;
-      const Intrinsics& k = view.intrinsics;
-      if (!(p.z > 0)) continue;
-      const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
-      if (x >= 0 && y >= 0 && x < k.width && y < k.height) depths.push_back(float(p.z));
-    }
+    for (const auto& point : set.points)
+      if (const auto at = image_point(point.position, view)) depths.push_back(float(at->z));
   if (depths.empty()) return kLeast;
   const auto at = depths.begin() + static_cast<ptrdiff_t>(kQuantile * double(depths.size() - 1));
   std::nth_element(depths.begin(), at, depths.end());

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/inside.h"
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 #include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/math/median.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "stages/evaluate/alignment.h"
 
@@ -34,12 +35,11 @@ void AlbedoError::add(const AlbedoPicture& ours, const TruthPicture& truth) {
   std::vector<Pixel> pixels;
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Vec3d d = truth.truth_from_ours * k.ray(x + 0.5, y + 0.5);
-      const double u = from.fx * d.x / d.z + from.cx, v = from.fy * d.y / d.z + from.cy;
-      if (!(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
+      const auto at = image_point(truth.truth_from_ours * k.ray(x + 0.5, y + 0.5), from);
+      if (!at) continue;
       float t[3], painted;
-      sample_bilinear(map, u, v, t);
-      sample_bilinear(paint, u, v, &painted);
+      sample_bilinear(map, at->x, at->y, t);
+      sample_bilinear(paint, at->x, at->y, &painted);
       const float *o = albedo.pixel(x, y), *r = radiance.pixel(x, y);
       if (!(painted > kAllPainted) || !(o[0] + o[1] + o[2] > 0)) continue;
       const bool on_object = object.at(x, y) > 0.5f, behind = glass.at(x, y) > 0;

@@ -45,7 +45,10 @@ ImageF mesh_zdepth(const TriMesh& mesh, const Intrinsics& k, const Rigid& cam_fr
     farthest = std::max(farthest, in_cam[i].z);
   }
   const double near_z = kNear_rel * farthest;
-  const auto on_screen = [&](const Vec3d& p) { return ScreenVertex{k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, 1 / p.z}; };
+  const auto on_screen = [&](const Vec3d& in_camera) {
+    const ImagePoint p = projected(in_camera, k);
+    return ScreenVertex{p.x, p.y, 1 / p.z};
+  };
   for (const auto& face : mesh.faces) {
     const std::array<Vec3d, 3> v{in_cam[face[0]], in_cam[face[1]], in_cam[face[2]]};
     if (v[0].z <= near_z && v[1].z <= near_z && v[2].z <= near_z) continue;

@@ -2,7 +2,7 @@
 // One sample per pixel centre; 1/z is linear on the screen; triangles are clipped at the near plane.
 #pragma once
 
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 #include "core/image/image.h"
 #include "core/mesh/tri_mesh.h"
 

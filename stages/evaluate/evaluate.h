@@ -7,7 +7,7 @@
 // 3: albedo, relit pictures. 4: z of the truth along our axis; what is undecomposed counts over the albedo's pixels.
 // 5: solid glass bends rays of relit pictures, too, and reflects totally. 6: pixels of relit pictures are means.
 // 7: an object that was trained alone is judged alone. 8: and its render is black around it, for SSIM.
-// 11: rims mirror less. 12, 13: relit pictures as in relit 5, 6.
+// 11: rims mirror less. 12, 13: relit pictures as in relit 5, 6. 17: directions behind a truth camera are not in its maps.
 #pragma once
 
 #include "stages/stage.h"

@@ -64,7 +64,7 @@ MeshError mesh_error(const TriMesh& ours, const TriMesh& truth, const TriMesh& f
     const ImageF truth_mesh_zdepth = mesh_zdepth(truth, mv.intrinsics, mv.cam_from_world);
     const ImageF first_zdepth = mv.zdepth.empty() ? mesh_zdepth(first_surface, mv.intrinsics, mv.cam_from_world) : mv.zdepth;
     parallel_for(ours_votes.size(), kSamplesPerTask, [&](size_t i) {
-      const auto p = image_point(to_double(our_samples.positions[i]), mv.intrinsics, mv.cam_from_world);
+      const auto p = image_point(mv.cam_from_world * to_double(our_samples.positions[i]), mv.intrinsics);
       if (!p || !agrees_with(our_zdepth, *p, desc.depth_tolerance_rel)) return;
       ++ours_votes[i].seen;
       const double z_mesh = truth_mesh_zdepth.at(int(p->x), int(p->y)), z_first = first_zdepth.at(int(p->x), int(p->y));
@@ -72,7 +72,7 @@ MeshError mesh_error(const TriMesh& ours, const TriMesh& truth, const TriMesh& f
         ++ours_votes[i].on_truth;
     });
     parallel_for(truth_seen.size(), kSamplesPerTask, [&](size_t i) {
-      const auto p = image_point(to_double(truth_samples.positions[i]), mv.intrinsics, mv.cam_from_world);
+      const auto p = image_point(mv.cam_from_world * to_double(truth_samples.positions[i]), mv.intrinsics);
       if (p && !in_mask(mv.transparent, *p) && agrees_with(first_zdepth, *p, desc.depth_tolerance_rel)) ++truth_seen[i];
     });
   }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/file.h"
+#include "core/camera/projection.h"
 #include "core/image/ldr.h"
 #include "core/image/metrics.h"
 #include "core/image/resample.h"
@@ -46,10 +47,9 @@ Pair pair_of(size_t view, ImageF ours, const Intrinsics& k, const TruthPicture& 
   const auto object = mask(view, MaskClass::Object, k), glass = mask(view, MaskClass::Transparent, k);
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Vec3d d = truth.truth_from_ours * k.ray(x + 0.5, y + 0.5);
-      const double u = from.fx * d.x / d.z + from.cx, v = from.fy * d.y / d.z + from.cy;
-      if (!(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
-      sample_bilinear(map, u, v, p.truth.pixel(x, y));
+      const auto at = image_point(truth.truth_from_ours * k.ray(x + 0.5, y + 0.5), from);
+      if (!at) continue;
+      sample_bilinear(map, at->x, at->y, p.truth.pixel(x, y));
       p.known.at(x, y) = 1;
       p.object.at(x, y) = !object || object->at(x, y) > 0.5f ? 1.f : 0.f;
       p.opaque.at(x, y) = glass && glass->at(x, y) > 0.5f ? 0.f : p.object.at(x, y);

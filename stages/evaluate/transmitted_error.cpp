@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/camera/projection.h"
 #include "core/image/metrics.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
@@ -29,11 +30,10 @@ std::optional<double> transmitted_psnr(const TransmittedPicture& ours, const Tru
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       for (int c = 0; c < 3; ++c) picture.at(x, y, c) = encoded(ours.gain[size_t(c)] * picture.at(x, y, c));
-      const Vec3d d = truth.truth_from_ours * k.ray(x + 0.5, y + 0.5);
-      const double u = from.fx * d.x / d.z + from.cx, v = from.fy * d.y / d.z + from.cy;
-      if (!(mask.at(x, y) > 0.5f) || !(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
+      const auto at = image_point(truth.truth_from_ours * k.ray(x + 0.5, y + 0.5), from);
+      if (!(mask.at(x, y) > 0.5f) || !at) continue;
       float radiance[3];
-      sample_bilinear(map, u, v, radiance);
+      sample_bilinear(map, at->x, at->y, radiance);
       for (int c = 0; c < 3; ++c) expected.at(x, y, c) = encoded(radiance[c]);
       counts.at(x, y) = 1;
       ++count;

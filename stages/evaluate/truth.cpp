@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/camera/projection.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
@@ -133,10 +134,9 @@ ImageF sampled_by_direction(const ImageF& map, const Intrinsics& map_intrinsics,
   ImageF out(ours.width, ours.height, map.channels());
   for (int y = 0; y < ours.height; ++y)
     for (int x = 0; x < ours.width; ++x) {
-      const Vec3d d = map_from_ours * ours.ray(x + 0.5, y + 0.5);
-      const double u = map_intrinsics.fx * d.x / d.z + map_intrinsics.cx, v = map_intrinsics.fy * d.y / d.z + map_intrinsics.cy;
-      if (!(u >= 0 && v >= 0 && u < map.width() && v < map.height())) continue;
-      for (int c = 0; c < map.channels(); ++c) out.at(x, y, c) = map.at(int(u), int(v), c);
+      const auto at = image_point(map_from_ours * ours.ray(x + 0.5, y + 0.5), map_intrinsics);
+      if (!at) continue;
+      for (int c = 0; c < map.channels(); ++c) out.at(x, y, c) = map.at(int(at->x), int(at->y), c);
     }
   return out;
 }

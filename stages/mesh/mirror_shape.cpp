@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 #include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "core/stereo/patch_match.h"
 #include "stages/normals/plane_fit.h"
@@ -59,9 +60,7 @@ std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   for (const ScenePoint& point : set.points)
     for (uint32_t v : point.views) {
       if (!wanted[v]) continue;
-      const Intrinsics& k = photos[v].view.intrinsics;
-      const Vec3d p = photos[v].view.cam_from_world * point.position;
-      if (p.z > 0) photos[v].hints.push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
+      if (const auto p = projection(point.position, photos[v].view)) photos[v].hints.push_back({p->x, p->y, p->z});
     }
   for (StereoPhoto& photo : photos) {
     photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/stereo/extend_planes.h"
 
 namespace vitrine {
@@ -69,9 +70,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     for (uint32_t v : point.views) {
       StereoPhoto& photo = dense.photos[v];
       if (photo.luma.empty()) continue;
-      const Vec3d p = photo.view.cam_from_world * point.position;
-      const Intrinsics& k = photo.view.intrinsics;
-      if (p.z > 0) photo.hints.push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
+      if (const auto p = projection(point.position, photo.view)) photo.hints.push_back({p->x, p->y, p->z});
     }
   for (StereoPhoto& photo : dense.photos) {
     photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/iso_surface.h"
 #include "stages/optimize/hull_grid.h"
@@ -39,17 +40,14 @@ float soft_occupancy(const std::vector<HullJudge>& judges, const Vec3d& p, std::
   said.clear();
   int seen = 0, inside = 0;
   for (const HullJudge& judge : judges) {
-    const Intrinsics& k = judge.view->intrinsics;
-    const Vec3d q = judge.view->cam_from_world * p;
-    if (q.z <= 0) continue;
-    const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
-    if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
-    const float value = softly(judge, x, y);
+    const auto q = image_point(p, *judge.view);
+    if (!q) continue;
+    const float value = softly(judge, q->x, q->y);
     if (value < 0) continue;
     ++seen;
     inside += value >= kHullLevel;
-    const float depth = judge.depth[size_t(y) * size_t(k.width) + size_t(x)];
-    if (value >= kHullLevel || !(depth > 0 && depth < kHullInFront * float(q.z))) said.push_back(value);
+    const float depth = judge.depth[size_t(q->y) * size_t(judge.view->intrinsics.width) + size_t(q->x)];
+    if (value >= kHullLevel || !(depth > 0 && depth < kHullInFront * float(q->z))) said.push_back(value);
   }
   if (inside < kHullFewestPhotos || inside < kHullSeenShare * double(judges.size()) || inside < kHullInsideShare * seen) return 0;
   const auto doubted = said.begin() + ptrdiff_t(kHullOutsideShare * double(said.size()));

@@ -6,6 +6,7 @@
 
 #include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/revolution_fit.h"
@@ -49,17 +50,14 @@ HullOpinion opinion(const MaskHullDesc& desc, uint32_t photo, size_t level) {
 bool inside_hull(const std::vector<HullJudge>& judges, const Vec3d& p) {
   int seen = 0, inside = 0, outside = 0;
   for (const HullJudge& judge : judges) {
-    const Intrinsics& k = judge.view->intrinsics;
-    const Vec3d q = judge.view->cam_from_world * p;
-    if (q.z <= 0) continue;
-    const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
-    if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
-    const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
+    const auto q = image_point(p, *judge.view);
+    if (!q) continue;
+    const size_t pixel = size_t(q->y) * size_t(judge.view->intrinsics.width) + size_t(q->x);
     if (!judge.says.other.empty() && judge.says.other[pixel] >= 128) continue;
     ++seen;
     if (judge.says.mask[pixel] >= 128)
       ++inside;
-    else if (!(judge.depth[pixel] > 0 && judge.depth[pixel] < kHullInFront * float(q.z)))
+    else if (!(judge.depth[pixel] > 0 && judge.depth[pixel] < kHullInFront * float(q->z)))
       ++outside;
   }
   return inside >= kHullFewestPhotos && inside >= kHullSeenShare * double(judges.size()) && inside >= kHullInsideShare * seen &&

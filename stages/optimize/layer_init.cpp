@@ -7,6 +7,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/camera/projection.h"
 #include "core/math/rigid.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
@@ -116,12 +117,9 @@ float pixel_footprint(const Capture& capture, const Vec3d& p) {
   double sum = 0, count = 0;
   for (uint32_t photo : capture.train) {
     const View& view = capture.photos[photo].levels[0].view;
-    const Intrinsics& k = view.intrinsics;
-    const Vec3d q = view.cam_from_world * p;
-    if (!(q.z > 1e-6)) continue;
-    const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
-    if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
-    sum += kLowPass * q.z / k.fx;
+    const auto q = image_point(p, view, 1e-6);
+    if (!q) continue;
+    sum += kLowPass * q->z / view.intrinsics.fx;
     count += 1;
   }
   return count > 0 ? static_cast<float>(sum / count) : 0.f;

@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/projection.h"
 #include "core/stereo/patch_score.h"
 
 namespace vitrine {
@@ -87,14 +88,12 @@ struct EvidenceSurvey {
         inverse(photo.view.cam_from_world) * (double(map.zdepth[map.index(x, y)]) * photo.view.intrinsics.ray(x + 0.5, y + 0.5));
     size_t count = 0;
     for (uint32_t n : photo.neighbours) {
-      const Intrinsics& k = dense.photos[n].view.intrinsics;
+      const View& view = dense.photos[n].view;
       const DepthMap& other = dense.maps[n];
-      const Vec3d p = dense.photos[n].view.cam_from_world * at;
-      const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;
-      if (!(p.z > 0 && u >= kPatchRadius && v >= kPatchRadius && u < k.width - kPatchRadius && v < k.height - kPatchRadius))
-        continue;
-      const size_t pixel = size_t(v) * size_t(k.width) + size_t(u);
-      if (!other.zdepth.empty() && other.reliable(pixel) && double(other.zdepth[pixel]) < kHidden * p.z) continue;
+      const auto p = image_point(at, view, 0, kPatchRadius);
+      if (!p) continue;
+      const size_t pixel = size_t(p->y) * size_t(view.intrinsics.width) + size_t(p->x);
+      if (!other.zdepth.empty() && other.reliable(pixel) && double(other.zdepth[pixel]) < kHidden * p->z) continue;
       count += !inside(n, pixel);
     }
     return count;

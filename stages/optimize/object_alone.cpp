@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "stages/optimize/still_masks.h"
 
@@ -23,12 +24,9 @@ Seen seen(const Capture& capture, const Targets& targets, size_t photo, const Ve
   const auto& mask = targets.photos[photo][0].masks[static_cast<size_t>(MaskClass::Object)];
   if (mask.empty()) return Seen::Not;
   const View& view = capture.photos[photo].levels[0].view;
-  const Intrinsics& k = view.intrinsics;
-  const Vec3d p = view.cam_from_world * position;
-  if (!(p.z > 0)) return Seen::Not;
-  const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
-  if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) return Seen::Not;
-  const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
+  const auto p = image_point(position, view);
+  if (!p) return Seen::Not;
+  const size_t pixel = size_t(p->y) * size_t(view.intrinsics.width) + size_t(p->x);
   const auto& ignore = targets.photos[photo][0].masks[static_cast<size_t>(MaskClass::Ignore)];
   if (!ignore.empty() && ignore[pixel] >= 128) return Seen::Not;
   return mask[pixel] >= 128 ? Seen::Inside : Seen::Outside;

@@ -7,6 +7,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/projection.h"
 
 namespace vitrine {
 
@@ -36,15 +37,13 @@ Votes votes_at(const Capture& capture, const DenseDepth& dense, const MovingEvid
   for (uint32_t v : capture.train) {
     const PhotoEvidence& of = evidence.photos[v];
     if (of.pixels.empty()) continue;
-    const Intrinsics& k = dense.photos[v].view.intrinsics;
-    const Vec3d p = dense.photos[v].view.cam_from_world * position;
-    const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy;
-    if (!(p.z > 0 && x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
+    const auto p = image_point(position, dense.photos[v].view);
+    if (!p) continue;
     const DepthMap& map = dense.maps[v];
-    const size_t pixel = map.index(int(x), int(y));
+    const size_t pixel = map.index(int(p->x), int(p->y));
     const double depth = map.reliable(pixel) ? double(map.zdepth[pixel]) : 0;
-    const bool looks_through = depth > (1 + kSameDepth) * p.z;
-    if (depth > 0 && depth < (1 - kSameDepth) * p.z) continue;  // hidden
+    const bool looks_through = depth > (1 + kSameDepth) * p->z;
+    if (depth > 0 && depth < (1 - kSameDepth) * p->z) continue;  // hidden
     if (of.pixels[pixel] == Evidence::Object && !looks_through) continue;
     if (looks_through || of.pixels[pixel] == Evidence::Moves)
       ++votes.against;
@@ -188,12 +187,11 @@ std::vector<uint8_t> shown(const View& view, std::span<const StillPoint> points,
   const Intrinsics& k = view.intrinsics;
   std::vector<uint8_t> hit(size_t(k.width) * size_t(k.height), 0);
   for (const StillPoint& point : points) {
-    const Vec3d p = view.cam_from_world * point.position;
-    if (!(p.z > 0)) continue;
-    const double x = k.fx * p.x / p.z + k.cx, y = k.fy * p.y / p.z + k.cy,
-                 r = std::min(std::max(0.5, k.fx * point.radius / p.z), kLargestSplat);
-    const int left = std::max(0, int(std::floor(x - r))), right = std::min(k.width - 1, int(std::floor(x + r)));
-    const int top = std::max(0, int(std::floor(y - r))), bottom = std::min(k.height - 1, int(std::floor(y + r)));
+    const auto p = projection(point.position, view);
+    if (!p) continue;
+    const double r = std::min(std::max(0.5, k.fx * point.radius / p->z), kLargestSplat);
+    const int left = std::max(0, int(std::floor(p->x - r))), right = std::min(k.width - 1, int(std::floor(p->x + r)));
+    const int top = std::max(0, int(std::floor(p->y - r))), bottom = std::min(k.height - 1, int(std::floor(p->y + r)));
     for (int v = top; v <= bottom; ++v)
       for (int u = left; u <= right; ++u) hit[size_t(v) * size_t(k.width) + size_t(u)] = 1;
   }

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 
 namespace vitrine {
 

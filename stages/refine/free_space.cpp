@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 #include "core/mesh/mesh_distance.h"
 
 namespace vitrine {

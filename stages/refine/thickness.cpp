@@ -6,7 +6,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/camera/image_point.h"
+#include "core/camera/projection.h"
 #include "core/model/layered_model.h"
 #include "core/scene/kept_surfels.h"
 #include "stages/refine/segment_report.h"

@@ -4,10 +4,12 @@
 #include "core/base/error.h"
 #include "core/camera/view_split.h"
 #include "core/image/bitmap_font.h"
+#include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/surface_error.h"
+#include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
 #include "tests/evaluate/tiny_capture.h"
 
@@ -27,6 +29,21 @@ TEST(SampledByDirection, FollowsFocalLengthAndPrincipalPoint) {
   for (int x = 0; x < 16; ++x) EXPECT_EQ(out.at(x, 4), float(x + 11));
   // Rays that leave the map read 0.
   EXPECT_EQ(sampled_by_direction(map, {32, 8, 16, 16, -20, 4}, ours).at(0, 4), 0);
+}
+
+// A camera that looks the other way: its picture would show our rays at the mirrored pixel, were they lines.
+TEST(TruthOfATurnedCamera, DirectionsBehindItHaveNoPixel) {
+  const Intrinsics k{16, 12, 16, 16, 8, 6};
+  const Mat3d around{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
+  const ImageF grey(16, 12, 3, 0.5f), everywhere(16, 12, 1, 1.f);
+  for (const bool behind : {false, true}) {
+    const TruthPicture truth{grey, k, behind ? around : Mat3d::identity()};
+    EXPECT_EQ(sampled_by_direction(grey, k, k, truth.truth_from_ours).at(8, 6), behind ? 0.f : 0.5f);
+    AlbedoError albedo;
+    albedo.add({k, grey, grey, nullptr, nullptr}, truth);
+    EXPECT_NE(albedo.scores().everywhere.has_value(), behind);
+    EXPECT_NE(transmitted_psnr({k, grey, {1, 1, 1}, everywhere}, truth, 1).has_value(), behind);
+  }
 }
 
 TEST(TruthZdepth, IsAlongOurAxisWhereTheTruthsCameraIsTurned) {

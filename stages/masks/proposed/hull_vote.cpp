@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 
 namespace vitrine {
 
@@ -24,14 +24,6 @@ constexpr double kSeeThrough = 0.6;
 constexpr double kNormalQuartile = 1.4826;  // (p50 - p25) of a normal distribution to its sigma
 constexpr double kNear = 0.1;
 constexpr double kBehind = 0.02;  // relative: how far behind a thing the fit must see something
-
-std::optional<size_t> pixel_of(const View& view, const Vec3d& in_cam) {
-  if (in_cam.z < kNear) return std::nullopt;
-  const Intrinsics& k = view.intrinsics;
-  const double x = k.fx * in_cam.x / in_cam.z + k.cx, y = k.fy * in_cam.y / in_cam.z + k.cy;
-  if (!(x >= 0 && y >= 0 && x < k.width && y < k.height)) return std::nullopt;
-  return size_t(y) * size_t(k.width) + size_t(x);
-}
 
 VoxelGrid grid_of(const ViewSet& set, int cells) {
   Vec3d low{-kFarthest, -kFarthest, -kFarthest}, high{kFarthest, kFarthest, kFarthest};
@@ -61,13 +53,14 @@ std::vector<float> scores(const HullVoteConfig& config, const VoxelGrid& grid, c
       votes.clear();
       size_t seen = 0;
       for (size_t v = 0; v < photos.size(); ++v) {
-        const Vec3d p = photos[v].view.cam_from_world * centre;
-        const auto pixel = pixel_of(photos[v].view, p);
-        if (!pixel) continue;
-        const double z = fit.views[v].zdepth[*pixel];
-        if (z > 0 && z < kHidden * p.z) continue;
+        const View& view = photos[v].view;
+        const auto p = image_point(centre, view, kNear);
+        if (!p) continue;
+        const size_t pixel = size_t(p->y) * size_t(view.intrinsics.width) + size_t(p->x);
+        const double z = fit.views[v].zdepth[pixel];
+        if (z > 0 && z < kHidden * p->z) continue;
         ++seen;
-        if (const float d = deviations[v].value[*pixel]; std::isfinite(d)) votes.push_back(d);
+        if (const float d = deviations[v].value[pixel]; std::isfinite(d)) votes.push_back(d);
       }
       if (double(seen) < config.min_views * double(photos.size()) || double(votes.size()) < kVotes * double(seen) ||
           votes.size() < kFewestVotes)

@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/rng.h"
+#include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "core/loss/loss_set.h"
 #include "core/math/color.h"
@@ -46,11 +47,8 @@ std::vector<Seed> first_surfels(const QuickFitConfig& config, const MaskCapture&
   std::vector<Seed> seeds;
   std::vector<std::vector<KnownDepth>> known(set.views.size());
   for (const ScenePoint& point : set.points)
-    for (uint32_t v : point.views) {
-      const Vec3d p = photos[v].view.cam_from_world * point.position;
-      const Intrinsics& k = photos[v].view.intrinsics;
-      if (p.z > 0) known[v].push_back({k.fx * p.x / p.z + k.cx, k.fy * p.y / p.z + k.cy, p.z});
-    }
+    for (uint32_t v : point.views)
+      if (const auto p = projection(point.position, photos[v].view)) known[v].push_back({p->x, p->y, p->z});
   const auto spacing_at = [&](const Intrinsics& k, double z, size_t share) {
     return std::sqrt(double(k.width) * k.height / double(std::max<size_t>(share, 1))) * z / k.fx;
   };

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/projection.h"
 #include "core/math/median.h"
 
 namespace vitrine {
@@ -68,15 +69,14 @@ std::vector<DeviationMap> view_dependence(const std::vector<SmallPhoto>& photos,
         for (auto& s : samples) s.clear();
         for (size_t u = 0; u < count; ++u) {
           if (u == v) continue;
-          const Vec3d p = photos[u].view.cam_from_world * point;
-          if (p.z < kNearest) continue;
+          const auto p = image_point(point, photos[u].view, kNearest, 1);
+          if (!p) continue;
           const Intrinsics& ku = photos[u].view.intrinsics;
-          const double px = ku.fx * p.x / p.z + ku.cx, py = ku.fy * p.y / p.z + ku.cy;
-          if (px < 1 || py < 1 || px > ku.width - 1 || py > ku.height - 1) continue;
-          const double seen = fit.views[u].zdepth[size_t(py) * size_t(ku.width) + size_t(px)];
-          if (!(std::abs(seen - p.z) < kSameDepth * p.z)) continue;
+          const double seen = fit.views[u].zdepth[size_t(p->y) * size_t(ku.width) + size_t(p->x)];
+          if (!(std::abs(seen - p->z) < kSameDepth * p->z)) continue;
           const size_t plane = size_t(ku.width) * size_t(ku.height);
-          for (size_t c = 0; c < 3; ++c) samples[c].push_back(bilinear(&residuals[u][c * plane], ku.width, ku.height, px, py));
+          for (size_t c = 0; c < 3; ++c)
+            samples[c].push_back(bilinear(&residuals[u][c * plane], ku.width, ku.height, p->x, p->y));
         }
         if (samples[0].size() < kFewestViews) continue;
         float squared = 0, common_squared = 0;
