@@ -25,6 +25,7 @@ struct StageNode {
   fs::path executable;
   std::vector<NodeInput> inputs;
   std::string description;  // the JSON of --describe: its options are read from it
+  bool has_cost = false;    // it answers --cost
 };
 
 class Graph {

@@ -129,28 +129,37 @@ CaptureSize capture_size(const Json& report, bool masks) {
 struct PresetCost {
   std::string preset;
   std::vector<std::pair<std::string, std::optional<StageCost>>> stages;
+  std::vector<std::string> unknown;  // stages without an estimate, and why
   double seconds = 0;
   size_t memory = 0, disk = 0;
 };
 
 std::vector<PresetCost> preset_costs(const Graph& graph, const Subject& subject, const CaptureSize& capture, int threads) {
   std::vector<PresetCost> costs;
+  std::vector<CostTerms> terms;
   for (const std::string& name : preset_names()) {
     Settings settings(graph);
     settings.load({.flags = {{"preset", name, "--preset"},
                              {"input.photos", subject.photos.string(), "PHOTOS"},
                              {"input.truth", subject.truth, "the project"}}});
-    PresetCost c{.preset = name, .stages = {}};
-    for (const StageNode& node : graph.nodes) {
-      auto stage = stage_cost(node.name, settings, capture, threads);
-      if (stage) {
-        c.seconds += stage->seconds(threads);
-        c.memory = std::max(c.memory, stage->memory_bytes);
-        c.disk += stage->disk_bytes;
+    terms.push_back(cost_terms(settings, capture, threads));
+    costs.push_back({.preset = name, .stages = {}, .unknown = {}});
+  }
+  for (const StageNode& node : graph.nodes) {
+    const CostAnswer answer = stage_costs(node, terms);
+    for (size_t i = 0; i < costs.size(); ++i) {
+      PresetCost& sum = costs[i];
+      if (answer.costs.empty()) {
+        sum.stages.push_back({node.name, std::nullopt});
+        sum.unknown.push_back(fmt::format("{} ({})", node.name, answer.problem));
+        continue;
       }
-      c.stages.push_back({node.name, std::move(stage)});
+      const StageCost& cost = answer.costs[i];
+      sum.stages.push_back({node.name, cost});
+      sum.seconds += cost.seconds(threads);
+      sum.memory = std::max(sum.memory, cost.memory_bytes);
+      sum.disk += cost.disk_bytes;
     }
-    costs.push_back(std::move(c));
   }
   std::sort(costs.begin(), costs.end(), [](const PresetCost& a, const PresetCost& b) { return a.seconds < b.seconds; });
   return costs;
@@ -296,9 +305,8 @@ void say_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
   for (const PresetCost& c : costs)
     fmt::print("  {:>7}{:>7}{:>7}", short_time(c.seconds), short_bytes(double(c.memory)), short_bytes(double(c.disk)));
   fmt::print("\n");
-  const auto& stages = costs.front().stages;
-  if (std::any_of(stages.begin(), stages.end(), [](const auto& stage) { return !stage.second; }))
-    say("", "? = no estimate yet, and not in the sum");
+  if (const auto& unknown = costs.front().unknown; !unknown.empty())
+    say("", fmt::format("? = no estimate, and not in the sum: {}", fmt::join(unknown, ", ")));
   say("",
       fmt::format("estimates for {} threads of a recent processor with AVX-512{}; poses that are hard to find take up to three "
                   "times as long",

@@ -39,20 +39,22 @@ std::optional<CaptureSize> ingested_capture(const fs::path& project, const Setti
   return c;
 }
 
-Preflight preflight(const std::vector<std::string>& stages, const Settings& settings, const CaptureSize& capture, int threads,
-                    const Resources& there) {
+Preflight preflight(const std::vector<const StageNode*>& stages, const Settings& settings, const CaptureSize& capture,
+                    int threads, const Resources& there) {
   Preflight p;
-  for (const std::string& stage : stages) {
-    const auto cost = stage_cost(stage, settings, capture, threads);
-    if (!cost) {
-      p.complete = false;
+  const CostTerms terms = cost_terms(settings, capture, threads);
+  for (const StageNode* stage : stages) {
+    const CostAnswer answer = stage_costs(*stage, {terms});
+    if (answer.costs.empty()) {
+      p.unknown.push_back(fmt::format("{} ({})", stage->name, answer.problem));
       continue;
     }
-    p.seconds += cost->seconds(threads);
-    p.disk_bytes += cost->disk_bytes;
-    if (cost->memory_bytes > p.memory_bytes) {
-      p.memory_bytes = cost->memory_bytes;
-      p.hungriest = stage;
+    const StageCost& cost = answer.costs.front();
+    p.seconds += cost.seconds(threads);
+    p.disk_bytes += cost.disk_bytes;
+    if (cost.memory_bytes > p.memory_bytes) {
+      p.memory_bytes = cost.memory_bytes;
+      p.hungriest = stage->name;
     }
   }
   if (double(p.disk_bytes) > kUncertain * double(there.disk_bytes))
@@ -77,9 +79,11 @@ Preflight preflight(const std::vector<std::string>& stages, const Settings& sett
 }
 
 std::string preflight_line(const Preflight& p, const Resources& there) {
+  const std::string unknown = fmt::format("{}", fmt::join(p.unknown, ", "));
+  if (p.hungriest.empty()) return "to come: no stage has an estimate of its costs: " + unknown;
   return fmt::format("to come: about {}, {} of memory ({}), {} of disk ({} free){}", duration_text(p.seconds),
                      bytes_text(p.memory_bytes), p.hungriest, bytes_text(p.disk_bytes), bytes_text(there.disk_bytes),
-                     p.complete ? "" : "; not every stage has an estimate");
+                     unknown.empty() ? std::string() : "; without an estimate, and not in the sum: " + unknown);
 }
 
 }  // namespace vitrine

@@ -23,14 +23,14 @@ struct Resources {
 struct Preflight {
   double seconds = 0;
   size_t memory_bytes = 0, disk_bytes = 0;
-  std::string hungriest;  // the stage that takes memory_bytes
-  bool complete = true;   // every stage has an estimate
+  std::string hungriest;             // the stage that takes memory_bytes
+  std::vector<std::string> unknown;  // stages without an estimate, and why: "mesh (it declares no estimate)"
   std::vector<std::string> notes;
 };
 
 // Error{Resource} when the disk cannot hold the results, even if the estimate is too high by as much as estimates are.
-Preflight preflight(const std::vector<std::string>& stages, const Settings& settings, const CaptureSize& capture, int threads,
-                    const Resources& there);
+Preflight preflight(const std::vector<const StageNode*>& stages, const Settings& settings, const CaptureSize& capture,
+                    int threads, const Resources& there);
 std::string preflight_line(const Preflight& p, const Resources& there);
 
 }  // namespace vitrine

@@ -147,9 +147,9 @@ class PreflightOnce {
     const auto capture = told_ || next == 0 ? std::nullopt : ingested_capture(project_, settings_);
     if (!capture) return;
     told_ = true;
-    std::vector<std::string> stages;
+    std::vector<const StageNode*> stages;
     for (size_t i = next; i < planner_.graph().nodes.size(); ++i)
-      if (planner_.chosen(planner_.graph().nodes[i])) stages.push_back(planner_.graph().nodes[i].name);
+      if (planner_.chosen(planner_.graph().nodes[i])) stages.push_back(&planner_.graph().nodes[i]);
     const int threads = std::stoi(settings_.text("limits.threads"));
     const std::string limit = settings_.text("limits.memory");
     const Resources there{

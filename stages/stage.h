@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/artifact/stage_cost.h"
 #include "core/config/describe.h"
 
 namespace vitrine {
@@ -35,6 +36,7 @@ struct StageInfo {
   int version = 1;      // bump when the output changes for the same inputs (history in the stage header)
   std::string summary;  // one line, for help and reports
   std::vector<StageInput> inputs;
+  StageCost (*cost)(const CostTerms&) = nullptr;  // what it will take
 };
 
 struct Progress {                        // one report of a running stage

@@ -35,6 +35,7 @@ CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   cli.flag("verbose", 'v', a.verbose, "More detail.");
   cli.section("about");
   cli.flag("describe", 0, a.describe, "Print inputs and options as JSON.");
+  cli.value("cost", 0, "FILE", a.cost, "Print what runs would take, as JSON; the file names photos and options.");
   cli.flag("print-key", 0, a.print_key, "Print the cache key of this run and its terms as JSON; compute nothing.");
   cli.flag("version", 0, a.version, "Print the version.");
   cli.flag("help", 'h', a.help, "Print this text.");
@@ -76,7 +77,17 @@ std::string stage_description(const StageInfo& info, const OptionTable& options)
     out["inputs"].push_back(
         {{"name", i.name}, {"artifact", i.artifact}, {"optional", i.optional}, {"doc", i.doc}, {"skips", i.skips}});
   out.update(nlohmann::ordered_json::parse(options_to_json(options)));
+  out["has_cost"] = info.cost != nullptr;
   return out.dump(1);
+}
+
+std::string stage_cost_answer(const StageInfo& info, const std::string& file) {
+  if (info.cost == nullptr)
+    throw Error(ErrorKind::Usage, fmt::format("vitrine-{} has no estimate of its costs", info.name),
+                {.hint = "stages/README.md shows how a stage declares one", .code = "USAGE"});
+  std::vector<StageCost> costs;
+  for (const CostTerms& terms : cost_terms_from_json(read_file(file))) costs.push_back(info.cost(terms));
+  return to_json(costs);
 }
 
 void apply_stage_config(const StageArguments& arguments, const StageInfo& info, OptionTable& options) {

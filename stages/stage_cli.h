@@ -15,6 +15,7 @@ struct StageArguments {
   std::vector<std::string> configs, sets, sets_from;
   int threads = 0;
   std::string max_memory;
+  std::string cost;
   bool force = false, print_key = false, describe = false, help = false, version = false;
   std::string events, log_file, log_format = "text";
   bool no_progress = false, quiet = false, verbose = false;
@@ -24,7 +25,10 @@ StageArguments parse_stage_arguments(const StageInfo& info, const std::vector<st
 std::string stage_help(const StageInfo& info, const OptionTable& options);
 // What `--describe` prints, one JSON object: all that the pipeline knows of a stage.
 std::string stage_description(const StageInfo& info, const OptionTable& options);
-// Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's part is read).
+// What `--cost` prints. Error{Usage} where the stage has no estimate, or an option that it reads is missing in the file.
+std::string stage_cost_answer(const StageInfo& info, const std::string& file);
+// Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's
+// part is read).
 void apply_stage_config(const StageArguments& arguments, const StageInfo& info, OptionTable& options);
 
 }  // namespace vitrine

@@ -276,7 +276,8 @@ int stage_main(Stage stage, int argc, char** argv, const StageFit& fit) {
     if (arguments.describe) std::cout << stage_description(stage.info, stage.options) << "\n";
     if (arguments.version)
       std::cout << fmt::format("vitrine-{} {} (stage version {})\n", stage.info.name, VITRINE_VERSION, stage.info.version);
-    if (arguments.help || arguments.describe || arguments.version) return 0;
+    if (!arguments.cost.empty()) std::cout << stage_cost_answer(stage.info, arguments.cost) << "\n";
+    if (arguments.help || arguments.describe || arguments.version || !arguments.cost.empty()) return 0;
     require_current_folder();
     if (!arguments.log_file.empty()) {
       make_folders(fs::path(arguments.log_file).parent_path());

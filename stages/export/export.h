@@ -23,6 +23,7 @@ std::string problem(const ExportConfig& config);  // empty, or which format is l
 
 void run_export(const ExportConfig& config, StageContext& context);
 Stage export_stage();
+StageCost export_cost(const CostTerms& terms);
 // What each format holds and loses, as text of at most 100 columns.
 std::string format_table();
 

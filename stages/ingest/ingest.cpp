@@ -256,7 +256,8 @@ Stage ingest_stage() {
       {.name = "ingest",
        .version = 2,
        .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
-       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."}}},
+       .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."}},
+       .cost = ingest_cost},
       &run);
 }
 

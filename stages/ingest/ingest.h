@@ -16,5 +16,6 @@ struct IngestConfig {
 void describe(Describer& d, IngestConfig& c);
 
 Stage ingest_stage();
+StageCost ingest_cost(const CostTerms& terms);
 
 }  // namespace vitrine

@@ -249,16 +249,17 @@ Stage masks_stage() {
       .name = "masks",
       .version = 10,
       .summary = "which pixels are glass, mirror, object, or not to be used",
-      .inputs = {
-          {.name = "sfm", .doc = "cameras and undistorted photos"},
-          {.name = "masks",
-           .artifact = false,
-           .optional = true,
-           .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"},
-          {.name = "mask_network",
-           .artifact = false,
-           .optional = true,
-           .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}}};
+      .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
+                 {.name = "masks",
+                  .artifact = false,
+                  .optional = true,
+                  .doc =
+                      "masks of the photos, a folder per class: object, transparent, specular, ignore; or a YAML file of marks"},
+                 {.name = "mask_network",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}},
+      .cost = masks_cost};
   return make_stage<MasksConfig>(
       std::move(info), run_masks,
       [] {

@@ -39,5 +39,6 @@ void describe(Describer& d, MasksConfig& c);
 
 void run_masks(const MasksConfig& config, StageContext& context);
 Stage masks_stage();
+StageCost masks_cost(const CostTerms& terms);
 
 }  // namespace vitrine

@@ -341,7 +341,8 @@ Stage mesh_stage() {
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},
-                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their outlines."}}},
+                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their outlines."}},
+       .cost = mesh_cost},
       run_mesh, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });

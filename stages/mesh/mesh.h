@@ -49,5 +49,6 @@ struct MeshConfig {
 void describe(Describer& d, MeshConfig& c);
 
 Stage mesh_stage();
+StageCost mesh_cost(const CostTerms& terms);
 
 }  // namespace vitrine

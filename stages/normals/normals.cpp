@@ -282,18 +282,20 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 }  // namespace
 
 Stage normals_stage() {
-  StageInfo info{
-      .name = "normals",
-      .version = 4,
-      .summary = "surface normals of the photos, from stereo, files or a network",
-      .inputs = {
-          {.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
-          {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
-          {.name = "normals", .artifact = false, .optional = true, .doc = "normal maps of the photos: <stem>.png or <stem>.exr"},
-          {.name = "network",
-           .artifact = false,
-           .optional = true,
-           .doc = "a network that predicts normals from a photo (ONNX)"}}};
+  StageInfo info{.name = "normals",
+                 .version = 4,
+                 .summary = "surface normals of the photos, from stereo, files or a network",
+                 .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
+                            {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
+                            {.name = "normals",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "normal maps of the photos: <stem>.png or <stem>.exr"},
+                            {.name = "network",
+                             .artifact = false,
+                             .optional = true,
+                             .doc = "a network that predicts normals from a photo (ONNX)"}},
+                 .cost = normals_cost};
   return make_stage<NormalsConfig>(
       std::move(info), run_normals,
       [] {

@@ -79,7 +79,8 @@ Stage optimize_stage() {
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},
-                            {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}}};
+                            {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}},
+                 .cost = optimize_cost};
   return make_stage<OptimizeConfig>(
       std::move(info), run_optimize,
       [] {

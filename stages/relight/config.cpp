@@ -45,7 +45,8 @@ Stage relight_stage() {
                   {.name = "optimize", .doc = "The trained surfels and their training views."},
                   {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                   {.name = "mesh", .doc = "What casts shadows."},
-                  {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}}},
+                  {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}},
+       .cost = relight_cost},
       run_relight, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });

@@ -378,7 +378,8 @@ Stage sfm_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore",
-                             .skips = {".yaml", ".yml"}}}};
+                             .skips = {".yaml", ".yml"}}},
+                 .cost = sfm_cost};
   return make_stage<SfmConfig>(
       std::move(info), run,
       [] {

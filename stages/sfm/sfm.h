@@ -50,5 +50,6 @@ void describe(Describer& d, SfmFilterConfig& c);
 void describe(Describer& d, SfmConfig& c);
 
 Stage sfm_stage();
+StageCost sfm_cost(const CostTerms& terms);
 
 }  // namespace vitrine

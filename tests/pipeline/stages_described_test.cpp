@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,16 +11,10 @@
 #include "core/base/process.h"
 #include "core/config/apply.h"
 #include "pipeline/settings.h"
+#include "tests/pipeline/built_stages.h"
 
 namespace vitrine {
 namespace {
-
-const Graph& graph() {
-  unsetenv("VITRINE_STAGE_DIR");
-  unsetenv("VITRINE_CONFIG_DIR");
-  static const Graph instance = load_graph(VITRINE_BIN_DIR);
-  return instance;
-}
 
 std::string output_of(const std::vector<std::string>& arguments) {
   std::string text;

@@ -1,0 +1,14 @@
+// Cost estimate of the optimize stage.
+#include "stages/optimize/optimize.h"
+#include "stages/training_cost.h"
+
+namespace vitrine {
+
+StageCost optimize_cost(const CostTerms& t) {
+  constexpr double kLayeredPart = 0.55;
+  const double steps = t.number("optimize.iterations");
+  return stage_cost(0.7 * t.photos() + steps * training_step_s(t, kLayeredPart, "optimize.shading.ray_budget"), 0.92,
+                    training_memory_mib(t), trained_surfels_disk_mib(t));
+}
+
+}  // namespace vitrine
