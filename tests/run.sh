@@ -1,27 +1,29 @@
 #!/usr/bin/env bash
-# Sets everything up on a bare Debian 12 and runs all tests through ctest; then the fast tier again under AddressSanitizer
-# and UndefinedBehaviorSanitizer.
+# Sets everything up on a bare Debian 12 and runs all tests through ctest; then those of core/ and of all parsers again under
+# AddressSanitizer and UndefinedBehaviorSanitizer.
 #
-#   tests/run.sh [--fast] [--no-sanitizers] | --races | --external
+#   tests/run.sh [--fast] [--no-sanitizers | --sanitize-stages] | --races | --external
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
+# --sanitize-stages the suites of stages and pipeline sanitized, too
 # --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
 # --external        instead: what other people's programs say about exported files, and long runs of sfm; installs npm and Chromium
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
-labels=(-LE external) sanitizers=1 races=0 programs=() jobs="$(nproc)"
+labels=(-LE external) sanitizers=1 stages=OFF races=0 programs=() jobs="$(nproc)"
 for argument in "$@"; do
   case "$argument" in
     --fast) labels=(-L fast) ;;
     --no-sanitizers) sanitizers=0 ;;
+    --sanitize-stages) stages=ON ;;
     --races) races=1 ;;
     --external)
       labels=(-L external) sanitizers=0 jobs=1  # they share a folder of npm packages
       command -v npm >/dev/null || programs+=(nodejs npm)
       [ -x /usr/bin/chromium ] || [ -x /usr/bin/google-chrome ] || programs+=(chromium)
       ;;
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) echo "error: unknown option '$argument'" >&2; exit 2 ;;
   esac
 done
@@ -42,8 +44,8 @@ say "tests"
 ctest --test-dir "$VITRINE_ROOT/build" --output-on-failure --no-tests=error -j "$jobs" "${labels[@]}"
 
 if [ "$sanitizers" = 1 ]; then
-  build "$VITRINE_ROOT/build-sanitize" vitrine_tests -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo
-  say "fast tests under AddressSanitizer and UndefinedBehaviorSanitizer"
+  build "$VITRINE_ROOT/build-sanitize" vitrine_tests -DVITRINE_TESTS=ON -DVITRINE_SANITIZE=ON -DVITRINE_SANITIZE_STAGES="$stages" -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  say "tests of core/ and parsers under AddressSanitizer and UndefinedBehaviorSanitizer"
   # Eight frames of where memory came from are enough, and cost a tenth less than thirty. Without intercept_tls_get_addr=0
   # the leak checker of g++ 13 and older mistakes some thread-local blocks of loaded libraries (codecs) for those of glibc 2.19,
   # reads a length where there is none, and now and then dies in a test that passed (github.com/google/sanitizers/issues/1322).

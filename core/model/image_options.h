@@ -98,13 +98,13 @@ struct CompositeOptions {
 };
 
 struct ImageOptions {
-  DiffuseOptions diffuse;
-  ShapeOptions shape;
-  SurfaceOptions surface;
-  ReflectionOptions reflection;
-  TransmissionOptions transmission;
-  PaneOptions panes;
-  CompositeOptions composite;
+  DiffuseOptions diffuse = {};
+  ShapeOptions shape = {};
+  SurfaceOptions surface = {};
+  ReflectionOptions reflection = {};
+  TransmissionOptions transmission = {};
+  PaneOptions panes = {};
+  CompositeOptions composite = {};
 };
 
 }  // namespace vitrine
