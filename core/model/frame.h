@@ -48,11 +48,11 @@ struct PaneImages {
   void start(size_t pixels);
 };
 
-// Pixels at the outlines of solids of revolution (OutlinePass), and the two pictures that they show side by side. Empty without.
+// Pixels at the silhouettes of known shapes (OutlinePass), and the two pictures that they show side by side. Empty without.
 struct OutlineImages {
-  std::vector<uint32_t> shapes;               // [h,w] 1 + the solid that a polished pixel shows (ShapePass), 0: none
+  std::vector<uint32_t> shapes;               // [h,w] 1 + the entry that a specular pixel shows (ShapePass), 0: none
   std::vector<OutlinePixel> pixels;           // ascending
-  std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the outline, of the solid where it is crossed
+  std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the silhouette, of the shape where it crosses
   std::vector<float> grad_covered;            // [pixel]
   void clear();
 };

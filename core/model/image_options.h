@@ -9,12 +9,11 @@
 #include "core/model/glass_case.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
-#include "core/shape/surface_of_revolution.h"
+#include "core/shape/shape_set.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
 
-class ShapeMesh;
 class ThickGlass;
 
 struct DiffuseOptions {
@@ -25,14 +24,12 @@ struct DiffuseOptions {
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
 };
 
-// Surfaces that polished pixels show (ShapePass): solids of revolution, and what stands out of them (shape_mesh.h). nullptr: none
-// is known.
+// Surfaces that specular pixels show (ShapePass): the entries of role Mirror. nullptr: none is known.
 struct ShapeOptions {
-  std::shared_ptr<const std::vector<SurfaceOfRevolution>> shapes = nullptr;
-  std::shared_ptr<const ShapeMesh> beside = nullptr;
+  std::shared_ptr<const ShapeSet> set = nullptr;
   float min_alpha = 0.5f;  // no surface below
   float polished = 0.3f;   // k_s of what is
-  bool outlines = true;    // pixels at their outlines are told by them, too (OutlinePass)
+  bool outlines = true;    // pixels at their silhouettes, too (OutlinePass)
 };
 
 // Which pixels send rays, and what comes back along them to the diffuse layer.

@@ -12,10 +12,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kAround = 24;            // points of a ring of the profile that tell where the picture shows it
-constexpr double kBetween_rel = 0.01;  // of its extent: a ring reaches so far beyond these points, 1 - cos(pi/24), at most
+constexpr double kBetween_rel = 0.01;  // of its extent: a shape reaches so far beyond its outer points, at most
 constexpr double kOutlineNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
-constexpr int kGrow = 2;               // pixels; the outline's direction is that in which the solid ends within them
+constexpr int kGrow = 2;               // pixels; the outline's direction is that in which the shape ends within them
 constexpr double kEdgeReach = 2;       // pixels along that direction in which the edge must lie
 constexpr double kBeside = 0.75;       // pixels to either side, between which the edge is straight
 constexpr int kHalvings = 10;          // of kEdgeReach: the edge is known to a 500th of a pixel
@@ -54,20 +53,9 @@ class Extent {
   double low_[2] = {1e300, 1e300}, high_[2] = {-1e300, -1e300};
 };
 
-std::optional<Window> window_of(const SurfaceOfRevolution& s, const View& view) {
+std::optional<Window> window_of(const Shape& shape, const View& view) {
   Extent extent(view);
-  const Vec3d u = normalized(cross(s.axis, std::abs(s.axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), v = cross(s.axis, u);
-  for (const Vec2d& corner : s.profile)
-    for (int i = 0; i < kAround; ++i) {
-      const double a = 2 * 3.14159265358979 * i / kAround;
-      extent.add(s.origin + corner.y * s.axis + corner.x * (std::cos(a) * u + std::sin(a) * v));
-    }
-  return extent.window();
-}
-
-std::optional<Window> window_of(const ShapeMesh& mesh, const View& view) {
-  Extent extent(view);
-  for (const Vec3f& p : mesh.mesh().positions) extent.add(cast<double>(p));
+  for (const Vec3d& p : outer_points(shape)) extent.add(p);
   return extent.window();
 }
 
@@ -85,28 +73,16 @@ std::vector<Window> merged(std::vector<Window> windows) {
   return windows;
 }
 
-// What reaches behind the camera has no outline, but hides what is behind it.
-struct Surfaces {
-  const std::vector<SurfaceOfRevolution>& shapes;
-  const ShapeMesh* beside;
-  std::vector<uint8_t> outlined;  // [shape], then the mesh
-};
-
 class WindowOutline {
  public:
-  WindowOutline(const Surfaces& surfaces, const View& view, const Window& window)
-      : shapes_(surfaces.shapes), surfaces_(surfaces), view_(view), window_(window), eye_(view.centre_in_world()) {}
+  // `outlined`: [entry] 0 where it has no silhouette, as it reaches behind the camera; it hides what is behind it.
+  WindowOutline(const ShapeSet& set, const std::vector<uint8_t>& outlined, const View& view, const Window& window)
+      : set_(set), outlined_(outlined), view_(view), window_(window), eye_(view.centre_in_world()) {}
 
   std::vector<OutlinePixel> pixels();
 
  private:
-  // Where a ray meets the first of all surfaces.
-  struct Met {
-    double t;
-    uint32_t shape, line;
-    Vec3f normal;
-    float u, v;  // along the line; in the face
-  };
+  using Met = ShapeSet::Hit;
   struct End {
     double distance;
     Met met;  // of the last ray that meets anything
@@ -116,31 +92,19 @@ class WindowOutline {
   Vec3d ray(double x, double y) const {
     return transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(window_.left + x, window_.top + y));
   }
-  std::optional<Met> met(double x, double y) const;
+  std::optional<Met> met(double x, double y) const { return set_.first_hit({eye_, ray(x, y)}, ShapeRole::Mirror); }
   std::optional<End> end_along(double x, double y, const Vec2d& out) const;
   bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }
   bool beside_edge(int x, int y) const;
   std::optional<OutlinePixel> crossed(int x, int y) const;
 
-  const std::vector<SurfaceOfRevolution>& shapes_;
-  const Surfaces& surfaces_;
+  const ShapeSet& set_;
+  const std::vector<uint8_t>& outlined_;
   const View& view_;
   const Window window_;
   const Vec3d eye_;
   std::vector<std::optional<Met>> met_;  // [window] by the pixels' middles
 };
-
-std::optional<WindowOutline::Met> WindowOutline::met(double x, double y) const {
-  const Vec3d direction = ray(x, y);
-  std::optional<Met> first;
-  for (uint32_t k = 0; k < shapes_.size(); ++k)
-    if (const auto e = shapes_[k].intersect({eye_, direction}); e && (!first || e->t < first->t))
-      first = Met{e->t, k, e->element, cast<float>(e->normal), static_cast<float>(e->at.x), 0};
-  if (!surfaces_.beside) return first;
-  if (const auto e = surfaces_.beside->entry(cast<float>(eye_), cast<float>(direction)); e && (!first || double(e->t) < first->t))
-    first = Met{double(e->t), static_cast<uint32_t>(shapes_.size()), e->face, e->normal, e->u, e->v};
-  return first;
-}
 
 bool WindowOutline::beside_edge(int x, int y) const {
   const bool own = hit(x, y);
@@ -150,7 +114,7 @@ bool WindowOutline::beside_edge(int x, int y) const {
   return false;
 }
 
-// How far along `out` from window coordinates (x, y) the solid ends, within kEdgeReach either way.
+// How far along `out` from window coordinates (x, y) the shape ends, within kEdgeReach either way.
 std::optional<WindowOutline::End> WindowOutline::end_along(double x, double y, const Vec2d& out) const {
   const auto at_distance = [&](double d) { return met(x + d * out.x, y + d * out.y); };
   auto here = at_distance(0);
@@ -188,17 +152,11 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   if (!end) return std::nullopt;
   const double inside = end->distance;
   const Met& last = end->met;
-  if (!surfaces_.outlined[last.shape]) return std::nullopt;
+  if (!outlined_[last.entry]) return std::nullopt;
   const EdgeInPixel<double> edge = edge_in_pixel(inside, out);
   if (!(edge.covered > 0) || !(edge.covered < 1)) return std::nullopt;
-  OutlinePixel p{.shape = last.shape,
-                 .covered = static_cast<float>(edge.covered),
-                 .crossed = true,
-                 .line = last.line,
-                 .u = last.u,
-                 .v = last.v};
+  OutlinePixel p{.entry = last.entry, .covered = static_cast<float>(edge.covered), .crossed = true, .edge = last};
   p.place = eye_ + last.t * ray(mx + inside * out.x, my + inside * out.y);
-  if (last.shape < shapes_.size()) p.along = last.u;
   const Vec3d in_camera = view_.cam_from_world * p.place;
   const Intrinsics& k = view_.intrinsics;
   const double gx = out.x * k.fx / in_camera.z, gy = out.y * k.fy / in_camera.z;
@@ -208,7 +166,7 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   const double far_side = -0.5 * (std::abs(out.x) + std::abs(out.y)), middle = 0.5 * (inside + far_side);
   const auto shown = met(mx + middle * out.x, my + middle * out.y);
   p.z = static_cast<float>(shown ? shown->t : last.t);
-  p.normal = shown ? shown->normal : last.normal;
+  p.normal = cast<float>(shown ? shown->normal : last.normal);
   return p;
 }
 
@@ -247,14 +205,14 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const size_t i = at(x, y);
-      if (beside[i] == UINT32_MAX || (met_[i] && !surfaces_.outlined[met_[i]->shape])) continue;
+      if (beside[i] == UINT32_MAX || (met_[i] && !outlined_[met_[i]->entry])) continue;
       OutlinePixel p = edge[beside[i]];
-      if (own[i] == UINT32_MAX) p = {.shape = p.shape, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
+      if (own[i] == UINT32_MAX) p = {.entry = p.entry, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
       p.pixel = static_cast<uint32_t>((window_.top + y) * view_.intrinsics.width + window_.left + x);
       if (!p.crossed && met_[i]) {
-        p.shape = met_[i]->shape;
+        p.entry = met_[i]->entry;
         p.z = static_cast<float>(met_[i]->t);
-        p.normal = met_[i]->normal;
+        p.normal = cast<float>(met_[i]->normal);
       }
       out.push_back(p);
     }
@@ -263,34 +221,24 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 
 }  // namespace
 
-std::vector<OutlinePixel> outline_pixels(const std::vector<SurfaceOfRevolution>& shapes, const ShapeMesh* beside,
-                                         const View& view) {
+std::vector<OutlinePixel> outline_pixels(const ShapeSet& set, const View& view) {
   std::vector<Window> windows;
-  Surfaces surfaces{shapes, beside, std::vector<uint8_t>(shapes.size() + 1, 0)};
-  for (size_t k = 0; k <= shapes.size(); ++k) {
-    if (k == shapes.size() && !beside) continue;
-    const auto window = k < shapes.size() ? window_of(shapes[k], view) : window_of(*beside, view);
-    if (window) windows.push_back(*window), surfaces.outlined[k] = 1;
+  std::vector<uint8_t> outlined(set.entries.size(), 0);
+  for (size_t k = 0; k < outlined.size(); ++k) {
+    if (set.entries[k].role != ShapeRole::Mirror) continue;
+    if (const auto window = window_of(set.entries[k].shape, view)) windows.push_back(*window), outlined[k] = 1;
   }
   std::vector<OutlinePixel> out;
   for (const Window& window : merged(std::move(windows))) {
-    const std::vector<OutlinePixel> in_window = WindowOutline(surfaces, view, window).pixels();
+    const std::vector<OutlinePixel> in_window = WindowOutline(set, outlined, view, window).pixels();
     out.insert(out.end(), in_window.begin(), in_window.end());
   }
   std::ranges::sort(out, {}, &OutlinePixel::pixel);
   return out;
 }
 
-void outline_vjp(const OutlinePixel& at, const SurfaceOfRevolution& shape, double grad_covered, std::vector<double>& grad) {
-  shape.place_vjp({.element = at.line, .at = {double(at.along), 0}}, at.place, grad_covered * at.grows, grad);
-}
-
-void outline_vjp(const OutlinePixel& at, const ShapeMesh& mesh, double grad_covered, std::vector<double>& grad) {
-  const float weight[] = {1 - at.u - at.v, at.u, at.v};
-  for (size_t c = 0; c < 3; ++c) {
-    const uint32_t v = mesh.mesh().faces[at.line][c];
-    grad[v] += grad_covered * double(weight[c]) * dot(at.grows, cast<double>(mesh.mesh().normals[v]));
-  }
+void outline_vjp(const OutlinePixel& at, const Shape& shape, double grad_covered, std::span<double> grad) {
+  place_vjp(shape, at.edge, at.place, grad_covered * at.grows, grad);
 }
 
 }  // namespace vitrine

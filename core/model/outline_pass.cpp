@@ -11,10 +11,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kShowsSolid_rel = 0.06;  // of its largest radius: its surfels lie this near to it
-constexpr double kInFront_rel = 0.005;    // what is in front by more is something else
-constexpr double kLikeSolid = 0.7;        // cosine between the normals of a surfel of the solid and of the solid
-constexpr float kCoreAlpha = 0.9f;        // a pixel shows the solid alone
+constexpr double kInFront_rel = 1. / 12;  // of the tolerance of the shape: what is in front by more is something else
+constexpr double kRounded_rel = 0.01;     // of its size: a shape reaches so far beyond its bounds, at most
+constexpr double kLikeShape = 0.7;        // cosine between the normals of a surfel of the shape and of the shape
+constexpr float kCoreAlpha = 0.9f;        // a pixel shows the shape alone
 constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the outline
 constexpr int kDonorReach = 2 * kOutlineBand + kDonorSlack;
 constexpr uint8_t kAtEdge = 1, kInside = 2;  // in_band_
@@ -36,19 +36,19 @@ std::vector<std::pair<int, int>> around_by_distance() {
   return out;
 }
 
-// A solid and where it is at all, for those who ask for many points.
+// Entries that mirror, and where surfels that show them are at all.
 struct Located {
-  const SurfaceOfRevolution* shape;
-  Vec3d centre;
-  double reach, near;
+  const ShapeSet::Entry* entry;
+  Bounds3 reach;
 };
-std::vector<Located> located(const std::vector<SurfaceOfRevolution>& shapes) {
+std::vector<Located> located(const ShapeSet& set) {
   std::vector<Located> out;
-  for (const SurfaceOfRevolution& s : shapes) {
-    const double near = kShowsSolid_rel * s.largest_radius(), middle = 0.5 * (s.profile.front().y + s.profile.back().y);
-    double reach = 0;
-    for (const Vec2d& p : s.profile) reach = std::max(reach, std::hypot(p.x, p.y - middle));
-    out.push_back({&s, s.origin + middle * s.axis, reach + near, near});
+  for (const ShapeSet::Entry& e : set.entries) {
+    if (e.role != ShapeRole::Mirror) continue;
+    const double more = e.tolerance + kRounded_rel * size_of(e.shape);
+    Bounds3 b = bounds(e.shape);
+    b.low -= Vec3d{more, more, more}, b.high += Vec3d{more, more, more};
+    out.push_back({&e, b});
   }
   return out;
 }
@@ -58,18 +58,14 @@ Vec3d surfel_normal(const SplatLayer& layer, size_t i) {
   return rotation_matrix(normalized(Quatd{q[0], q[1], q[2], q[3]})).column(2);
 }
 
-bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& solids, const ShapeOptions& options) {
+bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& shapes, float polished) {
   const float* m = diffuse.at(Attribute::Mean, i);
   const Vec3d mean{m[0], m[1], m[2]};
-  const float polished = options.polished;
-  if (options.beside && sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)
-    if (const auto normal = options.beside->near({m[0], m[1], m[2]}))
-      if (std::abs(dot(surfel_normal(diffuse, i), cast<double>(*normal))) > kLikeSolid) return true;
-  for (const Located& s : solids) {
-    if (length(mean - s.centre) > s.reach || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
-    const ShapePoint place = s.shape->nearest(mean);
-    if (length(place.position - mean) > s.near) continue;
-    if (std::abs(dot(surfel_normal(diffuse, i), place.normal)) > kLikeSolid) return true;
+  for (const Located& s : shapes) {
+    if (!s.reach.contains(mean) || !(sigmoid(*diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
+    const ShapePoint place = nearest(s.entry->shape, mean);
+    if (length(place.position - mean) > s.entry->tolerance) continue;
+    if (std::abs(dot(surfel_normal(diffuse, i), place.normal)) > kLikeShape) return true;
   }
   return false;
 }
@@ -82,14 +78,15 @@ void OutlineImages::clear() {
   for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
 }
 
-// The scene without the surfels of the solids.
+// The scene without the surfels of the shapes.
 void OutlinePass::draw_rest(const SplatScene& scene, Frame& frame) {
   const int width = frame.view->intrinsics.width;
   window_ = {};
   for (const OutlinePixel& p : frame.outline.pixels)
     window_.extend(static_cast<int>(p.pixel) % width, static_cast<int>(p.pixel) / width);
-  const std::vector<Located> solids = located(*options_.shapes);
-  rest_.choose(scene.diffuse, window_.view(*frame.view), [&](size_t i) { return !shows(scene.diffuse, i, solids, options_); });
+  const std::vector<Located> shapes = located(*options_.set);
+  rest_.choose(scene.diffuse, window_.view(*frame.view),
+               [&](size_t i) { return !shows(scene.diffuse, i, shapes, options_.polished); });
   wanted_.assign(window_.pixel_count(), 0);
   for (const OutlinePixel& p : frame.outline.pixels) wanted_[in_window(p.pixel, width)] = 1;
   const DiffuseOptions& diffuse = frame.options.diffuse;
@@ -106,14 +103,15 @@ uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
   const int x = static_cast<int>(at.pixel) % width, y = static_cast<int>(at.pixel) / width;
   const std::span<const float> alpha = frame.diffuse.plane(Aov::Alpha);
   uint32_t thin = UINT32_MAX;
+  const uint32_t root = options_.set->root(at.entry);
   const float reach = float(kOutlineBand + kDonorSlack) + (at.covered == 1 ? -at.away : at.away);
   for (const auto& [dx, dy] : around) {
     if (float(dx * dx + dy * dy) > reach * reach) break;
     const int u = x + dx, v = y + dy;
     if (u < 0 || v < 0 || u >= width || v >= height) continue;
     const auto pixel = static_cast<uint32_t>(v * width + u);
-    const uint32_t shape = frame.outline.shapes[pixel], mesh = static_cast<uint32_t>(options_.shapes->size()) + 1;
-    const bool alike = shape == at.shape + 1 || (shape != 0 && (shape == mesh || at.shape + 1 == mesh));
+    const uint32_t shown = frame.outline.shapes[pixel];
+    const bool alike = shown != 0 && options_.set->root(shown - 1) == root;
     if (!alike || !(alpha[pixel] > kCoreAlpha) || in_band_[pixel] == kAtEdge) continue;
     if (in_band_[pixel] == 0) return pixel;
     if (thin == UINT32_MAX) thin = pixel;
@@ -129,8 +127,7 @@ bool OutlinePass::fits(const OutlinePixel& at, const Frame& frame) const {
   if (at.covered == 0) return true;
   const double per_z = length(GBuffer(frame).ray(at.pixel).direction_per_z);
   const double in_front = (double(at.z) - double(rest_.picture().plane(Aov::ZDepth)[w]) / double(alpha)) * per_z;
-  if (in_front > kInFront_rel * (*options_.shapes)[std::min<size_t>(at.shape, options_.shapes->size() - 1)].largest_radius())
-    return false;
+  if (in_front > kInFront_rel * options_.set->entries[options_.set->root(at.entry)].tolerance) return false;
   return at.covered == 1 || std::max(rest_.picture().plane(Aov::SpecularWeight)[w],
                                      rest_.picture().plane(Aov::Transmission)[w]) <= kDullRest * alpha;
 }
@@ -161,7 +158,7 @@ void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
   donors_.clear();
   out.pixels.clear();
   if (!options_.outlines || out.shapes.empty()) return out.clear();
-  std::vector<OutlinePixel> candidates = outline_pixels(*options_.shapes, options_.beside.get(), *frame.view);
+  std::vector<OutlinePixel> candidates = outline_pixels(*options_.set, *frame.view);
   in_band_.assign(frame.pixel_count(), 0);
   for (const OutlinePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
   for (const OutlinePixel& p : candidates)
@@ -223,7 +220,7 @@ void OutlinePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
       for (size_t c = 0; c < width_of(r.id) && !asked.plane(r.id).empty(); ++c) asked.plane(r.id)[c * pixels + p.pixel] = 0;
     if (blame_.empty()) continue;
     blame_[w] = (1 - p.covered) * frame.error_image[p.pixel];
-    frame.error_image[p.pixel] = 0;  // no surfel of the solid shows there
+    frame.error_image[p.pixel] = 0;  // no surfel of the shape shows there
   }
   rest_.backward(blame_, grad.diffuse, frame.statistics);
 }

@@ -1,15 +1,15 @@
-// Outlines of solids of revolution. Surfels end in a blur, and at the edge of a polished thing that blur mixes the normals and
-// the materials of two things that have nothing in common; what such a pixel mirrors is none of both. The solid knows better how
-// much of a pixel it covers (outline.h), so that pixels near the outline show two pictures side by side,
+// Silhouettes of known shapes. Surfels end in a blur, and at the edge of a specular object that blur mixes the normals and the
+// materials of two things that have nothing in common; what such a pixel mirrors belongs to neither. The shape tells how much of
+// a pixel it covers (outline.h), so that pixels near the silhouette show two pictures side by side,
 //
-//   C = c C_solid + (1 - c) C_rest        c: how much of the pixel the solid covers
+//   C = c C_shape + (1 - c) C_rest        c: how much of the pixel the shape covers
 //
-// C_rest: the scene without the surfels that show this solid, rasterised for these pixels. C_solid: shaded like any other pixel,
-// with place and normal of the solid and the materials of the nearest pixel farther inside. Where something stands in front
-// (a handle, a pane), or no polished surfel shows the solid nearby, the picture stays as it was.
+// C_rest: the scene without the surfels that show shapes, rasterised for these pixels. C_shape: shaded like any other pixel, with
+// position and normal of the shape and the materials of the nearest pixel farther inside. Where something stands in front (a
+// pane), or no specular surfel shows the shape nearby, the picture stays as it was.
 //
 // OutlinePass gives the pixels their channels, after ShapePass; OutlineBlendPass adds C_rest, after CompositePass. Gradients
-// reach the rest, the materials and, through c, the solid: photos see its outline.
+// reach the rest, the materials and, through c, the shape: photos see its silhouette.
 #pragma once
 
 #include <vector>

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -11,9 +12,9 @@
 #include "core/base/json.h"
 #include "core/base/json_cause.h"
 #include "core/mesh/mesh_io.h"
-#include "core/model/shape_mesh.h"
 #include "core/model/thick_glass.h"
 #include "core/scene/scene_io.h"
+#include "core/shape/shape_file.h"
 
 namespace vitrine {
 
@@ -26,13 +27,11 @@ constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
 constexpr const char* kCase = "case";               // a box of panes
 constexpr double kSloppy = 1e-4;                    // of a unit vector in the file
-constexpr const char* kShapes = "shapes";           // turned surfaces, polished
+constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
-constexpr const char* kBesideShapes = "beside_shapes";  // what stands out of those; the mesh beside the file
 constexpr const char* kOutlines = "outlines";
 
-fs::path beside_shapes_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kBesideShapes); }
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
 // Every word and number of the file, in its order: one table for both directions.
@@ -59,23 +58,6 @@ Vec3d read_vec(const nlohmann::json& json, const Fail& fail, const char* problem
   for (double x : v)
     if (!std::isfinite(x)) throw fail(problem);
   return {v[0], v[1], v[2]};
-}
-
-template <class Fail>
-std::shared_ptr<const std::vector<SurfaceOfRevolution>> read_shapes(const nlohmann::json& json, const Fail& fail) {
-  constexpr const char* kProblem = "a turned surface is none";
-  auto out = std::make_shared<std::vector<SurfaceOfRevolution>>();
-  for (const nlohmann::json& j : json) {
-    SurfaceOfRevolution s{read_vec(j.at("origin"), fail, kProblem), read_vec(j.at("axis"), fail, kProblem), {}};
-    bool right = std::abs(length(s.axis) - 1) < kSloppy;
-    for (const auto& [radius, height] : j.at("profile").get<std::vector<std::array<double, 2>>>()) {
-      right &= radius >= 0 && std::isfinite(radius) && std::isfinite(height);
-      s.profile.push_back({radius, height});
-    }
-    if (!right || s.profile.size() < 2) throw fail(kProblem);
-    out->push_back(std::move(s));
-  }
-  return out;
 }
 
 // A box with unit, right-angled axes.
@@ -139,18 +121,9 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
     json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
     if (options.panes.mirrored != SIZE_MAX) json[kCase]["mirrored_surfels"] = options.panes.mirrored;
   }
-  if (options.shape.shapes) {
-    Json& shapes = json[kShapes] = Json::array();
-    for (const SurfaceOfRevolution& s : *options.shape.shapes) {
-      Json profile = Json::array();
-      for (const Vec2d& p : s.profile) profile.push_back({p.x, p.y});
-      shapes.push_back({{"origin", numbers(s.origin)}, {"axis", numbers(s.axis)}, {"profile", profile}});
-    }
-  }
-  if (options.shape.shapes) json[kOutlines] = options.shape.outlines;
-  if (const ShapeMesh* beside = options.shape.beside.get()) {
-    json[kBesideShapes] = {{"tolerance", shortest(beside->tolerance())}};
-    write_mesh_ply(beside_shapes_path(path), beside->mesh());
+  if (options.shape.set) {
+    json[kShapes] = write_shapes(*options.shape.set, path.parent_path());
+    json[kOutlines] = options.shape.outlines;
   }
   if (const ThickGlass* thick = options.transmission.thick.get()) {
     json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
@@ -188,15 +161,9 @@ ImageOptions read_image_options(const fs::path& path) {
       options.panes.glass_case = read_case(json.at(kCase), fail);
       options.panes.mirrored = json.at(kCase).value("mirrored_surfels", SIZE_MAX);
     }
-    if (json.contains(kShapes)) options.shape.shapes = read_shapes(json.at(kShapes), fail);
+    if (json.contains(kShapes))
+      options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
     options.shape.outlines = json.value(kOutlines, options.shape.outlines);
-    if (json.contains(kBesideShapes)) {
-      const float tolerance = json.at(kBesideShapes).at("tolerance").get<float>();
-      TriMesh mesh = read_mesh_ply(beside_shapes_path(path));
-      if (!(tolerance > 0) || !std::isfinite(tolerance) || mesh.faces.empty())
-        throw fail("what stands out of turned surfaces is unusable");
-      options.shape.beside = std::make_shared<const ShapeMesh>(std::move(mesh), tolerance);
-    }
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");
@@ -205,6 +172,8 @@ ImageOptions read_image_options(const fs::path& path) {
     options.transmission.thick = std::make_shared<const ThickGlass>(std::move(mesh), ior, tolerance);
   } catch (const nlohmann::json::exception& e) {
     throw fail(cause_of(e));
+  } catch (const std::domain_error& e) {
+    throw fail(e.what());
   }
   return options;
 }

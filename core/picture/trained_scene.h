@@ -21,8 +21,8 @@ struct TrainedScene {
 TrainedScene read_trained_scene(const std::filesystem::path& optimize,
                                 const std::optional<std::filesystem::path>& refine = std::nullopt);
 
-// What of the options a picture of the scene depends on: blend, lobe, and where rays start and end; thick glass as
-// thick_glass.ply beside the file.
+// What of the options a picture of the scene depends on: blend, lobe, where rays start and end, and known shapes; meshes
+// of shapes and of thick glass as PLY beside the file.
 void write_image_options(const std::filesystem::path& path, const ImageOptions& options);
 // Without a file: the defaults (scenes with a diffuse layer alone depend on none of it).
 ImageOptions read_image_options(const std::filesystem::path& path);

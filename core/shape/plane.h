@@ -21,7 +21,7 @@ struct Plane {
   ShapePoint nearest(const Vec3d& p) const;                 // with the normal of the side that p is on
   std::vector<Vec3d> outer_points() const;
   double size() const { return 2 * std::max(half.x, half.y); }
-  std::vector<Facet> facets() const { return {{axes.c2, dot(axes.c2, centre)}}; }
+  std::vector<Facet> facets() const { return {{axes.c2, dot(axes.c2, centre)}, {-axes.c2, -dot(axes.c2, centre)}}; }
 
   std::vector<ParameterGroup> parameters() const;
   void hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const;

@@ -21,20 +21,22 @@ std::filesystem::path mesh_path(const std::filesystem::path& folder, size_t entr
   return folder / fmt::format("shape_{}.ply", entry);
 }
 
-ShapeSet::Entry read_entry(const nlohmann::json& json, size_t index, const std::filesystem::path& folder) {
+ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, const MeshSource& mesh) {
+  const size_t index = before.entries.size();
   const auto unusable = [&](const std::string& why) { return std::domain_error(fmt::format("shape {}: {}", index, why)); };
   const ShapeKind* kind = find_shape_kind(json.at("kind").get<std::string>());
   if (!kind) throw unusable("there is no such kind");
   const auto role = std::ranges::find(kRoles, json.at("role").get<std::string>());
   if (role == kRoles.end()) throw unusable("there is no such role");
-  const bool meshed = json.contains("mesh");
-  const std::optional<Shape> shape = kind->read(json, meshed ? read_mesh_ply(mesh_path(folder, index)) : TriMesh{});
+  const std::optional<Shape> shape = kind->read(json, json.contains("mesh") ? mesh(index) : TriMesh{});
   if (!shape) throw unusable(fmt::format("its numbers are no {}", kind->name));
   ShapeSet::Entry entry{*shape, static_cast<ShapeRole>(role - kRoles.begin()), json.at("tolerance").get<double>(),
                         json.value("parent", -1), json.value("clear", std::vector<uint8_t>())};
   if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
   // Parents stand before their appendages: no circles.
   if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
+  if (entry.parent >= 0 && before.entries[static_cast<size_t>(entry.parent)].role != entry.role)
+    throw unusable("its parent has another role");
   if (!entry.clear.empty() && entry.clear.size() != facets(entry.shape).size())
     throw unusable("its clear facets are not its facets");
   return entry;
@@ -42,7 +44,7 @@ ShapeSet::Entry read_entry(const nlohmann::json& json, size_t index, const std::
 
 }  // namespace
 
-nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::path& folder) {
+nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& keep_mesh) {
   auto out = nlohmann::ordered_json::array();
   for (size_t i = 0; i < set.entries.size(); ++i) {
     const ShapeSet::Entry& entry = set.entries[i];
@@ -53,7 +55,7 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::
     if (!entry.clear.empty()) json["clear"] = entry.clear;
     if (const TriMesh* mesh = kind.mesh(entry.shape)) {
       json["mesh"] = mesh_path({}, i).string();
-      write_mesh_ply(mesh_path(folder, i), *mesh);
+      keep_mesh(i, *mesh);
     }
     json.update(kind.write(entry.shape));
     out.push_back(std::move(json));
@@ -61,10 +63,18 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::
   return out;
 }
 
-ShapeSet read_shapes(const nlohmann::json& json, const std::filesystem::path& folder) {
+nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::path& folder) {
+  return write_shapes(set, [&](size_t entry, const TriMesh& mesh) { write_mesh_ply(mesh_path(folder, entry), mesh); });
+}
+
+ShapeSet read_shapes(const nlohmann::json& json, const MeshSource& mesh) {
   ShapeSet set;
-  for (const nlohmann::json& entry : json) set.entries.push_back(read_entry(entry, set.entries.size(), folder));
+  for (const nlohmann::json& entry : json) set.entries.push_back(read_entry(entry, set, mesh));
   return set;
+}
+
+ShapeSet read_shapes(const nlohmann::json& json, const std::filesystem::path& folder) {
+  return read_shapes(json, [&](size_t entry) { return read_mesh_ply(mesh_path(folder, entry)); });
 }
 
 }  // namespace vitrine

@@ -1,9 +1,9 @@
-// Shape sets in files: a list in a JSON document, and meshes as shape_<entry>.ply beside it.
+// Shape sets in files: a list in a JSON document; meshes as shape_<entry>.ply beside it, or wherever the caller keeps them.
 //   {"kind": "box", "role": "sheet", "tolerance": 0.02, "parent": 3, "clear": [1, 1, ...], ... the kind's numbers (registry.h)}
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <functional>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -11,9 +11,14 @@
 
 namespace vitrine {
 
+using MeshSink = std::function<void(size_t entry, const TriMesh&)>;
+using MeshSource = std::function<TriMesh(size_t entry)>;
+
+nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& mesh);
 nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::path& folder);
 
 // Throws std::domain_error with a cause, or nlohmann's exceptions, if the list is no such set; what reading a mesh throws.
+ShapeSet read_shapes(const nlohmann::json& json, const MeshSource& mesh);
 ShapeSet read_shapes(const nlohmann::json& json, const std::filesystem::path& folder);
 
 }  // namespace vitrine

@@ -8,20 +8,9 @@ namespace {
 constexpr double kAlike = 0.9, kBulge = 0.5;  // cosine of the normals; height over the parent, of the tolerance
 }
 
-std::optional<ShapeSet::Hit> ShapeSet::first_hit(const Ray& ray, ShapeRole role) const {
-  std::optional<Hit> first;
-  for (uint32_t i = 0; i < entries.size(); ++i) {
-    if (entries[i].role != role) continue;
-    if (const auto hit = intersect(entries[i].shape, ray); hit && (!first || hit->t < first->t)) first = Hit{*hit, i};
-  }
-  if (!first || entries[first->entry].parent < 0) return first;
-  const Entry& appendage = entries[first->entry];
-  const auto parent = static_cast<uint32_t>(appendage.parent);
-  const auto below = intersect(entries[parent].shape, ray);
-  if (below && dot(below->normal, first->normal) > kAlike &&
-      (below->t - first->t) * length(ray.direction) < kBulge * appendage.tolerance)
-    return Hit{*below, parent};
-  return first;
+bool ShapeSet::is_bulge(const Hit& appendage, const Hit& parent, const Ray& ray) const {
+  const double height = (parent.t - appendage.t) * length(ray.direction);
+  return dot(parent.normal, appendage.normal) > kAlike && height < kBulge * entries[appendage.entry].tolerance;
 }
 
 bool ShapeSet::has(ShapeRole role) const {
@@ -31,6 +20,33 @@ bool ShapeSet::has(ShapeRole role) const {
 uint32_t ShapeSet::root(uint32_t entry) const {
   while (entries[entry].parent >= 0) entry = static_cast<uint32_t>(entries[entry].parent);
   return entry;
+}
+
+ShapeSet ShapeSet::kept(std::span<const uint8_t> keep) const {
+  ShapeSet out;
+  std::vector<int> place(entries.size(), -1);  // in the result
+  for (size_t i = 0; i < entries.size(); ++i) {
+    const int parent = entries[i].parent;
+    if (!keep[i] || (parent >= 0 && place[static_cast<size_t>(parent)] < 0)) continue;
+    place[i] = static_cast<int>(out.entries.size());
+    Entry& entry = out.entries.emplace_back(entries[i]);
+    if (parent >= 0) entry.parent = place[static_cast<size_t>(parent)];
+  }
+  return out;
+}
+
+ShapeSet ShapeSet::without(ShapeRole role) const {
+  std::vector<uint8_t> keep;
+  for (const Entry& e : entries) keep.push_back(e.role != role);
+  return kept(keep);
+}
+
+void ShapeSet::append(ShapeSet more) {
+  const auto first = static_cast<int>(entries.size());
+  for (Entry& e : more.entries) {
+    if (e.parent >= 0) e.parent += first;
+    entries.push_back(std::move(e));
+  }
 }
 
 }  // namespace vitrine

@@ -49,7 +49,7 @@ ProfileSegment<double> segment(const SurfaceOfRevolution& s, size_t i) {
 }
 
 // From a gradient on the normal of a segment to its ends: n = (dy, -dx) / l.
-void segment_normal_vjp(const SurfaceOfRevolution& s, size_t i, const Vec2d& g, std::vector<Vec2d>& ends, size_t first) {
+void segment_normal_vjp(const SurfaceOfRevolution& s, size_t i, const Vec2d& g, std::span<Vec2d> ends, size_t first) {
   const double dx = s.profile[i + 1].x - s.profile[i].x, dy = s.profile[i + 1].y - s.profile[i].y, l = std::hypot(dx, dy);
   if (!(l > 0)) return;
   const double along = (g.x * dy - g.y * dx) / (l * l);
@@ -168,7 +168,7 @@ void SurfaceOfRevolution::hit_vjp(const Ray& ray, const ShapeHit& hit, const Sha
       revolution_point_vjp(segment(*this, i), ray.origin, ray.direction, hit.t, RevolutionPoint<double>{grad.t, grad.normal});
   const auto sides = across(axis);
   for (size_t c = 0; c < 2; ++c) out[c] += dot(back.origin, sides[c]), out[2 + c] += dot(back.axis, sides[c]);
-  std::vector<Vec2d> g(last - first + 1);  // on the vertices from `first` on
+  std::array<Vec2d, 4> g{};  // on the vertices from `first` on
   g[i - first] = back.p0, g[i + 1 - first] = back.p1;
   // The normal of a vertex is the sum over its segments.
   if (i > 0) segment_normal_vjp(*this, i - 1, back.n0, g, first);

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <mutex>
+
+#include <fmt/format.h>
 
 #include "core/base/error.h"
 #include "core/mesh/mesh_distance.h"
@@ -19,6 +22,13 @@ constexpr double kVertexStep_rel = 0.5;  // of the steps of other shapes' length
 
 TriMesh smooth_shaded(TriMesh mesh) {
   VITRINE_CHECK(!mesh.faces.empty(), "a shape has a surface");
+  for (const auto& f : mesh.faces)
+    for (const uint32_t v : f)
+      if (v >= mesh.positions.size())
+        throw Error(ErrorKind::Input, "a face of a shape names a vertex that does not exist",
+                    {.why = fmt::format("vertex {} of {}", v, mesh.positions.size()),
+                     .hint = "compute the stage that wrote the mesh anew",
+                     .code = "BAD_MESH"});
   mesh.normals = vertex_normals(mesh);
   return mesh;
 }
@@ -28,19 +38,12 @@ double corner_angle(const Vec3d& at, const Vec3d& a, const Vec3d& b) {
   return std::atan2(length(cross(u, v)), dot(u, v));
 }
 
-// Faces around the vertices with their angles there, and neighbours along edges.
-struct Around {
-  struct Corner {
-    uint32_t face;
-    double angle;
-  };
+// How the faces hang together, whatever places the vertices have: faces and neighbours around them.
+struct Topology {
   std::vector<uint32_t> first_corner, first_neighbour;  // [vertex + 1]
-  std::vector<Corner> corners;
-  std::vector<uint32_t> neighbours;
-  std::vector<double> angle_sum;  // [vertex]
+  std::vector<uint32_t> corners, neighbours;            // faces; vertices
 
-  explicit Around(const TriMesh& mesh)
-      : first_corner(mesh.positions.size() + 1, 0), first_neighbour(first_corner), angle_sum(mesh.positions.size(), 0.0) {
+  explicit Topology(const TriMesh& mesh) : first_corner(mesh.positions.size() + 1, 0), first_neighbour(first_corner) {
     std::vector<std::pair<uint32_t, uint32_t>> edges;
     for (const auto& f : mesh.faces)
       for (size_t c = 0; c < 3; ++c) {
@@ -54,42 +57,63 @@ struct Around {
       first_corner[v + 1] += first_corner[v], first_neighbour[v + 1] += first_neighbour[v];
     corners.resize(first_corner.back());
     std::vector<uint32_t> next(first_corner.begin(), first_corner.end() - 1);
-    const auto at = [&](uint32_t v) { return cast<double>(mesh.positions[v]); };
     for (uint32_t f = 0; f < mesh.faces.size(); ++f)
-      for (size_t c = 0; c < 3; ++c) {
-        const auto& face = mesh.faces[f];
-        const double angle = corner_angle(at(face[c]), at(face[(c + 1) % 3]), at(face[(c + 2) % 3]));
-        corners[next[face[c]]++] = {f, angle};
-        angle_sum[face[c]] += angle;
+      for (const uint32_t v : mesh.faces[f]) corners[next[v]++] = f;
+  }
+};
+
+// Of the faces around the vertices.
+struct Angles {
+  std::vector<double> corner, sum;  // [Topology::corners], [vertex]
+
+  Angles(const TriMesh& mesh, const Topology& topology) : corner(topology.corners.size()), sum(mesh.positions.size(), 0.0) {
+    const auto at = [&](uint32_t v) { return cast<double>(mesh.positions[v]); };
+    for (uint32_t v = 0; v < sum.size(); ++v)
+      for (uint32_t k = topology.first_corner[v]; k < topology.first_corner[v + 1]; ++k) {
+        const auto& f = mesh.faces[topology.corners[k]];
+        const size_t c = f[0] == v ? 0 : f[1] == v ? 1 : 2;
+        sum[v] += corner[k] = corner_angle(at(v), at(f[(c + 1) % 3]), at(f[(c + 2) % 3]));
       }
   }
+};
+
+template <class T>
+class MadeOnce {
+ public:
+  template <class... Args>
+  const T& get(const Args&... args) const {
+    std::call_once(made_, [&] { value_ = std::make_unique<T>(args...); });
+    return *value_;
+  }
+
+ private:
+  mutable std::once_flag made_;
+  mutable std::unique_ptr<T> value_;
 };
 
 }  // namespace
 
 // What only some ask for is made when they do.
 struct TriangleShape::State {
-  explicit State(TriMesh m) : mesh(smooth_shaded(std::move(m))), hits(mesh) {}
-  const MeshDistance& distance() const {
-    std::call_once(distance_made_, [&] { distance_ = std::make_unique<MeshDistance>(mesh); });
-    return *distance_;
-  }
-  const Around& around() const {
-    std::call_once(around_made_, [&] { around_ = std::make_unique<Around>(mesh); });
-    return *around_;
-  }
+  using SharedTopology = std::shared_ptr<const MadeOnce<Topology>>;
+  State(TriMesh m, SharedTopology t) : mesh(smooth_shaded(std::move(m))), hits(mesh), topology_(std::move(t)) {}
+  const MeshDistance& distance() const { return distance_.get(mesh); }
+  const Topology& topology() const { return topology_->get(mesh); }
+  const Angles& angles() const { return angles_.get(mesh, topology()); }
+  const SharedTopology& shared_topology() const { return topology_; }
   Vec3d at(uint32_t vertex) const { return cast<double>(mesh.positions[vertex]); }
 
   TriMesh mesh;
   MeshHits hits;
 
  private:
-  mutable std::once_flag distance_made_, around_made_;
-  mutable std::unique_ptr<MeshDistance> distance_;
-  mutable std::unique_ptr<Around> around_;
+  SharedTopology topology_;  // moved meshes have the same
+  MadeOnce<MeshDistance> distance_;
+  MadeOnce<Angles> angles_;
 };
 
-TriangleShape::TriangleShape(TriMesh mesh) : state_(std::make_shared<State>(std::move(mesh))) {}
+TriangleShape::TriangleShape(TriMesh mesh)
+    : state_(std::make_shared<State>(std::move(mesh), std::make_shared<const MadeOnce<Topology>>())) {}
 
 const TriMesh& TriangleShape::mesh() const { return state_->mesh; }
 
@@ -133,7 +157,8 @@ std::vector<ParameterGroup> TriangleShape::parameters() const {
 // A normal turns against the slope of the displacement, dn = -grad(delta). That of a vertex is the mean over its faces by their
 // corner angles, as the normal is; grad(phi) of a corner is N x (opposite edge) / (2 area).
 void TriangleShape::hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const {
-  const Around& around = state_->around();
+  const Topology& around = state_->topology();
+  const Angles& angles = state_->angles();
   const Vec3d& n = hit.normal;
   const Vec3d along = grad.normal - dot(grad.normal, n) * n;
   const double offset = grad.t / std::min(dot(n, ray.direction), -kGrazing * length(ray.direction));
@@ -142,12 +167,12 @@ void TriangleShape::hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitG
     const uint32_t v = state_->mesh.faces[hit.element][c];
     out[v] += weight[c] * offset;
     for (uint32_t k = around.first_corner[v]; k < around.first_corner[v + 1]; ++k) {
-      const auto& f = state_->mesh.faces[around.corners[k].face];
+      const auto& f = state_->mesh.faces[around.corners[k]];
       const std::array<Vec3d, 3> p{state_->at(f[0]), state_->at(f[1]), state_->at(f[2])};
       const Vec3d n2 = cross(p[1] - p[0], p[2] - p[0]);  // 2 area long
       const double squared = dot(n2, n2);
       if (!(squared > 0)) continue;
-      const double share = weight[c] * around.corners[k].angle / around.angle_sum[v];
+      const double share = weight[c] * angles.corner[k] / angles.sum[v];
       for (size_t j = 0; j < 3; ++j) out[f[j]] -= share * dot(along, cross(n2, p[(j + 2) % 3] - p[(j + 1) % 3])) / squared;
     }
   }
@@ -162,7 +187,7 @@ void TriangleShape::place_vjp(const ShapeHit& hit, const Vec3d&, const Vec3d& gr
 }
 
 void TriangleShape::smooth(std::span<double> slope) const {
-  const Around& around = state_->around();
+  const Topology& around = state_->topology();
   for (int pass = 0; pass < kVertexMixing; ++pass) {
     const std::vector<double> before(slope.begin(), slope.end());
     for (size_t v = 0; v < slope.size(); ++v) {
@@ -178,7 +203,9 @@ void TriangleShape::smooth(std::span<double> slope) const {
 TriangleShape TriangleShape::moved(std::span<const double> step) const {
   TriMesh mesh = state_->mesh;
   for (size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] += static_cast<float>(step[v]) * mesh.normals[v];
-  return TriangleShape(std::move(mesh));
+  TriangleShape out = *this;
+  out.state_ = std::make_shared<State>(std::move(mesh), state_->shared_topology());
+  return out;
 }
 
 }  // namespace vitrine

@@ -7,7 +7,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::string_view kMagic = "vitrine-checkpoint 4\n";
+constexpr std::string_view kMagic = "vitrine-checkpoint 5\n";
 constexpr size_t kDigestSize = 32;
 
 }  // namespace

@@ -1,8 +1,14 @@
 #include "core/train/shape_training.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
+#include <stdexcept>
+
+#include "core/base/error.h"
+#include "core/base/json.h"
+#include "core/shape/shape_file.h"
 
 namespace vitrine {
 
@@ -10,63 +16,107 @@ namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.99;
 
+Error damaged(const std::string& why) {
+  return Error(ErrorKind::Input, "a checkpoint is damaged",
+               {.why = why, .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+}
+
+// Mean square of a group, of what is asked for at all: the size of a step does not depend on how much a photo shows.
+double mean_square(std::span<const double> grad) {
+  double squares = 0;
+  size_t asked = 0;
+  for (const double g : grad)
+    if (g != 0) squares += g * g, ++asked;
+  return asked > 0 ? squares / double(asked) : 0;
+}
+
 }  // namespace
 
-ShapeTraining::ShapeTraining(std::vector<SurfaceOfRevolution> shapes) : shapes_(std::move(shapes)), moments_(shapes_.size()) {
-  for (const SurfaceOfRevolution& s : shapes_) profile_m_.emplace_back(s.profile.size(), 0.0);
+ShapeTraining::Moments::Moments(const Shape& shape)
+    : first(parameter_count(shape), 0.0), second(parameter_groups(shape).size(), 0.0) {}
+
+void ShapeTraining::add(ShapeSet shapes) {
+  if (shapes.entries.empty()) return;
+  ShapeSet all = set_ ? *set_ : ShapeSet{};
+  for (const ShapeSet::Entry& e : shapes.entries) moments_.emplace_back(e.shape);
+  all.append(std::move(shapes));
+  set_ = std::make_shared<const ShapeSet>(std::move(all));
+}
+
+Shape ShapeTraining::stepped(const Shape& shape, std::vector<double> grad, const ShapeRates& rates, Moments& moments) {
+  smooth(shape, grad);
+  const std::vector<ParameterGroup> groups = parameter_groups(shape);
+  std::vector<double> squares;
+  double sum = 0;
+  size_t at = 0;
+  for (const ParameterGroup& g : groups) {
+    sum += squares.emplace_back(mean_square({grad.data() + at, g.count}));
+    at += g.count;
+  }
+  if (!std::isfinite(sum) || !(sum > 0)) return shape;  // the picture does not show it
+  ++moments.steps;
+  const double c1 = 1 / (1 - std::pow(kBeta1, double(moments.steps))), c2 = 1 / (1 - std::pow(kBeta2, double(moments.steps)));
+  at = 0;
+  for (size_t k = 0; k < groups.size(); ++k) {
+    double& second = moments.second[k];
+    second = kBeta2 * second + (1 - kBeta2) * squares[k];
+    const double rate = groups[k].scale * (groups[k].unit == ParameterUnit::Angle ? rates.angle : rates.length);
+    const double per_moment = second > 0 ? rate * c1 / std::sqrt(second * c2) : 0;
+    for (const size_t end = at + groups[k].count; at < end; ++at) {
+      double& first = moments.first[at];
+      first = kBeta1 * first + (1 - kBeta1) * grad[at];
+      grad[at] = -per_moment * first;
+    }
+  }
+  return moved(shape, grad);
 }
 
 void ShapeTraining::descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates) {
-  for (size_t k = 0; k < shapes_.size() && k < gradients.size(); ++k) {
-    const size_t n = shapes_[k].profile.size();
-    std::vector<double> grad = gradients[k], move(grad.size());
-    shapes_[k].smooth(grad);
-    const std::span<const double> turn(grad.data(), 4), slope(grad.data() + 4, n);
-    double squares[3] = {};
-    for (size_t i = 0; i < 4; ++i) squares[i / 2] += turn[i] * turn[i] / 2;
-    for (double v : slope) squares[2] += v * v / double(n);
-    if (!std::isfinite(squares[0] + squares[1] + squares[2]) || squares[0] == 0) continue;  // the picture does not show it
-
-    Moments& m = moments_[k];
-    ++m.steps;
-    const double c1 = 1 / (1 - std::pow(kBeta1, double(m.steps))), c2 = 1 / (1 - std::pow(kBeta2, double(m.steps)));
-    const auto mix = [](double& moment, double beta, double value) { moment = beta * moment + (1 - beta) * value; };
-    mix(m.v[0], kBeta2, squares[0]), mix(m.v[1], kBeta2, squares[1]), mix(m.profile_v, kBeta2, squares[2]);
-    const auto step = [&](double moment, double v) { return v > 0 ? moment * c1 / std::sqrt(v * c2) : 0; };
-    for (size_t i = 0; i < 4; ++i) {
-      mix(m.m[i], kBeta1, turn[i]);
-      move[i] = -(i < 2 ? rates.origin : rates.axis) * step(m.m[i], m.v[i / 2]);
-    }
-    for (size_t i = 0; i < n; ++i) {
-      mix(profile_m_[k][i], kBeta1, slope[i]);
-      move[4 + i] = -rates.profile * step(profile_m_[k][i], m.profile_v);
-    }
-    shapes_[k] = shapes_[k].moved(move);
-  }
+  if (!set_ || gradients.size() != moments_.size()) return;
+  auto next = std::make_shared<ShapeSet>(*set_);
+  for (size_t k = 0; k < moments_.size(); ++k)
+    next->entries[k].shape = stepped(set_->entries[k].shape, gradients[k], rates, moments_[k]);
+  set_ = std::move(next);
 }
 
 void ShapeTraining::save(ArchiveWriter& out) const {
-  out.value(static_cast<uint64_t>(shapes_.size()));
-  for (size_t k = 0; k < shapes_.size(); ++k) {
-    out.value(shapes_[k].origin);
-    out.value(shapes_[k].axis);
-    out.array(std::span<const Vec2d>(shapes_[k].profile));
-    out.array(std::span<const double>(profile_m_[k]));
-    out.value(moments_[k]);
+  std::vector<const TriMesh*> meshes;
+  const std::string text =
+      write_shapes(set_ ? *set_ : ShapeSet{}, [&](size_t, const TriMesh& mesh) { meshes.push_back(&mesh); }).dump();
+  out.array(std::span<const char>(text));
+  for (const TriMesh* mesh : meshes) {
+    out.array(std::span<const Vec3f>(mesh->positions));
+    out.array(std::span<const std::array<uint32_t, 3>>(mesh->faces));
+  }
+  for (const Moments& m : moments_) {
+    out.array(std::span<const double>(m.first));
+    out.array(std::span<const double>(m.second));
+    out.value(m.steps);
   }
 }
 
 void ShapeTraining::load(ArchiveReader& in) {
-  uint64_t count = 0;
-  in.value(count);
-  shapes_.clear(), moments_.clear(), profile_m_.clear();
-  for (uint64_t k = 0; k < count; ++k) {
-    in.value(shapes_.emplace_back().origin);
-    in.value(shapes_[k].axis);
-    in.array(shapes_[k].profile);
-    in.array(profile_m_.emplace_back());
-    in.value(moments_.emplace_back());
-    profile_m_[k].resize(shapes_[k].profile.size());
+  *this = {};
+  std::vector<char> text;
+  in.array(text);
+  try {
+    add(read_shapes(nlohmann::json::parse(text), [&](size_t) {
+      TriMesh mesh;
+      in.array(mesh.positions);
+      in.array(mesh.faces);
+      return mesh;
+    }));
+  } catch (const nlohmann::json::exception&) {
+    throw damaged("its shapes cannot be read");
+  } catch (const std::domain_error& e) {
+    throw damaged(e.what());
+  }
+  for (Moments& m : moments_) {
+    const size_t parameters = m.first.size(), groups = m.second.size();
+    in.array(m.first);
+    in.array(m.second);
+    in.value(m.steps);
+    if (m.first.size() != parameters || m.second.size() != groups) throw damaged("its shapes have other parameters");
   }
 }
 

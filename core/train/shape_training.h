@@ -1,43 +1,43 @@
-// The descent of turned surfaces (core/model/shape_pass.h) along what mirrored pictures ask of them: the place of the axis, its
-// direction, and each corner of the profile along its normal. Adam with one second moment for each of these three, so that a
-// corner no photo looks at stays; gradients of neighbouring corners are mixed: a profile bends slowly.
+// The descent of known shapes (core/shape) along the gradients of mirrored pictures and silhouettes (core/model/shape_pass.h).
+// Adam (Kingma and Ba 2015) with one second moment for each group of parameters, so that a part that no photo looks at does not
+// run away; gradients are mixed among neighbours first: profiles and meshes bend slowly.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "core/model/shape_pass.h"
 #include "core/optim/archive.h"
-#include "core/shape/surface_of_revolution.h"
+#include "core/shape/shape_set.h"
 
 namespace vitrine {
 
 struct ShapeRates {
-  double origin = 0, axis = 0, profile = 0;  // scene units, radians, scene units per step
-  double beside = 0;                         // of what stands out of them (mesh_training.h), scene units
+  double length = 0, angle = 0;  // scene units, radians per step: by ParameterUnit
 };
 
 class ShapeTraining {
  public:
-  ShapeTraining() = default;
-  explicit ShapeTraining(std::vector<SurfaceOfRevolution> shapes);
-
-  const std::vector<SurfaceOfRevolution>& shapes() const { return shapes_; }
-  bool empty() const { return shapes_.empty(); }
-  // Gradients that are not finite are left out.
+  const std::shared_ptr<const ShapeSet>& set() const { return set_; }  // nullptr: no shape is known
+  // More shapes, behind those that are there: they start without history.
+  void add(ShapeSet shapes);
+  // `gradients` [entry][parameter]; those that are zero or not finite are left out.
   void descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates);
 
   void save(ArchiveWriter& out) const;
+  // Throws Error{Input} when the shapes are unusable.
   void load(ArchiveReader& in);
 
  private:
   struct Moments {
-    double m[4] = {}, v[2] = {};  // of origin and axis: two directions each
-    double profile_v = 0;
+    std::vector<double> first;   // [parameter]
+    std::vector<double> second;  // [group]
     uint64_t steps = 0;
+    explicit Moments(const Shape& shape);
   };
-  std::vector<SurfaceOfRevolution> shapes_;
-  std::vector<Moments> moments_;                // [shape]
-  std::vector<std::vector<double>> profile_m_;  // [shape][corner]
+  static Shape stepped(const Shape& shape, std::vector<double> grad, const ShapeRates& rates, Moments& moments);
+
+  std::shared_ptr<const ShapeSet> set_;
+  std::vector<Moments> moments_;  // [entry]
 };
 
 }  // namespace vitrine

@@ -11,12 +11,13 @@
 #include "core/model/thick_glass.h"
 #include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
+#include "core/shape/shape_set.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr double kOnShape_rel = 0.1;  // of its radius
+constexpr double kOnShape = 1.7;  // tolerances
 constexpr size_t kShellFaces = 256;
 
 template <class T>
@@ -32,24 +33,24 @@ RelightMaterials remaining(const RelightMaterials& m, const std::vector<uint8_t>
           remaining(m.transmission, keep)};
 }
 
-// Solids that most of their polished surfels still lie on.
-std::shared_ptr<const std::vector<SurfaceOfRevolution>> remaining(std::shared_ptr<const std::vector<SurfaceOfRevolution>> shapes,
-                                                                  const SplatLayer& surfels, const std::vector<uint8_t>& keep) {
-  if (!shapes || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return shapes;
-  auto out = std::make_shared<std::vector<SurfaceOfRevolution>>();
-  for (const SurfaceOfRevolution& shape : *shapes) {
-    const double on_shape = kOnShape_rel * shape.largest_radius();
+// Shapes that most of their specular surfels still lie on, appendages with what they stand out of; sheets stay.
+std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
+                                          const std::vector<uint8_t>& keep) {
+  if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
+  std::vector<uint8_t> stays;
+  for (const ShapeSet::Entry& e : set->entries) {
     size_t all = 0, left = 0;
-    for (size_t i = 0; i < surfels.size(); ++i) {
+    for (size_t i = 0; i < surfels.size() && e.role == ShapeRole::Mirror; ++i) {
       const float* m = surfels.at(Attribute::Mean, i);
       const Vec3d p{m[0], m[1], m[2]};
       if (*surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
-      if (length(shape.nearest(p).position - p) > on_shape) continue;
+      if (length(nearest(e.shape, p).position - p) > kOnShape * e.tolerance) continue;
       ++all, left += keep[i];
     }
-    if (all > 0 && 2 * left >= all) out->push_back(shape);
+    stays.push_back(e.role == ShapeRole::Sheet || (all > 0 && 2 * left >= all));
   }
-  return out->empty() ? nullptr : out;
+  ShapeSet out = set->kept(stays);
+  return out.entries.empty() ? nullptr : std::make_shared<const ShapeSet>(std::move(out));
 }
 
 fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
@@ -130,8 +131,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     write_mesh_ply(behind_glass_path(folder), content);
   ImageOptions image = scene.trained.image;
   image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
-  image.shape.shapes = remaining(image.shape.shapes, surfels.diffuse, scene.there.diffuse);
-  if (!image.shape.shapes) image.shape.beside = nullptr;  // no surfel of the solids, none of their appendages
+  image.shape.set = remaining(image.shape.set, surfels.diffuse, scene.there.diffuse);
   if (image.panes.mirrored < scene.there.diffuse.size())
     image.panes.mirrored = static_cast<size_t>(
         std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));

@@ -194,8 +194,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                         .masks = *masks,
                         .photos = set.views,
                         .views = views,
-                        .learnt = scene.image.shape.shapes ? *scene.image.shape.shapes : std::vector<SurfaceOfRevolution>(),
-                        .beside = scene.image.shape.beside,
+                        .learnt = scene.image.shape.set.get(),
                         .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
@@ -337,7 +336,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 9,
+       .version = 10,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

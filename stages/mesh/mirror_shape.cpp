@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
@@ -30,7 +31,7 @@ constexpr double kLeastCosine = 0.3;  // of views that tell about a place
 constexpr size_t kFewestViews = 4;
 constexpr float kNoPaint = 0.65f;                 // of a part's dimmer half: less is metal
 constexpr double kCrumb = 0.05;                   // of the places on the largest part: no thing of its own
-constexpr double kOnSolid = 2.5;                  // voxels: a blurred hull lies so far from the solid that it shows
+constexpr double kOnShape = 2.5;                  // voxels: a blurred hull lies so far from the shape that it shows
 constexpr int kMarksMargin = 2;                   // pixels of the masks: outlines may be too narrow by that
 constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no outline shows the tops of lids, and a smooth
                                                   // hull guesses better; from one to the other
@@ -87,7 +88,7 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .dissent = kDissent, .blur_passes = kHullBlur});
   if (hull_->empty()) return;
   find_parts(desc, outlines);
-  find_solids(desc, outlines);
+  find_shapes(desc, outlines);
 }
 
 MirrorShape::Cell MirrorShape::cell_of(const Vec3d& p) const {
@@ -168,25 +169,27 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
   for (auto& [cell, part] : part_of_) part = number[size_t(part)];
 }
 
-// Solids that metal lies on.
-void MirrorShape::find_solids(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
+// Shapes that metal lies on, with their appendages.
+void MirrorShape::find_shapes(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
   const std::vector<HullSurfacePoint> surface = hull_->surface();
-  std::vector<Solid> found;
-  for (const SurfaceOfRevolution& learnt : desc.learnt) found.push_back({learnt, true});
-  if (found.empty())
+  ShapeSet found = desc.learnt ? desc.learnt->without(ShapeRole::Sheet) : ShapeSet{};
+  learnt_ = !found.entries.empty();
+  if (!learnt_)
     for (const SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel()))
-      found.push_back({surface_of_revolution(solid), false});
-  for (Solid& solid : found) {
+      found.entries.push_back({surface_of_revolution(solid), ShapeRole::Mirror, kOnShape * hull_->voxel(), -1, {}});
+  std::vector<uint8_t> keep(found.entries.size(), 1);
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (found.entries[i].parent >= 0) continue;
     size_t metal = 0, known = 0;
     for (const HullSurfacePoint& p : surface) {
-      if (length(solid.surface.nearest(p.position).position - p.position) > kOnSolid * hull_->voxel()) continue;
+      if (length(nearest(found.entries[i].shape, p.position).position - p.position) > kOnShape * hull_->voxel()) continue;
       const auto part = part_of_.find(cell_of(p.position));
       if (part == part_of_.end() || part->second < 0) continue;
       metal += parts_[size_t(part->second)].metal(), ++known;
     }
-    if (2 * metal > known) solids_.push_back(std::move(solid));
+    keep[i] = 2 * metal > known;
   }
-  if (!solids_.empty()) beside_ = desc.beside;
+  shapes_ = found.kept(keep);
 }
 
 // Outlines that are too narrow by a pixel leave pictures in the mirror beside them, deep inside.
@@ -198,24 +201,32 @@ bool MirrorShape::near_marks(const ImageF& marks, int x, int y) const {
 }
 
 size_t MirrorShape::put_vertices(TriMesh& mesh, double tolerance) const {
+  if (!learnt_) return 0;
   const std::vector<Vec3f> normals = vertex_normals(mesh);
   size_t moved = 0;
-  if (beside_ && !mesh.normals.empty())
-    for (size_t v = 0; v < mesh.positions.size(); ++v)
-      if (const auto normal = beside_->near(mesh.positions[v]); normal && dot(*normal, normals[v]) > float(kTurnedAlike))
-        mesh.normals[v] = *normal, ++moved;
-  for (const auto& [solid, learnt] : solids_) {
-    if (!learnt) continue;
-    for (size_t v = 0; v < mesh.positions.size(); ++v) {
-      const ShapePoint near = solid.nearest(cast<double>(mesh.positions[v]));
-      if (length(near.position - cast<double>(mesh.positions[v])) > tolerance) continue;
-      if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, a rim
-      mesh.positions[v] = cast<float>(near.position);
-      if (!mesh.normals.empty()) mesh.normals[v] = cast<float>(near.normal);
-      ++moved;
+  for (const bool appendages : {true, false})
+    for (const ShapeSet::Entry& e : shapes_.entries) {
+      if ((e.parent >= 0) != appendages) continue;
+      for (size_t v = 0; v < mesh.positions.size(); ++v) {
+        const ShapePoint near = nearest(e.shape, cast<double>(mesh.positions[v]));
+        if (length(near.position - cast<double>(mesh.positions[v])) > (appendages ? e.tolerance : tolerance)) continue;
+        if (dot(near.normal, cast<double>(normals[v])) < kTurnedAlike) continue;  // the other side of a thin part, a rim
+        if (!appendages) mesh.positions[v] = cast<float>(near.position);
+        if (!mesh.normals.empty()) mesh.normals[v] = cast<float>(near.normal);
+        ++moved;
+      }
     }
-  }
   return moved;
+}
+
+// How much of the depth is the hull's where it lies on a shape, 0 to 1; nullopt: it does not.
+std::optional<double> MirrorShape::hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const {
+  const ShapePoint on = nearest(entry.shape, place);
+  if (length(on.position - place) > kOnShape * hull_->voxel() || dot(on.normal, hit.normal) < kTurnedAlike) return std::nullopt;
+  const auto* solid = std::get_if<SurfaceOfRevolution>(&entry.shape);
+  if (learnt_ || !solid) return 0;
+  const double steep = std::clamp((std::abs(dot(on.normal, solid->axis)) - kSteep) / (kSteepest - kSteep), 0.0, 1.0);
+  return steep * steep * (3 - 2 * steep);
 }
 
 void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
@@ -240,36 +251,25 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
       const Vec3d direction = world_from_cam.rotation * k.ray(x + 0.5, double(y) + 0.5);  // z = 1: t is the z-depth
       const auto hit = hull_->first_hit(eye, direction);
       const Vec3d place = hit ? eye + hit->t * direction : Vec3d{};
-      // What stands out of a solid, where it is in front of that.
-      if (const auto out = beside_ ? beside_->entry(cast<float>(eye), cast<float>(direction)) : std::nullopt) {
-        bool in_front = true;
-        for (const auto& [solid, learnt] : solids_)
-          if (const auto entry = solid.intersect({eye, direction})) in_front &= double(out->t) < entry->t;
-        if (in_front) {
-          set(p, double(out->t), cast<double>(out->normal), direction);
-          continue;
-        }
+      const Ray ray{eye, direction};
+      if (const auto first = shapes_.first_hit(ray, ShapeRole::Mirror); first && shapes_.entries[first->entry].parent >= 0) {
+        set(p, first->t, first->normal, direction);
+        continue;
       }
-      // The solid instead of the hull where that lies on it or passes the ray by.
-      bool passed_by = false, done = false;
-      for (const auto& [solid, learnt] : solids_) {
-        double hulls = 0;  // share of it
-        if (hit) {
-          const ShapePoint nearest = solid.nearest(place);
-          if (length(nearest.position - place) > kOnSolid * hull_->voxel() || dot(nearest.normal, hit->normal) < kTurnedAlike)
-            continue;
-          const double steep = learnt ? 0 : (std::abs(dot(nearest.normal, solid.axis)) - kSteep) / (kSteepest - kSteep);
-          hulls = std::clamp(steep, 0.0, 1.0) * std::clamp(steep, 0.0, 1.0) * (3 - 2 * std::clamp(steep, 0.0, 1.0));
-        }
-        if (const auto entry = solid.intersect({eye, direction})) {
-          set(p, hulls > 0 ? (1 - hulls) * entry->t + hulls * hit->t : entry->t, solid.nearest(eye + entry->t * direction).normal,
-              direction);
-          done = true;
-          break;
-        }
-        passed_by = passed_by || (hit && hulls < 1);
+      // A shape instead of the hull where that lies on it, or passes the ray by.
+      const auto share = [&](const ShapeSet::Entry& e) { return hit ? hull_share(e, *hit, place) : std::optional<double>(0); };
+      const auto shown = shapes_.first_hit(ray, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
+        return shapes_.entries[h.entry].parent < 0 && share(shapes_.entries[h.entry]).has_value();
+      });
+      if (shown) {
+        const double hulls = share(shapes_.entries[shown->entry]).value_or(0);
+        set(p, hulls > 0 ? (1 - hulls) * shown->t + hulls * hit->t : shown->t, shown->normal, direction);
+        continue;
       }
-      if (done || !(mark > kHalf)) continue;
+      const bool passed_by = hit && std::ranges::any_of(shapes_.entries, [&](const ShapeSet::Entry& e) {
+                               return e.parent < 0 && share(e).value_or(1) < 1;
+                             });
+      if (!(mark > kHalf)) continue;
       if (passed_by || !hit) {
         if (passed_by || all_metal) frame.weight[p] = 0;
         continue;

@@ -10,13 +10,11 @@
 #include <filesystem>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/mesh/tri_mesh.h"
-#include "core/model/shape_mesh.h"
-#include "core/shape/surface_of_revolution.h"
+#include "core/shape/shape_set.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/mesh/rgbd_frame.h"
 
@@ -27,8 +25,7 @@ struct MirrorShapeDesc {
   const std::filesystem::path& masks;
   const std::vector<View>& photos;            // at full size
   const std::vector<View>& views;             // those that are fused
-  std::vector<SurfaceOfRevolution> learnt;    // solids that training knows (ImageOptions::shape)
-  std::shared_ptr<const ShapeMesh> beside;    // what stands out of them, or nullptr
+  const ShapeSet* learnt;                     // by training (ImageOptions::shape), or nullptr
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
 
@@ -48,29 +45,26 @@ class MirrorShape {
     return parts_;
   }  // connected ones; none: nothing is marked, or the outlines do not close
 
-  // Puts the hull's depth, or the solid's, where view i marks metal, but where the frame knows a surface more than `tolerance` in
-  // front of it. Marked pixels beside the hull are not fused, where all of it is metal; nor those beside the solid where the hull
+  // Puts the hull's depth, or a shape's, where view i marks metal, but where the frame knows a surface more than `tolerance` in
+  // front of it. Marked pixels beside the hull are not fused, where all of it is metal; nor those beside a shape where the hull
   // lies on it.
   void put(size_t i, RgbdFrame& frame, double tolerance) const;
-  // Vertices no further than `tolerance` from a solid that training learnt lie on it, and have its normals: voxels leave terraces
-  // that a mirror shows. Those on what stands out of it have normals of that. Returns how many.
+  // Vertices no further than `tolerance` from a shape that training learnt lie on it, and have its normals: voxels leave terraces
+  // that a mirror shows. Those on its appendages have normals of these. Returns how many.
   size_t put_vertices(TriMesh& mesh, double tolerance) const;
 
  private:
   using Cell = std::array<int, 3>;
   Cell cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
-  void find_solids(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
+  void find_shapes(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
+  std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
   bool near_marks(const ImageF& marks, int x, int y) const;
 
   std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
-  struct Solid {
-    SurfaceOfRevolution surface;
-    bool learnt;  // the tops of lids as well, which no outline shows
-  };
-  std::vector<Solid> solids_;                // of metal
-  std::shared_ptr<const ShapeMesh> beside_;  // of metal, too
+  ShapeSet shapes_;      // of metal, of role Mirror
+  bool learnt_ = false;  // by training: the tops of lids as well, which no silhouette shows
   double cell_ = 1;
   std::map<Cell, int> part_of_;
   std::vector<Part> parts_;

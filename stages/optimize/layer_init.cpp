@@ -17,6 +17,7 @@
 #include "stages/optimize/glass_case.h"
 #include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
+#include "stages/optimize/known_shapes.h"
 #include "stages/optimize/neighbours.h"
 
 namespace vitrine {
@@ -30,9 +31,7 @@ constexpr double kInitialLayerShare = 0.7;         // of a layer's cap, so that 
 constexpr double kShellShare = 0.25;               // of the reflection layer: what lies beyond everything that the photos show
 constexpr double kShellNear = 1.5, kShellFar = 4;  // scene radii
 constexpr float kFaint = 0.1f;                     // opacity of surfels without evidence
-constexpr float kBesideTolerance = 1.5f;           // of the spacing of the hull
-constexpr float kKnownReach = 2;                   // of the same: surfels this near to a known point show it
-constexpr size_t kLines = 96;                      // of the profile of a turned surface
+constexpr float kKnownReach = 2;                   // of the spacing of the hull: surfels this near to a known point show it
 constexpr float kMostlyInside = 0.5f;
 // Surfels that are seen almost only through glass are not of the diffuse layer.
 constexpr float kBehindGlass = 0.9f;
@@ -297,10 +296,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     for (const HullPoint& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
-    for (const SolidOfRevolution& solid : hull.solids)
-      counts.shapes.push_back(with_equal_segments(surface_of_revolution(solid), kLines));
-    counts.beside = hull.beside;
-    counts.beside_tolerance = kBesideTolerance * hull.spacing;
+    counts.shapes = known_shapes(hull);
   }
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;

@@ -10,6 +10,7 @@
 
 #include "core/model/glass_case.h"
 #include "core/scene/splat_scene.h"
+#include "core/shape/shape_set.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
 #include "stages/optimize/optimize.h"
@@ -34,12 +35,10 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;               // surfels put on the hull; surfels that left the diffuse layer for them
-  std::vector<Vec3f> known_points;          // of the hull of gloss, where its shape is known (HullPoint)
-  float known_reach = 0;                    // how far from them surfels lie that show it, at most
-  std::vector<SurfaceOfRevolution> shapes;  // that gloss is
-  TriMesh beside;                           // what stands out of them, and how far surfels that show it lie behind it, at most
-  float beside_tolerance = 0;
+  size_t hull = 0, moved = 0;           // surfels put on the hull; surfels that left the diffuse layer for them
+  std::vector<Vec3f> known_points;      // of the hull of gloss, where its shape is known (HullPoint)
+  float known_reach = 0;                // how far from them surfels lie that show it, at most
+  ShapeSet shapes;                      // that mirror
   std::optional<GlassCase> glass_case;  // glass that is a box
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.

@@ -52,9 +52,9 @@ void describe(Describer& d, ReflectionPhase& c) {
       .range(0, 1);
   d.option("outlines_from", c.outlines_from, "Part of the run after which known shapes tell the pixels at their outlines.")
       .range(0, 1);
-  d.option("shape_rate", c.shape_rate, "Step of the place and the profile of a known shape, scene units; from surface_from on.")
+  d.option("shape_rate", c.shape_rate,
+           "Step of the place and the profile of a known shape, scene units, from surface_from on; of appendages half of it.")
       .range(0, 0.1);
-  d.option("beside_rate", c.beside_rate, "Step of the surface of its appendages, scene units.").range(0, 0.1);
   d.option("axis_rate", c.axis_rate, "Step of the direction of its axis, radians.").range(0, 0.1);
 }
 
@@ -180,10 +180,7 @@ AttributeRates PhaseClock::diffuse_rates(const RatesConfig& rates, double scene_
 ShapeRates PhaseClock::shape_rates() const {
   const double factor = fraction_ >= config_.joint.from ? config_.joint.rate_factor : 1;
   const ReflectionPhase& c = config_.reflection;
-  return {.origin = factor * c.shape_rate,
-          .axis = factor * c.axis_rate,
-          .profile = factor * c.shape_rate,
-          .beside = factor * c.beside_rate};
+  return {.length = factor * c.shape_rate, .angle = factor * c.axis_rate};
 }
 
 AttributeRates PhaseClock::rates(LayerKind kind, const RatesConfig& rates, double scene_radius) const {

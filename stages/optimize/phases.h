@@ -47,9 +47,8 @@ struct ReflectionPhase : LayerPhase {
   double roughness_from = 0.4;
   double surface_from = 0.36;   // rays turn and move surfaces
   double outlines_from = 0.36;  // known shapes tell the pixels at their outlines
-  double shape_rate = 1e-4;     // of a known shape's place and profile, scene units
-  double beside_rate = 5e-5;    // of the surface of what stands out of it, scene units
-  double axis_rate = 4e-4;      // of the direction of its axis, radians
+  double shape_rate = 1e-4;     // of a known shape's lengths, scene units
+  double axis_rate = 4e-4;      // of its angles, radians
 };
 struct TransmittancePhase : LayerPhase {
   double transmission = 0.98, specular_weight = 0.002, f0 = 0.077;  // of glass, to start from

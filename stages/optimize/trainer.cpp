@@ -179,10 +179,7 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
     broken_ |= bad;
     blank |= diffuse && done.active == 0;
   }
-  if (!shapes_.empty() && fraction() >= config().phases.reflection.surface_from) {
-    shapes_.descend(model_.shape().gradients(), clock.shape_rates());
-    beside_shapes_.descend(model_.shape().beside_gradient(), clock.shape_rates().beside);
-  }
+  if (fraction() >= config().phases.reflection.surface_from) shapes_.descend(model_.shape().gradients(), clock.shape_rates());
   if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && config().phases.transmittance.one_glass)
     share_glass(scene_.diffuse);
   bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
@@ -254,10 +251,7 @@ void Trainer::begin_phases() {
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && !counts.known_points.empty())
       known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
-    if (kind == LayerKind::Reflection && config().shading.shapes) {
-      shapes_ = ShapeTraining(counts.shapes);
-      beside_shapes_ = MeshTraining(counts.beside, counts.beside_tolerance);
-    }
+    if (config().shading.shapes) shapes_.add(counts.shapes);
     if (counts.glass_case && config().shading.panes) case_ = std::make_shared<GlassCase>(*counts.glass_case);
     training(kind).restart(scene_.layer(kind));
   }
@@ -313,8 +307,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.panes.glass_case = case_;
-  if (!shapes_.empty()) options.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(shapes_.shapes());
-  options.shape.beside = beside_shapes_.shape();
+  options.shape.set = shapes_.set();
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;
 }

@@ -12,7 +12,6 @@
 #include "core/train/capture.h"
 #include "core/train/known_surface.h"
 #include "core/train/layer_training.h"
-#include "core/train/mesh_training.h"
 #include "core/train/shape_training.h"
 #include "core/train/targets.h"
 #include "stages/optimize/optimize.h"
@@ -100,8 +99,7 @@ class Trainer {
   std::vector<ScenePlane> planes_;
   double background_;
   std::shared_ptr<const GlassCase> case_;  // whose panes are mirrors
-  MeshTraining beside_shapes_;             // what stands out of those
-  ShapeTraining shapes_;                   // of polished metal
+  ShapeTraining shapes_;                   // that mirror
   KnownSurface known_gloss_;               // of what reflects
   uint8_t filled_ = 0;                     // what no photo shows
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;

@@ -16,7 +16,6 @@ void Trainer::save(ArchiveWriter& out) const {
   known_gloss_.save(out);
   out.value(filled_);
   shapes_.save(out);
-  beside_shapes_.save(out);
   out.value(case_ != nullptr);
   out.value(case_ ? *case_ : GlassCase{});
   out.value(unseen_surfels_);
@@ -40,7 +39,6 @@ void Trainer::load(ArchiveReader& in) {
   known_gloss_.load(in);
   in.value(filled_);
   shapes_.load(in);
-  beside_shapes_.load(in);
   bool in_case = false;
   GlassCase glass_case;
   in.value(in_case);

@@ -246,8 +246,14 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   glass_case->box = {Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}};
   const size_t all = better.size();
   options.panes = {glass_case, all - 3};
-  options.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(std::vector<SurfaceOfRevolution>{
-      turned_ball(TwoBalls::kA, TwoBalls::kRadiusA), turned_ball(TwoBalls::kB, TwoBalls::kRadiusB)});
+  ShapeSet known;
+  for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}}) {
+    const auto whole = static_cast<int>(known.entries.size());
+    known.entries.push_back({turned_ball(centre, radius), ShapeRole::Mirror, 0.06 * double(radius), -1, {}});
+    known.entries.push_back(
+        {TriangleShape(test::sphere_mesh(radius, centre, 6, 12)), ShapeRole::Mirror, 0.06 * double(radius), whole, {}});
+  }
+  options.shape.set = std::make_shared<const ShapeSet>(known);
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
   auto inputs = with_edits();
@@ -256,9 +262,9 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   run_edit({}, context);
   const TrainedScene scene = read_trained_scene(context.output() / "edited");
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
-  ASSERT_NE(scene.image.shape.shapes, nullptr);
-  ASSERT_EQ(scene.image.shape.shapes->size(), 1u) << "what has no polished surfels left is no solid any more";
-  EXPECT_EQ((*scene.image.shape.shapes)[0].origin, TwoBalls::kA);
+  ASSERT_NE(scene.image.shape.set, nullptr);
+  ASSERT_EQ(scene.image.shape.set->entries.size(), 2u) << "a shape goes with its specular surfels, and so does its appendage";
+  EXPECT_EQ(std::get<SurfaceOfRevolution>(scene.image.shape.set->entries[0].shape).origin, TwoBalls::kA);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
   // The last three surfels are guesses; of those before them, that many are still there.

@@ -58,7 +58,7 @@ class PolishedVase : public testing::Test {
 };
 
 TEST_F(PolishedVase, IsTheSolidThatItWasTurnedAs) {
-  const MirrorShape shape({sfm, masks, views, views, {}, nullptr, [&](size_t i) { return nothing_learnt(views[i]); }});
+  const MirrorShape shape({sfm, masks, views, views, nullptr, [&](size_t i) { return nothing_learnt(views[i]); }});
   ASSERT_EQ(shape.parts().size(), 1u);
   ASSERT_TRUE(shape.parts()[0].metal());
   std::vector<double> off;
@@ -85,7 +85,8 @@ TEST_F(PolishedVase, IsTheSolidThatItWasTurnedAs) {
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   SurfaceOfRevolution learnt = surface_of_revolution(vase);
   for (Vec2d& p : learnt.profile) p.x *= 1.02;
-  const MirrorShape shape({sfm, masks, views, views, {learnt}, nullptr, [&](size_t i) { return nothing_learnt(views[i]); }});
+  const ShapeSet known{{{learnt, ShapeRole::Mirror, 0.01, -1, {}}}};
+  const MirrorShape shape({sfm, masks, views, views, &known, [&](size_t i) { return nothing_learnt(views[i]); }});
   size_t count = 0, level = 0;
   RgbdFrame frame = nothing_learnt(views[0]);
   shape.put(0, frame, 0.01);
@@ -142,17 +143,17 @@ TEST_F(PolishedVase, HasWhatTrainingLearntStandsOutOfIt) {
   for (const auto& [u, h] : {std::pair{-0.04, -0.05}, {0.04, -0.05}, {0.04, 0.05}, {-0.04, 0.05}})
     fin.positions.push_back(cast<float>(vase.origin + 0.3 * towards + u * side + Vec3d{0, 0, h}));
   fin.faces = {{0, 1, 2}, {0, 2, 3}};
-  const auto beside = std::make_shared<ShapeMesh>(fin, 0.05f);
-  const MirrorShape shape({sfm, masks, views, views, {learnt}, beside, [&](size_t i) { return nothing_learnt(views[i]); }});
+  const ShapeSet known{{{learnt, ShapeRole::Mirror, 0.01, -1, {}}, {TriangleShape(fin), ShapeRole::Mirror, 0.05, 0, {}}}};
+  const MirrorShape shape({sfm, masks, views, views, &known, [&](size_t i) { return nothing_learnt(views[i]); }});
   RgbdFrame frame = nothing_learnt(view);
   shape.put(0, frame, 0.01);
   size_t of_fin = 0, of_vase = 0;
   each_ray(view, [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
     const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
     if (!(z > 0)) return;
-    const auto of_mesh = beside->entry(cast<float>(eye), cast<float>(ray));
+    const auto of_mesh = intersect(known.entries[1].shape, {eye, ray});
     const auto entry = learnt.intersect({eye, ray});
-    EXPECT_NEAR(double(z), of_mesh ? double(of_mesh->t) : entry->t, 1e-5);
+    EXPECT_NEAR(double(z), of_mesh ? of_mesh->t : entry->t, 1e-5);
     (of_mesh ? of_fin : of_vase) += 1;
   });
   EXPECT_GT(of_fin, 50u);

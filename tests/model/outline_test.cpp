@@ -54,15 +54,21 @@ View outline_camera(int side = 48) {
 }
 Vec3d before(const View& v, double z) { return inverse(v.cam_from_world) * Vec3d{0, 0, z}; }
 
-double counted(const SurfaceOfRevolution& s, const View& v, uint32_t pixel) {
+ShapeSet set_of(std::initializer_list<Shape> shapes) {
+  ShapeSet set;
+  for (const Shape& s : shapes) set.entries.push_back({s, ShapeRole::Mirror, 0.06 * size_of(s), -1, {}});
+  return set;
+}
+
+double counted(const Shape& s, const View& v, uint32_t pixel) {
   constexpr int kSide = 24;
   const int x = int(pixel) % v.intrinsics.width, y = int(pixel) / v.intrinsics.width;
   int inside = 0;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i)
       inside +=
-          s.intersect({v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
-                                                             v.intrinsics.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide))})
+          intersect(s, {v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
+                                                              v.intrinsics.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide))})
               .has_value();
   return double(inside) / (kSide * kSide);
 }
@@ -70,7 +76,7 @@ double counted(const SurfaceOfRevolution& s, const View& v, uint32_t pixel) {
 TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
   const View v = outline_camera();
   const SurfaceOfRevolution s = bottle(before(v, 2));
-  const auto pixels = outline_pixels({s}, nullptr, v);
+  const auto pixels = outline_pixels(set_of({s}), v);
   size_t crossed = 0;
   double squares = 0;
   std::vector<uint8_t> in_band(size_t(v.intrinsics.width) * size_t(v.intrinsics.height), 0);
@@ -96,14 +102,83 @@ TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
     EXPECT_TRUE(truth == 0 || truth == 1) << i;
   }
   // Behind the camera and beside the picture there is none.
-  EXPECT_TRUE(outline_pixels({bottle(before(v, 0.1))}, nullptr, v).empty());
-  EXPECT_TRUE(outline_pixels({bottle(before(v, 2) + Vec3d{9, 0, 0})}, nullptr, v).empty());
+  EXPECT_TRUE(outline_pixels(set_of({bottle(before(v, 0.1))}), v).empty());
+  EXPECT_TRUE(outline_pixels(set_of({bottle(before(v, 2) + Vec3d{9, 0, 0})}), v).empty());
   // Nor where another solid is in the picture.
-  const auto beside_it = outline_pixels({bottle(before(v, 0.1)), s}, nullptr, v);
+  const auto beside_it = outline_pixels(set_of({bottle(before(v, 0.1)), s}), v);
   ASSERT_EQ(beside_it.size(), pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     EXPECT_EQ(beside_it[i].pixel, pixels[i].pixel);
-    EXPECT_EQ(beside_it[i].shape, 1u);
+    EXPECT_EQ(beside_it[i].entry, 1u);
+  }
+}
+
+// ShapePass asks the same set.
+TEST(Outline, ShapesThatOverlapAreHitWhereTheyAreNearest) {
+  const View v = outline_camera();
+  const SurfaceOfRevolution back = bottle(before(v, 2));
+  SurfaceOfRevolution front = back;
+  front.origin += 0.2 * (v.centre_in_world() - back.origin);
+  front.profile.resize(12);  // its lower half, before the whole of the other
+  front.profile.push_back({0, front.profile.back().y + 0.01});
+  const ShapeSet set = set_of({back, front});
+  size_t inside[2] = {}, crossed[2] = {};
+  for (const OutlinePixel& p : outline_pixels(set, v)) {
+    if (p.covered < 1 && !p.crossed) continue;
+    ++(p.crossed ? crossed : inside)[p.entry];
+    if (p.crossed) {
+      EXPECT_NEAR(length(nearest(set.entries[p.entry].shape, p.place).position - p.place), 0, 1e-3);
+      continue;
+    }
+    const double x = p.pixel % uint32_t(v.intrinsics.width) + 0.5, y = p.pixel / uint32_t(v.intrinsics.width) + 0.5;
+    const auto hit = set.first_hit({v.centre_in_world(), transposed_times(v.cam_from_world.rotation, v.intrinsics.ray(x, y))},
+                                   ShapeRole::Mirror);
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(p.entry, hit->entry);
+  }
+  for (const size_t k : {0, 1}) {
+    EXPECT_GT(inside[k], 10u);
+    EXPECT_GT(crossed[k], 10u);
+  }
+}
+
+// A box and a rectangle have silhouettes as anything else.
+TEST(Outline, OfFlatShapesIsTheirEdges) {
+  const View v = outline_camera();
+  const Vec3d at = before(v, 2);
+  const Mat3d turned = rotation_matrix(normalized(Quatd{0.9, 0.3, 0.2, -0.1}));
+  const Vec3d middle = transposed_times(turned, at), half{0.3, 0.2, 0.25};
+  for (const Shape& shape : {Shape(Box{turned, middle - half, middle + half}), Shape(Plane{at, turned, {0.4, 0.3}})}) {
+    size_t crossed = 0;
+    double squares = 0;
+    for (const OutlinePixel& p : outline_pixels(set_of({shape}), v)) {
+      if (!p.crossed) continue;
+      ++crossed;
+      squares += std::pow(double(p.covered) - counted(shape, v, p.pixel), 2);
+    }
+    EXPECT_GT(crossed, 40u);
+    EXPECT_LT(std::sqrt(squares / double(crossed)), 0.08) << "a corner is no straight edge";
+    // Its middle moves: the edge does.
+    const size_t n = parameter_count(shape);
+    const auto weight = [](uint32_t pixel) { return 1 + std::sin(0.2 * (pixel % 48)) + 0.7 * std::cos(0.1 * (pixel / 48)); };
+    const auto whole = [&](const Shape& moved_shape) {
+      std::vector<double> covered(48 * 48, -1);
+      for (const OutlinePixel& p : outline_pixels(set_of({moved_shape}), v)) covered[p.pixel] = double(p.covered);
+      double sum = 0;
+      for (uint32_t i = 0; i < covered.size(); ++i) {
+        if (covered[i] < 0) covered[i] = counted(moved_shape, v, i) > 0.5;
+        sum += weight(i) * covered[i];
+      }
+      return sum;
+    };
+    std::vector<double> g(n, 0.0), step(n, 0.0), differences;
+    for (const OutlinePixel& p : outline_pixels(set_of({shape}), v))
+      if (p.crossed) outline_vjp(p, shape, weight(p.pixel), g);
+    for (size_t i = 0; i < n; ++i)
+      differences.push_back(finite_difference(
+          step[i], [&] { return whole(moved(shape, step)); }, 5e-3));
+    expect_grad_close(std::vector<float>(g.begin(), g.end()), differences, {.relative_l2 = 0.1, .bias = 0.1, .row_floor = 0.1},
+                      "edges");
   }
 }
 
@@ -117,14 +192,14 @@ TEST(Outline, GradientsMatchDifferences) {
     return 1 + std::sin(5 * x) + 0.7 * std::cos(4 * y + x);
   };
   std::vector<double> g(parameter_count(s), 0.0);
-  for (const OutlinePixel& p : outline_pixels({s}, nullptr, v))
+  for (const OutlinePixel& p : outline_pixels(set_of({s}), v))
     if (p.crossed) outline_vjp(p, s, weight(p.pixel), g);
   std::vector<float> exact;
   std::vector<double> differences;
   // Deeper inside than the band every pixel is covered.
   const auto whole = [&] {
     std::vector<double> covered(size_t(kSide) * kSide, -1);
-    for (const OutlinePixel& p : outline_pixels({s}, nullptr, v)) covered[p.pixel] = double(p.covered);
+    for (const OutlinePixel& p : outline_pixels(set_of({s}), v)) covered[p.pixel] = double(p.covered);
     double out = 0;
     for (uint32_t i = 0; i < covered.size(); ++i) {
       if (covered[i] < 0)
@@ -157,7 +232,7 @@ TEST(Outline, GradientsMatchDifferences) {
 // A polished ball of blurry surfels before a wall, and something for it to mirror.
 struct BallBeforeWall {
   LayeredRoom room;
-  std::shared_ptr<std::vector<SurfaceOfRevolution>> shapes = std::make_shared<std::vector<SurfaceOfRevolution>>();
+  std::shared_ptr<ShapeSet> set = std::make_shared<ShapeSet>();
   ImageOptions options = exact_options();
   size_t of_ball = 0;  // surfels, the first ones; the wall follows
   static constexpr double kRadius = 0.35;
@@ -173,8 +248,8 @@ struct BallBeforeWall {
       const double a = kPi * (double(i) / 60 - 0.5);
       s.profile.push_back({i == 0 || i == 60 ? 0 : kRadius * std::cos(a), kRadius * std::sin(a)});
     }
-    shapes->push_back(s);
-    options.shape.shapes = shapes;
+    *set = set_of({s});
+    options.shape.set = set;
     SplatLayer& d = room.scene.diffuse;
     const auto material = [&](size_t i, double specular, double f0) {
       for (size_t c = 0; c < 3; ++c) d.at(Attribute::F0, i)[c] = float(logit(f0 + 0.02 * double(c)));
@@ -275,16 +350,16 @@ TEST(OutlinePass, GradientsMatchDifferences) {
     exact.push_back(float(gradient)), differences.push_back(finite_difference(value, loss, step));
   };
   const std::vector<double> of_ball = model.shape().gradients().at(0);
-  const SurfaceOfRevolution at = (*b.shapes)[0];
+  const Shape at = b.set->entries[0].shape;
   std::vector<double> by(of_ball.size(), 0.0);
   for (size_t i = 0; i < 2; ++i) {
     const auto moved_by = [&] {
-      (*b.shapes)[0] = at.moved(by);
+      b.set->entries[0].shape = moved(at, by);
       return loss();
     };
     exact.push_back(float(of_ball[i])), differences.push_back(finite_difference(by[i], moved_by, 2e-4));
   }
-  (*b.shapes)[0] = at;
+  b.set->entries[0].shape = at;
   // What a crossed pixel mirrors moves along, which counts for nothing.
   expect_grad_close(exact, differences, {.relative_l2 = 0.12, .bias = 0.12, .row_floor = 0.1}, "place of the ball");
   // The wall and every fifth surfel of the ball; where those stand, is a matter of which pixels show the ball at all.

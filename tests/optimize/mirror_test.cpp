@@ -105,15 +105,15 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
     return context.output();
   };
   const auto shapes = [](const fs::path& artifact) {
-    const auto found = read_image_options(artifact / "optimize/model.json").shape.shapes;
-    return found ? *found : std::vector<SurfaceOfRevolution>();
+    const auto found = read_image_options(artifact / "optimize/model.json").shape.set;
+    return found ? found->entries : std::vector<ShapeSet::Entry>();
   };
   const fs::path whole = run("whole", 1, {});
   ASSERT_EQ(shapes(whole).size(), 1u);
   EXPECT_EQ(digest_folder(whole), digest_folder(run("killed", 3, {23, 25, 31, 90})));
   // Off the ball by how much, in the mean over its profile.
   const auto off = [&](const fs::path& artifact) {
-    const SurfaceOfRevolution s = shapes(artifact).at(0);
+    const auto s = std::get<SurfaceOfRevolution>(shapes(artifact).at(0).shape);
     double sum = 0, count = 0;
     for (const Vec2d& p : s.profile)
       for (double turn = 0; turn < 6; turn += 0.5) {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "core/image/metrics.h"
-#include "core/model/shape_mesh.h"
 #include "core/picture/picture_views.h"
 #include "core/picture/trained_scene.h"
 #include "tests/evaluate/tiny_capture.h"
@@ -173,48 +172,33 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
     write_image_options(path, o);
   }
   o.panes = {};
-  EXPECT_EQ(back.shape.shapes, nullptr);
-  o.shape.shapes = std::make_shared<std::vector<SurfaceOfRevolution>>(
-      std::vector<SurfaceOfRevolution>{{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}}});
-  write_image_options(path, o);
-  const auto shapes = read_image_options(path).shape.shapes;
-  ASSERT_NE(shapes, nullptr);
-  ASSERT_EQ(shapes->size(), 1u);
-  EXPECT_EQ((*shapes)[0].origin, (*o.shape.shapes)[0].origin);
-  EXPECT_EQ((*shapes)[0].axis, (*o.shape.shapes)[0].axis);
-  ASSERT_EQ((*shapes)[0].profile.size(), 3u);
-  EXPECT_EQ((*shapes)[0].profile[1].x, 0.25);
-  EXPECT_EQ((*shapes)[0].profile[1].y, 0.125);
-  for (const auto& [was, is] :
-       {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"axis\": [\n        0", "\"axis\": [\n        0.4"),
-        std::pair("\"profile\"", "\"curve\"")}) {
-    std::string text = read_file(path);
-    const size_t at = text.find(was);
-    ASSERT_NE(at, std::string::npos) << was << text;
-    write_file(path, text.replace(at, std::string_view(was).size(), is));
-    EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << is;
-    write_image_options(path, o);
-  }
-  // Outlines as the run had them; a mesh of what stands out of the solid, beside the file.
-  EXPECT_TRUE(read_image_options(path).shape.outlines);
-  TriMesh spout;
-  spout.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.25f, 0.125f}};
-  spout.faces = {{0, 1, 2}};
-  o.shape.beside = std::make_shared<ShapeMesh>(spout, 0.0625f);
+  EXPECT_EQ(back.shape.set, nullptr);
+  TriMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.25f, 0.125f}};
+  mesh.faces = {{0, 1, 2}};
+  const SurfaceOfRevolution turned{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}};
+  o.shape.set = std::make_shared<const ShapeSet>(
+      ShapeSet{{{turned, ShapeRole::Mirror, 0.0625, -1, {}}, {TriangleShape(mesh), ShapeRole::Mirror, 0.03125, 0, {}}}});
   o.shape.outlines = false;
   write_image_options(path, o);
   const ShapeOptions out = read_image_options(path).shape;
   EXPECT_FALSE(out.outlines);
-  ASSERT_NE(out.beside, nullptr);
-  EXPECT_EQ(out.beside->tolerance(), 0.0625f);
-  EXPECT_EQ(out.beside->mesh().positions, spout.positions);
-  EXPECT_EQ(out.beside->mesh().faces, spout.faces);
-  for (const char* tolerance : {"0.0", "-1.0", "\"wide\""}) {
+  ASSERT_NE(out.set, nullptr);
+  ASSERT_EQ(out.set->entries.size(), 2u);
+  EXPECT_EQ(std::get<SurfaceOfRevolution>(out.set->entries[0].shape).axis, turned.axis);
+  EXPECT_EQ(out.set->entries[1].parent, 0);
+  EXPECT_EQ(out.set->entries[1].tolerance, 0.03125);
+  EXPECT_EQ(std::get<TriangleShape>(out.set->entries[1].shape).mesh().positions, mesh.positions);
+  for (const auto& [was, is] : {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"profile\"", "\"curve\""),
+                                std::pair("0.0625", "\"wide\""), std::pair("\"parent\": 0", "\"parent\": 1"),
+                                std::pair("\"kind\": \"tri", "\"kind\": \"quadri")}) {
     std::string text = read_file(path);
-    const size_t at = text.find("0.0625");
-    ASSERT_NE(at, std::string::npos) << text;
-    write_file(path, text.replace(at, 6, tolerance));
-    EXPECT_EQ(error_of([&] { read_image_options(path); }).detail().code, "BAD_IMAGE_OPTIONS") << tolerance;
+    const size_t at = text.find(was);
+    ASSERT_NE(at, std::string::npos) << was << text;
+    write_file(path, text.replace(at, std::string_view(was).size(), is));
+    const Error error = error_of([&] { read_image_options(path); });
+    EXPECT_EQ(error.detail().code, "BAD_IMAGE_OPTIONS") << is;
+    EXPECT_FALSE(error.detail().hint.empty());
     write_image_options(path, o);
   }
   write_file(path, R"({"blend": "paint"})");

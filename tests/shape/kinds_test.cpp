@@ -1,13 +1,15 @@
-// Boxes and surfaces of revolution: their own answers, and the kernel of derivatives against dual numbers.
+// Members that one kind alone has, and the kernel of derivatives against dual numbers; all else: registry_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/base/rng.h"
 #include "core/math/dual.h"
 #include "core/shape/box.h"
 #include "core/shape/kernels/revolution_point.h"
 #include "core/shape/surface_of_revolution.h"
+#include "core/shape/triangle_shape.h"
 
 namespace vitrine {
 namespace {
@@ -57,37 +59,6 @@ Ray ray_at(const SurfaceOfRevolution& s, Rng& rng) {
   return {eye, at - eye};
 }
 
-TEST(SurfaceOfRevolution, RaysGoInWhereTheyFirstMeetIt) {
-  const SurfaceOfRevolution s = vase();
-  Rng rng(1, 1);
-  size_t hits = 0;
-  // The radius of the solid at a height: none outside of its ends.
-  const auto inside = [&](const Vec3d& p) {
-    const Vec3d q = p - s.origin;
-    const double h = dot(q, s.axis), r = length(q - h * s.axis);
-    for (size_t i = 0; i + 1 < s.profile.size(); ++i) {
-      const Vec2d &a = s.profile[i], &b = s.profile[i + 1];
-      if (h < a.y || h >= b.y) continue;
-      return r < a.x + (b.x - a.x) * (h - a.y) / (b.y - a.y);
-    }
-    return false;
-  };
-  for (int k = 0; k < 300; ++k) {
-    const Ray ray = ray_at(s, rng);
-    if (inside(ray.origin)) continue;
-    double marched = -1;
-    constexpr double kStep = 2e-4;
-    for (double t = 0; t < 2 && marched < 0; t += kStep)
-      if (inside(ray.origin + t * ray.direction)) marched = t;
-    const auto entry = s.intersect(ray);
-    if (marched < 0) continue;  // it may pass by closer than a step
-    ++hits;
-    ASSERT_TRUE(entry);
-    EXPECT_NEAR(entry->t, marched, 1.01 * kStep) << k;
-  }
-  EXPECT_GT(hits, 100u);
-}
-
 TEST(RevolutionPoint, MatchesDualNumbers) {
   const SurfaceOfRevolution s = vase();
   Rng rng(2, 1);
@@ -127,23 +98,6 @@ TEST(RevolutionPoint, MatchesDualNumbers) {
   EXPECT_GT(seen, 50u);
 }
 
-TEST(SurfaceOfRevolution, TheNearestPointIsTheFootOfThePerpendicular) {
-  const SurfaceOfRevolution s = vase();
-  Rng rng(5, 1);
-  for (int k = 0; k < 50; ++k) {
-    const Vec3d p = ray_at(s, rng).origin;
-    const ShapePoint near = s.nearest(p);
-    for (double turn = 0; turn < 6.2; turn += 0.1)
-      for (size_t i = 0; i + 1 < s.profile.size(); ++i) {
-        const Vec3d u = normalized(cross(s.axis, Vec3d{1, 0.2, 0})), v = cross(s.axis, u);
-        const Vec2d q{0.5 * (s.profile[i].x + s.profile[i + 1].x), 0.5 * (s.profile[i].y + s.profile[i + 1].y)};
-        const Vec3d other = s.origin + q.y * s.axis + q.x * (std::cos(turn) * u + std::sin(turn) * v);
-        ASSERT_LE(length(near.position - p), length(other - p) + 1e-12);
-      }
-    EXPECT_NEAR(length(near.normal), 1, 1e-12);
-  }
-}
-
 TEST(SurfaceOfRevolution, EqualSegmentsKeepTheCurve) {
   const SurfaceOfRevolution s = vase(), fine = with_equal_segments(s, 200);
   ASSERT_EQ(fine.profile.size(), 201u);
@@ -155,6 +109,20 @@ TEST(SurfaceOfRevolution, EqualSegmentsKeepTheCurve) {
     EXPECT_NEAR(length(s.nearest(at).position - at), 0, 1e-12);
   }
   for (size_t i = 0; i < 200; ++i) EXPECT_LE(length_of(i), 1.0001 * length_of(100));
+}
+
+// It said so after reading past the end of the vertices.
+TEST(TriangleShape, RefusesFacesOfVerticesThatDoNotExist) {
+  TriMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.faces = {{0, 1, 2}, {0, 2, 70000000}};
+  try {
+    TriangleShape shape(mesh);
+    FAIL() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.detail().code, "BAD_MESH");
+    EXPECT_EQ(e.detail().why, "vertex 70000000 of 3");
+  }
 }
 
 }  // namespace

@@ -87,6 +87,19 @@ TEST_P(Shapes, NothingOfItIsNearerThanTheNearestPointNorBeyondItsBounds) {
   }
 }
 
+TEST_P(Shapes, HitsLieOnTheFacetsThatTheyName) {
+  for (int k = 0; k < 300; ++k) {
+    const Shape shape = kind().sample(rng);
+    const std::vector<Facet> flat = facets(shape);
+    const Ray r = ray();
+    const auto hit = intersect(shape, r);
+    if (!hit || flat.empty()) continue;
+    ASSERT_LT(hit->element, flat.size());
+    EXPECT_NEAR(length(flat[hit->element].normal - hit->normal), 0, 1e-12);
+    EXPECT_NEAR(dot(hit->normal, r.origin + hit->t * r.direction), flat[hit->element].offset, 1e-12);
+  }
+}
+
 // A sum over many rays of what a loss may want of t and normal, parameter by parameter.
 TEST_P(Shapes, GradientsOfHitsMatchDifferences) {
   const Shape shape = kind().sample(rng);
