@@ -35,5 +35,6 @@ void describe(Describer& d, EvaluateConfig& c);
 void run_evaluate(const EvaluateConfig& config, StageContext& context);
 Stage evaluate_stage();
 StageCost evaluate_cost(const CostTerms& terms);
+StageReport evaluate_report();
 
 }  // namespace vitrine

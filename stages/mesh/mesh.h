@@ -50,5 +50,6 @@ void describe(Describer& d, MeshConfig& c);
 
 Stage mesh_stage();
 StageCost mesh_cost(const CostTerms& terms);
+StageReport mesh_report();
 
 }  // namespace vitrine

@@ -54,5 +54,6 @@ void describe(Describer& d, NormalsConfig& c);
 void run_normals(const NormalsConfig& config, StageContext& context);
 Stage normals_stage();
 StageCost normals_cost(const CostTerms& terms);
+StageReport normals_report();
 
 }  // namespace vitrine

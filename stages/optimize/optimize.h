@@ -55,5 +55,6 @@ void describe(Describer& d, OptimizeConfig& c);
 void run_optimize(const OptimizeConfig& config, StageContext& context);
 Stage optimize_stage();
 StageCost optimize_cost(const CostTerms& terms);
+StageReport optimize_report();
 
 }  // namespace vitrine

@@ -43,5 +43,6 @@ void describe(Describer& d, RelightConfig& c);
 void run_relight(const RelightConfig& config, StageContext& context);
 Stage relight_stage();
 StageCost relight_cost(const CostTerms& terms);
+StageReport relight_report();
 
 }  // namespace vitrine

@@ -51,5 +51,6 @@ void describe(Describer& d, SfmConfig& c);
 
 Stage sfm_stage();
 StageCost sfm_cost(const CostTerms& terms);
+StageReport sfm_report();
 
 }  // namespace vitrine
