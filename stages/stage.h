@@ -34,7 +34,7 @@ struct StageInput {
 
 struct StageInfo {
   std::string name;     // "mesh"
-  int version = 1;      // bump when the output changes for the same inputs (history in the stage header)
+  int version = 1;      // bump when the output changes for the same inputs (history: tests/golden/stage_versions.md)
   std::string summary;  // one line, for help and reports
   std::vector<StageInput> inputs;
   std::string doing = {};                         // the same for people who do not know its name: "finding the camera poses"

@@ -1,9 +1,6 @@
 // Mesh: the diffuse layer's rendered depth becomes a triangle mesh. TSDF fusion of every training view, marching cubes
 // (mesh/mesh_raw.ply), then components, repair, smoothing, decimation (mesh/mesh.ply), what stands behind glass
 // (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
-//
-// Version history: 1 = first. 3 = polished metal has the shape of its outlines' hull.
-// 4 = behind_glass.ply. 5 = the region holds glass and gloss; 6 = and grows by them no more than twofold on a side.
 #pragma once
 
 #include <string>

@@ -1,8 +1,6 @@
 // Stage `normals`: the surface normal of every photo's pixels, with a confidence, as a hint for training (README.md).
 //   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps or a network of the user's
 //   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
-// version 1: first. 2: normals of hulls are those of their flat faces. 3: each class has its hull; outlines of a box are
-// the box. 4: kettles and vases have the normals of solids of revolution; the report tells of each class.
 #pragma once
 
 #include <string>

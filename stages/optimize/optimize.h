@@ -3,7 +3,6 @@
 //   writes  gaussians/{diffuse,reflection,transmittance}.ply, optimize/{views.json,report.json,previews/*.png}
 //   optimize/trained/masks/object/*.png where only a part of the photos was trained
 // Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
-// Version 24: masks of glass alone make no mirror of a wall; glass keeps its materials when reflection begins.
 #pragma once
 
 #include <string>
