@@ -55,6 +55,8 @@ StageNode describe_stage(const fs::path& executable, const std::string& name) {
   for (const json& i : d.at("inputs"))
     node.inputs.push_back(
         {i.at("name"), i.at("artifact"), i.at("optional"), i.at("doc"), i.value("skips", std::vector<std::string>())});
+  if (d.contains("report")) node.report = parse_stage_report(d["report"].dump());
+  node.doing = d.value("doing", "");
   node.has_cost = d.value("has_cost", false);
   return node;
 }

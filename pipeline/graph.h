@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/artifact/stage_report.h"
 #include "core/base/file.h"
 #include "core/base/process.h"
 
@@ -25,6 +26,8 @@ struct StageNode {
   fs::path executable;
   std::vector<NodeInput> inputs;
   std::string description;  // the JSON of --describe: its options are read from it
+  std::string doing;        // what it is about, for people who do not know its name
+  StageReport report;       // what report.html says of its results
   bool has_cost = false;    // it answers --cost
 };
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/artifact/stage_cost.h"
+#include "core/artifact/stage_report.h"
 #include "core/config/describe.h"
 
 namespace vitrine {
@@ -33,10 +34,12 @@ struct StageInput {
 
 struct StageInfo {
   std::string name;     // "mesh"
-  int version = 1;      // bump when the output changes for the same inputs (history in the stage header)
+  int version = 1;      // bump when the output changes for the same inputs (history: tests/golden/stage_versions.md)
   std::string summary;  // one line, for help and reports
   std::vector<StageInput> inputs;
+  std::string doing = {};                         // the same for people who do not know its name: "finding the camera poses"
   StageCost (*cost)(const CostTerms&) = nullptr;  // what it will take
+  StageReport report = {};                        // what report.html says of its results
 };
 
 struct Progress {                        // one report of a running stage

@@ -34,7 +34,7 @@ CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   cli.flag("quiet", 'q', a.quiet, "Warnings and errors only.");
   cli.flag("verbose", 'v', a.verbose, "More detail.");
   cli.section("about");
-  cli.flag("describe", 0, a.describe, "Print inputs and options as JSON.");
+  cli.flag("describe", 0, a.describe, "Print inputs, options and report figures as JSON.");
   cli.value("cost", 0, "FILE", a.cost, "Print what runs would take, as JSON; the file names photos and options.");
   cli.flag("print-key", 0, a.print_key, "Print the cache key of this run and its terms as JSON; compute nothing.");
   cli.flag("version", 0, a.version, "Print the version.");
@@ -77,7 +77,9 @@ std::string stage_description(const StageInfo& info, const OptionTable& options)
     out["inputs"].push_back(
         {{"name", i.name}, {"artifact", i.artifact}, {"optional", i.optional}, {"doc", i.doc}, {"skips", i.skips}});
   out.update(nlohmann::ordered_json::parse(options_to_json(options)));
+  out["doing"] = info.doing;
   out["has_cost"] = info.cost != nullptr;
+  out["report"] = nlohmann::ordered_json::parse(stage_report_text(info.report));
   return out.dump(1);
 }
 

@@ -2,50 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/base/error.h"
 #include "core/math/median.h"
+#include "pipeline/graph.h"
+#include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {
 
 namespace {
 
-// What a figure was measured on. Below these numbers it is shown, but says nothing about good or bad.
-constexpr double kFewestPoints = 100;  // sparse points: what poses and their error hang on
-constexpr double kFewestViews = 2;     // one picture may be the best or the worst
-constexpr double kFewestAligned = 5;   // cameras: three always fit the truth after an alignment
-
-struct Samples {
-  std::optional<double> have;  // nullopt: the report does not say, the figure is believed
-  double fewest = 0;
-  const char* of = "";  // "points"
-  bool few() const { return have && *have < fewest; }
-};
-
-class Group {
- public:
-  explicit Group(std::string title) { group_.title = std::move(title); }
-  void add(std::string_view id, std::optional<double> value, std::string note = {}, const Samples& samples = {}) {
-    if (!value) return;
-    const Rule& r = rule(id);
-    Figure f{.rule = &r, .value = *value, .rating = Rating::Unknown, .note = std::move(note), .unknown = {}};
-    if (samples.few())
-      f.unknown = fmt::format("too few {} ({:.0f})", samples.of, *samples.have);
-    else
-      f.rating = rate(r, *value);
-    group_.figures.push_back(std::move(f));
-  }
-  void into(std::vector<FigureGroup>& groups) && {
-    if (!group_.figures.empty()) groups.push_back(std::move(group_));
-  }
-
- private:
-  FigureGroup group_;
-};
+// In the order of the page; other groups follow, in the order of the stages.
+constexpr std::string_view kGroups[] = {"Photos and poses", "Pictures from new places", "Parts of the picture",
+                                        "Geometry",         "Light and materials",      "Against the truth"};
+// The figure beside which the photos are listed one by one.
+constexpr std::string_view kOfPhotos = "registered";
 
 // Why a photo has no pose; sfm's word for the likely cause (stages/sfm/README.md) in words.
 std::string reason_of(const Facts& photo) {
@@ -96,129 +73,68 @@ std::vector<PhotoScore> read_views(const fs::path& project) {
   return views;
 }
 
-void add_poses(const Facts& sfm, Figures& f) {
-  Group group("Photos and poses");
-  const auto registered = sfm.number("registered"), count = sfm.number("photo_count");
-  const Samples points{sfm.number("points.kept"), kFewestPoints, "points"};
-  if (registered && count && *count > 0)
-    group.add("registered", *registered / *count, fmt::format("{:.0f} of {:.0f}", *registered, *count), points);
-  // Without a point there is no error; the figure stays to say so.
-  const std::optional<double> error = sfm.number("mean_reprojection_error_px");
-  const bool none = points.have && *points.have <= 0;
-  group.add("reprojection", none ? std::optional(std::nan("")) : error, {}, points);
-  std::vector<double> observations;
-  for (const PhotoPose& p : f.photos)
-    if (p.registered) observations.push_back(p.observations);
-  if (!observations.empty()) group.add("observations", upper_median(observations));
-  std::move(group).into(f.groups);
-}
-
-void add_views(const Facts& metrics, Figures& f) {
-  Group group("Pictures from new places");
-  const auto psnr = metrics.number("heldout.psnr"), train = metrics.number("train.psnr");
-  const auto views = metrics.number("heldout.views");
-  const Samples heldout{views, kFewestViews, "held-out views"};
-  group.add("psnr", psnr, views ? fmt::format("{:.0f} view{} held out of training", *views, *views == 1 ? "" : "s") : "",
-            heldout);
-  group.add("ssim", metrics.number("heldout.ssim"), {}, heldout);
-  if (psnr && train)
-    group.add("gap", *train - *psnr, fmt::format("{:.1f} dB where it trained, {:.1f} dB where not", *train, *psnr), heldout);
+const PhotoScore* weakest_view(const std::vector<PhotoScore>& views) {
   const PhotoScore* weakest = nullptr;
-  for (const PhotoScore& v : f.views)
+  for (const PhotoScore& v : views)
     if (v.heldout && (weakest == nullptr || v.psnr < weakest->psnr)) weakest = &v;
-  if (psnr && weakest != nullptr && views.value_or(0) > 1)
-    group.add("weakest", std::max(0.0, *psnr - weakest->psnr), fmt::format("{}: {:.1f} dB", weakest->name, weakest->psnr));
-  std::move(group).into(f.groups);
+  return weakest;
 }
 
-void add_regions(const Facts& metrics, Figures& f) {
-  Group group("Parts of the picture");
-  for (const char* region : {"transparent", "reflective", "object", "rest"})
-    if (const Facts r = metrics.at("regions").member(region); r.known())
-      group.add(fmt::format("region_{}", region), r.number("psnr"), {}, {r.number("views"), kFewestViews, "held-out views"});
-  std::move(group).into(f.groups);
+// One of several values, not none.
+double folded(const std::string& how, const std::vector<std::pair<std::string, double>>& numbers) {
+  std::vector<double> values;
+  double sum = 0;
+  for (const auto& [name, n] : numbers) values.push_back(n), sum += n;
+  return how == "median" ? upper_median(std::move(values)) : how == "last" ? values.back() : sum / double(values.size());
 }
 
-void add_geometry(const Facts& normals, const Facts& mesh, Figures& f) {
-  Group group("Geometry");
-  std::vector<double> known;
-  for (const Facts& p : normals.at("photos").items())
-    if (const auto k = p.number("known")) known.push_back(*k);
-  if (!known.empty()) {
-    double sum = 0;
-    for (double k : known) sum += k;
-    group.add("normals_known", sum / double(known.size()), fmt::format("source: {}", normals.text("source")));
+std::optional<double> value_of(const ReportFigure& rule, const Facts& report) {
+  const auto numbers = numbers_at(report, rule.value, rule.where);
+  if (numbers.empty()) return std::nullopt;
+  const double value = folded(rule.fold, numbers);
+  const auto less = report.number(rule.minus), whole = report.number(rule.over);
+  if (!rule.minus.empty()) return less ? std::optional(value - *less) : std::nullopt;
+  if (!rule.over.empty()) return whole && *whole > 0 ? std::optional(value / *whole) : std::nullopt;
+  return value;
+}
+
+std::optional<Figure> figure_of(const ReportFigure& rule, const Facts& report, const std::vector<PhotoScore>& views) {
+  std::optional<double> value = value_of(rule, report);
+  const auto samples = rule.samples.empty() ? std::nullopt : report.number(rule.samples);
+  if (rule.shown_without && samples && *samples <= 0) value = std::nan("");
+  Figure f{.rule = rule, .value = 0, .rating = Rating::Unknown, .note = fact_text(rule.note, report).value_or(""), .unknown = {}};
+  if (rule.fold == "above_weakest_view") {
+    const PhotoScore* weakest = weakest_view(views);
+    if (!value || weakest == nullptr || samples.value_or(0) < rule.fewest) return std::nullopt;
+    f.note = fmt::format("{}: {:.1f} dB", weakest->name, weakest->psnr);
+    value = std::max(0.0, *value - weakest->psnr);
   }
-  const Samples faces{mesh.number("mesh.faces"), 1, "triangles"};
-  const auto edges = mesh.number("mesh.edges"), border = mesh.number("mesh.boundary_edges");
-  if (edges && border && *edges > 0) group.add("mesh_border", *border / *edges);
-  group.add("mesh_crossing", mesh.number("mesh.self_intersections"), {}, faces);
-  group.add("mesh_nonmanifold", mesh.number("mesh.nonmanifold_edges"), {}, faces);
-  std::move(group).into(f.groups);
+  if (!value) return std::nullopt;
+  f.value = *value;
+  if (samples && *samples < rule.fewest)
+    f.unknown = fmt::format("too few {} ({:.0f})", rule.counted, *samples);
+  else
+    f.rating = rate(rule, *value);
+  return f;
 }
 
-void add_light(const Facts& relight, Figures& f) {
-  Group group("Light and materials");
-  group.add("baked", relight.number("baked_log_rms"));
-  if (const auto rounds = relight.at("misfit_log_rms").items(); !rounds.empty()) group.add("misfit", rounds.back().number());
-  std::move(group).into(f.groups);
-}
-
-void add_truth(const Facts& metrics, Figures& f) {
-  Group group("Against the truth");
-  const Facts truth = metrics.at("truth");
-  const Samples aligned{truth.number("pose.views_in_alignment"), kFewestAligned, "cameras to align"};
-  group.add("truth_rotation", truth.number("pose.rotation_deg"), {}, aligned);
-  group.add("truth_centre", truth.number("pose.centre_rel"), {}, aligned);
-  group.add("truth_normals", truth.number("normal_mae_deg"));
-  group.add("truth_depth", truth.number("depth_rel"));
-  group.add("truth_fscore", truth.number("mesh.fscore"));
-  group.add("truth_transmitted", truth.number("transmitted.psnr"), {},
-            {truth.number("transmitted.views"), kFewestViews, "views with a truth"});
-  group.add("truth_albedo", truth.number("albedo.psnr"), {}, {truth.number("albedo.views"), kFewestViews, "views with a truth"});
-  group.add("truth_relit", truth.number("relit.psnr"));
-  std::move(group).into(f.groups);
-}
-
-std::string counted(double n, std::string_view what) {
-  std::string digits = fmt::format("{:.0f}", n);
-  for (ptrdiff_t at = ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(size_t(at), "\u202f");  // narrow space
-  return fmt::format("{} {}", digits, what);
-}
-
-void add_facts(const Facts& sfm, const Facts& training, const Facts& mesh, const Facts& metrics, Figures& f) {
-  if (const auto points = sfm.number("points.kept")) f.facts.push_back(counted(*points, "sparse points"));
-  if (const auto surfels = training.number("surfels")) {
-    std::string parts;
-    double all = 0;
-    for (const std::string& layer : training.at("layers").keys())
-      if (const auto n = training.at("layers").member(layer).number("surfels"))
-        parts += (parts.empty() ? "" : ", ") + counted(*n, layer), all += *n;
-    const bool several = training.at("layers").keys().size() > 1;
-    f.facts.push_back(counted(several ? all : *surfels, "surfels") + (several ? fmt::format(" (by layer: {})", parts) : ""));
+std::vector<std::string> group_titles() {
+  std::vector<std::string> titles(std::begin(kGroups), std::end(kGroups));
+  const auto add = [&](const std::string& title) {
+    if (std::ranges::find(titles, title) == titles.end()) titles.push_back(title);
+  };
+  for (const DeclaredReport& declared : declared_reports()) {
+    for (const ReportFigure& figure : declared.report.figures) add(figure.group);
+    for (const ReportFact& fact : declared.report.facts) add(fact.group);
   }
-  if (const auto all = metrics.number("surfels"); all && !training.number("surfels")) f.facts.push_back(counted(*all, "surfels"));
-  if (const auto steps = training.number("iterations")) f.facts.push_back(counted(*steps, "training steps"));
-  const auto width = metrics.number("resolution.width"), height = metrics.number("resolution.height");
-  if (width && height) f.facts.push_back(fmt::format("pictures of {:.0f} × {:.0f}", *width, *height));
-  const auto faces = mesh.number("mesh.faces"), pieces = mesh.number("mesh.components");
-  if (faces && pieces)
-    f.facts.push_back(
-        fmt::format("a mesh of {} in {}", counted(*faces, "triangles"), counted(*pieces, *pieces == 1 ? "piece" : "pieces")));
+  return titles;
 }
 
-// What the refine stage found out about the largest piece of closed glass.
-void add_glass(const Facts& refine, Figures& f) {
-  for (const Facts& region : refine.at("glass.regions").items()) {
-    const std::string verdict = region.text("verdict");
-    const auto straight = region.number("psnr.straight"), straight_without = region.number("psnr.straight_without_layer");
-    const auto bent = region.number("psnr.bent"), bent_without = region.number("psnr.bent_without_layer");
-    if ((verdict != "thin" && verdict != "thick") || !straight || !straight_without || !bent || !bent_without) continue;
-    f.facts.push_back(
-        fmt::format("the glass looks {} (straight rays show what is behind it at {:.1f} dB, refracted ones at {:.1f} dB)",
-                    verdict, std::max(*straight, *straight_without), std::max(*bent, *bent_without)));
-    return;
-  }
+std::optional<std::string> text_of(const ReportFact& fact, const Facts& report) {
+  if (fact.each.empty()) return fact_text(fact.text, report);
+  for (const Facts& item : report.at(fact.each).items())
+    if (auto text = fact_text(fact.text, item)) return text;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -226,25 +142,53 @@ void add_glass(const Facts& refine, Figures& f) {
 const Figure* Figures::find(std::string_view id) const {
   for (const FigureGroup& group : groups)
     for (const Figure& figure : group.figures)
-      if (figure.rule->id == id) return &figure;
+      if (figure.rule.id == id) return &figure;
+  return nullptr;
+}
+
+const std::vector<DeclaredReport>& declared_reports() {
+  static const std::vector<DeclaredReport> reports = [] {
+    std::vector<DeclaredReport> all;
+    try {
+      for (const StageNode& node : load_graph(stage_folder()).nodes) all.push_back({node.name, node.doing, node.report});
+    } catch (const Error&) {  // a page without figures is better than none
+    }
+    return all;
+  }();
+  return reports;
+}
+
+const ReportFigure* declared_figure(std::string_view id) {
+  for (const DeclaredReport& declared : declared_reports())
+    for (const ReportFigure& figure : declared.report.figures)
+      if (figure.id == id) return &figure;
   return nullptr;
 }
 
 Figures gather_figures(const fs::path& project, const RunOutcome& outcome) {
-  const Facts sfm = Facts::of_file(outcome.sfm_report), training = Facts::of_file(project / "optimize/report.json"),
-              normals = Facts::of_file(project / "normals/report.json"), mesh = Facts::of_file(project / "mesh/report.json"),
-              relight = Facts::of_file(project / "relight/report.json"), metrics = Facts::of_file(project / "eval/metrics.json");
   Figures f;
-  f.photos = read_photos(sfm);
   f.views = read_views(project);
-  add_poses(sfm, f);
-  add_views(metrics, f);
-  add_regions(metrics, f);
-  add_geometry(normals, mesh, f);
-  add_light(relight, f);
-  add_truth(metrics, f);
-  add_facts(sfm, training, mesh, metrics, f);
-  add_glass(Facts::of_file(project / "refine/report.json"), f);
+  std::vector<Facts> reports;
+  for (const DeclaredReport& d : declared_reports()) {
+    reports.push_back(d.report.file.empty() ? Facts() : Facts::of_file(outcome.report_of(project, d.stage, d.report.file)));
+    if (std::ranges::find(d.report.figures, kOfPhotos, &ReportFigure::id) != d.report.figures.end())
+      f.photos = read_photos(reports.back());
+  }
+  std::set<std::string> said;
+  for (const std::string& title : group_titles()) {
+    FigureGroup group{.title = title, .figures = {}};
+    for (size_t s = 0; s < reports.size(); ++s) {
+      for (const ReportFigure& rule : declared_reports()[s].report.figures)
+        if (auto figure = rule.group == title ? figure_of(rule, reports[s], f.views) : std::nullopt)
+          group.figures.push_back(std::move(*figure));
+      for (const ReportFact& fact : declared_reports()[s].report.facts)
+        if (auto text = fact.group == title && !said.contains(fact.once) ? text_of(fact, reports[s]) : std::nullopt) {
+          f.facts.push_back(std::move(*text));
+          if (!fact.once.empty()) said.insert(fact.once);
+        }
+    }
+    if (!group.figures.empty()) f.groups.push_back(std::move(group));
+  }
   return f;
 }
 

@@ -1,4 +1,4 @@
-// The figures of a run, gathered from the reports in its folder and rated.
+// The figures of a run that its stages declare (core/artifact/stage_report.h), read from the reports in its folder and rated.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 namespace vitrine {
 
 struct Figure {
-  const Rule* rule = nullptr;
+  ReportFigure rule;
   double value = 0;  // NaN: there is none
   Rating rating = Rating::Good;
   std::string note;     // evidence beside the value: "36 of 36", the photo's name
@@ -47,6 +47,15 @@ struct Figures {
 
   const Figure* find(std::string_view id) const;
 };
+
+// What the stages declare of their reports, from the descriptions beside this program; empty where they cannot be read.
+struct DeclaredReport {
+  std::string stage, doing;
+  StageReport report;
+};
+const std::vector<DeclaredReport>& declared_reports();
+// A figure that a stage declares, and where; nullptr: none does.
+const ReportFigure* declared_figure(std::string_view id);
 
 Figures gather_figures(const fs::path& project, const RunOutcome& outcome);
 

@@ -92,6 +92,13 @@ std::string RunOutcome::last_stage() const {
   return {};
 }
 
+fs::path RunOutcome::report_of(const fs::path& project, const std::string& stage, const fs::path& file) const {
+  const auto attempt = attempts.find(stage);
+  std::error_code ec;
+  if (attempt != attempts.end() && fs::exists(attempt->second / file.filename(), ec)) return attempt->second / file.filename();
+  return project / file;
+}
+
 RunOutcome read_outcome(const fs::path& project) {
   RunOutcome o;
   const Facts run = Facts::of_file(project / "run.json");
@@ -121,14 +128,8 @@ RunOutcome read_outcome(const fs::path& project) {
                                                               : Ending::Failed;
   if (o.ending != Ending::Failed) o.failure.reset();
 
-  o.sfm_report = project / "sfm/report.json";
-  if (!o.has("sfm")) {
-    const auto key = keys.find("sfm");
-    const fs::path attempt =
-        key != keys.end() && stays_below(key->second) ? store_of(project) / "sfm" / (key->second + ".scratch/report.json") : "";
-    std::error_code ec;
-    if (!attempt.empty() && fs::exists(attempt, ec)) o.sfm_report = attempt;
-  }
+  for (const auto& [stage, key] : keys)
+    if (!o.has(stage) && stays_below(key)) o.attempts[stage] = store_of(project) / stage / (key + ".scratch");
   return o;
 }
 

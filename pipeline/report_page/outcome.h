@@ -2,6 +2,7 @@
 // it, else (killed, or still at work) from events.jsonl; a stage that was not computed anew has its costs in the store.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,12 +36,13 @@ struct RunOutcome {
   std::string machine;                                   // "2 threads"
   std::vector<StageOutcome> stages;                      // in order
   std::optional<StageFailure> failure;
-  // Where the failed SfM attempt left its figures; else sfm/report.json is the place.
-  fs::path sfm_report = {};
+  std::map<std::string, fs::path> attempts;  // stages without a result: the folder in which they worked
 
   const StageOutcome* stage(std::string_view name) const;
   bool has(std::string_view name) const;  // there is a finished result of this stage
   std::string last_stage() const;         // the one that failed, or that was under way
+  // A report of the stage, in the folder of an attempt where it has left one, else `file` of the output folder.
+  fs::path report_of(const fs::path& project, const std::string& stage, const fs::path& file) const;
 };
 
 RunOutcome read_outcome(const fs::path& project);

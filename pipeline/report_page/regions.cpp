@@ -83,13 +83,13 @@ std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char
 }
 
 // As good as it is drawn from new places; at most medium when the training views are far better, or when few photos hold it.
-void judge(RegionTrust& r, const Rule& by_psnr) {
+void judge(RegionTrust& r, const ReportFigure& by_psnr) {
   if (!r.psnr) return;
   int step = int(rate(by_psnr, *r.psnr));
   std::vector<std::string> why = {step == 0   ? "drawn well from new places"
                                   : step == 1 ? "somewhat soft from new places"
                                               : "poor from new places"};
-  if (const double limit = rule("gap").okay; r.train_psnr && *r.train_psnr - *r.psnr > limit)
+  if (const ReportFigure* gap = declared_figure("gap"); gap && r.train_psnr && *r.train_psnr - *r.psnr > gap->fair)
     step = std::max(step, 1), why.push_back("much better where it was trained");
   if (r.views_per_point && *r.views_per_point < kFewViews)
     step = std::max(step, 1), why.push_back("its points are seen by two photos");
@@ -123,11 +123,11 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
   std::vector<RegionTrust> regions;
   for (size_t r = 0; r < kRegions; ++r) {
     Tally& t = tallies[r];
-    if (t.samples == 0) continue;
+    const ReportFigure* by_psnr = declared_figure(fmt::format("region_{}", kIds[r]));
+    if (t.samples == 0 || by_psnr == nullptr) continue;
     RegionTrust& out = regions.emplace_back();
     out.id = kIds[r];
-    const Rule& by_psnr = rule(fmt::format("region_{}", kIds[r]));
-    out.title = masked ? std::string(by_psnr.label) : "The whole picture";
+    out.title = masked ? by_psnr->label : "The whole picture";
     out.share = t.samples / all;
     out.points = t.points / double(count) / (10 * out.share);
     if (!t.views_per_point.empty()) out.views_per_point = upper_median(std::move(t.views_per_point));
@@ -140,7 +140,7 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
       if (psnr != nullptr) out.psnr = psnr->value, out.heldout_views = psnr->rating == Rating::Unknown ? 1 : 2;
       if (psnr != nullptr && gap != nullptr) out.train_psnr = psnr->value + gap->value;
     }
-    judge(out, by_psnr);
+    judge(out, *by_psnr);
   }
   return regions;
 }

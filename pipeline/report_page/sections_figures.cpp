@@ -16,7 +16,7 @@ constexpr size_t kMostAdvice = 3;
 constexpr std::array<std::string_view, 4> kSigns = {"●", "◐", "○", "?"};  // the rating does not hang on colour alone
 
 std::string figure_row(const Figure& f) {
-  const Rule& r = *f.rule;
+  const ReportFigure& r = f.rule;
   std::string text =
       fmt::format("<li class=\"figure\"><div class=\"what\"><h4>{}</h4><p>{}</p>", escaped(r.label), escaped(r.means));
   if (f.rating == Rating::Unknown)

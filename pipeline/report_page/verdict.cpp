@@ -20,18 +20,8 @@ constexpr size_t kMostCauses = 6;  // of a failure; photos without a pose are li
 
 // What a stage is about, for people who do not know its name.
 std::string stage_in_words(const std::string& stage) {
-  constexpr std::pair<std::string_view, std::string_view> kWords[] = {{"ingest", "reading the photos"},
-                                                                      {"sfm", "finding the camera poses"},
-                                                                      {"masks", "finding glass and mirrors"},
-                                                                      {"normals", "estimating surfaces"},
-                                                                      {"optimize", "training"},
-                                                                      {"mesh", "building the mesh"},
-                                                                      {"refine", "putting in order what stands behind glass"},
-                                                                      {"relight", "separating colour and light"},
-                                                                      {"evaluate", "measuring"},
-                                                                      {"export", "writing files for other programs"}};
-  for (const auto& [name, words] : kWords)
-    if (name == stage) return fmt::format("while {} ({})", words, name);
+  for (const DeclaredReport& d : declared_reports())
+    if (d.stage == stage && !d.doing.empty()) return fmt::format("while {} ({})", d.doing, stage);
   return "during " + stage;
 }
 
@@ -97,7 +87,7 @@ std::vector<const Figure*> weak_figures(const Figures& figures) {
   // A figure that is not rated is no weakness of the scene; among those that decide it is one of the proof, and is named.
   std::erase_if(others, [](const Figure* f) { return f->rating == Rating::Unknown; });
   std::stable_sort(others.begin(), others.end(), [](const Figure* a, const Figure* b) {
-    return place_on_scale(*a->rule, a->value) < place_on_scale(*b->rule, b->value);
+    return place_on_scale(a->rule, a->value) < place_on_scale(b->rule, b->value);
   });
   weak.insert(weak.end(), others.begin(), others.end());
   const auto badness = [](const Figure* f) { return f->rating == Rating::Unknown ? Rating::Borderline : f->rating; };
@@ -107,9 +97,8 @@ std::vector<const Figure*> weak_figures(const Figures& figures) {
 
 WeakSpot weak_spot(const Figure& f) {
   const std::string note = f.note.empty() ? "" : fmt::format(" ({})", f.note);
-  const std::string weak =
-      f.rating == Rating::Unknown ? fmt::format("Not known to be right: {}.", f.unknown) : std::string(f.rule->weak);
-  return {weak, fmt::format("{}: {}{}", f.rule->label, shown(*f.rule, f.value), note)};
+  const std::string weak = f.rating == Rating::Unknown ? fmt::format("Not known to be right: {}.", f.unknown) : f.rule.weak;
+  return {weak, fmt::format("{}: {}{}", f.rule.label, shown(f.rule, f.value), note)};
 }
 
 std::string how_well(const Figures& figures) {
@@ -119,7 +108,7 @@ std::string how_well(const Figures& figures) {
                        registered->rating == Rating::Unknown ? "have a pose that hardly any point holds" : "found their place");
   if (const Figure* psnr = figures.find("psnr"))
     text += fmt::format("{}pictures from places that training never saw come out at {}{}", text.empty() ? "" : ", and ",
-                        shown(*psnr->rule, psnr->value), psnr->rating == Rating::Unknown ? ", measured on too few views" : "");
+                        shown(psnr->rule, psnr->value), psnr->rating == Rating::Unknown ? ", measured on too few views" : "");
   else if (!text.empty())
     text += "; pictures from new places have not been measured";
   return text.empty() ? std::string() : capital(text) + ".";

@@ -4,7 +4,6 @@
 //   reads   sfm (cameras), optimize, mesh; refine, relight, masks when there are any; edits: a YAML file (edit_list.h)
 //   writes  edited/{gaussians,optimize,mesh,relight}: a folder that can be given in place of those artifacts;
 //           edited/edits.yaml (the list), edited/report.json (what each edit selected; the mesh's components)
-// version 1: first. 2: the mesh of what stands behind glass, and solid glass, are carried along.
 #pragma once
 
 #include "stages/stage.h"

@@ -36,7 +36,9 @@ Stage evaluate_stage() {
                  {.name = "mesh", .doc = "the mesh"},
                  {.name = "relight", .optional = true, .doc = "albedo and light, to compare with the truth's"},
                  {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
+  info.doing = "measuring";
   info.cost = evaluate_cost;
+  info.report = evaluate_report();
   return make_stage<EvaluateConfig>(std::move(info), run_evaluate, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });

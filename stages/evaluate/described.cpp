@@ -1,4 +1,4 @@
-// Cost estimate of the evaluate stage.
+// Cost estimate and report figures of the evaluate stage.
 #include <cmath>
 #include <filesystem>
 
@@ -6,6 +6,16 @@
 #include "stages/training_cost.h"
 
 namespace vitrine {
+
+namespace {
+
+constexpr const char* kViews = "Pictures from new places";
+constexpr const char* kParts = "Parts of the picture";
+constexpr const char* kTruth = "Against the truth";
+constexpr double kFewestViews = 2;    // one picture may be the best or the worst
+constexpr double kFewestAligned = 5;  // cameras: three always fit the truth after an alignment
+
+}  // namespace
 
 StageCost evaluate_cost(const CostTerms& t) {
   const double every = t.number("optimize.holdout_every");
@@ -19,6 +29,68 @@ StageCost evaluate_cost(const CostTerms& t) {
     if (std::filesystem::is_directory(std::filesystem::path(t.text("input.truth")) / "relit", ec)) cpu_s += 12;
   }
   return stage_cost(cpu_s, 0.65, memory, 5 * held * mpx);
+}
+
+StageReport evaluate_report() {
+  StageReport report{.file = "eval/metrics.json"};
+  report.figures = {
+      ReportFigure{kViews, "psnr", "New views, PSNR", "dB", 1, 27, 22,
+                   "Photos that training never saw against their renders; mean over the held-out views.",
+                   "Pictures from new places are soft or wrong in parts.", "heldout.psnr"}
+          .measured_on("heldout.views", kFewestViews, "held-out views")
+          .noted("{heldout.views:0} {heldout.views:view,views} held out of training"),
+      ReportFigure{kViews, "ssim", "New views, SSIM", "", 3, 0.88, 0.75,
+                   "The same pictures, structure instead of error; 1 is equal.",
+                   "Fine structure is lost in pictures from new places.", "heldout.ssim"}
+          .measured_on("heldout.views", kFewestViews, "held-out views"),
+      ReportFigure{kViews, "gap", "Training against new views", "dB", 1, 3, 6,
+                   "By how much training photos come out better than held-out ones.",
+                   "The scene knows its photos by heart: too few of them agree on what is seen from elsewhere.", "train.psnr"}
+          .difference("heldout.psnr")
+          .measured_on("heldout.views", kFewestViews, "held-out views")
+          .noted("{train.psnr:1} dB where it trained, {heldout.psnr:1} dB where not"),
+      ReportFigure{kViews, "weakest", "Weakest new view", "dB", 1, 3, 6, "How far the worst held-out view lies below the mean.",
+                   "One side is much weaker than the others: more photos are missing there.", "heldout.psnr"}
+          .folded("above_weakest_view")
+          .measured_on("heldout.views", kFewestViews, "held-out views"),
+      ReportFigure{kParts, "region_transparent", "Glass", "dB", 1, 27, 22, "Held-out PSNR inside the masks of glass.",
+                   "What stands behind the glass, or its reflections, is not yet understood.", "regions.transparent.psnr"}
+          .measured_on("regions.transparent.views", kFewestViews, "held-out views"),
+      ReportFigure{kParts, "region_reflective", "Metal and gloss", "dB", 1, 27, 22,
+                   "Held-out PSNR of what is glossy and not glass.", "Reflections are baked in or smeared.",
+                   "regions.reflective.psnr"}
+          .measured_on("regions.reflective.views", kFewestViews, "held-out views"),
+      ReportFigure{kParts, "region_object", "The object", "dB", 1, 27, 22, "Held-out PSNR inside the object masks.",
+                   "The object itself is soft from new places.", "regions.object.psnr"}
+          .measured_on("regions.object.views", kFewestViews, "held-out views"),
+      ReportFigure{kParts, "region_rest", "Everything else", "dB", 1, 27, 22, "Held-out PSNR of what is neither glass nor gloss.",
+                   "Even plain surfaces are soft from new places.", "regions.rest.psnr"}
+          .measured_on("regions.rest.views", kFewestViews, "held-out views"),
+      ReportFigure{kTruth, "truth_rotation", "Camera directions", "deg", 2, 0.5, 2, "Against the truth after alignment, median.",
+                   "Poses are off.", "truth.pose.rotation_deg"}
+          .measured_on("truth.pose.views_in_alignment", kFewestAligned, "cameras to align"),
+      ReportFigure{kTruth, "truth_centre", "Camera positions", "%", 2, 0.005, 0.02,
+                   "Against the truth, relative to the camera ring, median.", "Poses are off.", "truth.pose.centre_rel"}
+          .measured_on("truth.pose.views_in_alignment", kFewestAligned, "cameras to align"),
+      {kTruth, "truth_normals", "Normals", "deg", 1, 10, 20, "Mean angle to the true surface, outside glass.",
+       "Surfaces are bumpy or lie wrong.", "truth.normal_mae_deg"},
+      {kTruth, "truth_depth", "Depth", "%", 2, 0.01, 0.03, "Relative to the truth, median.", "Surfaces lie in the wrong place.",
+       "truth.depth_rel"},
+      {kTruth, "truth_fscore", "Mesh, F-score", "", 3, 0.95, 0.8, "Share of the surface within 1 % of the diagonal, both ways.",
+       "Parts of the surface are missing or stand where nothing is.", "truth.mesh.fscore"},
+      ReportFigure{kTruth, "truth_transmitted", "Seen through glass", "dB", 1, 25, 20,
+                   "What the rays found behind the glass against the truth.", "What stands behind the glass is not yet right.",
+                   "truth.transmitted.psnr"}
+          .measured_on("truth.transmitted.views", kFewestViews, "views with a truth"),
+      ReportFigure{kTruth, "truth_albedo", "Albedo", "dB", 1, 25, 20,
+                   "Against the true albedo, one factor per channel for the whole scene.", "Light remains in the albedo.",
+                   "truth.albedo.psnr"}
+          .measured_on("truth.albedo.views", kFewestViews, "views with a truth"),
+      {kTruth, "truth_relit", "Under other lights", "dB", 1, 25, 20, "Pictures under new lights against the truth.",
+       "Under a new light the scene will look off.", "truth.relit.psnr"}};
+  report.facts = {{kViews, "{surfels:n} surfels", "surfels"},
+                  {kViews, "pictures of {resolution.width:0} × {resolution.height:0}"}};
+  return report;
 }
 
 }  // namespace vitrine

@@ -3,11 +3,6 @@
 //   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, relight and
 //   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
 //   eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
-// version 1: first. 2: layers; regions from the masks stage; normals and depth per region; the transmitted radiance.
-// 3: albedo, relit pictures. 4: z of the truth along our axis; what is undecomposed counts over the albedo's pixels.
-// 5: solid glass bends rays of relit pictures, too, and reflects totally. 6: pixels of relit pictures are means.
-// 7: an object that was trained alone is judged alone. 8: and its render is black around it, for SSIM.
-// 11: rims mirror less. 12, 13: relit pictures as in relit 5, 6. 17: directions behind a truth camera are not in its maps.
 #pragma once
 
 #include "stages/stage.h"
@@ -35,5 +30,6 @@ void describe(Describer& d, EvaluateConfig& c);
 void run_evaluate(const EvaluateConfig& config, StageContext& context);
 Stage evaluate_stage();
 StageCost evaluate_cost(const CostTerms& terms);
+StageReport evaluate_report();
 
 }  // namespace vitrine

@@ -97,6 +97,7 @@ Stage export_stage() {
                  {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
                  {.name = "mesh", .doc = "the mesh"},
                  {.name = "relight", .optional = true, .doc = "materials freed of the light of the photos"}};
+  info.doing = "writing files for other programs";
   info.cost = export_cost;
   return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);
 }

@@ -1,10 +1,6 @@
 // export: the scene in other programs' formats (formats/registry.cpp). README.md in this folder lists them.
 //   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, relight/materials.ply (optional)
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
-//
-// Version history: 1 = first; 2 = textured GLB, materials, axes and scale; 3 = transmission of the blend rtrgs, preview of black
-// surfels, thickness of disks follows the scale, USD stays right-handed; 5 = what stands behind glass; 6 = solid glass;
-// 7 = previews show rims that mirror less.
 #pragma once
 
 #include "stages/export/formats/format.h"

@@ -257,6 +257,7 @@ Stage ingest_stage() {
        .version = 2,
        .summary = "Photos become upright linear EXR files, 8-bit copies, and a list with focal length and exposure.",
        .inputs = {{.name = "photos", .artifact = false, .optional = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."}},
+       .doing = "reading the photos",
        .cost = ingest_cost},
       &run);
 }

@@ -2,8 +2,6 @@
 // leave gaps. Started by `vitrine inspect`; it stands beside the graph of `vitrine run`, because nothing follows from it.
 //   reads   the user's photos; optionally sfm/{sparse,scene.json}
 //   writes  inspect/report.json
-// version 1: first. 2: what the folder holds besides photos; colour profiles and alpha, photos of wide gamuts are measured in
-// sRGB; masks and poses.
 #pragma once
 
 #include "stages/stage.h"

@@ -259,6 +259,7 @@ Stage masks_stage() {
                   .artifact = false,
                   .optional = true,
                   .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}},
+      .doing = "finding glass and mirrors",
       .cost = masks_cost};
   return make_stage<MasksConfig>(
       std::move(info), run_masks,

@@ -2,10 +2,6 @@
 //   reads   sfm (cameras, undistorted photos); optionally masks or a segmentation network of the user's
 //   writes  masks/<class>/<stem>.png, masks/confidence/<stem>.png, masks/colmap/<name>.png, masks/report.json,
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
-// version 1: first. 2: report of marks: `across` without the room around the hull, `outlines_found` without drawn ones. 3:
-// GrabCut keeps the middle of what polygons mark. 4: densification of the quick fit with many photos. 5: marks of
-// glass whose outlines are those of a box are the box. 6 to 9: hulls of few marks, bodies on the photos' edges, display cases.
-// 10: more names of mask files, by the whole path where lists name photos; a class without a pixel is absent.
 #pragma once
 
 #include <string>

@@ -341,7 +341,9 @@ Stage mesh_stage() {
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},
                   {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their outlines."}},
-       .cost = mesh_cost},
+       .doing = "building the mesh",
+       .cost = mesh_cost,
+       .report = mesh_report()},
       run_mesh, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });

@@ -1,10 +1,6 @@
 // Mesh: the diffuse layer's rendered depth becomes a triangle mesh. TSDF fusion of every training view, marching cubes
 // (mesh/mesh_raw.ply), then components, repair, smoothing, decimation (mesh/mesh.ply), what stands behind glass
 // (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
-//
-// Version history: 1 = first. 3 = polished metal has the shape of its outlines' hull.
-// 4 = behind_glass.ply. 5 = the region holds glass and gloss; 6 = and grows by them no more than twofold on a side.
-// 10 = of shapes that training learnt, the nearest hit.
 #pragma once
 
 #include <string>
@@ -51,5 +47,6 @@ void describe(Describer& d, MeshConfig& c);
 
 Stage mesh_stage();
 StageCost mesh_cost(const CostTerms& terms);
+StageReport mesh_report();
 
 }  // namespace vitrine

@@ -295,7 +295,9 @@ Stage normals_stage() {
                              .artifact = false,
                              .optional = true,
                              .doc = "a network that predicts normals from a photo (ONNX)"}},
-                 .cost = normals_cost};
+                 .doing = "estimating surfaces",
+                 .cost = normals_cost,
+                 .report = normals_report()};
   return make_stage<NormalsConfig>(
       std::move(info), run_normals,
       [] {

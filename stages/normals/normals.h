@@ -1,8 +1,6 @@
 // Stage `normals`: the surface normal of every photo's pixels, with a confidence, as a hint for training (README.md).
 //   reads   sfm (cameras, sparse points, undistorted photos); optionally normal maps or a network of the user's
 //   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
-// version 1: first. 2: normals of hulls are those of their flat faces. 3: each class has its hull; outlines of a box are
-// the box. 4: surfaces of revolution have their normals; the report tells of each class.
 #pragma once
 
 #include <string>
@@ -54,5 +52,6 @@ void describe(Describer& d, NormalsConfig& c);
 void run_normals(const NormalsConfig& config, StageContext& context);
 Stage normals_stage();
 StageCost normals_cost(const CostTerms& terms);
+StageReport normals_report();
 
 }  // namespace vitrine

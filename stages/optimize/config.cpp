@@ -80,7 +80,9 @@ Stage optimize_stage() {
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},
                             {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}},
-                 .cost = optimize_cost};
+                 .doing = "training",
+                 .cost = optimize_cost,
+                 .report = optimize_report()};
   return make_stage<OptimizeConfig>(
       std::move(info), run_optimize,
       [] {

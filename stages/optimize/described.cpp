@@ -1,4 +1,4 @@
-// Cost estimate of the optimize stage.
+// Cost estimate and report figures of the optimize stage.
 #include "stages/optimize/optimize.h"
 #include "stages/training_cost.h"
 
@@ -9,6 +9,15 @@ StageCost optimize_cost(const CostTerms& t) {
   const double steps = t.number("optimize.iterations");
   return stage_cost(0.7 * t.photos() + steps * training_step_s(t, kLayeredPart, "optimize.shading.ray_budget"), 0.92,
                     training_memory_mib(t), trained_surfels_disk_mib(t));
+}
+
+StageReport optimize_report() {
+  constexpr const char* kViews = "Pictures from new places";
+  StageReport report{.file = "optimize/report.json"};
+  report.facts = {{kViews, "{layers.*.surfels:n} surfels (by layer: {layers.*.surfels:parts})", "surfels"},
+                  {kViews, "{surfels:n} surfels", "surfels"},
+                  {kViews, "{iterations:n} training steps"}};
+  return report;
 }
 
 }  // namespace vitrine

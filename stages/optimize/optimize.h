@@ -3,7 +3,6 @@
 //   writes  gaussians/{diffuse,reflection,transmittance}.ply, optimize/{views.json,report.json,previews/*.png}
 //   optimize/trained/masks/object/*.png where only a part of the photos was trained
 // Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
-// Version 25: all known shapes are one set, and the nearest hit of all is shown; one Adam for all of them.
 #pragma once
 
 #include <string>
@@ -55,5 +54,6 @@ void describe(Describer& d, OptimizeConfig& c);
 void run_optimize(const OptimizeConfig& config, StageContext& context);
 Stage optimize_stage();
 StageCost optimize_cost(const CostTerms& terms);
+StageReport optimize_report();
 
 }  // namespace vitrine

@@ -44,7 +44,9 @@ Stage refine_stage() {
                  {.name = "masks", .optional = true, .doc = "Where glass is; without them, where surfels are transparent."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
                  {.name = "mesh", .doc = "The surfaces through which rays enter and leave glass."}},
-      .cost = refine_cost};
+      .doing = "putting in order what stands behind glass",
+      .cost = refine_cost,
+      .report = refine_report()};
   return make_stage<RefineConfig>(std::move(info), run_refine, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });

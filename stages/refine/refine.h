@@ -33,5 +33,6 @@ void describe(Describer& d, RefineConfig& c);
 void run_refine(const RefineConfig& config, StageContext& context);
 Stage refine_stage();
 StageCost refine_cost(const CostTerms& terms);
+StageReport refine_report();
 
 }  // namespace vitrine

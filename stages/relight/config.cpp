@@ -46,7 +46,9 @@ Stage relight_stage() {
                   {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                   {.name = "mesh", .doc = "What casts shadows."},
                   {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}},
-       .cost = relight_cost},
+       .doing = "separating colour and light",
+       .cost = relight_cost,
+       .report = relight_report()},
       run_relight, [] {
         return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
       });

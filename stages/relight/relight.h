@@ -3,9 +3,6 @@
 //   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
 //   writes  relight/materials.ply, relight/environment.exr, relight/surroundings.ply, relight/report.json, relight/albedo.png,
 //           relight/baked.png
-// version 1: first. 2: leaves out what lies before the near plane. 3: back sides send no light, the sides of thin things are told
-//   apart, a grey card is matched before albedos are limited. 4: metal has its tint in f0. 5: unmarked surfels are
-//   dull, walls go on up to the light. 6: metals and glazes. 7: surfels deep inside metal are metal.
 #pragma once
 
 #include <string>
@@ -43,5 +40,6 @@ void describe(Describer& d, RelightConfig& c);
 void run_relight(const RelightConfig& config, StageContext& context);
 Stage relight_stage();
 StageCost relight_cost(const CostTerms& terms);
+StageReport relight_report();
 
 }  // namespace vitrine

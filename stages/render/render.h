@@ -2,8 +2,6 @@
 // by `vitrine render`; it stands beside the graph of `vitrine run`, because nothing follows from its pictures.
 //   reads   sfm/{sparse,gains}, gaussians/*.ply, optimize/views.json, optional path (transforms.json)
 //   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
-// version 1: first. 2: total reflection in solid glass. 3: rims mirror less. 4: surfels that agree mirror farther. 5: panes of a
-//   case mirror. 6: a camera path keeps the order of its file.
 #pragma once
 
 #include "stages/stage.h"

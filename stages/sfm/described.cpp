@@ -1,4 +1,4 @@
-// Cost estimate of the sfm stage.
+// Cost estimate and report figures of the sfm stage.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,9 @@
 namespace vitrine {
 
 namespace {
+
+constexpr const char* kPoses = "Photos and poses";
+constexpr double kFewestPoints = 100;  // what poses and their error hang on
 
 // Features per megapixel grow with texture; orientations make up to 1.4 of each found.
 double features_of(const CostTerms& t, double mpx) {
@@ -29,6 +32,27 @@ StageCost sfm_cost(const CostTerms& t) {
   const double undistort = 0.27 * out;
   const double total = extract + match + verify + map + undistort;
   return stage_cost(total, (total - map) / total, 45 + t.threads * 275 * mpx, 4.2 * out);
+}
+
+StageReport sfm_report() {
+  StageReport report{.file = "sfm/report.json"};
+  report.figures = {ReportFigure{kPoses, "registered", "Photos that found their place", "%", 0, 0.9, 0.6,
+                                 "Share of the photos whose camera position was found.",
+                                 "The others are not used at all: they share too little with their neighbours.", "registered"}
+                        .share("photo_count")
+                        .measured_on("points.kept", kFewestPoints, "points")
+                        .noted("{registered:0} of {photo_count:0}"),
+                    ReportFigure{kPoses, "reprojection", "Reprojection error", "px", 2, 1.0, 1.5,
+                                 "How far the sparse points land from where they were seen, in pixels of the photos, mean.",
+                                 "Poses are soft: blur, a moving object, or a lens that the camera model does not fit.",
+                                 "mean_reprojection_error_px"}
+                        .measured_on("points.kept", kFewestPoints, "points", true),
+                    ReportFigure{kPoses, "observations", "Points seen per photo", "", 0, 300, 100,
+                                 "Sparse points that a photo sees, median over the photos.",
+                                 "Few points hold a pose: plain surfaces or little overlap.", "photos.*.observations"}
+                        .folded("median", "registered")};
+  report.facts = {{kPoses, "{points.kept:n} sparse points"}};
+  return report;
 }
 
 }  // namespace vitrine

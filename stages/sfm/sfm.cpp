@@ -379,7 +379,9 @@ Stage sfm_stage() {
                              .optional = true,
                              .doc = "masks of the photos, a folder per class: object, transparent, specular, ignore",
                              .skips = {".yaml", ".yml"}}},
-                 .cost = sfm_cost};
+                 .doing = "finding the camera poses",
+                 .cost = sfm_cost,
+                 .report = sfm_report()};
   return make_stage<SfmConfig>(
       std::move(info), run,
       [] {

@@ -1,10 +1,6 @@
 // Stage `sfm`: photos -> calibrated, undistorted views in a normalised frame with sparse points (README.md).
 //   reads   ingest (photos.json, linear EXRs, 8-bit copies); optionally given poses, and the user's masks
 //   writes  images/ linear/ sparse/0 transforms.json scene.json sfm/gains.json sfm/report.json sfm/evidence/matches.png
-// Version history: 1 first; 2 uses masks; 3 what other masks take has no vote on the turntable.
-// 4 photos from one place are refused; evidence/matches.png. 5 draws of the verification by number of matches. 6 principal point.
-// 7 names of given poses are matched together, dangling references and other versions of photos left out; given poses are turned
-// with photos that EXIF turns, and checked against the photos.
 #pragma once
 
 #include <string>
@@ -51,5 +47,6 @@ void describe(Describer& d, SfmConfig& c);
 
 Stage sfm_stage();
 StageCost sfm_cost(const CostTerms& terms);
+StageReport sfm_report();
 
 }  // namespace vitrine

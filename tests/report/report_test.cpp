@@ -1,7 +1,11 @@
 // report.html: what it says of good, weak, failed and damaged folders, and that nothing in a folder gets out of its quotes.
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "core/base/inside.h"
+#include "core/base/json.h"
+#include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/thresholds.h"
@@ -24,22 +28,50 @@ Verdict verdict(const OutputDesc& desc) {
   return verdict_of(outcome, gather_figures(folder.path(), outcome), "out");
 }
 
-TEST(Thresholds, EveryRuleHasItsTwoBordersAndTheReadmeTellsThem) {
+TEST(Thresholds, EveryFigureHasItsTwoBordersAndTheReadmeTellsThem) {
   const std::string readme = read_file(fs::path(VITRINE_SOURCE_DIR) / "pipeline/report_page/README.md");
-  for (const Rule& r : rules()) {
-    SCOPED_TRACE(r.id);
-    ASSERT_NE(r.good, r.okay);
-    const double step = 1e-6 * (r.good > r.okay ? 1 : -1);
-    EXPECT_EQ(rate(r, r.good), Rating::Good);
-    EXPECT_EQ(rate(r, r.good - step), Rating::Borderline);
-    EXPECT_EQ(rate(r, r.okay), Rating::Borderline);
-    EXPECT_EQ(rate(r, r.okay - step), Rating::Bad);
-    EXPECT_NEAR(place_on_scale(r, r.good), 2.0 / 3, 1e-9);
-    EXPECT_NEAR(place_on_scale(r, r.okay), 1.0 / 3, 1e-9);
-    std::string row = fmt::format("| {} | {} |", r.label, thresholds_text(r));
-    for (size_t at; (at = row.find("\u00a0")) != std::string::npos;) row.replace(at, 2, " ");
-    EXPECT_TRUE(has(readme, row)) << "missing in README.md: " << row;
-  }
+  std::set<std::string> ids;
+  for (const DeclaredReport& declared : declared_reports())
+    for (const ReportFigure& r : declared.report.figures) {
+      SCOPED_TRACE(declared.stage + " " + r.id);
+      EXPECT_TRUE(ids.insert(r.id).second) << "two figures have the id";
+      for (const std::string& text : {r.group, r.label, r.means, r.weak, r.value, declared.report.file})
+        EXPECT_FALSE(text.empty());
+      ASSERT_NE(r.good, r.fair);
+      const double step = 1e-6 * (r.higher_is_better() ? 1 : -1);
+      EXPECT_EQ(rate(r, r.good), Rating::Good);
+      EXPECT_EQ(rate(r, r.good - step), Rating::Borderline);
+      EXPECT_EQ(rate(r, r.fair), Rating::Borderline);
+      EXPECT_EQ(rate(r, r.fair - step), Rating::Bad);
+      EXPECT_NEAR(place_on_scale(r, r.good), 2.0 / 3, 1e-9);
+      EXPECT_NEAR(place_on_scale(r, r.fair), 1.0 / 3, 1e-9);
+      std::string row = fmt::format("| {} | {} |", r.label, thresholds_text(r));
+      for (size_t at; (at = row.find("\u00a0")) != std::string::npos;) row.replace(at, 2, " ");
+      EXPECT_TRUE(has(readme, row)) << "missing in README.md: " << row;
+    }
+  // By these the verdict decides, or names a weak spot; the trust in parts of the picture hangs on `gap` and `region_*`.
+  for (const char* id : {"registered", "gap", "psnr", "ssim", "region_transparent", "region_reflective", "region_rest",
+                         "region_object", "weakest", "reprojection", "observations", "mesh_border", "baked"})
+    EXPECT_TRUE(ids.contains(id)) << id << ": no stage declares it";
+  for (const DeclaredReport& declared : declared_reports()) EXPECT_FALSE(declared.doing.empty()) << declared.stage;
+}
+
+TEST(FactText, TakesValuesFromTheReportOrSaysNothing) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "r.json", R"({"n": 1234567, "one": 1, "ratio": 0.257, "word": "thick", "other": "odd",
+      "layers": {"a": {"n": 1000}, "b": {"n": 20}}, "single": {"a": {"n": 5}}, "low": 3.1, "high": 13.1})");
+  const Facts report = Facts::of_file(folder.path() / "r.json");
+  const std::pair<const char*, const char*> texts[] = {{"plain", "plain"},
+                                                       {"{n:n} points", "1\u202f234\u202f567 points"},
+                                                       {"{ratio:2} or {ratio:0}", "0.26 or 0"},
+                                                       {"{one:0} {one:piece,pieces}, {n:piece,pieces}", "1 piece, pieces"},
+                                                       {"{word}, {word=thin,thick}", "thick, thick"},
+                                                       {"{layers.*.n:n} ({layers.*.n:parts})", "1\u202f020 (1\u202f000 a, 20 b)"},
+                                                       {"{low,high:1} dB", "13.1 dB"},
+                                                       {"{high,low:1} dB", "13.1 dB"}};
+  for (const auto& [text, wanted] : texts) EXPECT_EQ(fact_text(text, report).value_or("(nothing)"), wanted) << text;
+  for (const char* text : {"{missing:n}", "{missing}", "{other=thin,thick}", "{single.*.n:parts}", "{low,missing:1}", "{word:1}"})
+    EXPECT_FALSE(fact_text(text, report)) << text;
 }
 
 TEST(Html, EscapesWhatComesFromOutsideAndMendsWhatIsNoText) {
@@ -143,6 +175,16 @@ TEST(Figures, SurfelsAreCountedOverAllLayers) {
       {"diffuse": {"surfels": 40000}, "reflection": {"surfels": 15000}, "transmittance": {"surfels": 6000}}})");
   const std::string html = page(folder.path());
   EXPECT_TRUE(has(html, "61\u202f000 surfels (by layer: 40\u202f000 diffuse, 15\u202f000 reflection, 6\u202f000 transmittance)"));
+}
+
+TEST(Figures, SurfelsAreThoseOfTheMeasurementWhereTheTrainingHasNoReport) {
+  const TemporaryFolder folder;
+  write_output(folder.path());
+  fs::remove(folder.path() / "optimize/report.json");
+  auto metrics = nlohmann::json::parse(read_file(folder.path() / "eval/metrics.json"));
+  metrics["surfels"] = 51000;
+  write_file(folder.path() / "eval/metrics.json", metrics.dump());
+  EXPECT_TRUE(has(page(folder.path()), "51\u202f000 surfels"));
 }
 
 TEST(Verdict, OfAFailureNamesTheStageTheCauseAndWhatToTry) {
