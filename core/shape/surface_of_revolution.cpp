@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/orthonormal_basis.h"
 #include "core/shape/kernels/revolution_point.h"
 
 namespace vitrine {
@@ -40,8 +41,8 @@ bool goes_in(const AboutAxis& ray, const Vec2d& p, const Vec2d& q, double t) {
 }
 
 std::array<Vec3d, 2> across(const Vec3d& axis) {
-  const Vec3d u = normalized(cross(axis, std::abs(axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
-  return {u, cross(axis, u)};
+  const auto [u, v] = orthonormal_basis(axis, 0);
+  return {u, v};
 }
 
 ProfileSegment<double> segment(const SurfaceOfRevolution& s, size_t i) {

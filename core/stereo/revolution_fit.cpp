@@ -9,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/orthonormal_basis.h"
 #include "core/stereo/revolution_axis.h"
 
 namespace vitrine {
@@ -239,8 +240,7 @@ HullSurfacePoint SolidOfRevolution::nearest(const Vec3d& p) const {
   const double h = dot(from, axis);
   const Vec3d across = from - h * axis;
   const double rho = length(across);
-  const Vec3d out =
-      rho > 1e-12 ? across / rho : normalized(cross(axis, std::abs(axis.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+  const Vec3d out = rho > 1e-12 ? across / rho : orthonormal_basis(axis, 0).u;
   // The profile (radius, height) with its two ends on the axis.
   const size_t n = radii.size();
   const auto corner = [&](size_t i) -> Vec2d {

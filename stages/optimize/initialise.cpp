@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/math/median.h"
+#include "core/math/orthonormal_basis.h"
 #include "core/scene/activation.h"
 #include "core/stereo/borrowed_depth.h"
 #include "stages/optimize/dense_depth.h"
@@ -145,9 +146,8 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
 
 Quatf rotation_facing(const Vec3f& normal) {
   const Vec3d n = normalized(cast<double>(normal));
-  const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-  const Vec3d u = normalized(cross(helper, n));
-  const Quatd q = quaternion(Mat3d{u, cross(n, u), n});
+  const auto [u, v] = orthonormal_basis(n);
+  const Quatd q = quaternion(Mat3d{u, v, n});
   return {float(q.w), float(q.x), float(q.y), float(q.z)};
 }
 

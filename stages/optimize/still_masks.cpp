@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/projection.h"
+#include "core/math/orthonormal_basis.h"
 
 namespace vitrine {
 
@@ -109,9 +110,8 @@ struct PlanePatch {
 
 PlanePatch patch_of(const ScenePlane& plane, const std::vector<StillPoint>& on_plane) {
   PlanePatch patch;
-  const Vec3d helper = std::abs(plane.normal.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-  patch.u = normalized(cross(helper, plane.normal));
-  patch.v = cross(plane.normal, patch.u);
+  const auto across = orthonormal_basis(plane.normal);
+  patch.u = across.u, patch.v = across.v;
   std::vector<double> reach(on_plane.size());
   for (size_t d = 0; d < kDirections; ++d) {
     const double angle = 2 * std::numbers::pi * double(d) / kDirections;

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/light/environment.h"
+#include "core/math/orthonormal_basis.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
 #include "core/model/thin_glass_pass.h"
@@ -63,8 +64,8 @@ struct PlanePart {
 
   PlanePart(const ScenePlane& plane, double cell, double background, std::span<const SeenPhoto> photos)
       : normal((plane.offset >= 0 ? -1.0 : 1.0) * plane.normal), origin(plane.offset * plane.normal) {
-    const Vec3d helper = std::abs(normal.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-    u = normalized(cross(helper, normal)), v = cross(normal, u);
+    const auto across = orthonormal_basis(normal);
+    u = across.u, v = across.v;
     double low_u = 1e300, low_v = 1e300, high_u = -1e300, high_v = -1e300;
     for (const SeenPhoto& seen : photos)
       for_pixels_on_plane(seen, background > 0 ? kSky * background : 1e300, [&](const Vec3d& p) {

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/math/color.h"
+#include "core/math/orthonormal_basis.h"
 #include "stages/export/bake/fill_gaps.h"
 
 namespace vitrine {
@@ -52,7 +53,7 @@ void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const Sur
         const Vec3f& n = mesh.normals[v];
         const AtlasChart& c = atlas.charts[chart];
         Vec3f t = c.u - dot(n, c.u) * n;
-        if (!(squared_length(t) > 1e-8f)) t = cross(n, std::abs(n.z) < 0.9f ? Vec3f{0, 0, 1} : Vec3f{1, 0, 0});
+        if (!(squared_length(t) > 1e-8f)) t = orthonormal_basis(n).u;
         const Vec2f texel = atlas.texel(chart, mesh.positions[v]);
         out.positions.push_back(mesh.positions[v]);
         out.normals.push_back(n);

@@ -13,6 +13,7 @@
 #include "core/image/resample.h"
 #include "core/loss/loss_set.h"
 #include "core/math/color.h"
+#include "core/math/orthonormal_basis.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
 #include "core/model/image_model.h"
@@ -92,9 +93,9 @@ std::vector<Seed> first_surfels(const QuickFitConfig& config, const MaskCapture&
 SplatLayer layer_of(const std::vector<Seed>& seeds) {
   SplatLayer layer(LayerKind::Diffuse, 0, seeds.size());
   for (size_t i = 0; i < seeds.size(); ++i) {
-    const Vec3d n = normalized(seeds[i].towards), helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};
-    const Vec3d u = normalized(cross(helper, n));
-    const Quatd q = quaternion(Mat3d{u, cross(n, u), n});
+    const Vec3d n = normalized(seeds[i].towards);
+    const auto [u, v] = orthonormal_basis(n);
+    const Quatd q = quaternion(Mat3d{u, v, n});
     const double rotation[] = {q.w, q.x, q.y, q.z};
     for (size_t c = 0; c < 4; ++c) layer.at(Attribute::Rotation, i)[c] = float(rotation[c]);
     for (size_t c = 0; c < 3; ++c) {
