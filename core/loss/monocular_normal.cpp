@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/loss/loss.h"
 #include "core/loss/row_sum.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -79,9 +80,7 @@ class MonocularNormalLoss final : public Loss {
       if (alpha[i] >= min_alpha_) depths_.push_back(zdepth[i] / alpha[i]);
     if (depths_.empty()) return {};
     const auto percentile = [&](size_t hundredth) {
-      const auto at = depths_.begin() + static_cast<std::ptrdiff_t>((depths_.size() - 1) * hundredth / 100);
-      std::nth_element(depths_.begin(), at, depths_.end());
-      return *at;
+      return order_statistic_of(std::span(depths_), (depths_.size() - 1) * hundredth / 100);
     };
     return {percentile(1), percentile(99)};
   }

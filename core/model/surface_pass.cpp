@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/math/quantile.h"
 #include "core/model/gbuffer.h"
 
 namespace vitrine {
@@ -93,11 +94,7 @@ void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
     lengths_.clear();
     for (const SurfacePoint<float>& p : s.grad_points)
       if (const float l = length(p.normal); l > 0) lengths_.push_back(l);
-    if (!lengths_.empty()) {
-      const auto at = lengths_.begin() + static_cast<ptrdiff_t>(options.normal_quantile * float(lengths_.size() - 1));
-      std::nth_element(lengths_.begin(), at, lengths_.end());
-      longest = *at;
-    }
+    if (!lengths_.empty()) longest = quantile_of(lengths_, options.normal_quantile);
   }
   const GBuffer g(frame);
   RasterImages& out = frame.grad_diffuse;

@@ -10,6 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
 #include "core/math/orthonormal_basis.h"
+#include "core/math/quantile.h"
 #include "core/stereo/revolution_axis.h"
 
 namespace vitrine {
@@ -53,7 +54,7 @@ class Rims {
         for (double side : {-0.5, 0.5})
           if (const auto r = outline(m, disc, towards + side * std::numbers::pi, 0.98 * reach_)) ends.push_back(*r);
       }
-      radii[i] = ends.size() < kFewestEnds ? 0 : part(ends, kAgainst);
+      radii[i] = ends.size() < kFewestEnds ? 0 : quantile_of(ends, kAgainst);
     });
     return radii;
   }
@@ -81,7 +82,7 @@ class Rims {
             if (const auto r = outline(m, disc, azimuth(m, disc) + side * std::acos(cosine), now[i])) ends.push_back(*r);
         }
         if (ends.size() < kFewestEnds) return;
-        const double seen = part(ends, 0.5);
+        const double seen = quantile_of(ends, 0.5);
         for (double r : ends) error[i] += std::min(std::abs(r - seen), outlier);
         profile[i] = 0.5 * (now[i] + seen);
         count[i] = double(ends.size());
@@ -111,11 +112,6 @@ class Rims {
   static double azimuth(const HullMask& m, const Disc& disc) {
     const Vec3d to_camera = m.view.centre_in_world() - disc.centre;
     return std::atan2(dot(to_camera, disc.v), dot(to_camera, disc.u));
-  }
-  static double part(std::vector<double>& values, double share) {
-    const auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
   }
 
   // What the photo says about the place at a radius, in one direction.

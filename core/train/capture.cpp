@@ -11,6 +11,7 @@
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -83,9 +84,7 @@ float near_plane(const ViewSet& set) {
     for (const auto& point : set.points)
       if (const auto at = image_point(point.position, view)) depths.push_back(float(at->z));
   if (depths.empty()) return kLeast;
-  const auto at = depths.begin() + static_cast<ptrdiff_t>(kQuantile * double(depths.size() - 1));
-  std::nth_element(depths.begin(), at, depths.end());
-  return std::clamp(kPart * *at, kLeast, kMost);
+  return std::clamp(kPart * quantile_of(depths, kQuantile), kLeast, kMost);
 }
 
 Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every) {

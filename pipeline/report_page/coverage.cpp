@@ -9,6 +9,7 @@
 
 #include "core/camera/viewing_axes.h"
 #include "core/math/color.h"
+#include "core/math/quantile.h"
 #include "pipeline/report_page/html.h"
 
 namespace vitrine {
@@ -36,10 +37,9 @@ Range range_of(std::vector<double> cameras, std::vector<double> points) {
   constexpr double kOutliers = 0.03;
   Range r{*std::min_element(cameras.begin(), cameras.end()), *std::max_element(cameras.begin(), cameras.end())};
   if (!points.empty()) {
-    std::sort(points.begin(), points.end());
     const size_t cut = size_t(kOutliers * double(points.size()));
-    r.low = std::min(r.low, points[cut]);
-    r.high = std::max(r.high, points[points.size() - 1 - cut]);
+    r.low = std::min(r.low, order_statistic_of(std::span(points), cut));
+    r.high = std::max(r.high, order_statistic_of(std::span(points), points.size() - 1 - cut));
   }
   if (r.size() < 1e-6) r.low -= 0.5, r.high += 0.5;
   return r;

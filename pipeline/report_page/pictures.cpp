@@ -8,6 +8,7 @@
 #include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/math/quantile.h"
 #include "pipeline/report_page/html.h"
 
 namespace vitrine {
@@ -47,8 +48,9 @@ ImageF shaded_depth(const ImageF& zdepth) {
     if (std::isfinite(z) && z > 0) known.push_back(z);
   ImageF out(zdepth.width(), zdepth.height(), 1);
   if (known.empty()) return out;
-  std::sort(known.begin(), known.end());
-  const float low = known[known.size() / 50], high = std::max(known[known.size() - 1 - known.size() / 50], low * 1.001f);
+  const size_t cut = known.size() / 50;
+  const float low = order_statistic_of(std::span(known), cut);
+  const float high = std::max(order_statistic_of(std::span(known), known.size() - 1 - cut), low * 1.001f);
   std::transform(zdepth.data().begin(), zdepth.data().end(), out.data().begin(), [&](float z) {
     return std::isfinite(z) && z > 0 ? 0.95f - 0.85f * std::clamp((z - low) / (high - low), 0.f, 1.f) : 0.f;
   });

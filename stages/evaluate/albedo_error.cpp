@@ -5,7 +5,7 @@
 
 #include "core/camera/projection.h"
 #include "core/image/resample.h"
-#include "stages/evaluate/alignment.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "core/base/error.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 namespace {
@@ -127,14 +128,6 @@ Similarity robust_start(std::span<const CameraPair> cameras) {
 
 }  // namespace
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const size_t half = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(half), values.end());
-  if (values.size() % 2 == 1) return values[half];
-  return 0.5 * (values[half] + *std::max_element(values.begin(), values.begin() + ptrdiff_t(half)));
-}
-
 double rotation_angle_deg(const Mat3d& a, const Mat3d& b) {
   const Eigen::Matrix3d d = eigen(a) * eigen(b).transpose();
   const double sine = 0.5 * Eigen::Vector3d(d(2, 1) - d(1, 2), d(0, 2) - d(2, 0), d(1, 0) - d(0, 1)).norm();
@@ -149,8 +142,7 @@ double ring_radius(std::span<const CameraPair> cameras) {
   mean = mean / double(cameras.size());
   std::vector<double> distances;
   for (const CameraPair& c : cameras) distances.push_back(length(centre(c.truth) - mean));
-  std::sort(distances.begin(), distances.end());
-  return distances[std::min(distances.size() - 1, size_t(0.95 * double(distances.size())))];
+  return order_statistic_of(std::span(distances), std::min(distances.size() - 1, size_t(0.95 * double(distances.size()))));
 }
 
 Alignment align_cameras(std::span<const CameraPair> cameras, const std::string& where) {

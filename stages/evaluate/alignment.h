@@ -36,6 +36,5 @@ std::vector<PoseError> pose_errors(std::span<const CameraPair> cameras, const Si
 double ring_radius(std::span<const CameraPair> cameras);
 
 double rotation_angle_deg(const Mat3d& a, const Mat3d& b);  // of a b^T, exact for small angles too
-double median(std::vector<double> values);                  // NaN when empty
 
 }  // namespace vitrine

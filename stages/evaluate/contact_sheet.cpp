@@ -6,6 +6,7 @@
 
 #include "core/image/bitmap_font.h"
 #include "core/image/resample.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 namespace {
@@ -68,9 +69,7 @@ Image8 depth_picture(const ImageF& zdepth) {
   for (float z : zdepth.data())
     if (z > 0) valid.push_back(z);
   if (valid.empty()) return out;
-  std::sort(valid.begin(), valid.end());
-  const double low = valid[size_t(kDepthLow * double(valid.size() - 1))],
-               high = valid[size_t(kDepthHigh * double(valid.size() - 1))];
+  const double low = quantile_of(valid, kDepthLow), high = quantile_of(valid, kDepthHigh);
   for (size_t i = 0; i < zdepth.pixel_count(); ++i) {
     const double z = zdepth.data()[i];
     if (!(z > 0)) continue;

@@ -8,6 +8,7 @@
 #include "core/camera/view_set.h"
 #include "core/image/ldr.h"
 #include "core/image/metrics.h"
+#include "core/math/quantile.h"
 #include "core/mesh/mesh_io.h"
 #include "core/picture/relight_materials.h"
 #include "core/picture/surfel_colors.h"

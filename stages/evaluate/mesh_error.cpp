@@ -5,8 +5,8 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/math/quantile.h"
 #include "core/mesh/mesh_distance.h"
-#include "stages/evaluate/alignment.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/surface_error.h"
 

@@ -11,6 +11,7 @@
 #include "core/image/metrics.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
+#include "core/math/quantile.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/surface_error.h"
 

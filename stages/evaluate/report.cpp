@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/json.h"
+#include "core/math/quantile.h"
 #include "stages/evaluate/surface_error.h"
 
 namespace vitrine {

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/camera/viewing_axes.h"
 #include "core/math/median.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -37,10 +38,9 @@ void hold(const std::vector<Vec3d>& places, double percentile, Bounds3& box) {
   for (size_t axis = 0; axis < 3 && !places.empty(); ++axis) {
     std::vector<double> x;
     for (const Vec3d& p : places) x.push_back(p[axis]);
-    std::sort(x.begin(), x.end());
     const size_t cut = static_cast<size_t>(percentile * static_cast<double>(x.size()));
-    box.low[axis] = std::min(box.low[axis], x[cut]);
-    box.high[axis] = std::max(box.high[axis], x[x.size() - 1 - cut]);
+    box.low[axis] = std::min(box.low[axis], order_statistic_of(std::span(x), cut));
+    box.high[axis] = std::max(box.high[axis], order_statistic_of(std::span(x), x.size() - 1 - cut));
   }
 }
 

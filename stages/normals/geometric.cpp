@@ -7,6 +7,7 @@
 #include "core/base/process.h"
 #include "core/camera/projection.h"
 #include "core/image/resample.h"
+#include "core/math/quantile.h"
 #include "core/stereo/patch_match.h"
 #include "stages/normals/plane_fit.h"
 
@@ -67,9 +68,8 @@ std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
     if (photo.hints.empty()) continue;
     std::vector<double> depths;
     for (const Vec3d& h : photo.hints) depths.push_back(h.z);
-    std::sort(depths.begin(), depths.end());
-    photo.near_z = kNearShare * depths.front();
-    photo.far_z = desc.config.far_factor * depths[size_t(kFarPercentile * double(depths.size() - 1))];
+    photo.near_z = kNearShare * std::ranges::min(depths);
+    photo.far_z = desc.config.far_factor * quantile_of(depths, kFarPercentile);
   }
   return photos;
 }

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/quantile.h"
 #include "core/stereo/extend_planes.h"
 
 namespace vitrine {
@@ -77,9 +78,8 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     if (photo.hints.empty()) continue;
     std::vector<double> depths;
     for (const Vec3d& h : photo.hints) depths.push_back(h.z);
-    std::sort(depths.begin(), depths.end());
-    photo.near_z = kNearShare * depths.front();
-    photo.far_z = far_factor * depths[static_cast<size_t>(kFarPercentile * double(depths.size() - 1))];
+    photo.near_z = kNearShare * std::ranges::min(depths);
+    photo.far_z = far_factor * quantile_of(depths, kFarPercentile);
   }
   dense.background = kBackground;
   for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, kBeyond * photo.far_z);

@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/quantile.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/iso_surface.h"
 #include "stages/optimize/hull_grid.h"
@@ -50,9 +51,7 @@ float soft_occupancy(const std::vector<HullJudge>& judges, const Vec3d& p, std::
     if (value >= kHullLevel || !(depth > 0 && depth < kHullInFront * float(q->z))) said.push_back(value);
   }
   if (inside < kHullFewestPhotos || inside < kHullSeenShare * double(judges.size()) || inside < kHullInsideShare * seen) return 0;
-  const auto doubted = said.begin() + ptrdiff_t(kHullOutsideShare * double(said.size()));
-  std::nth_element(said.begin(), doubted, said.end());
-  return *doubted;
+  return order_statistic_of(std::span(said), size_t(kHullOutsideShare * double(said.size())));
 }
 
 void soften(HullGrid<float>& grid) {

@@ -7,6 +7,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/quantile.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/revolution_fit.h"
@@ -29,9 +30,7 @@ Bounds3 box_of_points(const ViewSet& set) {
   for (size_t c = 0; c < 3; ++c) {
     std::vector<double> values;
     for (const ScenePoint& p : set.points) values.push_back(p.position[c]);
-    std::sort(values.begin(), values.end());
-    const double low = values[size_t(kPercentile * double(values.size() - 1))];
-    const double high = values[size_t((1 - kPercentile) * double(values.size() - 1))];
+    const double low = quantile_of(values, kPercentile), high = quantile_of(values, 1 - kPercentile);
     box.low[c] = low - kMargin * (high - low);
     box.high[c] = high + kMargin * (high - low);
   }

@@ -8,7 +8,9 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/projection.h"
+#include "core/math/median.h"
 #include "core/math/orthonormal_basis.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -117,9 +119,7 @@ PlanePatch patch_of(const ScenePlane& plane, const std::vector<StillPoint>& on_p
     const double angle = 2 * std::numbers::pi * double(d) / kDirections;
     patch.directions[d] = std::cos(angle) * patch.u + std::sin(angle) * patch.v;
     for (size_t i = 0; i < on_plane.size(); ++i) reach[i] = dot(patch.directions[d], on_plane[i].position);
-    const auto last = reach.begin() + long(double(reach.size() - 1) * (1 - kTrim));
-    std::nth_element(reach.begin(), last, reach.end());
-    patch.most[d] = *last;
+    patch.most[d] = quantile_of(reach, 1 - kTrim);
   }
   return patch;
 }
@@ -138,13 +138,12 @@ void add_between(const Capture& capture, const DenseDepth& dense, const MovingEv
   if (on_plane.size() < kFewestOnPlane || double(on_plane.size()) < kLeastOfPoints * double(explained_points.size())) return;
   std::vector<double> radii;
   for (const StillPoint& p : on_plane) radii.push_back(p.radius);
-  std::nth_element(radii.begin(), radii.begin() + long(radii.size() / 2), radii.end());
   const PlanePatch patch = patch_of(plane, on_plane);
   const Vec3d origin = plane.offset * plane.normal;
   const double from_u = -patch.most[kDirections / 2], to_u = patch.most[0], from_v = -patch.most[3 * kDirections / 4],
                to_v = patch.most[kDirections / 4];
-  const double radius =
-      std::max(radii[radii.size() / 2], std::sqrt(std::max(0.0, (to_u - from_u) * (to_v - from_v)) / double(kMostPoints)));
+  const double radius = std::max(upper_median_of(std::span(radii)),
+                                 std::sqrt(std::max(0.0, (to_u - from_u) * (to_v - from_v)) / double(kMostPoints)));
   const auto rows = size_t(std::max(0.0, (to_v - from_v) / radius)), columns = size_t(std::max(0.0, (to_u - from_u) / radius));
   std::vector<std::vector<StillPoint>> of_row(rows);
   parallel_for(rows, 1, [&](size_t r) {

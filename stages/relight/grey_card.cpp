@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/config/photo_box.h"
+#include "core/math/median.h"
 
 namespace vitrine {
 
@@ -39,11 +40,7 @@ Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture) {
     throw Error(ErrorKind::Input, "the grey card shows no surface",
                 {.where = view.name, .hint = "a box inside the card, in a photo that shows it from near", .code = "GREY_CARD"});
   Vec3f out;
-  for (size_t c = 0; c < 3; ++c) {
-    const auto middle = values[c].begin() + std::ptrdiff_t(values[c].size() / 2);
-    std::nth_element(values[c].begin(), middle, values[c].end());
-    out[c] = std::max(1e-4f, *middle);
-  }
+  for (size_t c = 0; c < 3; ++c) out[c] = std::max(1e-4f, upper_median_of(std::span(values[c])));
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "core/base/parallel.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -165,9 +166,7 @@ class Solver {
         for (size_t c = 0; c < 3; ++c) r[c] = kPi * radiance_[c](i) / std::max(kDarkest, gain * open[c](i) + known_[c](i));
         rho[s] = luminance(r);
       }
-      const auto at = rho.begin() + std::ptrdiff_t(kPercentile * double(count_ - 1));
-      std::nth_element(rho.begin(), at, rho.end());
-      return *at;
+      return quantile_of(rho, kPercentile);
     };
     float low = 1e-3f, high = 1e3f;
     out.scale_by_bounces = white_at(low) < d_.white;

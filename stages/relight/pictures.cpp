@@ -12,6 +12,7 @@
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
+#include "core/math/median.h"
 #include "core/picture/surfel_colors.h"
 
 namespace vitrine {
@@ -50,9 +51,7 @@ ImageF exposed(ImageF picture) {
   for (const float v : picture.data())
     if (v > 0) values.push_back(v);
   if (values.empty()) return picture;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  const float gain = 0.25f / *middle;
+  const float gain = 0.25f / upper_median_of(std::span(values));
   for (float& v : picture.data()) v *= gain;
   return picture;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/light/environment.h"
+#include "core/math/quantile.h"
 #include "core/trace/tracer.h"
 
 namespace vitrine {
@@ -77,9 +78,7 @@ float distance_to_sky(std::span<const Vec3f> triangulated, const Bounds3& inner)
   const Vec3f centre = cast<float>(inner.centre());
   std::vector<float> distance;
   for (const Vec3f& p : triangulated) distance.push_back(length(p - centre));
-  const auto at = distance.begin() + std::ptrdiff_t(kPercentile * double(distance.size() - 1));
-  std::nth_element(distance.begin(), at, distance.end());
-  return kBeyond * std::max(*at, float(0.5 * inner.diagonal()));
+  return kBeyond * std::max(quantile_of(distance, kPercentile), float(0.5 * inner.diagonal()));
 }
 
 Surroundings surroundings(const SplatLayer& diffuse, const SurroundingsDesc& desc) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/math/median.h"
 #include "stages/relight/light_solver.h"
 
 namespace vitrine {
@@ -33,8 +34,7 @@ Top top_of(const Surroundings& around, size_t column) {
     const Vec3f d = around.direction(t);
     across[count++] = around.distance[t] * std::hypot(d.x, d.y);
   }
-  std::nth_element(across.begin(), across.begin() + count / 2, across.begin() + count);
-  return {row, row * width + column, across[count / 2]};
+  return {row, row * width + column, upper_median_of(std::span(across).first(count))};
 }
 
 float wall_luminance(const Surroundings& around) {

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/math/median.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -137,9 +138,8 @@ Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orient
   s.rotation = transposed(Mat3d{x, y, z});
   std::vector<double> distances;
   for (const Vec3d& centre : c.centres) distances.push_back(length(centre - c.centroid));
-  std::sort(distances.begin(), distances.end());
   const size_t at = std::min(distances.size() - 1, static_cast<size_t>(std::ceil(0.95 * double(distances.size()))) - 1);
-  const double radius = distances[at] > 0 ? distances[at] : distances.back();
+  const double ring = order_statistic_of(std::span(distances), at), radius = ring > 0 ? ring : std::ranges::max(distances);
   s.scale = radius > 0 ? 1 / radius : 1;
   s.translation = -s.scale * (s.rotation * c.centroid);
   return s;

@@ -123,11 +123,5 @@ TEST(PoseErrors, AreTheAngleAndTheDistanceThatWereAdded) {
   EXPECT_NEAR(ring_radius(cameras), 2.5, 1e-9);  // the ring's plane is lifted, its centroid with it
 }
 
-TEST(Median, OfOddEvenAndNothing) {
-  EXPECT_EQ(median({3, 1, 2}), 2);
-  EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
-  EXPECT_TRUE(std::isnan(median({})));
-}
-
 }  // namespace
 }  // namespace vitrine

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/log.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -59,8 +60,7 @@ double foot(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFi
                        heights.push_back(transposed_times(box.axes, eye + z * ray).z);
                    });
   if (heights.size() < kFewestCasePixels) return box.low.z;
-  std::sort(heights.begin(), heights.end());
-  return heights[size_t(kFoot * double(heights.size()))];
+  return order_statistic_of(std::span(heights), size_t(kFoot * double(heights.size())));
 }
 
 // Of each side that is asked the share of its pixels at which the fit sees what lies behind it; the least.
@@ -98,9 +98,8 @@ Bounds3 about_standing_boxes(const ViewSet& set) {
   for (const ScenePoint& p : set.points)
     if (std::hypot(p.position.x, p.position.y) < 1) heights.push_back(p.position.z);
   if (heights.size() < kFewestPoints) return {};
-  std::sort(heights.begin(), heights.end());
-  const auto quantile = [&](double q) { return heights[size_t(q * double(heights.size() - 1))]; };
-  return {{-kCaseReach, -kCaseReach, quantile(kLow)}, {kCaseReach, kCaseReach, std::max(quantile(kHigh), kAboveCameras)}};
+  const double low = quantile_of(heights, kLow), high = quantile_of(heights, kHigh);
+  return {{-kCaseReach, -kCaseReach, low}, {kCaseReach, kCaseReach, std::max(high, kAboveCameras)}};
 }
 
 std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::span<const StandingBox> boxes,

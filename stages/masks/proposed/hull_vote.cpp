@@ -5,6 +5,8 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/median.h"
+#include "core/math/quantile.h"
 
 namespace vitrine {
 
@@ -30,9 +32,7 @@ VoxelGrid grid_of(const ViewSet& set, int cells) {
   for (size_t axis = 0; axis < 3 && !set.points.empty(); ++axis) {
     std::vector<double> along;
     for (const ScenePoint& p : set.points) along.push_back(p.position[axis]);
-    std::sort(along.begin(), along.end());
-    const double a = along[size_t(kLowShare * double(along.size() - 1))],
-                 b = along[size_t(kHighShare * double(along.size() - 1))];
+    const double a = quantile_of(along, kLowShare), b = quantile_of(along, kHighShare);
     low[axis] = std::clamp(a - kBoxMargin * (b - a), -kFarthest, kFarthest);
     high[axis] = std::clamp(b + kBoxMargin * (b - a), low[axis], kFarthest);
   }
@@ -65,9 +65,7 @@ std::vector<float> scores(const HullVoteConfig& config, const VoxelGrid& grid, c
       if (double(seen) < config.min_views * double(photos.size()) || double(votes.size()) < kVotes * double(seen) ||
           votes.size() < kFewestVotes)
         continue;
-      const auto at = votes.begin() + std::ptrdiff_t(kQuantile * double(votes.size() - 1));
-      std::nth_element(votes.begin(), at, votes.end());
-      out[i] = *at;
+      out[i] = quantile_of(votes, kQuantile);
     }
   });
   return out;
@@ -236,10 +234,9 @@ HullVote hull_vote(const HullVoteConfig& config, const MaskCapture& capture, con
     if (std::isfinite(s)) known.push_back(s);
   vote.unsure = known.size() < kFewestVoxels;
   if (vote.unsure) return vote;
-  std::sort(known.begin(), known.end());
-  vote.typical = known[known.size() / 2];
+  vote.typical = upper_median_of(std::span(known));
   // From the lower half: the upper one may be full of glass.
-  const double sigma = kNormalQuartile * (vote.typical - known[known.size() / 4]);
+  const double sigma = kNormalQuartile * (vote.typical - order_statistic_of(std::span(known), known.size() / 4));
   vote.weak = std::max(vote.typical + config.weak_sigma * sigma, config.min_deviation);
   vote.strong = std::max(vote.typical + config.strong_sigma * sigma, kStrongRatio * config.min_deviation);
   vote.unsure = vote.typical > config.max_typical;

@@ -14,6 +14,7 @@
 #include "core/loss/loss_set.h"
 #include "core/math/color.h"
 #include "core/math/orthonormal_basis.h"
+#include "core/math/quantile.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
 #include "core/model/image_model.h"
@@ -66,8 +67,7 @@ std::vector<Seed> first_surfels(const QuickFitConfig& config, const MaskCapture&
   std::vector<double> depths;
   for (const auto& of_view : known)
     for (const KnownDepth& k : of_view) depths.push_back(k.z);
-  std::sort(depths.begin(), depths.end());
-  const double far_everywhere = depths.empty() ? 3.0 : kFarFactor * depths[size_t(0.98 * double(depths.size() - 1))];
+  const double far_everywhere = depths.empty() ? 3.0 : kFarFactor * quantile_of(depths, 0.98);
   const size_t on_rays = total - std::min(total, seeds.size());
   for (size_t v = 0; v < photos.size(); ++v) {
     const SmallPhoto& photo = photos[v];

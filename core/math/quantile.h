@@ -1,0 +1,48 @@
+// Order statistics and the median of values without NaN, by selection (std::nth_element): in linear time. Functions that take a
+// span put its values in another order.
+//
+// quantile() is the value numbered floor(share (n - 1)) of n in ascending order, without interpolation; share 0 is the smallest
+// value, 1 the largest. The product is computed in the type of the share.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace vitrine {
+
+// Numbered from 0, which is the smallest; `number` is less than the size.
+template <class T>
+T order_statistic_of(std::span<T> values, size_t number) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(number);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Of at least one value.
+template <class T, std::floating_point Share>
+T quantile_of(std::span<T> values, Share share) {
+  return order_statistic_of(values, static_cast<size_t>(share * static_cast<Share>(values.size() - 1)));
+}
+template <class T, std::floating_point Share>
+T quantile_of(std::vector<T>& values, Share share) {
+  return quantile_of(std::span<T>(values), share);
+}
+// The same, of a copy.
+template <class T, std::floating_point Share>
+T quantile(std::vector<T> values, Share share) {
+  return quantile_of(values, share);
+}
+
+// Of an even number of values the mean of the two in the middle; NaN of none. upper_median() (median.h) takes the upper one.
+inline double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double upper = order_statistic_of(std::span<double>(values), values.size() / 2);
+  if (values.size() % 2 == 1) return upper;
+  return 0.5 * (upper + *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2)));
+}
+
+}  // namespace vitrine
