@@ -1,9 +1,9 @@
 #include "core/mesh/mesh_report.h"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
+#include "core/math/disjoint_sets.h"
 #include "core/mesh/mesh_topology.h"
 
 namespace vitrine {
@@ -32,19 +32,14 @@ MeshReport mesh_report(const TriMesh& mesh) {
     r.degenerate_faces += !(area > 0);
   }
 
-  std::vector<uint32_t> parent(mesh.positions.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets loops(mesh.positions.size());
   std::vector<uint32_t> boundary_vertices;
   const std::vector<EdgeUse> uses = sorted_edge_uses(mesh);
   for_each_edge(uses, [&](size_t first, size_t last) {
     ++r.edges;
     if (last - first == 1) {
       ++r.boundary_edges;
-      parent[root(uses[first].low)] = root(uses[first].high);
+      loops.unite(uses[first].low, uses[first].high);
       boundary_vertices.push_back(uses[first].low);
     } else if (last - first == 2 && uses[first].forward != uses[first + 1].forward) {
       ++r.manifold_edges;
@@ -52,7 +47,7 @@ MeshReport mesh_report(const TriMesh& mesh) {
       ++r.nonmanifold_edges;
     }
   });
-  for (uint32_t& v : boundary_vertices) v = root(v);
+  for (uint32_t& v : boundary_vertices) v = loops.representative(v);
   std::sort(boundary_vertices.begin(), boundary_vertices.end());
   r.boundary_loops =
       static_cast<size_t>(std::unique(boundary_vertices.begin(), boundary_vertices.end()) - boundary_vertices.begin());

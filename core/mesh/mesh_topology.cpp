@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/base/error.h"
+#include "core/math/disjoint_sets.h"
 
 namespace vitrine {
 
@@ -22,23 +22,15 @@ std::vector<EdgeUse> sorted_edge_uses(const TriMesh& mesh) {
 }
 
 FaceComponents face_components(const TriMesh& mesh) {
-  std::vector<uint32_t> parent(mesh.faces.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](uint32_t f) {
-    while (parent[f] != f) f = parent[f] = parent[parent[f]];
-    return f;
-  };
+  DisjointSets sets(mesh.faces.size());
   const std::vector<EdgeUse> uses = sorted_edge_uses(mesh);
   for_each_edge(uses, [&](size_t first, size_t last) {
-    for (size_t i = first + 1; i < last; ++i) {
-      const uint32_t a = root(uses[first].face), b = root(uses[i].face);
-      parent[std::max(a, b)] = std::min(a, b);  // the root is the first face of its component
-    }
+    for (size_t i = first + 1; i < last; ++i) sets.unite(uses[first].face, uses[i].face);
   });
   FaceComponents c;
   c.label.resize(mesh.faces.size());
   for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
-    const uint32_t r = root(f);
+    const uint32_t r = sets.representative(f);  // the first face of its component
     if (r == f) {
       c.label[f] = static_cast<uint32_t>(c.faces.size());
       c.faces.push_back(0);

@@ -9,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
+#include "core/math/connected_components.h"
 #include "core/math/orthonormal_basis.h"
 #include "core/math/quantile.h"
 #include "core/stereo/revolution_axis.h"
@@ -203,27 +204,17 @@ std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, cons
 
 // Numbers of the points of each connected piece of a surface, larger than `least` points; points are a voxel apart.
 std::vector<std::vector<size_t>> pieces(std::span<const HullSurfacePoint> surface, double voxel, size_t least) {
-  using Cell = std::array<int, 3>;
-  std::map<Cell, std::vector<size_t>> cells;
+  std::map<CellIndex, std::vector<size_t>> points;
   for (size_t i = 0; i < surface.size(); ++i) {
     const Vec3d q = surface[i].position / (kTouching * voxel);
-    cells[{int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}].push_back(i);
+    points[{int(std::floor(q.x)), int(std::floor(q.y)), int(std::floor(q.z))}].push_back(i);
   }
+  std::vector<CellIndex> cells;
+  for (const auto& [cell, in_cell] : points) cells.push_back(cell);
   std::vector<std::vector<size_t>> found;
-  while (!cells.empty()) {
+  for (const auto& members : connected_cells(cells).members) {
     std::vector<size_t> piece;
-    std::vector<Cell> open{cells.begin()->first};
-    while (!open.empty()) {
-      const Cell cell = open.back();
-      open.pop_back();
-      const auto at = cells.find(cell);
-      if (at == cells.end()) continue;
-      piece.insert(piece.end(), at->second.begin(), at->second.end());
-      cells.erase(at);
-      for (int z = -1; z <= 1; ++z)
-        for (int y = -1; y <= 1; ++y)
-          for (int x = -1; x <= 1; ++x) open.push_back({cell[0] + x, cell[1] + y, cell[2] + z});
-    }
+    for (size_t i : members) piece.insert(piece.end(), points[cells[i]].begin(), points[cells[i]].end());
     if (piece.size() >= least) found.push_back(std::move(piece));
   }
   return found;

@@ -91,7 +91,7 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   find_shapes(desc, outlines);
 }
 
-MirrorShape::Cell MirrorShape::cell_of(const Vec3d& p) const {
+CellIndex MirrorShape::cell_of(const Vec3d& p) const {
   return {int(std::floor(p.x / cell_)), int(std::floor(p.y / cell_)), int(std::floor(p.z / cell_))};
 }
 
@@ -108,7 +108,7 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
       for (size_t c = 0; c < 3; ++c)  // negative: a colour outside of Rec. 709
         grey.data()[p] += std::max(photo.data()[3 * p + c], 0.f) / float(3 * o.view.gain[c]);
   }
-  std::map<Cell, std::vector<float>> dimmer;
+  std::map<CellIndex, std::vector<float>> dimmer;
   std::vector<float> luminances;
   for (const HullMask& from : outlines) {
     throw_if_interrupted();
@@ -130,29 +130,21 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
         }
         std::vector<float>& of_cell = dimmer[cell_of(place)];
         if (luminances.size() >= kFewestViews) of_cell.push_back(dimmer_half(luminances));
-        part_of_[cell_of(place)] = -1;
       }
   }
+  std::vector<CellIndex> cells;
+  for (const auto& [cell, values] : dimmer) cells.push_back(cell);
   std::vector<size_t> places;  // [part]
-  for (const auto& [seed, values] : dimmer) {
-    if (part_of_[seed] >= 0) continue;
+  for (const auto& members : connected_cells(cells).members) {
     const int part = int(parts_.size());
     std::vector<float> all;
-    std::vector<Cell> open{seed};
     parts_.emplace_back();
-    part_of_[seed] = part;
-    while (!open.empty()) {
-      const Cell at = open.back();
-      open.pop_back();
+    for (size_t i : members) {
+      const CellIndex& at = cells[i];
+      part_of_[at] = part;
       all.insert(all.end(), dimmer[at].begin(), dimmer[at].end());
       for (int d = 0; d < 2; ++d)
         parts_.back().bounds.extend(cell_ * Vec3d{double(at[0] + d), double(at[1] + d), double(at[2] + d)});
-      for (int n = 0; n < 27; ++n) {
-        const auto it = part_of_.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
-        if (it == part_of_.end() || it->second >= 0) continue;
-        it->second = part;
-        open.push_back(it->first);
-      }
     }
     if (!all.empty()) parts_.back().dimmer = upper_median(all);
     places.push_back(all.size());

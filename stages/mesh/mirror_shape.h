@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/connected_components.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/shape/shape_set.h"
 #include "core/stereo/visual_hull.h"
@@ -54,8 +55,7 @@ class MirrorShape {
   size_t put_vertices(TriMesh& mesh, double tolerance) const;
 
  private:
-  using Cell = std::array<int, 3>;
-  Cell cell_of(const Vec3d& p) const;
+  CellIndex cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
   void find_shapes(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
   std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
@@ -66,7 +66,7 @@ class MirrorShape {
   ShapeSet shapes_;      // of metal, of role Mirror
   bool learnt_ = false;  // by training: the tops of lids as well, which no silhouette shows
   double cell_ = 1;
-  std::map<Cell, int> part_of_;
+  std::map<CellIndex, int> part_of_;
   std::vector<Part> parts_;
 };
 

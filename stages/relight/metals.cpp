@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/resample.h"
+#include "core/math/disjoint_sets.h"
 #include "core/math/median.h"
 #include "core/math/point_grid.h"
 #include "core/math/spherical_harmonics.h"
@@ -118,21 +118,16 @@ class PolishedFinder {
 
   // Polished faces that share a corner, numbered in the order of the faces.
   void connect() {
-    std::vector<uint32_t> root(d_.mesh.positions.size());
-    std::iota(root.begin(), root.end(), 0u);
-    const auto find = [&](uint32_t v) {
-      while (root[v] != v) v = root[v] = root[root[v]];
-      return v;
-    };
+    DisjointSets corners(d_.mesh.positions.size());
     thing_.assign(d_.mesh.faces.size(), -1);
     const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
     for (size_t f = 0; f < thing_.size(); ++f)
       if (polished(f))
-        for (size_t i = 1; i < 3; ++i) root[find(d_.mesh.faces[f][i])] = find(d_.mesh.faces[f][0]);
-    std::vector<int> number(root.size(), -1);
+        for (size_t i = 1; i < 3; ++i) corners.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
+    std::vector<int> number(d_.mesh.positions.size(), -1);
     for (size_t f = 0; f < thing_.size(); ++f) {
       if (!polished(f)) continue;
-      int& n = number[find(d_.mesh.faces[f][0])];
+      int& n = number[corners.representative(d_.mesh.faces[f][0])];
       if (n < 0) n = count_++;
       thing_[f] = n;
     }

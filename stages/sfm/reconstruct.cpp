@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/timer.h"
 #include "core/camera/compacted.h"
+#include "core/math/disjoint_sets.h"
 #include "stages/sfm/features.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/rotation_pairs.h"
@@ -63,21 +63,17 @@ std::vector<ColmapModel> models_in(const fs::path& folder) {
 
 // Which group of photos that verified pairs connect each photo is in; `sizes` largest first.
 std::vector<size_t> connected_groups(size_t n, const std::vector<PairReport>& edges, std::vector<size_t>& sizes) {
-  std::vector<size_t> root(n);
-  std::iota(root.begin(), root.end(), size_t{0});
-  const auto find = [&](size_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const PairReport& e : edges) root[std::max(find(e.a), find(e.b))] = std::min(find(e.a), find(e.b));
+  DisjointSets sets(n);
+  for (const PairReport& e : edges) sets.unite(uint32_t(e.a), uint32_t(e.b));
   std::vector<size_t> count(n, 0), order, group(n);
-  for (size_t i = 0; i < n; ++i) ++count[find(i)];
+  for (size_t i = 0; i < n; ++i) ++count[sets.representative(uint32_t(i))];
   for (size_t i = 0; i < n; ++i)
     if (count[i] > 0) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return count[a] > count[b]; });
   sizes.clear();
   for (size_t i : order) sizes.push_back(count[i]);
-  for (size_t i = 0; i < n; ++i) group[i] = size_t(std::find(order.begin(), order.end(), find(i)) - order.begin());
+  for (size_t i = 0; i < n; ++i)
+    group[i] = size_t(std::find(order.begin(), order.end(), sets.representative(uint32_t(i))) - order.begin());
   return group;
 }
 

@@ -1,0 +1,59 @@
+// Connected components of a graph by breadth-first search: of the voxels of a grid that share faces, of sparse cells that touch.
+//
+// Components are numbered in the order of their lowest node; the members of one are in the order of the search, which starts
+// there and follows the order in which a node's neighbours are visited. O(nodes + edges).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace vitrine {
+
+struct ConnectedComponents {
+  static constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> label;               // [node] its component, or kNone
+  std::vector<std::vector<size_t>> members;  // [component] nodes
+};
+
+// Of the nodes 0 .. count - 1 for which within(node) holds; for_neighbours(node, visit) calls visit(other) for each neighbour,
+// and is symmetric.
+template <class Within, class ForNeighbours>
+ConnectedComponents connected_components(size_t count, const Within& within, const ForNeighbours& for_neighbours) {
+  ConnectedComponents out;
+  out.label.assign(count, ConnectedComponents::kNone);
+  for (size_t first = 0; first < count; ++first) {
+    if (out.label[first] != ConnectedComponents::kNone || !within(first)) continue;
+    const auto number = static_cast<uint32_t>(out.members.size());
+    std::vector<size_t> members{first};
+    out.label[first] = number;
+    for (size_t next = 0; next < members.size(); ++next)
+      for_neighbours(members[next], [&](size_t node) {
+        if (out.label[node] != ConnectedComponents::kNone || !within(node)) return;
+        out.label[node] = number;
+        members.push_back(node);
+      });
+    out.members.push_back(std::move(members));
+  }
+  return out;
+}
+
+using CellIndex = std::array<int, 3>;
+
+// Of cells of a grid without bounds, sorted and without repetition, that share a face, an edge or a corner.
+inline ConnectedComponents connected_cells(std::span<const CellIndex> cells) {
+  return connected_components(
+      cells.size(), [](size_t) { return true; },
+      [&](size_t i, const auto& visit) {
+        for (int n = 0; n < 27; ++n) {
+          const CellIndex other{cells[i][0] + n % 3 - 1, cells[i][1] + n / 3 % 3 - 1, cells[i][2] + n / 9 - 1};
+          const auto at = std::ranges::lower_bound(cells, other);
+          if (at != cells.end() && *at == other) visit(static_cast<size_t>(at - cells.begin()));
+        }
+      });
+}
+
+}  // namespace vitrine
