@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/math/voxel_grid.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/hull_mask.h"
@@ -31,12 +32,12 @@ class VisualHull {
  public:
   VisualHull(std::span<const HullMask> masks, const HullDesc& desc);
 
-  bool empty() const { return field_.empty(); }
+  bool empty() const { return grid_.values.empty(); }
   double one_sidedness() const { return one_sidedness_; }                // of the cameras, as seen from the hull
   const Bounds3& bounds() const { return bounds_; }                      // of what is left, without the room around it
   size_t faces() const { return box_ ? 6 : faces_.size(); }              // flat ones that normals come from
   std::span<const SolidOfRevolution> solids() const { return turned_; }  // that pieces of it are, with HullDesc::flat_faces
-  double voxel() const { return voxel_; }                                // edge
+  double voxel() const { return grid_.cell; }                            // edge
   std::vector<HullSurfacePoint> surface() const;                         // one for every voxel that it passes
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
@@ -44,14 +45,12 @@ class VisualHull {
  private:
   float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
   Vec3d inwards(const Vec3d& p) const;    // gradient of the occupancy, times 3 voxels
-  Bounds3 bounds_, grid_;
-  double voxel_ = 0;
-  int size_[3] = {0, 0, 0};
+  Bounds3 bounds_;
+  VoxelGrid<float> grid_;  // occupancy, blurred
   double one_sidedness_ = 0;
   std::optional<Box> box_;
   std::vector<SolidOfRevolution> turned_;
   std::vector<FlatFace> faces_;
-  std::vector<float> field_;  // [z][y][x] occupancy over grid_, blurred
 };
 
 }  // namespace vitrine

@@ -7,9 +7,9 @@
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
 #include "core/math/quantile.h"
+#include "core/math/voxel_grid.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/iso_surface.h"
-#include "stages/optimize/hull_grid.h"
 
 namespace vitrine {
 
@@ -54,7 +54,7 @@ float soft_occupancy(const std::vector<HullJudge>& judges, const Vec3d& p, std::
   return order_statistic_of(std::span(said), size_t(kHullOutsideShare * double(said.size())));
 }
 
-void soften(HullGrid<float>& grid) {
+void soften(VoxelGrid<float>& grid) {
   std::vector<float> before;
   for (int pass = 0; pass < kSoftening; ++pass)
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -69,10 +69,9 @@ void soften(HullGrid<float>& grid) {
     }
 }
 
-TriMesh surface_of(const HullGrid<float>& grid) {
+TriMesh surface_of(const VoxelGrid<float>& grid) {
   const Vec3d half = 0.5 * grid.cell * Vec3d{1, 1, 1};
-  const Vec3d extent = grid.cell * Vec3d{double(grid.size[0]), double(grid.size[1]), double(grid.size[2])};
-  TsdfVolume volume({.bounds = {grid.origin + half, grid.origin + extent - half}, .voxel = grid.cell});
+  TsdfVolume volume({.bounds = {grid.origin + half, grid.high() - half}, .voxel = grid.cell});
   volume.touch_all();
   volume.allocate();
   parallel_for(volume.block_count(), 8, [&](size_t b) {
@@ -97,9 +96,9 @@ TriMesh surface_of(const HullGrid<float>& grid) {
 
 FineHull fine_hull(const std::vector<HullJudge>& judges, const Bounds3& bounds, double cell,
                    const std::function<int(const Vec3d&)>& known) {
-  HullGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
+  VoxelGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
   for (size_t c = 0; c < 3; ++c) grid.size[c] = int(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
-  grid.values.assign(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0.f);
+  grid.values.assign(grid.count(), 0.f);
   grid.each([&](int x, int y, int z) {
     thread_local std::vector<float> said;
     const Vec3d p = grid.centre(x, y, z);

@@ -8,10 +8,10 @@
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
 #include "core/math/quantile.h"
+#include "core/math/voxel_grid.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/flat_faces.h"
 #include "core/stereo/revolution_fit.h"
-#include "stages/optimize/hull_grid.h"
 #include "stages/optimize/hull_judges.h"
 #include "stages/optimize/hull_things.h"
 
@@ -63,19 +63,19 @@ bool inside_hull(const std::vector<HullJudge>& judges, const Vec3d& p) {
          outside <= kHullOutsideShare * (inside + outside);
 }
 
-HullGrid<uint8_t> carved(const std::vector<HullJudge>& judges, const Bounds3& box, int cells) {
+VoxelGrid<uint8_t> carved(const std::vector<HullJudge>& judges, const Bounds3& box, int cells) {
   const Vec3d extent = box.high - box.low;
-  HullGrid<uint8_t> grid;
+  VoxelGrid<uint8_t> grid;
   grid.cell = std::max({extent.x, extent.y, extent.z}) / cells;
   grid.origin = box.low;
   for (size_t c = 0; c < 3; ++c) grid.size[c] = std::max(1, int(std::ceil(extent[c] / grid.cell)));
-  grid.values.assign(size_t(grid.size[0]) * size_t(grid.size[1]) * size_t(grid.size[2]), 0);
+  grid.values.assign(grid.count(), 0);
   grid.each([&](int x, int y, int z) { grid.values[grid.index(x, y, z)] = inside_hull(judges, grid.centre(x, y, z)); });
   return grid;
 }
 
 // Around what is inside, a few cells wider.
-bool tighten(const HullGrid<uint8_t>& grid, Bounds3& box) {
+bool tighten(const VoxelGrid<uint8_t>& grid, Bounds3& box) {
   std::array<int, 3> low = grid.size, high{-1, -1, -1};
   grid.each_in_order([&](int x, int y, int z) {
     if (!grid.at(x, y, z)) return;
@@ -92,7 +92,7 @@ bool tighten(const HullGrid<uint8_t>& grid, Bounds3& box) {
 }
 
 // From occupied cells to empty ones, around (x, y, z); zero where they balance.
-Vec3d outward(const HullGrid<uint8_t>& grid, int x, int y, int z) {
+Vec3d outward(const VoxelGrid<uint8_t>& grid, int x, int y, int z) {
   Vec3d sum{};
   for (int k = -kNormalRadius; k <= kNormalRadius; ++k)
     for (int j = -kNormalRadius; j <= kNormalRadius; ++j)
@@ -149,7 +149,7 @@ Hull mask_hull(const MaskHullDesc& desc) {
   Hull hull;
   Bounds3 box = box_of_points(desc.capture.view_set);
   if (judges.empty() || !tighten(carved(judges, box, kCoarseCells), box)) return hull;
-  const HullGrid<uint8_t> grid = carved(judges, box, desc.cells);
+  const VoxelGrid<uint8_t> grid = carved(judges, box, desc.cells);
   hull.spacing = float(grid.cell);
   std::vector<HullSurfacePoint> surface;
   grid.each_in_order([&](int x, int y, int z) {

@@ -29,8 +29,8 @@ struct NearestThing {
   uint32_t thing = 0;
   bool near_surface = false;
 };
-HullGrid<NearestThing> nearest_things(const HullGrid<uint32_t>& of) {
-  HullGrid<NearestThing> out{of.origin, of.cell, of.size, std::vector<NearestThing>(of.values.size())};
+VoxelGrid<NearestThing> nearest_things(const VoxelGrid<uint32_t>& of) {
+  VoxelGrid<NearestThing> out{of.origin, of.cell, of.size, std::vector<NearestThing>(of.values.size())};
   of.each([&](int x, int y, int z) {
     const uint32_t own = of.at(x, y, z);
     NearestThing& found = out.values[of.index(x, y, z)];
@@ -151,7 +151,7 @@ TriMesh beside(TriMesh mesh, const std::vector<HullJudge>& judges, const Standin
 
 // The surface of one thing: on the solid as many points as the coarse grid has, elsewhere kCrowd times as many. Returns what
 // stands out of the solids.
-TriMesh add_fine(uint32_t thing, const Bounds3& bounds, const HullGrid<NearestThing>& nearest,
+TriMesh add_fine(uint32_t thing, const Bounds3& bounds, const VoxelGrid<NearestThing>& nearest,
                  const std::vector<HullJudge>& judges, std::span<const SolidOfRevolution> solids, bool carried,
                  std::vector<HullPoint>& points) {
   const double coarse = nearest.cell;
@@ -182,50 +182,40 @@ TriMesh add_fine(uint32_t thing, const Bounds3& bounds, const HullGrid<NearestTh
 
 }  // namespace
 
-HullThings hull_things(const HullGrid<uint8_t>& inside, std::span<const HullSurfacePoint> surface,
+HullThings hull_things(const VoxelGrid<uint8_t>& inside, std::span<const HullSurfacePoint> surface,
                        std::span<const SolidOfRevolution> solids) {
   HullThings out;
   out.of = {inside.origin, inside.cell, inside.size, std::vector<uint32_t>(inside.values.size(), 0)};
+  const ConnectedComponents parts = connected_components(inside, [&](size_t i) { return inside.values[i] != 0; });
+  std::vector<uint32_t> thing(parts.members.size(), 0);
   uint32_t things = 0;
-  std::vector<std::array<int, 3>> open;
-  const auto take = [&](int x, int y, int z, uint32_t thing) {
-    if (!inside.at(x, y, z) || out.of.at(x, y, z) != 0) return;
-    out.of.values[inside.index(x, y, z)] = thing;
-    open.push_back({x, y, z});
-  };
-  const auto spread = [&] {  // from the cells just taken
-    if (open.empty()) return;
-    ++things;
-    while (!open.empty()) {
-      const auto [x, y, z] = open.back();
-      open.pop_back();
-      for (int d : {-1, 1}) take(x + d, y, z, things), take(x, y + d, z, things), take(x, y, z + d, things);
-    }
-  };
   for (const SolidOfRevolution& solid : solids) {
+    bool begins = false;
     for (const HullSurfacePoint& p : surface) {
       if (!solid.smoothed(p, inside.cell)) continue;
       const auto [x, y, z] = inside.cell_of(p.position);
-      take(x, y, z, things + 1);
+      if (!inside.at(x, y, z)) continue;
+      uint32_t& of_part = thing[parts.label[inside.index(x, y, z)]];
+      if (of_part == 0) of_part = things + 1, begins = true;
     }
-    spread();
+    things += begins;
   }
   out.with_solids = things;
-  inside.each_in_order([&](int x, int y, int z) {
-    take(x, y, z, things + 1);
-    spread();
-  });
+  for (uint32_t& of_part : thing)
+    if (of_part == 0) of_part = ++things;
+  for (size_t i = 0; i < out.of.values.size(); ++i)
+    if (inside.values[i]) out.of.values[i] = thing[parts.label[i]];
   return out;
 }
 
 void add_things(const HullThings& things, const std::vector<HullJudge>& judges, bool carried, Hull& hull) {
-  const HullGrid<uint32_t>& of = things.of;
+  const VoxelGrid<uint32_t>& of = things.of;
   std::vector<Bounds3> bounds(things.with_solids);
   of.each_in_order([&](int x, int y, int z) {
     if (const uint32_t thing = of.at(x, y, z); thing != 0 && thing <= bounds.size()) bounds[thing - 1].extend(of.centre(x, y, z));
   });
   if (bounds.empty()) return;
-  const HullGrid<NearestThing> nearest = nearest_things(of);
+  const VoxelGrid<NearestThing> nearest = nearest_things(of);
   for (uint32_t k = 0; k < bounds.size(); ++k)
     append(hull.beside, add_fine(k + 1, bounds[k], nearest, judges, hull.solids, carried, hull.points));
 }

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "core/math/voxel_grid.h"
 #include "core/stereo/revolution_fit.h"
 #include "stages/optimize/hull.h"
-#include "stages/optimize/hull_grid.h"
 #include "stages/optimize/hull_judges.h"
 
 namespace vitrine {
@@ -16,10 +16,10 @@ namespace vitrine {
 // The cells of `inside` that hang together, by number of the thing from 1 on; 0: empty. Those around the solids come first, one
 // thing for each solid that begins one; returns how many.
 struct HullThings {
-  HullGrid<uint32_t> of;
+  VoxelGrid<uint32_t> of;
   uint32_t with_solids = 0;
 };
-HullThings hull_things(const HullGrid<uint8_t>& inside, std::span<const HullSurfacePoint> surface,
+HullThings hull_things(const VoxelGrid<uint8_t>& inside, std::span<const HullSurfacePoint> surface,
                        std::span<const SolidOfRevolution> solids);
 
 // Adds the points and what stands out of the solids of every thing with solids. `carried`: the masks are not drawn to a pixel

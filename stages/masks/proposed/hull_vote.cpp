@@ -27,7 +27,7 @@ constexpr double kNormalQuartile = 1.4826;  // (p50 - p25) of a normal distribut
 constexpr double kNear = 0.1;
 constexpr double kBehind = 0.02;  // relative: how far behind a thing the fit must see something
 
-VoxelGrid grid_of(const ViewSet& set, int cells) {
+VoxelGrid<float> grid_of(const ViewSet& set, int cells) {
   Vec3d low{-kFarthest, -kFarthest, -kFarthest}, high{kFarthest, kFarthest, kFarthest};
   for (size_t axis = 0; axis < 3 && !set.points.empty(); ++axis) {
     std::vector<double> along;
@@ -36,20 +36,19 @@ VoxelGrid grid_of(const ViewSet& set, int cells) {
     low[axis] = std::clamp(a - kBoxMargin * (b - a), -kFarthest, kFarthest);
     high[axis] = std::clamp(b + kBoxMargin * (b - a), low[axis], kFarthest);
   }
-  VoxelGrid grid{.low = low, .step = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-3}) / cells};
-  grid.nx = int((high.x - low.x) / grid.step) + 1;
-  grid.ny = int((high.y - low.y) / grid.step) + 1;
-  grid.nz = int((high.z - low.z) / grid.step) + 1;
+  VoxelGrid<float> grid{low, std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-3}) / cells, {}, {}};
+  for (size_t axis = 0; axis < 3; ++axis) grid.size[axis] = int((high[axis] - low[axis]) / grid.cell) + 1;
+  grid.values.assign(grid.count(), NAN);
   return grid;
 }
 
-std::vector<float> scores(const HullVoteConfig& config, const VoxelGrid& grid, const std::vector<SmallPhoto>& photos,
-                          const QuickFit& fit, const std::vector<DeviationMap>& deviations) {
-  std::vector<float> out(grid.size(), NAN);
-  parallel_chunks(grid.size(), 4096, [&](size_t, size_t begin, size_t end) {
+void score_cells(const HullVoteConfig& config, const std::vector<SmallPhoto>& photos, const QuickFit& fit,
+                 const std::vector<DeviationMap>& deviations, VoxelGrid<float>& grid) {
+  parallel_chunks(grid.count(), 4096, [&](size_t, size_t begin, size_t end) {
     std::vector<float> votes;
     for (size_t i = begin; i < end; ++i) {
-      const Vec3d centre = grid.centre(i);
+      const auto [x, y, z] = grid.cell_at(i);
+      const Vec3d centre = grid.centre(x, y, z);
       votes.clear();
       size_t seen = 0;
       for (size_t v = 0; v < photos.size(); ++v) {
@@ -57,51 +56,33 @@ std::vector<float> scores(const HullVoteConfig& config, const VoxelGrid& grid, c
         const auto p = image_point(centre, view, kNear);
         if (!p) continue;
         const size_t pixel = size_t(p->y) * size_t(view.intrinsics.width) + size_t(p->x);
-        const double z = fit.views[v].zdepth[pixel];
-        if (z > 0 && z < kHidden * p->z) continue;
+        const double seen_z = fit.views[v].zdepth[pixel];
+        if (seen_z > 0 && seen_z < kHidden * p->z) continue;
         ++seen;
         if (const float d = deviations[v].value[pixel]; std::isfinite(d)) votes.push_back(d);
       }
       if (double(seen) < config.min_views * double(photos.size()) || double(votes.size()) < kVotes * double(seen) ||
           votes.size() < kFewestVotes)
         continue;
-      out[i] = quantile_of(votes, kQuantile);
+      grid.values[i] = quantile_of(votes, kQuantile);
     }
   });
-  return out;
 }
 
 // Groups of voxels above the weak threshold, by faces, that hold enough voxels above the strong one.
 void group(HullVote& vote) {
-  const VoxelGrid& g = vote.grid;
-  vote.thing.assign(g.size(), -1);
-  std::vector<uint8_t> visited(g.size(), 0);
-  std::vector<size_t> members;
-  for (size_t start = 0; start < g.size(); ++start) {
-    if (visited[start] || !(vote.score[start] > vote.weak)) continue;
-    members.assign(1, start);
-    visited[start] = 1;
+  const VoxelGrid<float>& g = vote.score;
+  vote.thing.assign(g.count(), -1);
+  for (const auto& members : connected_components(g, [&](size_t i) { return g.values[i] > vote.weak; }).members) {
     size_t strong = 0;
     double sum = 0;
-    for (size_t m = 0; m < members.size(); ++m) {
-      const size_t i = members[m];
-      strong += vote.score[i] > vote.strong;
-      sum += vote.score[i];
-      const int x = int(i % size_t(g.nx)), y = int(i / size_t(g.nx) % size_t(g.ny)), z = int(i / size_t(g.nx) / size_t(g.ny));
-      for (const auto& [dx, dy, dz] : {std::array{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
-        const int a = x + dx, b = y + dy, c = z + dz;
-        if (a < 0 || b < 0 || c < 0 || a >= g.nx || b >= g.ny || c >= g.nz) continue;
-        const size_t n = g.index(a, b, c);
-        if (visited[n] || !(vote.score[n] > vote.weak)) continue;
-        visited[n] = 1;
-        members.push_back(n);
-      }
-    }
+    for (size_t i : members) strong += g.values[i] > vote.strong, sum += g.values[i];
     if (members.size() < kSmallestThing || double(strong) < kStrongShare * double(members.size())) continue;
     ProposedThing thing{.voxels = members.size(), .score = sum / double(members.size())};
     for (size_t i : members) {
       vote.thing[i] = int(vote.things.size());
-      thing.centre += g.centre(i) / double(members.size());
+      const auto [x, y, z] = g.cell_at(i);
+      thing.centre += g.centre(x, y, z) / double(members.size());
     }
     vote.things.push_back(thing);
   }
@@ -109,9 +90,9 @@ void group(HullVote& vote) {
 
 // A voxel between voxels of one thing along two of the three axes belongs to it: what stands inside hides its own middle.
 void fill(HullVote& vote) {
-  const VoxelGrid& g = vote.grid;
+  const VoxelGrid<float>& g = vote.score;
   for (size_t t = 0; t < vote.things.size(); ++t) {
-    std::vector<uint8_t> between(g.size(), 0);
+    std::vector<uint8_t> between(g.count(), 0);
     const auto line = [&](auto&& at, int length) {
       int first = -1, last = -1;
       for (int i = 0; i < length; ++i)
@@ -121,13 +102,13 @@ void fill(HullVote& vote) {
         }
       for (int i = first; first >= 0 && i <= last; ++i) ++between[at(i)];
     };
-    for (int z = 0; z < g.nz; ++z)
-      for (int y = 0; y < g.ny; ++y) line([&](int i) { return g.index(i, y, z); }, g.nx);
-    for (int z = 0; z < g.nz; ++z)
-      for (int x = 0; x < g.nx; ++x) line([&](int i) { return g.index(x, i, z); }, g.ny);
-    for (int y = 0; y < g.ny; ++y)
-      for (int x = 0; x < g.nx; ++x) line([&](int i) { return g.index(x, y, i); }, g.nz);
-    for (size_t i = 0; i < g.size(); ++i)
+    for (int z = 0; z < g.size[2]; ++z)
+      for (int y = 0; y < g.size[1]; ++y) line([&](int i) { return g.index(i, y, z); }, g.size[0]);
+    for (int z = 0; z < g.size[2]; ++z)
+      for (int x = 0; x < g.size[0]; ++x) line([&](int i) { return g.index(x, i, z); }, g.size[1]);
+    for (int y = 0; y < g.size[1]; ++y)
+      for (int x = 0; x < g.size[0]; ++x) line([&](int i) { return g.index(x, y, i); }, g.size[2]);
+    for (size_t i = 0; i < g.count(); ++i)
       if (vote.thing[i] < 0 && between[i] >= 2) vote.thing[i] = int(t);
   }
 }
@@ -139,25 +120,24 @@ struct Crossing {
 
 // First thing along a ray, with where the ray enters and last leaves it. Stops at `limit`.
 Crossing first_crossing(const HullVote& vote, const Vec3d& origin, const Vec3d& direction, double limit) {
-  const VoxelGrid& g = vote.grid;
+  const VoxelGrid<float>& g = vote.score;
   double enter = kNear, leave = limit;
-  const Vec3d high = g.low + g.step * Vec3d{double(g.nx), double(g.ny), double(g.nz)};
+  const Vec3d high = g.high();
   for (size_t axis = 0; axis < 3; ++axis) {
     if (std::abs(direction[axis]) < 1e-12) {
-      if (origin[axis] < g.low[axis] || origin[axis] >= high[axis]) return {};
+      if (origin[axis] < g.origin[axis] || origin[axis] >= high[axis]) return {};
       continue;
     }
-    double a = (g.low[axis] - origin[axis]) / direction[axis], b = (high[axis] - origin[axis]) / direction[axis];
+    double a = (g.origin[axis] - origin[axis]) / direction[axis], b = (high[axis] - origin[axis]) / direction[axis];
     if (a > b) std::swap(a, b);
     enter = std::max(enter, a);
     leave = std::min(leave, b);
   }
   Crossing crossing;
-  const double step = 0.7 * g.step / length(direction);
+  const double step = 0.7 * g.cell / length(direction);
   for (double t = enter; t < leave; t += step) {
-    const Vec3d p = (origin + t * direction - g.low) / g.step;
-    const int x = int(std::floor(p.x)), y = int(std::floor(p.y)), z = int(std::floor(p.z));
-    if (x < 0 || y < 0 || z < 0 || x >= g.nx || y >= g.ny || z >= g.nz) continue;
+    const auto [x, y, z] = g.cell_of(origin + t * direction);
+    if (!g.has(x, y, z)) continue;
     const int found = vote.thing[g.index(x, y, z)];
     if (crossing.thing < 0 && found >= 0) crossing = {found, t, t};
     if (found >= 0 && found == crossing.thing) crossing.leave_z = t;
@@ -208,11 +188,6 @@ void tell_glass_from_metal(HullVote& vote, const std::vector<SmallPhoto>& photos
 
 }  // namespace
 
-Vec3d VoxelGrid::centre(size_t i) const {
-  const size_t x = i % size_t(nx), y = i / size_t(nx) % size_t(ny), z = i / size_t(nx) / size_t(ny);
-  return low + step * Vec3d{double(x) + 0.5, double(y) + 0.5, double(z) + 0.5};
-}
-
 void describe(Describer& d, HullVoteConfig& c) {
   d.option("grid", c.grid, "Voxels along the longest side of the scene's box.").range(8, 512);
   d.option("min_views", c.min_views, "Share of the photos that must see a voxel: what was not walked around is not judged.")
@@ -226,11 +201,11 @@ void describe(Describer& d, HullVoteConfig& c) {
 HullVote hull_vote(const HullVoteConfig& config, const MaskCapture& capture, const std::vector<SmallPhoto>& photos,
                    const QuickFit& fit, const std::vector<DeviationMap>& deviations) {
   HullVote vote;
-  vote.grid = grid_of(capture.set, config.grid);
-  vote.score = scores(config, vote.grid, photos, fit, deviations);
-  vote.thing.assign(vote.grid.size(), -1);
+  vote.score = grid_of(capture.set, config.grid);
+  score_cells(config, photos, fit, deviations, vote.score);
+  vote.thing.assign(vote.score.count(), -1);
   std::vector<float> known;
-  for (float s : vote.score)
+  for (float s : vote.score.values)
     if (std::isfinite(s)) known.push_back(s);
   vote.unsure = known.size() < kFewestVoxels;
   if (vote.unsure) return vote;

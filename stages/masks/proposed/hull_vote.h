@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/config/describe.h"
+#include "core/math/voxel_grid.h"
 #include "stages/masks/proposed/view_dependence.h"
 
 namespace vitrine {
@@ -20,15 +21,6 @@ struct HullVoteConfig {
 };
 void describe(Describer& d, HullVoteConfig& c);
 
-struct VoxelGrid {
-  Vec3d low;
-  double step = 1;
-  int nx = 0, ny = 0, nz = 0;
-  size_t size() const { return size_t(nx) * size_t(ny) * size_t(nz); }
-  size_t index(int x, int y, int z) const { return (size_t(z) * size_t(ny) + size_t(y)) * size_t(nx) + size_t(x); }
-  Vec3d centre(size_t i) const;
-};
-
 struct ProposedThing {
   size_t voxels = 0;
   double score = 0;        // mean over its voxels of the typical deviation there, sRGB units
@@ -39,9 +31,8 @@ struct ProposedThing {
 };
 
 struct HullVote {
-  VoxelGrid grid;
-  std::vector<float> score;  // [voxel] NaN: too few views
-  std::vector<int> thing;    // [voxel] index into things, or -1
+  VoxelGrid<float> score;  // NaN: too few views
+  std::vector<int> thing;  // [voxel of score] index into things, or -1
   std::vector<ProposedThing> things;
   double typical = 0, weak = 0, strong = 0;  // of the scores: their median, and the two thresholds
   bool unsure = false;                       // the fit is too coarse, or too little of the scene was walked around
