@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,8 @@ class ImageModel {
     add(std::move(pass));
     return out;
   }
+
+  std::span<const std::unique_ptr<Pass>> passes() const { return passes_; }
 
   void forward(const SplatScene& scene, const View& view, Frame& frame) const { forward(scene, view, options_, frame); }
   // With other options than its own, for one picture.

@@ -2,6 +2,7 @@
 
 #include "core/base/process.h"
 #include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
 #include "core/render/surface_depth.h"
 
 namespace vitrine {
@@ -13,17 +14,16 @@ constexpr float kLeastAlpha = 0.5f, kClear = 0.5f, kHardlyClear = 0.1f;  // of t
 }  // namespace
 
 std::vector<GlassView> glass_views(const GlassViewsDesc& desc, std::span<const uint32_t> photos) {
-  DiffuseOptions options = desc.scene.image.diffuse;
-  options.materials = true;
-  DiffusePass pass(options);
+  ImageModel model({.diffuse = desc.scene.image.diffuse});
+  model.options().diffuse.materials = true;
+  model.emplace<DiffusePass>(desc.scene.image.diffuse.backend);
   Frame frame;
   TargetImages masks;
   std::vector<GlassView> views;
   for (const uint32_t photo : photos) {
     throw_if_interrupted();
     GlassView v{.photo = photo, .view = &desc.capture.photos[photo].levels[desc.level].view};
-    frame.view = v.view;
-    pass.forward(desc.scene.surfels, frame);
+    model.forward(desc.scene.surfels, *v.view, frame);
     const auto z = frame.diffuse.plane(Aov::ZDepth), alpha = frame.diffuse.plane(Aov::Alpha);
     const auto median = frame.diffuse.plane(Aov::MedianZ), tau = frame.diffuse.plane(Aov::Transmission);
     decode(desc.targets.photos[photo][desc.level], masks);

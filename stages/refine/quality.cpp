@@ -5,6 +5,7 @@
 
 #include "core/base/process.h"
 #include "core/model/diffuse_pass.h"
+#include "core/model/image_model.h"
 #include "core/picture/view_picture.h"
 
 namespace vitrine {
@@ -24,9 +25,9 @@ struct SquaredError {
 QualityMeter::QualityMeter(const TrainedScene& scene, const Capture& capture, const Targets& targets,
                            std::span<const uint32_t> photos)
     : capture_(capture), photos_(photos.begin(), photos.end()) {
-  DiffuseOptions options = scene.image.diffuse;
-  options.materials = true;
-  DiffusePass pass(options);
+  ImageModel model({.diffuse = scene.image.diffuse});
+  model.options().diffuse.materials = true;
+  model.emplace<DiffusePass>(scene.image.diffuse.backend);
   Frame frame;
   for (const uint32_t photo : photos_) {
     throw_if_interrupted();
@@ -37,8 +38,7 @@ QualityMeter::QualityMeter(const TrainedScene& scene, const Capture& capture, co
       for (size_t i = 0; i < glass.size(); ++i) glass[i] = mask[i] >= 128;
       continue;
     }
-    frame.view = &capture.photos[photo].levels[0].view;
-    pass.forward(scene.surfels, frame);
+    model.forward(scene.surfels, capture.photos[photo].levels[0].view, frame);
     const auto tau = frame.diffuse.plane(Aov::Transmission);
     for (size_t i = 0; i < glass.size(); ++i) glass[i] = tau[i] > 0.5f;
   }

@@ -95,11 +95,11 @@ void model_passes(benchmark::State& state, int budget) {
   ImageOptions options;
   options.surface.ray_budget = budget;
   LayeredModel model(options);
-  DisplayPass display;
   Frame frame;
   frame.view = &r.view;
+  frame.options = options;
   SplatScene grad = r.scene.zeros_like();
-  std::vector<Pass*> passes{model.diffuse, model.surface, model.reflection, model.transmission, model.composite, &display};
+  const auto passes = model.passes();
   std::vector<double> ms(2 * passes.size());
   const auto timed = [&](double& sum, const auto& work) {
     const auto start = std::chrono::steady_clock::now();
@@ -110,6 +110,7 @@ void model_passes(benchmark::State& state, int budget) {
   for (auto _ : state) {
     for (size_t i = 0; i < passes.size(); ++i) timed(ms[i], [&] { passes[i]->forward(r.scene, frame); });
     for (size_t i = 0; i < frame.srgb.size(); ++i) frame.grad_srgb[i] = frame.srgb[i] > 0.4f ? 1e-6f : -1e-6f;
+    frame.statistics.reset(r.scene.diffuse.size());
     for (size_t i = passes.size(); i-- > 0;) timed(ms[passes.size() + i], [&] { passes[i]->backward(r.scene, frame, grad); });
     ++steps;
   }

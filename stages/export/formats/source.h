@@ -10,6 +10,7 @@
 
 #include "core/camera/scene_info.h"
 #include "core/mesh/tri_mesh.h"
+#include "core/model/frame.h"
 #include "core/picture/trained_scene.h"
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/formats/frame.h"
