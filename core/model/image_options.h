@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "core/model/glass_case.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/render/renderer.h"
 #include "core/shape/shape_set.h"
@@ -24,7 +23,8 @@ struct DiffuseOptions {
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
 };
 
-// Surfaces that specular pixels show (ShapePass): the entries of role Mirror. nullptr: none is known.
+// Known shapes: surfaces that specular pixels show (ShapePass, role Mirror), and panes that are flat mirrors (PanePass, role
+// Sheet). nullptr: none is known.
 struct ShapeOptions {
   std::shared_ptr<const ShapeSet> set = nullptr;
   float min_alpha = 0.5f;  // no surface below
@@ -75,9 +75,7 @@ struct TransmissionOptions {
   std::shared_ptr<const ThickGlass> thick = nullptr;
 };
 
-// The display case whose panes are flat mirrors (PanePass). nullptr: none is known.
 struct PaneOptions {
-  std::shared_ptr<const GlassCase> glass_case = nullptr;
   // So many surfels of the diffuse layer are mirrored, its first ones. What follows are guesses about what no photo shows; panes
   // that photos do show know better, through the reflection layer.
   size_t mirrored = SIZE_MAX;

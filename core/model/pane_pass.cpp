@@ -11,12 +11,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr uint8_t kNoFace = 255;
+constexpr uint32_t kNoPane = UINT32_MAX;
 constexpr size_t kPaneGrain = 1024;
-// Of the longest side of the box: the picture shows the box where its surface lies this near to it; what stands this near to a
-// pane is the pane's frame or its floor, and not seen in it.
-constexpr double kOnBox_rel = 0.05, kAtPane_rel = 0.02;
-constexpr float kMirrorNear = 1e-3f;  // scene units before the camera behind the mirror; the pane cuts, not the camera
+constexpr double kAtPane_rel = 0.4;    // of the tolerance of the sheet (Pane::at_pane)
+constexpr double kOnePane_rel = 1e-6;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
+constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind the mirror; the pane cuts, not the camera
 
 }  // namespace
 
@@ -47,31 +46,49 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
   return out;
 }
 
+void PanePass::list_panes(const ShapeSet& set) {
+  panes_.clear();
+  first_pane_.assign(1, 0);
+  for (const ShapeSet::Entry& e : set.entries) {
+    if (e.role == ShapeRole::Sheet)
+      for (const Facet& f : facets(e.shape))
+        panes_.push_back({f, e.is_clear(panes_.size() - first_pane_.back()), kAtPane_rel * e.tolerance});
+    first_pane_.push_back(static_cast<uint32_t>(panes_.size()));
+  }
+}
+
 // By which panes the rays of the pixels enter and leave, those that get past everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
-  const GlassCase& glass_case = *frame.options.panes.glass_case;
-  const Box& box = glass_case.box;
-  const double on_box = kOnBox_rel * box.longest_side(), at_pane = kAtPane_rel * box.longest_side();
+  const ShapeSet& set = *frame.options.shape.set;
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
-  for (auto& faces : face_of_) faces.assign(g.pixels, kNoFace);
+  for (auto& panes : pane_of_) panes.assign(g.pixels, kNoPane);
   const Vec3d eye = frame.view->centre_in_world();
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       if (!s.asks[i].transmission) continue;
       const uint32_t pixel = s.pixels[i];
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
-      const auto crossing = box.crossing(eye, per_z);
-      if (!crossing) continue;
-      const double z = double(g.zdepth[pixel]) / double(g.alpha[pixel]);
-      if (std::abs(box.distance(eye + z * per_z)) > on_box) continue;
-      face_of_[Near][pixel] = static_cast<uint8_t>(crossing->entered.index());
+      const Vec3d place = eye + double(g.zdepth[pixel]) / double(g.alpha[pixel]) * per_z;
+      const auto hit = set.first_hit({eye, per_z}, ShapeRole::Sheet, [&](const ShapeSet::Hit& h) {
+        const ShapeSet::Entry& e = set.entries[h.entry];
+        return first_pane_[h.entry] < first_pane_[h.entry + 1] && length(nearest(e.shape, place).position - place) <= e.tolerance;
+      });
+      if (!hit) continue;
+      pane_of_[Near][pixel] = first_pane_[hit->entry] + hit->element;
       out.shown[pixel] = 1;
-      if (!glass_case.clear[crossing->left.index()]) continue;
-      const double rise = dot(box.normal(crossing->left), per_z);
-      const bool past = (double(frame.behind.median_z[pixel]) - crossing->out) * rise > at_pane;
+      // Out of a convex sheet by the first facet that looks away.
+      double leaves_at = 1e300, rise = 0;
+      uint32_t by = kNoPane;
+      for (uint32_t k = first_pane_[hit->entry]; k < first_pane_[hit->entry + 1]; ++k) {
+        const Facet& f = panes_[k].plane;
+        const double away = dot(f.normal, per_z), t = (f.offset - dot(f.normal, eye)) / away;
+        if (away > 0 && t < leaves_at) leaves_at = t, rise = away, by = k;
+      }
+      if (by == kNoPane || !panes_[by].clear || leaves_at < (1 + kOnePane_rel) * hit->t) continue;
+      const bool past = (double(frame.behind.median_z[pixel]) - leaves_at) * rise > panes_[by].at_pane;
       if (!past && !(frame.behind.inner_transmittance[pixel] > 0.5f)) continue;
-      face_of_[Far][pixel] = static_cast<uint8_t>(crossing->left.index());
+      pane_of_[Far][pixel] = by;
       out.far_share[pixel] = 1;
       out.far_cosine[pixel] = static_cast<float>(rise / length(per_z));
     }
@@ -79,39 +96,38 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
 }
 
 // The picture in one pane, of all pixels whose rays enter or leave by it.
-void PanePass::mirror(const Frame& frame, Box::Face face, Pane pane, PaneImages& out) {
-  const Box& box = frame.options.panes.glass_case->box;
-  const std::vector<uint8_t>& face_of = face_of_[pane];
-  const auto index = static_cast<uint8_t>(face.index());
+void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out) {
+  const auto& [plane, clear, at_pane] = panes_[pane];
+  const std::vector<uint32_t>& pane_of = pane_of_[side];
   const int width = frame.view->intrinsics.width;
-  const size_t pixels = face_of.size();
+  const size_t pixels = pane_of.size();
   PictureWindow window;  // of the picture turned left to right
   const auto turned = [&](size_t pixel) { return width - 1 - static_cast<int>(pixel) % width; };
   const auto row_of = [&](size_t pixel) { return static_cast<int>(pixel) / width; };
   for (size_t i = 0; i < pixels; ++i)
-    if (face_of[i] == index) window.extend(turned(i), row_of(i));
+    if (pane_of[i] == pane) window.extend(turned(i), row_of(i));
   if (window.empty()) return;
   wanted_.assign(window.pixel_count(), 0);
   for (size_t i = 0; i < pixels; ++i)
-    if (face_of[i] == index) wanted_[window.index(turned(i), row_of(i))] = 1;
+    if (pane_of[i] == pane) wanted_[window.index(turned(i), row_of(i))] = 1;
 
   // What lies on the mirror's own side: outside of the near pane, inside of the far one.
-  const double side = pane == Near ? 1 : -1;
-  const Vec3f normal = cast<float>(side * box.normal(face));
-  const auto offset = static_cast<float>(side * box.offset(face) + kAtPane_rel * box.longest_side());
+  const double outside = side == Near ? 1 : -1;
+  const Vec3f normal = cast<float>(outside * plane.normal);
+  const auto offset = static_cast<float>(outside * plane.offset + at_pane);
   const auto& [opened, opaque] = frame.opened;
   const size_t mirrored = frame.options.panes.mirrored;
-  window_picture_.choose(opened, window.view(mirrored_view(*frame.view, box.normal(face), box.offset(face))), [&](size_t i) {
+  window_picture_.choose(opened, window.view(mirrored_view(*frame.view, plane.normal, plane.offset)), [&](size_t i) {
     const float* m = opened.at(Attribute::Mean, i);
     return (i >= opaque.size() || opaque[i] < mirrored) && dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
   });
   const RasterImages& picture = window_picture_.draw(
       {.features = FeatureSet::ColorOnly, .sh_degree = opened.sh_degree(), .near_z = kMirrorNear, .wanted = wanted_});
   const std::span<const float> color = picture.plane(Aov::Color), alpha = picture.plane(Aov::Alpha);
-  std::vector<float>& to = pane == Near ? out.near_color : out.far_color;
-  std::vector<float>& open = pane == Near ? out.near_open : out.far_open;
+  std::vector<float>& to = side == Near ? out.near_color : out.far_color;
+  std::vector<float>& open = side == Near ? out.near_open : out.far_open;
   for (size_t i = 0; i < pixels; ++i) {
-    if (face_of[i] != index) continue;
+    if (pane_of[i] != pane) continue;
     const size_t w = window.index(turned(i), row_of(i));
     for (size_t c = 0; c < 3; ++c) to[c * pixels + i] = color[c * wanted_.size() + w];
     open[i] = 1 - alpha[w];
@@ -121,12 +137,13 @@ void PanePass::mirror(const Frame& frame, Box::Face face, Pane pane, PaneImages&
 void PanePass::forward(const SplatScene&, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
-  if (!frame.options.panes.glass_case || frame.behind.radiance.empty()) return;
+  if (!knows(frame.options.shape.set.get(), ShapeRole::Sheet) || frame.behind.radiance.empty()) return;
   out.start(frame.pixel_count());
+  list_panes(*frame.options.shape.set);
   find_panes(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
-  for (size_t f = 0; f < Box::kFaces; ++f)
-    for (const Pane pane : {Near, Far}) mirror(frame, Box::face(f), pane, out);
+  for (uint32_t pane = 0; pane < panes_.size(); ++pane)
+    for (const Side side : {Near, Far}) mirror(frame, pane, side, out);
   // They mirror before there is a reflection layer, too.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;

@@ -1,14 +1,15 @@
-// What the panes of a display case mirror. Where the case is known as a box, its panes are planes, and a picture in a flat mirror
-// is the picture that a camera behind the mirror takes: the scene is rasterised from there, pane by pane, without the case. Two
-// panes count in a pixel, the one that its ray enters by and, where it gets past everything inside, the one it leaves by:
+// Reflections in flat panes of clear glass: the facets of known shapes of role Sheet, a display case (a box) or a single pane (a
+// plane). A picture in a flat mirror is the picture that a camera behind the mirror takes: the scene is rasterised from there,
+// pane by pane, without the glass. Two panes count in a pixel, the one that its ray enters by and, where it gets past everything
+// inside a closed sheet, the one it leaves by:
 //
 //   near pane   mirrors what lies outside of it          far pane   mirrors what lies on its inner side
 //
 // (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on the sample scene; the far
 // pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
-// Pixels take part that ask for a transmission and show the box where it is. No gradient goes through the mirrored pictures.
-// Nothing to do without PaneOptions::glass_case or where ThinGlassPass, whose surfels are mirrored, had nothing to show.
+// Pixels take part that ask for a transmission and show a sheet where it is, the nearest of those. No gradient goes through the
+// mirrored pictures. Nothing to do without a sheet or where ThinGlassPass, whose surfels are mirrored, had nothing to show.
 #pragma once
 
 #include <array>
@@ -39,13 +40,21 @@ class PanePass final : public Pass {
   void backward(const SplatScene&, Frame&, SplatScene&) override {}
 
  private:
+  struct Pane {
+    Facet plane;
+    bool clear;
+    double at_pane;  // what stands this near to it is its frame or its floor, and not seen in it; scene units
+  };
+  void list_panes(const ShapeSet& set);
   void find_panes(const Frame& frame, PaneImages& out);
   // The two panes that a pixel's ray passes.
-  enum Pane : unsigned char { Near, Far };
-  void mirror(const Frame& frame, Box::Face face, Pane pane, PaneImages& out);
+  enum Side : unsigned char { Near, Far };
+  void mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out);
 
+  std::vector<Pane> panes_;                       // the facets of all sheets
+  std::vector<uint32_t> first_pane_;              // [entry + 1]
+  std::array<std::vector<uint32_t>, 2> pane_of_;  // [side] [h,w] index of panes_, or kNoPane
   WindowPicture window_picture_;
-  std::array<std::vector<uint8_t>, 2> face_of_;  // [pane] [h,w] Box::Face::index, kNoFace
   std::vector<uint8_t> wanted_;
 };
 

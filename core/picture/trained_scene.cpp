@@ -25,8 +25,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
 constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
-constexpr const char* kCase = "case";               // a box of panes
-constexpr double kSloppy = 1e-4;                    // of a unit vector in the file
+constexpr const char* kCaseOfBefore = "case";  // a box of panes, which is one of the shapes
+constexpr const char* kMirrored = "mirrored_surfels";
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
@@ -48,35 +48,6 @@ void visit(Options& o, const Word& word, const Number& number) {
   number("reflection_min_transmittance", o.reflection.min_transmittance);
   number("transmission_near", o.transmission.near);
   number("transmission_min_transmittance", o.transmission.min_transmittance);
-}
-
-Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
-
-template <class Fail>
-Vec3d read_vec(const nlohmann::json& json, const Fail& fail, const char* problem) {
-  const auto v = json.get<std::array<double, 3>>();
-  for (double x : v)
-    if (!std::isfinite(x)) throw fail(problem);
-  return {v[0], v[1], v[2]};
-}
-
-// A box with unit, right-angled axes.
-template <class Fail>
-std::shared_ptr<const GlassCase> read_case(const nlohmann::json& json, const Fail& fail) {
-  const auto vec = [&](const nlohmann::json& j) { return read_vec(j, fail, "the case is not a box"); };
-  const auto& axes = json.at("axes");
-  const Vec3d x = vec(axes.at(0)), y = vec(axes.at(1)), z = vec(axes.at(2));
-  auto out = std::make_shared<GlassCase>();
-  Box* const box = &out->box;
-  out->clear = json.at("clear").get<std::array<bool, Box::kFaces>>();
-  box->axes = {x, y, z};
-  box->low = vec(json.at("low"));
-  box->high = vec(json.at("high"));
-  bool right = length(cross(x, y) - z) < kSloppy && std::abs(dot(x, y)) < kSloppy && std::abs(length(x) - 1) < kSloppy &&
-               std::abs(length(y) - 1) < kSloppy;
-  for (size_t i = 0; i < 3; ++i) right &= box->low[i] < box->high[i];
-  if (!right) throw fail("the case is not a box");
-  return out;
 }
 
 // The shortest text that gives the same float back, not the double's seventeen digits.
@@ -114,13 +85,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   visit(
       options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
       [&](const char* key, float value) { json[key] = shortest(value); });
-  if (const GlassCase* glass_case = options.panes.glass_case.get()) {
-    const Box* const box = &glass_case->box;
-    Json axes = Json::array();
-    for (size_t i = 0; i < 3; ++i) axes.push_back(numbers(box->axes.column(i)));
-    json[kCase] = {{"axes", axes}, {"low", numbers(box->low)}, {"high", numbers(box->high)}, {"clear", glass_case->clear}};
-    if (options.panes.mirrored != SIZE_MAX) json[kCase]["mirrored_surfels"] = options.panes.mirrored;
-  }
+  if (options.panes.mirrored != SIZE_MAX) json[kMirrored] = options.panes.mirrored;
   if (options.shape.set) {
     json[kShapes] = write_shapes(*options.shape.set, path.parent_path());
     json[kOutlines] = options.shape.outlines;
@@ -157,10 +122,8 @@ ImageOptions read_image_options(const fs::path& path) {
           value = json.at(key).get<float>();
           if (!(value >= 0) || !std::isfinite(value)) throw fail(fmt::format("{} is not a positive number", key));
         });
-    if (json.contains(kCase)) {
-      options.panes.glass_case = read_case(json.at(kCase), fail);
-      options.panes.mirrored = json.at(kCase).value("mirrored_surfels", SIZE_MAX);
-    }
+    if (json.contains(kCaseOfBefore)) throw fail("an earlier version of vitrine wrote it");
+    options.panes.mirrored = json.value(kMirrored, options.panes.mirrored);
     if (json.contains(kShapes))
       options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
     options.shape.outlines = json.value(kOutlines, options.shape.outlines);

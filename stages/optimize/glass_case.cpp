@@ -9,12 +9,13 @@ namespace vitrine {
 namespace {
 
 constexpr double kAtFace_rel = 0.25;  // of the longest side, along the ray: what lies further behind is seen through the face
+constexpr double kOnBox_rel = 0.05;   // of the longest side: surfels that show a face lie this near to it
 constexpr double kTelling_rel = 0.2;  // of the pixels of the face that most look out through: fewer say nothing
 
 }  // namespace
 
-GlassCase glass_case(const Box& box, const Capture& capture, const Targets& targets, std::span<const std::vector<float>> depths,
-                     size_t level) {
+ShapeSet::Entry glass_case(const Box& box, const Capture& capture, const Targets& targets,
+                           std::span<const std::vector<float>> depths, size_t level) {
   std::array<size_t, Box::kFaces> left{}, beyond{};
   const double at_face = kAtFace_rel * box.longest_side();
   for (const uint32_t photo : capture.train) {
@@ -35,7 +36,7 @@ GlassCase glass_case(const Box& box, const Capture& capture, const Targets& targ
       beyond[face] += z == 0 || inside < -at_face;
     }
   }
-  GlassCase out{box, {}};
+  ShapeSet::Entry out{box, ShapeRole::Sheet, kOnBox_rel * box.longest_side(), -1, std::vector<uint8_t>(Box::kFaces)};
   size_t panes = 0;
   const double telling = kTelling_rel * double(*std::ranges::max_element(left));
   for (size_t f = 0; f < Box::kFaces; ++f) {

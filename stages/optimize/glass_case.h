@@ -1,10 +1,10 @@
-// Which faces of a box of glass are panes.
+// A box of glass as a known shape of role Sheet, and which of its faces are panes.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "core/model/glass_case.h"
+#include "core/shape/shape_set.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
 
@@ -13,7 +13,7 @@ namespace vitrine {
 // The floor of a display case is no pane, though its masks end there: what training photos show through the box stands right at
 // that face. A face is clear unless that is so for most pixels of the transparent masks whose rays leave by it.
 // `depths`: [photo] z-depth of what the diffuse layer shows at `level`, 0 = none; empty for held-out photos.
-GlassCase glass_case(const Box& box, const Capture& capture, const Targets& targets, std::span<const std::vector<float>> depths,
-                     size_t level);
+ShapeSet::Entry glass_case(const Box& box, const Capture& capture, const Targets& targets,
+                           std::span<const std::vector<float>> depths, size_t level);
 
 }  // namespace vitrine

@@ -330,7 +330,8 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
-    if (closed && hull.box) counts.glass_case = glass_case(*hull.box, desc.capture, desc.targets, found.depths, kEvidenceLevel);
+    if (closed && hull.box)
+      counts.shapes.entries.push_back(glass_case(*hull.box, desc.capture, desc.targets, found.depths, kEvidenceLevel));
     return counts;
   }
   // Everything: what no training photo shows through the glass may be what the next view shows.

@@ -6,9 +6,6 @@
 //   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
 #pragma once
 
-#include <optional>
-
-#include "core/model/glass_case.h"
 #include "core/scene/splat_scene.h"
 #include "core/shape/shape_set.h"
 #include "core/train/capture.h"
@@ -35,11 +32,10 @@ struct MaskEvidence {
 };
 
 struct HullCounts {
-  size_t hull = 0, moved = 0;           // surfels put on the hull; surfels that left the diffuse layer for them
-  std::vector<Vec3f> known_points;      // of the hull of gloss, where its shape is known (HullPoint)
-  float known_reach = 0;                // how far from them surfels lie that show it, at most
-  ShapeSet shapes;                      // that mirror
-  std::optional<GlassCase> glass_case;  // glass that is a box
+  size_t hull = 0, moved = 0;       // surfels put on the hull; surfels that left the diffuse layer for them
+  std::vector<Vec3f> known_points;  // of the hull of gloss, where its shape is known (HullPoint)
+  float known_reach = 0;            // how far from them surfels lie that show it, at most
+  ShapeSet shapes;                  // that mirror; glass that is a box
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);

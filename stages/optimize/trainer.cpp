@@ -251,8 +251,10 @@ void Trainer::begin_phases() {
              name(kind), scene_.layer(kind).size(), counts.hull, counts.moved);
     if (kind == LayerKind::Reflection && !counts.known_points.empty())
       known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
-    if (config().shading.shapes) shapes_.add(counts.shapes);
-    if (counts.glass_case && config().shading.panes) case_ = std::make_shared<GlassCase>(*counts.glass_case);
+    ShapeSet known = counts.shapes;
+    if (!config().shading.shapes) known = known.without(ShapeRole::Mirror);
+    if (!config().shading.panes) known = known.without(ShapeRole::Sheet);
+    shapes_.add(std::move(known));
     training(kind).restart(scene_.layer(kind));
   }
   if (!changed) return;
@@ -306,7 +308,6 @@ void Trainer::record(double loss, double l1) {
 ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
-  options.panes.glass_case = case_;
   options.shape.set = shapes_.set();
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
   return options;

@@ -98,10 +98,9 @@ class Trainer {
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
   double background_;
-  std::shared_ptr<const GlassCase> case_;  // whose panes are mirrors
-  ShapeTraining shapes_;                   // that mirror
-  KnownSurface known_gloss_;               // of what reflects
-  uint8_t filled_ = 0;                     // what no photo shows
+  ShapeTraining shapes_;      // that mirror, and sheets of glass
+  KnownSurface known_gloss_;  // of what reflects
+  uint8_t filled_ = 0;        // what no photo shows
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel

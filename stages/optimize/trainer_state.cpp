@@ -16,8 +16,6 @@ void Trainer::save(ArchiveWriter& out) const {
   known_gloss_.save(out);
   out.value(filled_);
   shapes_.save(out);
-  out.value(case_ != nullptr);
-  out.value(case_ ? *case_ : GlassCase{});
   out.value(unseen_surfels_);
   out.value(from_behind_glass_);
   for (LayerKind kind : kAllLayers) {
@@ -39,11 +37,6 @@ void Trainer::load(ArchiveReader& in) {
   known_gloss_.load(in);
   in.value(filled_);
   shapes_.load(in);
-  bool in_case = false;
-  GlassCase glass_case;
-  in.value(in_case);
-  in.value(glass_case);
-  case_ = in_case ? std::make_shared<GlassCase>(glass_case) : nullptr;
   in.value(unseen_surfels_);
   in.value(from_behind_glass_);
   bool fits = true;

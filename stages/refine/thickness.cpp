@@ -94,7 +94,8 @@ TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::sp
   if (auto thick = thick_glass(mesh, chosen, ior)) {
     scene.image.transmission.glass = Glass::Thin;
     scene.image.transmission.thick = std::move(thick);
-    scene.image.panes.glass_case = nullptr;  // a block of glass, not a case of panes
+    if (const auto& set = scene.image.shape.set)  // a block of glass, not a case of panes
+      scene.image.shape.set = std::make_shared<const ShapeSet>(set->without(ShapeRole::Sheet));
   }
   return scene;
 }

@@ -242,10 +242,8 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   write_layer(refine / "refine/gaussians/diffuse.ply", better);
   ImageOptions options;
   options.composite.blend = LayerBlend::RtrGs;
-  auto glass_case = std::make_shared<GlassCase>();
-  glass_case->box = {Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}};
   const size_t all = better.size();
-  options.panes = {glass_case, all - 3};
+  options.panes.mirrored = all - 3;
   ShapeSet known;
   for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}}) {
     const auto whole = static_cast<int>(known.entries.size());
@@ -253,6 +251,7 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
     known.entries.push_back(
         {TriangleShape(test::sphere_mesh(radius, centre, 6, 12)), ShapeRole::Mirror, 0.06 * double(radius), whole, {}});
   }
+  known.entries.push_back({Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}}, ShapeRole::Sheet, 0.1, -1, {}});
   options.shape.set = std::make_shared<const ShapeSet>(known);
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
@@ -263,7 +262,8 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   const TrainedScene scene = read_trained_scene(context.output() / "edited");
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
   ASSERT_NE(scene.image.shape.set, nullptr);
-  ASSERT_EQ(scene.image.shape.set->entries.size(), 2u) << "a shape goes with its specular surfels, and so does its appendage";
+  ASSERT_EQ(scene.image.shape.set->entries.size(), 3u) << "a shape goes with its specular surfels, and so does its appendage";
+  EXPECT_TRUE(scene.image.shape.set->has(ShapeRole::Sheet)) << "a case does not";
   EXPECT_EQ(std::get<SurfaceOfRevolution>(scene.image.shape.set->entries[0].shape).origin, TwoBalls::kA);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);

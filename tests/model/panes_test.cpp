@@ -1,4 +1,4 @@
-// The panes of a case: pictures in flat mirrors against rays that are mirrored one by one, and what they add to a pixel.
+// Panes of glass: pictures in flat mirrors against rays that are mirrored one by one, and what they add to a pixel.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace vitrine {
 namespace {
 
-constexpr double kHalf = 0.5;  // of the case, a cube about the origin
+constexpr double kHalf = 0.5, kSheetTolerance = 0.05;  // of the case, a cube about the origin
 
 // A case of glass before a camera that looks into it over a corner; around it and in it large surfels.
 struct Showcase {
@@ -25,11 +25,11 @@ struct Showcase {
                    .reflection = SplatLayer(LayerKind::Reflection, 1, 0),
                    .transmittance = SplatLayer(LayerKind::Transmittance, 1, 0)};
   View view;
-  std::shared_ptr<GlassCase> glass = std::make_shared<GlassCase>();
+  const Box box{Mat3d::identity(), {-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}};
+  std::shared_ptr<ShapeSet> set = std::make_shared<ShapeSet>(ShapeSet{{{box, ShapeRole::Sheet, kSheetTolerance, -1, {}}}});
   size_t panes = 0;
 
   Showcase() {
-    glass->box = {Mat3d::identity(), {-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}};
     const Vec3d eye{1.4, -1.9, 0.8}, z = normalized(-eye), x = normalized(cross(z, Vec3d{0, 0, 1})), y = cross(z, x);
     view.intrinsics = {32, 28, 46, 45, 16.4, 13.7};
     view.cam_from_world.rotation = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
@@ -53,7 +53,7 @@ struct Showcase {
     std::fill_n(layer.at(Attribute::ShRest, i), layer.width(Attribute::ShRest), 0.f);
   }
   void pane(Box::Face face) {
-    const Vec3d n = glass->box.normal(face), u{n.y, n.z, n.x}, v = cross(n, u);
+    const Vec3d n = box.normal(face), u{n.y, n.z, n.x}, v = cross(n, u);
     for (double a : {-0.3, 0.0, 0.3})
       for (double b : {-0.3, 0.0, 0.3}) {
         const size_t i = add_surfel(scene.diffuse, {kHalf * n + a * u + b * v, n, 0.12, 0.97, {0.5, 0.5, 0.5}}, 1);
@@ -66,7 +66,7 @@ struct Showcase {
   ImageOptions options() const {
     ImageOptions o = exact_options();
     o.transmission.glass = Glass::Thin;
-    o.panes.glass_case = glass;
+    o.shape.set = set;
     return o;
   }
 };
@@ -91,69 +91,137 @@ TEST(MirroredView, SeesThroughTheMirrorWhatTheViewSeesInIt) {
   }
 }
 
-// Pixel by pixel: the ray mirrored at the face, traced through everything on the mirror's side of it. (The rasteriser filters
+// Pixel by pixel: the ray mirrored at a pane, traced through everything on the mirror's side of it. (The rasteriser filters
 // what is small in the picture, such as what stands in the case, and rays do not: hence the few pixels that may differ.)
+struct Compared {
+  size_t pixels = 0, mirror = 0, differ = 0;
+  float worst = 0;
+};
+// `meets(pixel, eye, direction)`: where the ray of a pixel meets that pane as a near or a far one, if it does.
+template <class Meets>
+Compared compared_with_rays(const Showcase& s, const Frame& frame, const Facet& pane, bool of_far, const Meets& meets) {
+  const PaneImages& panes = frame.panes;
+  const size_t pixels = frame.pixel_count(), width = size_t(s.view.intrinsics.width);
+  const Vec3d &n = pane.normal, eye = s.view.centre_in_world();
+  OpenedScene opened;
+  without_glass(s.scene, 1, 1, opened);
+  const SplatLayer& room = opened.surfels;
+  SplatLayer side(LayerKind::Transmittance, 1, 0);
+  for (size_t i = 0; i < room.size(); ++i) {
+    const float* m = room.at(Attribute::Mean, i);
+    if ((dot(n, Vec3d{m[0], m[1], m[2]}) > pane.offset) == of_far) continue;
+    side.resize(side.size() + 1);
+    for (Attribute a :
+         {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
+      std::copy_n(room.at(a, i), room.width(a), side.at(a, side.size() - 1));
+  }
+  const auto tracer = make_tracer(TracerBackend::Reference);
+  tracer->build(side, {});
+  std::vector<Vec3f> origins, directions;
+  std::vector<size_t> of;
+  for (size_t i = 0; i < pixels; ++i) {
+    if (!panes.shown[i] || (of_far && panes.far_cosine[i] == 0)) continue;
+    const Vec3d d = normalized(transposed_times(s.view.cam_from_world.rotation,
+                                                s.view.intrinsics.ray(double(i % width) + 0.5, double(i / width) + 0.5)));
+    const std::optional<double> t = meets(i, eye, d);
+    if (!t) continue;
+    origins.push_back(cast<float>(eye + *t * d));
+    directions.push_back(cast<float>(d - 2 * dot(d, n) * n));
+    of.push_back(i);
+  }
+  const std::vector<float> start(of.size(), 1e-3f);
+  RayValues values;
+  tracer->forward({.origins = origins, .directions = directions, .near = start, .far = {}, .spread = {}},
+                  {.sh_degree = 1, .min_transmittance = 1e-4f}, values, nullptr);
+  Compared out{.pixels = of.size()};
+  for (size_t k = 0; k < of.size(); ++k) {
+    const auto& color = of_far ? panes.far_color : panes.near_color;
+    float error = std::abs((of_far ? panes.far_open : panes.near_open)[of[k]] - values.transmittance[k]);
+    for (size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(color[c * pixels + of[k]] - values.color[k][c]));
+    out.differ += error > 1e-3f;
+    out.worst = std::max(out.worst, error);
+    out.mirror += values.transmittance[k] < 0.5f;
+  }
+  return out;
+}
+
 TEST(Panes, MirrorWhatRaysWouldMeet) {
   const Showcase s;
   LayeredModel model(s.options());
   Frame frame;
   model.forward(s.scene, s.view, frame);
-  const PaneImages& panes = frame.panes;
-  ASSERT_FALSE(panes.empty());
-  const size_t pixels = frame.pixel_count(), width = size_t(s.view.intrinsics.width);
-  OpenedScene opened;
-  without_glass(s.scene, 1, 1, opened);
-  const SplatLayer& room = opened.surfels;
-  const Vec3d eye = s.view.centre_in_world();
-  size_t near = 0, far = 0, differ = 0;
+  ASSERT_FALSE(frame.panes.empty());
+  size_t mirror[2] = {}, differ = 0;
   float worst = 0;
-  for (const bool of_far : {false, true}) {
+  for (const bool of_far : {false, true})
     for (size_t f = 0; f < Box::kFaces; ++f) {
-      const Box::Face face = Box::face(f);
-      const Vec3d n = s.glass->box.normal(face);
-      SplatLayer side(LayerKind::Transmittance, 1, 0);
-      for (size_t i = 0; i < room.size(); ++i) {
-        const float* m = room.at(Attribute::Mean, i);
-        if ((dot(n, Vec3d{m[0], m[1], m[2]}) > kHalf) == of_far) continue;
-        side.resize(side.size() + 1);
-        for (Attribute a :
-             {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
-          std::copy_n(room.at(a, i), room.width(a), side.at(a, side.size() - 1));
-      }
-      const auto tracer = make_tracer(TracerBackend::Reference);
-      tracer->build(side, {});
-      RayBatch batch;
-      std::vector<Vec3f> origins, directions;
-      std::vector<size_t> of;
-      for (size_t i = 0; i < pixels; ++i) {
-        if (!panes.shown[i] || (of_far && panes.far_cosine[i] == 0)) continue;
-        const Vec3d d = normalized(transposed_times(s.view.cam_from_world.rotation,
-                                                    s.view.intrinsics.ray(double(i % width) + 0.5, double(i / width) + 0.5)));
-        const auto crossing = s.glass->box.crossing(eye, d);
-        ASSERT_TRUE(crossing);
-        if (!((of_far ? crossing->left : crossing->entered) == face)) continue;
-        origins.push_back(cast<float>(eye + (of_far ? crossing->out : crossing->in) * d));
-        directions.push_back(cast<float>(d - 2 * dot(d, n) * n));
-        of.push_back(i);
-      }
-      const std::vector<float> start(of.size(), 1e-3f);
-      RayValues values;
-      tracer->forward({.origins = origins, .directions = directions, .near = start, .far = {}, .spread = {}},
-                      {.sh_degree = 1, .min_transmittance = 1e-4f}, values, nullptr);
-      for (size_t k = 0; k < of.size(); ++k) {
-        const auto& color = of_far ? panes.far_color : panes.near_color;
-        float error = std::abs((of_far ? panes.far_open : panes.near_open)[of[k]] - values.transmittance[k]);
-        for (size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(color[c * pixels + of[k]] - values.color[k][c]));
-        differ += error > 1e-3f;
-        worst = std::max(worst, error);
-        (of_far ? far : near) += values.transmittance[k] < 0.5f;
-      }
+      const auto meets = [&](size_t, const Vec3d& eye, const Vec3d& d) -> std::optional<double> {
+        const auto crossing = s.box.crossing(eye, d);
+        EXPECT_TRUE(crossing);
+        if (!crossing || !((of_far ? crossing->left : crossing->entered) == Box::face(f))) return std::nullopt;
+        return of_far ? crossing->out : crossing->in;
+      };
+      const Compared c = compared_with_rays(s, frame, s.box.facets()[f], of_far, meets);
+      mirror[of_far] += c.mirror, differ += c.differ, worst = std::max(worst, c.worst);
     }
-  }
-  EXPECT_GT(near, 50u) << "pixels that mirror something";
-  EXPECT_GT(far, 50u);
-  EXPECT_LT(differ, (near + far) / 20);
+  for (const size_t pixels : mirror) EXPECT_GT(pixels, 50u) << "that mirror something";
+  EXPECT_LT(differ, (mirror[0] + mirror[1]) / 20);
   EXPECT_LT(worst, 0.3f);
+}
+
+// A single pane, whichever way its front looks: it mirrors what lies before it, and there is no second pane.
+TEST(Panes, APlaneMirrorsWhatLiesBeforeIt) {
+  Showcase s;
+  std::vector<std::vector<float>> pictures;
+  for (const double front : {1., -1.}) {
+    const Mat3d axes{{1, 0, 0}, {0, 0, front}, {0, -front, 0}};  // the side of the case that looks along -y
+    const Plane plane{{0, -kHalf, 0}, axes, {kHalf, kHalf}};
+    s.set->entries = {{plane, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
+    LayeredModel model(s.options());
+    Frame frame;
+    model.forward(s.scene, s.view, frame);
+    ASSERT_FALSE(frame.panes.empty());
+    const Facet before = {{0, -1, 0}, kHalf};
+    const Compared c = compared_with_rays(s, frame, before, false, [&](size_t, const Vec3d& eye, const Vec3d& d) {
+      const auto hit = plane.intersect({eye, d});
+      EXPECT_TRUE(hit) << "pixels that miss it show no pane";
+      return hit ? std::optional<double>(hit->t) : std::nullopt;
+    });
+    EXPECT_GT(c.pixels, 60u);
+    EXPECT_GT(c.mirror, 50u);
+    EXPECT_LT(c.differ, c.mirror / 20);
+    for (float share : frame.panes.far_share) EXPECT_EQ(share, 0);
+    pictures.push_back(frame.srgb);
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
+// The nearest sheet that the pixel shows: one in front of it that is not shown hides nothing.
+TEST(Panes, OfSheetsThatOverlapAreThoseOfTheNearestThatIsShown) {
+  Showcase s;
+  const auto picture = [&](double tolerance_of_plane, bool with_case) {
+    const Plane before{{0, -kHalf - 0.1, 0}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {2, 2}};
+    s.set->entries.clear();
+    if (with_case) s.set->entries.push_back({s.box, ShapeRole::Sheet, kSheetTolerance, -1, {}});
+    s.set->entries.push_back({before, ShapeRole::Sheet, tolerance_of_plane, -1, {}});
+    Frame frame;
+    LayeredModel(s.options()).forward(s.scene, s.view, frame);
+    return frame.panes;
+  };
+  const PaneImages hidden = picture(0.05, true), of_case = [&] {
+    s.set->entries = {{s.box, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
+    Frame frame;
+    LayeredModel(s.options()).forward(s.scene, s.view, frame);
+    return frame.panes;
+  }();
+  EXPECT_EQ(hidden.near_color, of_case.near_color);
+  EXPECT_EQ(hidden.far_share, of_case.far_share);
+  const PaneImages both = picture(0.2, true), plane = picture(0.2, false);
+  EXPECT_NE(both.near_color, of_case.near_color);
+  for (size_t i = 0; i < both.shown.size(); ++i) {
+    if (!plane.shown[i]) continue;
+    EXPECT_EQ(both.far_share[i], 0) << "the plane is in front, although it is the second of the list";
+  }
 }
 
 TEST(Panes, AddUpToThePixelAsWritten) {
@@ -174,7 +242,7 @@ TEST(Panes, AddUpToThePixelAsWritten) {
     const Vec3f c_r = frame.reflection.radiance[group], c_t = at(frame.behind.radiance);
     const Vec3f near = at(frame.panes.near_color) + frame.panes.near_open[i] * c_r;
     const Vec3f far = at(frame.panes.far_color) + frame.panes.far_open[i] * c_r;
-    const auto crossing = s.glass->box.crossing(s.view.centre_in_world(), cast<double>(g.ray(i).direction_per_z));
+    const auto crossing = s.box.crossing(s.view.centre_in_world(), cast<double>(g.ray(i).direction_per_z));
     const bool open = frame.behind.inner_transmittance[i] > 0.5f || double(frame.behind.median_z[i]) > crossing->out;
     EXPECT_EQ(frame.panes.far_share[i], open ? 1 : 0);
     const Vec3f p = (open ? 1.f : 0.f) * fresnel(m.f0, frame.panes.far_cosine[i], 1.f).value;
@@ -192,13 +260,13 @@ TEST(Panes, AddUpToThePixelAsWritten) {
 TEST(Panes, TakeNoPartWithoutACaseOrWhereAFaceIsNoPane) {
   Showcase s;
   ImageOptions options = s.options();
-  options.panes.glass_case = nullptr;
+  options.shape.set = nullptr;
   LayeredModel plain(options);
   Frame frame;
   plain.forward(s.scene, s.view, frame);
   EXPECT_TRUE(frame.panes.empty());
 
-  s.glass->clear.fill(false);
+  s.set->entries[0].clear.assign(Box::kFaces, 0);
   LayeredModel model(s.options());
   model.forward(s.scene, s.view, frame);
   ASSERT_FALSE(frame.panes.empty());

@@ -76,8 +76,9 @@ TEST(GlassCase, StandsOnAFloorThatIsNoPane) {
       photos.depths[photo][i] = i % 7 == 0 ? 0.f : float(z);
     }
   }
-  const GlassCase found = glass_case(box, photos.capture, photos.targets, photos.depths, 0);
-  for (size_t f = 0; f < Box::kFaces; ++f) EXPECT_EQ(found.clear[f], f != (Box::Face{2, false}.index())) << f;
+  const ShapeSet::Entry found = glass_case(box, photos.capture, photos.targets, photos.depths, 0);
+  for (size_t f = 0; f < Box::kFaces; ++f) EXPECT_EQ(found.is_clear(f), f != (Box::Face{2, false}.index())) << f;
+  EXPECT_EQ(found.role, ShapeRole::Sheet);
 }
 
 TEST(MaskHull, OfABallIsAsSmoothAsABall) {

@@ -93,15 +93,15 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   TestContext whole = context_of("whole case", 1), killed = context_of("killed case", 3);
   run_optimize(config, whole);
   const ImageOptions image = read_image_options(whole.output() / "optimize/model.json");
-  ASSERT_NE(image.panes.glass_case, nullptr);
-  for (size_t i = 0; i < 8; ++i)
-    EXPECT_NEAR(image.panes.glass_case->box.distance(box.corner(i)), 0, 0.03) << "half a pixel is 0.01";
+  ASSERT_TRUE(knows(image.shape.set.get(), ShapeRole::Sheet));
+  const Box found = std::get<Box>(image.shape.set->entries.at(0).shape);
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(found.distance(box.corner(i)), 0, 0.03) << "half a pixel is 0.01";
   EXPECT_LT(image.panes.mirrored, read_layer(whole.output() / "gaussians/diffuse.ply").size()) << "guesses are not mirrored";
   expect_same_bytes(config, whole, killed, {8, 10, 20, 45, 59});  // glass begins at 9
   config.shading.panes = false;
   TestContext plain = context_of("plain case", 2);
   run_optimize(config, plain);
-  EXPECT_EQ(read_image_options(plain.output() / "optimize/model.json").panes.glass_case, nullptr);
+  EXPECT_FALSE(knows(read_image_options(plain.output() / "optimize/model.json").shape.set.get(), ShapeRole::Sheet));
   EXPECT_NE(digest_folder(whole.output()), digest_folder(plain.output()));
 }
 
