@@ -1,0 +1,80 @@
+// Small geometry that core has once. Sources call it; each file that writes such a thing out has its reason here, and a file that
+// no longer does so leaves the list.
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/base/file.h"
+
+namespace vitrine {
+namespace {
+
+const fs::path kToolboxRoot = VITRINE_SOURCE_DIR;
+
+struct ToolboxRule {
+  const char* use;
+  std::string home;         // folder of the one implementation
+  const char* handwritten;  // a regular expression, found in a line
+  const char* example;      // that it finds
+  std::set<std::string> exceptions;
+};
+
+std::set<std::string> files_that_write(const ToolboxRule& rule) {
+  const std::regex pattern(rule.handwritten);
+  std::set<std::string> found;
+  for (const char* folder : {"core", "stages", "pipeline"})
+    for (const auto& e : fs::recursive_directory_iterator(kToolboxRoot / folder)) {
+      const std::string extension = e.path().extension().string(), file = fs::relative(e.path(), kToolboxRoot).generic_string();
+      if (!e.is_regular_file() || (extension != ".h" && extension != ".cpp") || file.starts_with(rule.home)) continue;
+      std::istringstream text(read_file(e.path()));
+      for (std::string line; std::getline(text, line);)
+        if (std::regex_search(line, pattern)) found.insert(file);
+    }
+  return found;
+}
+
+TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
+  const ToolboxRule rules[] = {
+      {"projection() or image_point() of core/camera/projection.h",
+       "core/camera/",
+       R"(\bf[xy] \* .*\+ [\w.>-]*\bc[xy]\b)",
+       "const double u = k.fx * p.x / p.z + k.cx, v = k.fy * p.y / p.z + k.cy;",
+       {"core/render/kernels/project.h",  // differentiable, of the homography of a surfel
+        "core/stereo/edge_field.cpp",     // on x / z, which its derivative needs, too
+        "core/stereo/patch_score.cpp"}},  // the matrix of a homography
+      {"orthonormal_basis() of core/math/orthonormal_basis.h",
+       "core/math/",
+       R"(abs\(.*\? Vec3[df]\{[01], [01], [01]\})",
+       "const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};",
+       {"core/light/lighting.cpp",         // users give sizes along these two: horizontal up to 2.6 degrees from the vertical
+        "stages/export/bake/atlas.cpp"}},  // texture axes of a floor: x to the right, y up
+      {"quantile() of core/math/quantile.h or upper_median() of core/math/median.h",
+       "core/math/",
+       R"(nth_element)",
+       "std::nth_element(values.begin(), middle, values.end());",
+       {"core/mesh/mesh_distance.cpp", "stages/optimize/neighbours.cpp", "stages/sfm/point_filter.cpp",  // split nodes of trees
+        "core/photo/measures.cpp", "core/stereo/visible_paint.h"}},  // use the part on one side
+      {"connected_components() of core/math/connected_components.h, or DisjointSets",
+       "core/math/",
+       R"(open\.back\(\)|stack\.back\(\)|(\w+)\[(\w+)\] = \1\[\1\[\2\]\])",
+       "while (root[v] != v) v = root[v] = root[root[v]];",
+       {}},
+      {"VoxelGrid of core/math/voxel_grid.h",
+       "core/math/",
+       R"(size_t\(z\) \* size_t\(\w+)",
+       "return (size_t(z) * size_t(ny) + size_t(y)) * size_t(nx) + size_t(x);",
+       {}},
+  };
+  for (const ToolboxRule& rule : rules) {
+    EXPECT_TRUE(std::regex_search(rule.example, std::regex(rule.handwritten))) << rule.handwritten;
+    const std::set<std::string> found = files_that_write(rule);
+    for (const std::string& file : found)
+      EXPECT_TRUE(rule.exceptions.contains(file)) << file << " writes out what is in core: use " << rule.use;
+    for (const std::string& file : rule.exceptions) EXPECT_TRUE(found.contains(file)) << file << " is no exception any more";
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
