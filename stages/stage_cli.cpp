@@ -1,6 +1,7 @@
 #include "stages/stage_cli.h"
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/config/apply.h"
 #include "core/config/reference.h"
