@@ -1,7 +1,7 @@
 // Order statistics and the median of values without NaN, by selection (std::nth_element): in linear time. Functions that take a
 // span put its values in another order.
 //
-// quantile() is the value numbered floor(share (n - 1)) of n in ascending order, without interpolation; share 0 is the smallest
+// quantile_of() is the value numbered floor(share (n - 1)) of n in ascending order, without interpolation; share 0 is the smallest
 // value, 1 the largest. The product is computed in the type of the share.
 #pragma once
 
@@ -30,11 +30,6 @@ T quantile_of(std::span<T> values, Share share) {
 template <class T, std::floating_point Share>
 T quantile_of(std::vector<T>& values, Share share) {
   return quantile_of(std::span<T>(values), share);
-}
-// The same, of a copy.
-template <class T, std::floating_point Share>
-T quantile(std::vector<T> values, Share share) {
-  return quantile_of(values, share);
 }
 
 // Of an even number of values the mean of the two in the middle; NaN of none. upper_median() (median.h) takes the upper one.

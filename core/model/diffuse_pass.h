@@ -13,7 +13,6 @@ class DiffusePass final : public Pass {
   explicit DiffusePass(Backend backend = Backend::Cpu) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "diffuse"; }
   PassAccess access() const override { return {.writes = {FramePart::DiffuseChannels, FramePart::Linear}}; }
-  const Renderer& renderer() const { return *renderer_; }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;

@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
 #include "core/model/kernels/outline_coverage.h"
+#include "core/model/picture_window.h"
 
 namespace vitrine {
 
@@ -19,12 +20,6 @@ constexpr double kEdgeReach = 2;       // pixels along that direction in which t
 constexpr double kBeside = 0.75;       // pixels to either side, between which the edge is straight
 constexpr int kHalvings = 10;          // of kEdgeReach: the edge is known to a 500th of a pixel
 
-struct Window {
-  int left = 0, top = 0, right = 0, bottom = 0;  // right and bottom excluded
-  int width() const { return right - left; }
-  int height() const { return bottom - top; }
-};
-
 // Around points of a surface; none where one is behind the camera or all are beside the picture.
 class Extent {
  public:
@@ -36,14 +31,14 @@ class Extent {
     const double at[2] = {p->x, p->y};
     for (size_t c = 0; c < 2; ++c) low_[c] = std::min(low_[c], at[c]), high_[c] = std::max(high_[c], at[c]);
   }
-  std::optional<Window> window() const {
+  std::optional<PictureWindow> window() const {
     if (behind_) return std::nullopt;
     const double more = kOutlineBand + kGrow + 2 + kBetween_rel * std::max(high_[0] - low_[0], high_[1] - low_[1]);
     const auto within = [](double x, int end) { return static_cast<int>(std::clamp(x, 0.0, double(end))); };
     const Intrinsics& k = view_.intrinsics;
-    const Window w{within(low_[0] - more, k.width), within(low_[1] - more, k.height), within(high_[0] + more, k.width),
-                   within(high_[1] + more, k.height)};
-    if (w.width() <= 0 || w.height() <= 0) return std::nullopt;
+    const PictureWindow w{within(low_[0] - more, k.width), within(low_[1] - more, k.height), within(high_[0] + more, k.width),
+                          within(high_[1] + more, k.height)};
+    if (w.empty()) return std::nullopt;
     return w;
   }
 
@@ -53,20 +48,20 @@ class Extent {
   double low_[2] = {1e300, 1e300}, high_[2] = {-1e300, -1e300};
 };
 
-std::optional<Window> window_of(const Shape& shape, const View& view) {
+std::optional<PictureWindow> window_of(const Shape& shape, const View& view) {
   Extent extent(view);
   for (const Vec3d& p : outer_points(shape)) extent.add(p);
   return extent.window();
 }
 
 // Windows that overlap become one.
-std::vector<Window> merged(std::vector<Window> windows) {
+std::vector<PictureWindow> merged(std::vector<PictureWindow> windows) {
   for (size_t i = 0; i < windows.size(); ++i)
     for (size_t j = 0; j < windows.size(); ++j) {
       if (j == i) continue;
-      Window &a = windows[i], &b = windows[j];
-      if (a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom) continue;
-      a = {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right), std::max(a.bottom, b.bottom)};
+      PictureWindow &a = windows[i], &b = windows[j];
+      if (!a.meets(b)) continue;
+      a.extend(b);
       windows.erase(windows.begin() + ptrdiff_t(j));
       return merged(std::move(windows));  // the larger one may meet those before
     }
@@ -76,7 +71,7 @@ std::vector<Window> merged(std::vector<Window> windows) {
 class WindowOutline {
  public:
   // `outlined`: [entry] 0 where it has no silhouette, as it reaches behind the camera; it hides what is behind it.
-  WindowOutline(const ShapeSet& set, const std::vector<uint8_t>& outlined, const View& view, const Window& window)
+  WindowOutline(const ShapeSet& set, const std::vector<uint8_t>& outlined, const View& view, const PictureWindow& window)
       : set_(set), outlined_(outlined), view_(view), window_(window), eye_(view.centre_in_world()) {}
 
   std::vector<OutlinePixel> pixels();
@@ -101,7 +96,7 @@ class WindowOutline {
   const ShapeSet& set_;
   const std::vector<uint8_t>& outlined_;
   const View& view_;
-  const Window window_;
+  const PictureWindow window_;
   const Vec3d eye_;
   std::vector<std::optional<Met>> met_;  // [window] by the pixels' middles
 };
@@ -222,14 +217,14 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 }  // namespace
 
 std::vector<OutlinePixel> outline_pixels(const ShapeSet& set, const View& view) {
-  std::vector<Window> windows;
+  std::vector<PictureWindow> windows;
   std::vector<uint8_t> outlined(set.entries.size(), 0);
   for (size_t k = 0; k < outlined.size(); ++k) {
     if (set.entries[k].role != ShapeRole::Mirror) continue;
     if (const auto window = window_of(set.entries[k].shape, view)) windows.push_back(*window), outlined[k] = 1;
   }
   std::vector<OutlinePixel> out;
-  for (const Window& window : merged(std::move(windows))) {
+  for (const PictureWindow& window : merged(std::move(windows))) {
     const std::vector<OutlinePixel> in_window = WindowOutline(set, outlined, view, window).pixels();
     out.insert(out.end(), in_window.begin(), in_window.end());
   }

@@ -97,7 +97,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
 
 // The picture in one pane, of all pixels whose rays enter or leave by it.
 void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out) {
-  const auto& [plane, clear, at_pane] = panes_[pane];
+  const Facet& plane = panes_[pane].plane;
   const std::vector<uint32_t>& pane_of = pane_of_[side];
   const int width = frame.view->intrinsics.width;
   const size_t pixels = pane_of.size();
@@ -114,7 +114,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   // What lies on the mirror's own side: outside of the near pane, inside of the far one.
   const double outside = side == Near ? 1 : -1;
   const Vec3f normal = cast<float>(outside * plane.normal);
-  const auto offset = static_cast<float>(outside * plane.offset + at_pane);
+  const auto offset = static_cast<float>(outside * plane.offset + panes_[pane].at_pane);
   const auto& [opened, opaque] = frame.opened;
   const size_t mirrored = frame.options.panes.mirrored;
   window_picture_.choose(opened, window.view(mirrored_view(*frame.view, plane.normal, plane.offset)), [&](size_t i) {

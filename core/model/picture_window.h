@@ -1,4 +1,4 @@
-// The window of a picture that some of its pixels lie in.
+// A window of a picture: a rectangle of its pixels.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace vitrine {
 struct PictureWindow {
   int left = 0, top = 0, right = 0, bottom = 0;  // pixels of the picture; left and top inside, right and bottom outside
 
-  bool empty() const { return left >= right; }
+  bool empty() const { return left >= right || top >= bottom; }
   int width() const { return right - left; }
   int height() const { return bottom - top; }
   size_t pixel_count() const { return static_cast<size_t>(width()) * static_cast<size_t>(height()); }
@@ -20,8 +20,13 @@ struct PictureWindow {
       *this = {x, y, x + 1, y + 1};
       return;
     }
-    left = std::min(left, x), right = std::max(right, x + 1);
-    top = std::min(top, y), bottom = std::max(bottom, y + 1);
+    extend({x, y, x + 1, y + 1});
+  }
+  // Neither is empty.
+  bool meets(const PictureWindow& o) const { return left < o.right && o.left < right && top < o.bottom && o.top < bottom; }
+  void extend(const PictureWindow& o) {
+    left = std::min(left, o.left), right = std::max(right, o.right);
+    top = std::min(top, o.top), bottom = std::max(bottom, o.bottom);
   }
   // Its pixel that shows (x, y) of the picture.
   size_t index(int x, int y) const {

@@ -50,7 +50,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "const Vec3d helper = std::abs(n.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0};",
        {"core/light/lighting.cpp",         // users give sizes along these two: horizontal up to 2.6 degrees from the vertical
         "stages/export/bake/atlas.cpp"}},  // texture axes of a floor: x to the right, y up
-      {"quantile() of core/math/quantile.h or upper_median() of core/math/median.h",
+      {"quantile_of() of core/math/quantile.h or upper_median() of core/math/median.h",
        "core/math/",
        R"(nth_element)",
        "std::nth_element(values.begin(), middle, values.end());",
