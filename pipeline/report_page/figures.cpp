@@ -100,19 +100,19 @@ std::optional<double> value_of(const ReportFigure& rule, const Facts& report) {
 
 std::optional<Figure> figure_of(const ReportFigure& rule, const Facts& report, const std::vector<PhotoScore>& views) {
   std::optional<double> value = value_of(rule, report);
-  const auto samples = rule.samples.empty() ? std::nullopt : report.number(rule.samples);
-  if (rule.shown_without && samples && *samples <= 0) value = std::nan("");
+  const double samples = rule.samples.empty() ? NAN : report.number(rule.samples).value_or(NAN);  // NaN: the report does not say
+  if (rule.shown_without && samples <= 0) value = NAN;
   Figure f{.rule = rule, .value = 0, .rating = Rating::Unknown, .note = fact_text(rule.note, report).value_or(""), .unknown = {}};
   if (rule.fold == "above_weakest_view") {
     const PhotoScore* weakest = weakest_view(views);
-    if (!value || weakest == nullptr || samples.value_or(0) < rule.fewest) return std::nullopt;
+    if (!value || weakest == nullptr || !(samples >= rule.fewest)) return std::nullopt;
     f.note = fmt::format("{}: {:.1f} dB", weakest->name, weakest->psnr);
     value = std::max(0.0, *value - weakest->psnr);
   }
   if (!value) return std::nullopt;
   f.value = *value;
-  if (samples && *samples < rule.fewest)
-    f.unknown = fmt::format("too few {} ({:.0f})", rule.counted, *samples);
+  if (samples < rule.fewest)
+    f.unknown = fmt::format("too few {} ({:.0f})", rule.counted, samples);
   else
     f.rating = rate(rule, *value);
   return f;
