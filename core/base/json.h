@@ -17,3 +17,10 @@ namespace nlohmann {
 VITRINE_JSON_TEMPLATES(extern, json)
 VITRINE_JSON_TEMPLATES(extern, ordered_json)
 }  // namespace nlohmann
+
+namespace vitrine {
+
+// Indented by two, and a newline at the end; arrays of plain values stand on one line, for people who edit numbers.
+std::string readable(const nlohmann::ordered_json& document);
+
+}  // namespace vitrine

@@ -55,6 +55,16 @@ std::vector<Vec3d> Box::outer_points() const {
   return out;
 }
 
+TriMesh Box::tessellated(double) const {
+  TriMesh out;
+  for (size_t i = 0; i < 8; ++i) out.positions.push_back(cast<float>(corner(i)));
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const uint32_t u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3, w = 1u << axis;  // right-handed
+    out.faces.insert(out.faces.end(), {{0, v, u}, {u, v, u | v}, {w, w | u, w | v}, {w | u, w | u | v, w | v}});
+  }
+  return out;
+}
+
 std::vector<Facet> Box::facets() const {
   std::vector<Facet> out;
   for (size_t f = 0; f < kFaces; ++f) out.push_back({normal(face(f)), offset(face(f))});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/math/rigid.h"
+#include "core/mesh/tri_mesh.h"
 #include "core/shape/hit.h"
 
 namespace vitrine {
@@ -51,6 +52,7 @@ struct Box {
   std::optional<ShapeHit> intersect(const Ray& ray) const;  // element: Face::index of the face that it enters by
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
+  TriMesh tessellated(double) const;  // exact
   double size() const { return longest_side(); }
   std::vector<Facet> facets() const;  // [Face::index]
 

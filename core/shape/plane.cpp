@@ -21,6 +21,13 @@ ShapePoint Plane::nearest(const Vec3d& p) const {
           q.z < 0 ? -axes.c2 : axes.c2};
 }
 
+TriMesh Plane::tessellated(double) const {
+  TriMesh out;
+  for (const Vec3d& p : outer_points()) out.positions.push_back(cast<float>(p));
+  out.faces = {{0, 2, 1}, {1, 2, 3}};
+  return out;
+}
+
 std::vector<Vec3d> Plane::outer_points() const {
   std::vector<Vec3d> out;
   for (const double x : {-half.x, half.x})

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/math/rigid.h"
+#include "core/mesh/tri_mesh.h"
 #include "core/shape/hit.h"
 
 namespace vitrine {
@@ -20,6 +21,7 @@ struct Plane {
   std::optional<ShapeHit> intersect(const Ray& ray) const;  // element 0: from the front; 1: from behind
   ShapePoint nearest(const Vec3d& p) const;                 // with the normal of the side that p is on
   std::vector<Vec3d> outer_points() const;
+  TriMesh tessellated(double) const;  // its front, exact
   double size() const { return 2 * std::max(half.x, half.y); }
   std::vector<Facet> facets() const { return {{axes.c2, dot(axes.c2, centre)}, {-axes.c2, -dot(axes.c2, centre)}}; }
 

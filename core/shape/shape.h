@@ -31,6 +31,10 @@ inline ShapePoint nearest(const Shape& shape, const Vec3d& p) {
 inline std::vector<Vec3d> outer_points(const Shape& shape) {
   return std::visit([](const auto& s) { return s.outer_points(); }, shape);
 }
+// Its surface as a mesh, faces counter-clockwise from outside; of a curved one edges are `spacing` long at most.
+inline TriMesh tessellated(const Shape& shape, double spacing) {
+  return std::visit([&](const auto& s) { return s.tessellated(spacing); }, shape);
+}
 inline Bounds3 bounds(const Shape& shape) {
   Bounds3 out;
   for (const Vec3d& p : outer_points(shape)) out.extend(p);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "core/base/json.h"
+#include "core/base/json_cause.h"
 #include "core/mesh/mesh_io.h"
 #include "core/shape/registry.h"
 
@@ -23,7 +23,7 @@ std::filesystem::path mesh_path(const std::filesystem::path& folder, size_t entr
 
 ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, const MeshSource& mesh) {
   const size_t index = before.entries.size();
-  const auto unusable = [&](const std::string& why) { return std::domain_error(fmt::format("shape {}: {}", index, why)); };
+  const auto unusable = [&](const std::string& why) { return ShapeMistake(index, why); };
   const ShapeKind* kind = find_shape_kind(json.at("kind").get<std::string>());
   if (!kind) throw unusable("there is no such kind");
   const auto role = std::ranges::find(kRoles, json.at("role").get<std::string>());
@@ -67,9 +67,18 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::
   return write_shapes(set, [&](size_t entry, const TriMesh& mesh) { write_mesh_ply(mesh_path(folder, entry), mesh); });
 }
 
+ShapeMistake::ShapeMistake(size_t number, const std::string& why)
+    : std::domain_error(fmt::format("shape {}: {}", number, why)), entry(number) {}
+
 ShapeSet read_shapes(const nlohmann::json& json, const MeshSource& mesh) {
   ShapeSet set;
-  for (const nlohmann::json& entry : json) set.entries.push_back(read_entry(entry, set, mesh));
+  for (const nlohmann::json& entry : json) {
+    try {
+      set.entries.push_back(read_entry(entry, set, mesh));
+    } catch (const nlohmann::json::exception& e) {
+      throw ShapeMistake(set.entries.size(), cause_of(e));
+    }
+  }
   return set;
 }
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <stdexcept>
+#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -17,7 +19,13 @@ using MeshSource = std::function<TriMesh(size_t entry)>;
 nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& mesh);
 nlohmann::ordered_json write_shapes(const ShapeSet& set, const std::filesystem::path& folder);
 
-// Throws std::domain_error with a cause, or nlohmann's exceptions, if the list is no such set; what reading a mesh throws.
+// An entry of the list that is no shape.
+struct ShapeMistake : std::domain_error {
+  ShapeMistake(size_t number, const std::string& why);
+  size_t entry;
+};
+
+// Throws ShapeMistake; nlohmann's exceptions if the document is no list; what reading a mesh throws.
 ShapeSet read_shapes(const nlohmann::json& json, const MeshSource& mesh);
 ShapeSet read_shapes(const nlohmann::json& json, const std::filesystem::path& folder);
 

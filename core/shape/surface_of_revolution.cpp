@@ -140,6 +140,24 @@ ShapePoint SurfaceOfRevolution::nearest(const Vec3d& p) const {
 }
 
 // Rings so much wider than the surface that the chords between their points are outside of it.
+TriMesh SurfaceOfRevolution::tessellated(double spacing) const {
+  const auto [u, v] = across(axis);
+  const auto around = static_cast<uint32_t>(std::clamp(std::ceil(2 * M_PI * largest_radius() / spacing), 12.0, 1e4));
+  TriMesh out;
+  for (const Vec2d& p : profile)
+    for (uint32_t i = 0; i < around; ++i) {
+      const double a = 2 * M_PI * i / around;
+      out.positions.push_back(cast<float>(origin + p.y * axis + p.x * (std::cos(a) * u + std::sin(a) * v)));
+    }
+  for (uint32_t ring = 0; ring + 1 < profile.size(); ++ring)
+    for (uint32_t i = 0; i < around; ++i) {
+      const uint32_t next = (i + 1) % around, a = ring * around + i, b = ring * around + next, c = a + around, d = b + around;
+      if (profile[ring].x > 0) out.faces.push_back({a, b, d});
+      if (profile[ring + 1].x > 0) out.faces.push_back({a, d, c});
+    }
+  return out;
+}
+
 std::vector<Vec3d> SurfaceOfRevolution::outer_points() const {
   const auto [u, v] = across(axis);
   const double wider = 1 / std::cos(M_PI / kRingPoints);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/math/rigid.h"
+#include "core/mesh/tri_mesh.h"
 #include "core/shape/hit.h"
 
 namespace vitrine {
@@ -26,6 +27,7 @@ struct SurfaceOfRevolution {
   std::optional<ShapeHit> intersect(const Ray& ray) const;
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
+  TriMesh tessellated(double spacing) const;  // rings at the vertices of the profile, corners `spacing` apart or less
   double size() const { return largest_radius(); }
   std::vector<Facet> facets() const { return {}; }
 

@@ -25,6 +25,7 @@ class TriangleShape {
   std::optional<ShapeHit> intersect(const Ray& ray) const;
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
+  TriMesh tessellated(double) const { return mesh(); }
   double size() const;
   std::vector<Facet> facets() const { return {}; }
 

@@ -20,12 +20,12 @@ constexpr double kCounted = 0.75;                                          // of
 // A mask row by row: how much of it, and how much that says anything at all, lies left of x.
 class RowSums {
  public:
-  explicit RowSums(const HullMask& m) : view_(m.view), width_(m.mask.width()), height_(m.mask.height()) {
+  explicit RowSums(const Silhouette& m) : view_(m.view), width_(m.value.width()), height_(m.value.height()) {
     mask_.assign(size_t(height_) * stride(), 0.f);
     known_ = mask_;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
-        const float value = m.mask.at(x, y);
+        const float value = m.value.at(x, y);
         const size_t i = size_t(y) * stride() + size_t(x);
         mask_[i + 1] = mask_[i] + (value >= 0.5f ? 1.f : 0.f);
         known_[i + 1] = known_[i] + (value < 0 ? 0.f : 1.f);
@@ -98,9 +98,9 @@ double mean_agreement(const std::vector<RowSums>& photos, const Box& box) {
   return sum / double(counted);
 }
 
-std::vector<RowSums> row_sums(std::span<const HullMask> masks) {
+std::vector<RowSums> row_sums(std::span<const Silhouette> masks) {
   std::vector<RowSums> photos;
-  for (const HullMask& m : masks) {
+  for (const Silhouette& m : masks) {
     photos.emplace_back(m);
     if (photos.back().says_nothing()) photos.pop_back();
   }
@@ -109,18 +109,12 @@ std::vector<RowSums> row_sums(std::span<const HullMask> masks) {
 
 }  // namespace
 
-std::optional<HullHit> first_hit(const Box& box, const Vec3d& origin, const Vec3d& direction) {
-  const auto c = box.crossing(origin, direction);
-  if (!c) return std::nullopt;
-  return HullHit{c->in, box.normal(c->entered)};
-}
-
-double agreement(std::span<const HullMask> masks, const Box& box) {
+double agreement(std::span<const Silhouette> masks, const Box& box) {
   const std::vector<RowSums> photos = row_sums(masks);
   return photos.empty() ? 0 : mean_agreement(photos, box);
 }
 
-std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least) {
+std::optional<BoxFit> fit_box(std::span<const Silhouette> masks, const Bounds3& about, double least) {
   const std::vector<RowSums> photos = row_sums(masks);
   if (photos.empty() || about.empty()) return std::nullopt;
   const Vec3d centre = about.centre();

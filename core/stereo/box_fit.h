@@ -8,21 +8,12 @@
 #include <vector>
 
 #include "core/shape/box.h"
-#include "core/stereo/hull_mask.h"
+#include "core/stereo/silhouette.h"
 
 namespace vitrine {
 
 // Measured: cases with true masks .97 and more, a jar .89, a ball .86.
 inline constexpr double kLeastBoxAgreement = 0.94;
-
-// Where a ray meets the surface of a thing.
-struct HullHit {
-  double t;
-  Vec3d normal;  // in the world, unit, against the ray
-};
-
-// Where a ray from outside enters; t in units of `direction`.
-std::optional<HullHit> first_hit(const Box& box, const Vec3d& origin, const Vec3d& direction);
 
 struct BoxFit {
   Box box;
@@ -32,10 +23,10 @@ struct BoxFit {
 // Empty unless the outlines agree to `least`: a bottle, a vase, a ball is no box. `about`: what the box is looked for around, the
 // bounds of a hull; z is where one of its edges starts to point. What the photos do not say (mask < 0) does not count; a photo
 // with something in front of the box is outvoted.
-std::optional<BoxFit> fit_box(std::span<const HullMask> masks, const Bounds3& about, double least = kLeastBoxAgreement);
+std::optional<BoxFit> fit_box(std::span<const Silhouette> masks, const Bounds3& about, double least = kLeastBoxAgreement);
 
 // What `fit_box` makes as large as it can.
-double agreement(std::span<const HullMask> masks, const Box& box);
+double agreement(std::span<const Silhouette> masks, const Box& box);
 
 // 1 inside the outline of the box, [h,w] of the view.
 std::vector<uint8_t> outline_mask(const Box& box, const View& view);

@@ -19,25 +19,25 @@ constexpr size_t kMostFaces = 12;
 constexpr double kLeastEven = 0.65;
 constexpr double kLeastFace = 0.07, kLeastFlat = 2.0 / 3;  // shares of the surface
 
-bool lies_on(const HullSurfacePoint& p, const FlatFace& face, double tolerance) {
+bool lies_on(const ShapePoint& p, const FlatFace& face, double tolerance) {
   return std::abs(dot(face.normal, p.position) - face.offset) < tolerance && dot(face.normal, p.normal) > kTurnedWithin;
 }
 
-size_t support(const std::vector<HullSurfacePoint>& points, const FlatFace& face, double tolerance) {
+size_t support(const std::vector<ShapePoint>& points, const FlatFace& face, double tolerance) {
   return size_t(
-      std::count_if(points.begin(), points.end(), [&](const HullSurfacePoint& p) { return lies_on(p, face, tolerance); }));
+      std::count_if(points.begin(), points.end(), [&](const ShapePoint& p) { return lies_on(p, face, tolerance); }));
 }
 
 // Least squares over the points on the face.
-FlatFace refitted(const std::vector<HullSurfacePoint>& points, const FlatFace& face, double tolerance) {
+FlatFace refitted(const std::vector<ShapePoint>& points, const FlatFace& face, double tolerance) {
   Vec3d mean{}, outwards{};
   double count = 0;
-  for (const HullSurfacePoint& p : points)
+  for (const ShapePoint& p : points)
     if (lies_on(p, face, tolerance)) mean += p.position, outwards += p.normal, count += 1;
   if (count < 3) return face;
   mean = mean / count;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const HullSurfacePoint& p : points)
+  for (const ShapePoint& p : points)
     if (lies_on(p, face, tolerance)) {
       const Vec3d d = p.position - mean;
       const Eigen::Vector3d e(d.x, d.y, d.z);
@@ -51,15 +51,15 @@ FlatFace refitted(const std::vector<HullSurfacePoint>& points, const FlatFace& f
 
 // Share of a face's points that lie on it within half the tolerance. A piece of a ball or a cylinder is as often at any distance
 // from the plane through it: 0.5; of a flat face only the rims leave it.
-double evenness(const std::vector<HullSurfacePoint>& points, const FlatFace& face, double tolerance) {
+double evenness(const std::vector<ShapePoint>& points, const FlatFace& face, double tolerance) {
   return double(support(points, face, 0.5 * tolerance)) / double(std::max(support(points, face, tolerance), size_t(1)));
 }
 
 }  // namespace
 
-std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double voxel) {
+std::vector<FlatFace> flat_faces(std::span<const ShapePoint> surface, double voxel) {
   const double tolerance = kWithin * voxel;
-  std::vector<HullSurfacePoint> points;
+  std::vector<ShapePoint> points;
   const size_t step = surface.size() / kMostPoints + 1;
   for (size_t i = 0; i < surface.size(); i += step) points.push_back(surface[i]);
   const double all = double(points.size());
@@ -79,18 +79,18 @@ std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, doub
     const double share = double(support(points, best, tolerance)) / all;
     if (share < kLeastFace) break;
     if (evenness(points, best, tolerance) > kLeastEven) {
-      for (const HullSurfacePoint& p : points)
+      for (const ShapePoint& p : points)
         if (lies_on(p, best, tolerance)) best.bounds.extend(p.position);
       faces.push_back(best);
       flat += share;
     }
-    std::erase_if(points, [&](const HullSurfacePoint& p) { return lies_on(p, best, tolerance); });
+    std::erase_if(points, [&](const ShapePoint& p) { return lies_on(p, best, tolerance); });
   }
   if (flat < kLeastFlat) faces.clear();
   return faces;
 }
 
-const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double voxel) {
+const FlatFace* face_of(std::span<const FlatFace> faces, const ShapePoint& point, double voxel) {
   const double reach = 2 * kWithin * voxel;
   const FlatFace* nearest = nullptr;
   double turned = kNearestTurn;

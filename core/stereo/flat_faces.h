@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "core/math/rigid.h"
+#include "core/shape/hit.h"
 
 namespace vitrine {
-
-struct HullSurfacePoint {
-  Vec3d position, normal;  // outwards, unit
-};
 
 struct FlatFace {
   Vec3d normal;       // outwards, unit
@@ -22,10 +19,10 @@ struct FlatFace {
 
 // Largest first. Empty unless at least two thirds of the surface lie on faces of a fourteenth of it or more each: a ball, a
 // bottle, a vase has none. `voxel`: of the grid that the surface was found on.
-std::vector<FlatFace> flat_faces(std::span<const HullSurfacePoint> surface, double voxel);
+std::vector<FlatFace> flat_faces(std::span<const ShapePoint> surface, double voxel);
 
 // The face that a point of the surface belongs to: of those whose surface is not further than five voxels, and that are turned by
 // 45 degrees at most, the one that is turned least; null = none.
-const FlatFace* face_of(std::span<const FlatFace> faces, const HullSurfacePoint& point, double voxel);
+const FlatFace* face_of(std::span<const FlatFace> faces, const ShapePoint& point, double voxel);
 
 }  // namespace vitrine

@@ -37,7 +37,7 @@ using Profile = std::array<double, kHeights>;  // radii; 0 = nothing
 // What the photos say about discs around an axis.
 class Rims {
  public:
-  Rims(std::span<const HullMask> masks, const Bounds3& about) : masks_(masks) {
+  Rims(std::span<const Silhouette> masks, const Bounds3& about) : masks_(masks) {
     const Vec3d size = about.high - about.low;
     reach_ = 0.75 * std::hypot(size.x, size.y), half_height_ = 0.6 * size.z;
   }
@@ -50,7 +50,7 @@ class Rims {
     parallel_for(kHeights, 2, [&](size_t i) {
       const Disc disc{axis.origin + height(i) * axis.along, axis.u, axis.v};
       std::vector<double> ends;
-      for (const HullMask& m : masks_) {
+      for (const Silhouette& m : masks_) {
         const double towards = azimuth(m, disc);
         for (double side : {-0.5, 0.5})
           if (const auto r = outline(m, disc, towards + side * std::numbers::pi, 0.98 * reach_)) ends.push_back(*r);
@@ -74,7 +74,7 @@ class Rims {
         const double slope = (now[last ? i : i + 1] - now[first ? i : i - 1]) / (step() * (first || last ? 1 : 2));
         const Disc disc{axis.origin + height(i) * axis.along, axis.u, axis.v};
         std::vector<double> ends;
-        for (const HullMask& m : masks_) {
+        for (const Silhouette& m : masks_) {
           const Vec3d to_camera = m.view.centre_in_world() - disc.centre;
           const double distance = std::hypot(dot(to_camera, axis.u), dot(to_camera, axis.v));
           const double cosine = (now[i] + slope * dot(to_camera, axis.along)) / distance;
@@ -110,19 +110,19 @@ class Rims {
   struct Disc {
     Vec3d centre, u, v;
   };
-  static double azimuth(const HullMask& m, const Disc& disc) {
+  static double azimuth(const Silhouette& m, const Disc& disc) {
     const Vec3d to_camera = m.view.centre_in_world() - disc.centre;
     return std::atan2(dot(to_camera, disc.v), dot(to_camera, disc.u));
   }
 
   // What the photo says about the place at a radius, in one direction.
-  static float said(const HullMask& m, const Disc& disc, const Vec3d& direction, double r) {
+  static float said(const Silhouette& m, const Disc& disc, const Vec3d& direction, double r) {
     const auto p = projection(disc.centre + r * direction, m.view, 1e-6);
-    return p ? value(m.mask, p->x - 0.5, p->y - 0.5) : -1;
+    return p ? value(m.value, p->x - 0.5, p->y - 0.5) : -1;
   }
 
   // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.
-  std::optional<double> outline(const HullMask& m, const Disc& disc, double angle, double from) const {
+  std::optional<double> outline(const Silhouette& m, const Disc& disc, double angle, double from) const {
     const Vec3d direction = std::cos(angle) * disc.u + std::sin(angle) * disc.v;
     const double step = reach_ / kMarch;
     const float at_from = said(m, disc, direction, from);
@@ -159,7 +159,7 @@ class Rims {
     return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
   }
 
-  std::span<const HullMask> masks_;
+  std::span<const Silhouette> masks_;
   double reach_, half_height_;
 };
 
@@ -169,7 +169,7 @@ double volume(const Profile& radii) {
   return sum;
 }
 
-std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, const Bounds3& about) {
+std::optional<SolidOfRevolution> solid_for(std::span<const Silhouette> masks, const Bounds3& about) {
   const Rims rims(masks, about);
   const double size = length(about.high - about.low);
   AxisPlace place{about.centre().x, about.centre().y, 0, 0};
@@ -203,7 +203,7 @@ std::optional<SolidOfRevolution> solid_for(std::span<const HullMask> masks, cons
 }
 
 // Numbers of the points of each connected piece of a surface, larger than `least` points; points are a voxel apart.
-std::vector<std::vector<size_t>> pieces(std::span<const HullSurfacePoint> surface, double voxel, size_t least) {
+std::vector<std::vector<size_t>> pieces(std::span<const ShapePoint> surface, double voxel, size_t least) {
   std::map<CellIndex, std::vector<size_t>> points;
   for (size_t i = 0; i < surface.size(); ++i) {
     const Vec3d q = surface[i].position / (kTouching * voxel);
@@ -222,7 +222,7 @@ std::vector<std::vector<size_t>> pieces(std::span<const HullSurfacePoint> surfac
 
 }  // namespace
 
-HullSurfacePoint SolidOfRevolution::nearest(const Vec3d& p) const {
+ShapePoint SolidOfRevolution::nearest(const Vec3d& p) const {
   const Vec3d from = p - origin;
   const double h = dot(from, axis);
   const Vec3d across = from - h * axis;
@@ -262,13 +262,13 @@ HullSurfacePoint SolidOfRevolution::nearest(const Vec3d& p) const {
   return {origin + at.y * axis + at.x * out, normalized(normal.x * out + normal.y * axis)};
 }
 
-std::optional<HullSurfacePoint> SolidOfRevolution::smoothed(const HullSurfacePoint& p, double voxel) const {
-  const HullSurfacePoint turned = nearest(p.position);
+std::optional<ShapePoint> SolidOfRevolution::smoothed(const ShapePoint& p, double voxel) const {
+  const ShapePoint turned = nearest(p.position);
   if (length(turned.position - p.position) > kNear * voxel || dot(turned.normal, p.normal) < kAlike) return std::nullopt;
   return turned;
 }
 
-std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> masks, std::span<const HullSurfacePoint> surface,
+std::vector<SolidOfRevolution> solids_of_revolution(std::span<const Silhouette> masks, std::span<const ShapePoint> surface,
                                                     double voxel) {
   std::vector<SolidOfRevolution> found;
   if (masks.size() < kFewestPhotos) return found;
@@ -284,7 +284,7 @@ std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> ma
   return found;
 }
 
-std::optional<HullSurfacePoint> on_solid(std::span<const SolidOfRevolution> solids, const HullSurfacePoint& p, double voxel) {
+std::optional<ShapePoint> on_solid(std::span<const SolidOfRevolution> solids, const ShapePoint& p, double voxel) {
   for (const SolidOfRevolution& solid : solids)
     if (const auto on = solid.smoothed(p, voxel)) return on;
   return std::nullopt;

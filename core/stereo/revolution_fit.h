@@ -10,7 +10,7 @@
 
 #include "core/shape/surface_of_revolution.h"
 #include "core/stereo/flat_faces.h"
-#include "core/stereo/hull_mask.h"
+#include "core/stereo/silhouette.h"
 
 namespace vitrine {
 
@@ -21,10 +21,10 @@ struct SolidOfRevolution {
   double top() const { return low + step * double(radii.size() - 1); }
 
   // The point of the surface nearest to `p`, with its normal: those of the profile's corners, blended between them.
-  HullSurfacePoint nearest(const Vec3d& p) const;
+  ShapePoint nearest(const Vec3d& p) const;
   // Where a point of a hull of such voxels, which bulges and wavers around the solid, should lie; nothing for other points: of a
   // appendage, a handle, the table.
-  std::optional<HullSurfacePoint> smoothed(const HullSurfacePoint& p, double voxel) const;
+  std::optional<ShapePoint> smoothed(const ShapePoint& p, double voxel) const;
   // Where a ray meets it first, in units of `direction`; 0 from within.
   std::optional<double> entry(const Vec3d& eye, const Vec3d& direction) const;
 };
@@ -34,13 +34,13 @@ SurfaceOfRevolution surface_of_revolution(const SolidOfRevolution& solid);
 
 // One for each connected piece of a hull that lies on it for the most part. Axes start along z. What the photos do not say
 // (mask < 0) does not count, and a photo with something in front is outvoted.
-std::vector<SolidOfRevolution> solids_of_revolution(std::span<const HullMask> masks, std::span<const HullSurfacePoint> surface,
+std::vector<SolidOfRevolution> solids_of_revolution(std::span<const Silhouette> masks, std::span<const ShapePoint> surface,
                                                     double voxel);
 
 // 1 inside the outline of the solid, [h,w] of the view.
 std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view);
 
 // On the first of the solids that have it.
-std::optional<HullSurfacePoint> on_solid(std::span<const SolidOfRevolution> solids, const HullSurfacePoint& p, double voxel);
+std::optional<ShapePoint> on_solid(std::span<const SolidOfRevolution> solids, const ShapePoint& p, double voxel);
 
 }  // namespace vitrine

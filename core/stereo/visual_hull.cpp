@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/stereo/box_fit.h"
+#include "core/base/process.h"
 
 namespace vitrine {
 
@@ -13,60 +12,36 @@ namespace {
 
 constexpr int kCoarse = 48;            // first look at the whole cube
 constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
-constexpr float kInFront = 0.98f;      // a thing nearer than this part of a point's depth hides it
 constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
-constexpr double kSeenBy = 0.35;       // share of the photos that must see a voxel: a hull of few photos is no hull
 
-VoxelGrid<float> grid_over(const Bounds3& bounds, int resolution, int padding) {
+VoxelGrid<uint8_t> grid_over(const Bounds3& bounds, int resolution, int padding) {
   const Vec3d extent = bounds.high - bounds.low;
   const double voxel = std::max({extent.x, extent.y, extent.z}) / resolution;
-  VoxelGrid<float> grid{bounds.low - (padding * voxel) * Vec3d{1, 1, 1}, voxel, {}, {}};
+  VoxelGrid<uint8_t> grid{bounds.low - (padding * voxel) * Vec3d{1, 1, 1}, voxel, {}, {}};
   for (size_t i = 0; i < 3; ++i) grid.size[i] = int(std::ceil(extent[i] / voxel - 1e-6)) + 2 * padding;
-  grid.values.assign(grid.count(), 0.f);
+  grid.values.assign(grid.count(), 0);
   return grid;
 }
 
-// 1 where at most the share `desc.dissent` of the photos sees the voxel outside their mask. `slack` in voxels widens the masks,
-// so that a coarse grid loses nothing.
-void carve(std::span<const HullMask> masks, const HullDesc& desc, double slack, VoxelGrid<float>& grid) {
-  const size_t needed = std::max(desc.fewest_views, size_t(kSeenBy * double(masks.size())));
+// `slack` in voxels widens the silhouettes, so that a coarse grid loses nothing.
+void carve(const Carving& carving, double slack, VoxelGrid<uint8_t>& grid) {
   grid.each([&](int x, int y, int z) {
-    const Vec3d centre = grid.centre(x, y, z);
-    size_t seen = 0, outside = 0;
-    for (const HullMask& m : masks) {
-      const auto p = image_point(centre, m.view, grid.cell);
-      if (!p) continue;
-      const int u = int(p->x), v = int(p->y);
-      const float value = m.mask.at(u, v);
-      if (value < 0) continue;
-      bool inside = value >= 0.5f;
-      if (const int r = int(std::ceil(slack * grid.cell * m.view.intrinsics.fx / p->z)); !inside && slack > 0)
-        for (int dy = -r; dy <= r && !inside; ++dy)
-          for (int dx = -r; dx <= r && !inside; ++dx)
-            inside = m.mask.at(std::clamp(u + dx, 0, m.mask.width() - 1), std::clamp(v + dy, 0, m.mask.height() - 1)) >= 0.5f;
-      if (!inside && !m.zdepth.empty()) {
-        const float in_front = m.zdepth.at(u, v);
-        if (in_front > 0 && in_front < kInFront * float(p->z)) continue;
-      }
-      ++seen;
-      outside += !inside;
-    }
-    if (seen >= needed && double(outside) <= desc.dissent * double(seen)) grid.values[grid.index(x, y, z)] = 1;
+    grid.values[grid.index(x, y, z)] = carving.inside(grid.centre(x, y, z), grid.cell, slack * grid.cell);
   });
 }
 
 // Leaves the largest part whose voxels share faces; of equally large ones the first.
-void keep_largest(VoxelGrid<float>& grid) {
+void keep_largest(VoxelGrid<uint8_t>& grid) {
   const ConnectedComponents parts = connected_components(grid, [&](size_t i) { return grid.values[i] > 0; });
   const auto largest = std::ranges::max_element(parts.members, {}, &std::vector<size_t>::size) - parts.members.begin();
   for (size_t i = 0; i < grid.values.size(); ++i)
     if (parts.label[i] != uint32_t(largest)) grid.values[i] = 0;
 }
 
-Bounds3 occupied(const VoxelGrid<float>& grid) {
+Bounds3 occupied(const VoxelGrid<uint8_t>& grid) {
   Bounds3 bounds;
   grid.each_in_order([&](int x, int y, int z) {
-    if (!(grid.at(x, y, z) > 0)) return;
+    if (!grid.at(x, y, z)) return;
     bounds.extend(grid.centre(x, y, z) - (0.5 * grid.cell) * Vec3d{1, 1, 1});
     bounds.extend(grid.centre(x, y, z) + (0.5 * grid.cell) * Vec3d{1, 1, 1});
   });
@@ -91,32 +66,28 @@ void blur(VoxelGrid<float>& grid, int passes) {
 
 }  // namespace
 
-VisualHull::VisualHull(std::span<const HullMask> masks, const HullDesc& desc) {
-  if (masks.size() < desc.fewest_views) return;
+VisualHull::VisualHull(std::span<const Silhouette> silhouettes, const HullDesc& desc) {
+  if (silhouettes.size() < desc.rule.fewest_views) return;
+  const Carving carving(silhouettes, desc.rule, true);
   const double r = desc.reach;
-  VoxelGrid<float> coarse = grid_over({{-r, -r, -r}, {r, r, r}}, kCoarse, 0);
-  carve(masks, desc, 0.9, coarse);
+  VoxelGrid<uint8_t> coarse = grid_over({{-r, -r, -r}, {r, r, r}}, kCoarse, 0);
+  carve(carving, 0.9, coarse);
   const Bounds3 rough = occupied(coarse);
   if (rough.empty()) return;
-  VoxelGrid<float> fine = grid_over(rough, desc.resolution, kPadding);
-  carve(masks, desc, 0, fine);
+  VoxelGrid<uint8_t> fine = grid_over(rough, desc.resolution, kPadding);
+  carve(carving, 0, fine);
   if (desc.one_piece) keep_largest(fine);
   bounds_ = occupied(fine);
   if (bounds_.empty()) return;
   Vec3d mean{};
-  for (const HullMask& m : masks) mean += normalized(m.view.centre_in_world() - bounds_.centre()) / double(masks.size());
+  for (const Silhouette& s : silhouettes)
+    mean += normalized(s.view.centre_in_world() - bounds_.centre()) / double(silhouettes.size());
   one_sidedness_ = length(mean);
   if (one_sidedness_ > desc.most_one_sided) return;
-  blur(fine, desc.blur_passes);
-  grid_ = std::move(fine);
-  if (!desc.flat_faces) return;
-  if (const std::optional<BoxFit> fit = fit_box(masks, bounds_)) {
-    box_ = fit->box;
-    return;
-  }
-  const std::vector<HullSurfacePoint> points = surface();
-  turned_ = solids_of_revolution(masks, points, grid_.cell);
-  if (turned_.empty()) faces_ = flat_faces(points, grid_.cell);  // which finds facets on round things as well
+  grid_ = {fine.origin, fine.cell, fine.size, {fine.values.begin(), fine.values.end()}};
+  carved_ = std::move(fine);
+  blur(grid_, desc.blur_passes);
+  if (desc.flat_faces) faces_ = flat_faces(blurred_surface(), grid_.cell);
 }
 
 Vec3d VisualHull::inwards(const Vec3d& p) const {
@@ -129,8 +100,20 @@ Vec3d VisualHull::inwards(const Vec3d& p) const {
   return gradient;
 }
 
-std::vector<HullSurfacePoint> VisualHull::surface() const {
-  std::vector<HullSurfacePoint> points;
+std::vector<ShapePoint> VisualHull::surface() const {
+  std::vector<ShapePoint> points = blurred_surface();
+  for (ShapePoint& p : points) p = on_face(p);
+  return points;
+}
+
+ShapePoint VisualHull::on_face(const ShapePoint& p) const {
+  const FlatFace* face = face_of(faces_, p, grid_.cell);
+  if (face == nullptr) return p;
+  return {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};
+}
+
+std::vector<ShapePoint> VisualHull::blurred_surface() const {
+  std::vector<ShapePoint> points;
   grid_.each_in_order([&](int x, int y, int z) {
     const Vec3d centre = grid_.centre(x, y, z);
     const double inside = double(grid_.at(x, y, z));
@@ -161,7 +144,6 @@ float VisualHull::occupancy(const Vec3d& p) const {
 
 std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& direction) const {
   if (empty()) return std::nullopt;
-  if (box_) return vitrine::first_hit(*box_, origin, direction);
   const Vec3d d = normalized(direction);
   const Vec3d low_corner = grid_.origin, high_corner = grid_.high();
   double near = 0, far = 1e300;
@@ -184,12 +166,22 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
     const Vec3d hit = origin + high * d;
     const Vec3d outwards = -1.0 * inwards(hit);
     if (!(length(outwards) > 1e-6) || dot(outwards, d) >= 0) return std::nullopt;
-    const HullSurfacePoint carved{hit, normalized(outwards)};
-    const HullSurfacePoint met = on_solid(turned_, carved, grid_.cell).value_or(carved);
+    const ShapePoint met{hit, normalized(outwards)};
     const FlatFace* face = face_of(faces_, met, grid_.cell);
     return HullHit{high / length(direction), face != nullptr && dot(face->normal, d) < 0 ? face->normal : met.normal};
   }
   return std::nullopt;
+}
+
+std::vector<std::vector<uint8_t>> silhouettes_of(const VisualHull& hull, std::span<const View> views) {
+  std::vector<std::vector<uint8_t>> out(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) {
+    if (interrupt_signal() != 0) return;
+    out[v] = mask_of_rays(
+        views[v], [&](size_t, const Vec3d& eye, const Vec3d& direction) { return hull.first_hit(eye, direction).has_value(); });
+  });
+  throw_if_interrupted();
+  return out;
 }
 
 }  // namespace vitrine

@@ -5,10 +5,9 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/json_cause.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/mask_origin.h"
 #include "core/camera/view_masks.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
@@ -69,25 +68,6 @@ std::vector<double> load_class(const Capture& capture, const fs::path& artifact,
   return coverage;
 }
 
-// Where the masks stage has them from (its report.json). Masks without a report are the user's own; display cases that it found
-// by their edges are as good as a user's.
-struct MaskOrigin {
-  bool guessed = false, carried = false;
-};
-MaskOrigin mask_origin(const fs::path& artifact, const std::string& mask) {
-  const fs::path path = artifact / "masks/report.json";
-  if (!fs::exists(path)) return {};
-  try {
-    const auto report = nlohmann::json::parse(read_file(path));
-    const auto& row = report.at("classes").at(mask);
-    const auto source = row.at("source").get<std::string>();
-    return {source == "proposed" && !row.value("certain", false), source == "proposed" || source == "boxes"};
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(ErrorKind::Input, "the report of the masks is unusable",
-                {.where = path.string(), .why = cause_of(e), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});
-  }
-}
-
 void load_masks(const Capture& capture, const fs::path& artifact, Targets& targets) {
   for (size_t mask = 0; mask < kMaskClassCount; ++mask) {
     const std::string name(vitrine::name(static_cast<MaskClass>(mask)));
@@ -112,8 +92,8 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
       targets.warnings.push_back(
           {"MASKS_INCOMPLETE", fmt::format("{} of {} photos have no {} mask", coverage.size() - found, coverage.size(), name)});
     targets.has[mask] = marked > 0;
-    const MaskOrigin origin = mask_origin(artifact, name);
-    targets.guessed[mask] = origin.guessed, targets.carried[mask] = origin.carried;
+    const MaskOrigin origin = mask_origin(artifact, static_cast<MaskClass>(mask));
+    targets.guessed[mask] = origin.guessed, targets.propagated[mask] = origin.propagated;
     if (marked == 0) {
       targets.warnings.push_back({"MASK_EMPTY", fmt::format("the {} masks are black in every photo: not used", name)});
       for (auto& photo : targets.photos)

@@ -124,6 +124,8 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
     row["source"] = source ? source->name() : "none";
     row["written"] = result.kept;
     if (source != nullptr) {
+      row["guessed"] = source->guessed();
+      row["propagated"] = source->propagated();
       source->report(row);
       row["mean_coverage"] = result.mean_coverage();
       for (size_t v = 0; v < views.size(); ++v) row["coverage"][views[v].name] = result.coverage[v];

@@ -19,6 +19,7 @@
 #include "core/model/thin_glass_pass.h"
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
+#include "core/stereo/shapes_artifact.h"
 #include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
 #include "stages/mesh/mirror_shape.h"
@@ -195,6 +196,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                         .photos = set.views,
                         .views = views,
                         .learnt = scene.image.shape.set.get(),
+                        .found = read_shapes_artifact(context.optional_input("shapes")),
                         .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
@@ -336,11 +338,12 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 10,
+       .version = 11,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},
-                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their outlines."}},
+                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their silhouettes."},
+                  {.name = "shapes", .optional = true, .doc = "Boxes and surfaces of revolution of glass and metal."}},
        .doing = "building the mesh",
        .cost = mesh_cost,
        .report = mesh_report()},

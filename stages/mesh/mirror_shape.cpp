@@ -61,7 +61,7 @@ int mirror_mask_side(size_t views) {
 bool MirrorShape::Part::metal() const { return dimmer < kNoPaint; }
 
 MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
-  std::vector<HullMask> outlines;
+  std::vector<Silhouette> outlines;
   const int side = mirror_mask_side(desc.views.size());
   bool any = false;
   for (size_t i = 0; i < desc.views.size(); ++i) {
@@ -76,19 +76,19 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
     throw_if_interrupted();
     const ImageF& marks = marks_[i];
     if (marks.empty()) continue;
-    HullMask& outline = outlines.emplace_back(HullMask{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
+    Silhouette& outline = outlines.emplace_back(Silhouette{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
     outline.view.intrinsics = desc.views[i].intrinsics.limited_to(side);
     const RgbdFrame frame = desc.frame_of(i);
     const int width = frame.intrinsics.width, height = frame.intrinsics.height;
     for (int y = 0; y < marks.height(); ++y)
       for (int x = 0; x < marks.width(); ++x)
-        outline.zdepth.at(x, y) =
+        outline.depth.at(x, y) =
             frame.zdepth[size_t(y * height / marks.height()) * size_t(width) + size_t(x * width / marks.width())];
   }
-  hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .dissent = kDissent, .blur_passes = kHullBlur});
+  hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .rule = {.dissent = kDissent}, .blur_passes = kHullBlur});
   if (hull_->empty()) return;
   find_parts(desc, outlines);
-  find_shapes(desc, outlines);
+  find_shapes(desc);
 }
 
 CellIndex MirrorShape::cell_of(const Vec3d& p) const {
@@ -96,13 +96,13 @@ CellIndex MirrorShape::cell_of(const Vec3d& p) const {
 }
 
 // What the photos show of places on the hull, and which of these hang together.
-void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
+void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& outlines) {
   const Vec3d extent = hull_->bounds().high - hull_->bounds().low;
   cell_ = std::max({extent.x, extent.y, extent.z}) / kCells;
   std::vector<ImageF> shown;  // [outline] luminance
-  for (const HullMask& o : outlines) {
+  for (const Silhouette& o : outlines) {
     throw_if_interrupted();
-    const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.mask.width(), o.mask.height());
+    const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.value.width(), o.value.height());
     ImageF& grey = shown.emplace_back(photo.width(), photo.height(), 1);
     for (size_t p = 0; p < grey.data().size(); ++p)
       for (size_t c = 0; c < 3; ++c)  // negative: a colour outside of Rec. 709
@@ -110,12 +110,12 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
   }
   std::map<CellIndex, std::vector<float>> dimmer;
   std::vector<float> luminances;
-  for (const HullMask& from : outlines) {
+  for (const Silhouette& from : outlines) {
     throw_if_interrupted();
     const Rigid world_from_cam = inverse(from.view.cam_from_world);
-    for (int y = 0; y < from.mask.height(); y += kStride)
-      for (int x = 0; x < from.mask.width(); x += kStride) {
-        if (!(from.mask.at(x, y) > kHalf)) continue;
+    for (int y = 0; y < from.value.height(); y += kStride)
+      for (int x = 0; x < from.value.width(); x += kStride) {
+        if (!(from.value.at(x, y) > kHalf)) continue;
         const Vec3d direction = world_from_cam.rotation * from.view.intrinsics.ray(x + 0.5, y + 0.5);
         const auto hit = hull_->first_hit(world_from_cam.translation, direction);
         if (!hit) continue;
@@ -124,7 +124,7 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
         for (size_t o = 0; o < outlines.size(); ++o) {
           const View& view = outlines[o].view;
           const auto at = image_point(place, view);
-          if (!at || !(outlines[o].mask.at(int(at->x), int(at->y)) > kHalf)) continue;
+          if (!at || !(outlines[o].value.at(int(at->x), int(at->y)) > kHalf)) continue;
           if (dot(hit->normal, normalized(view.centre_in_world() - place)) < kLeastCosine) continue;
           luminances.push_back(shown[o].at(int(at->x), int(at->y)));
         }
@@ -162,18 +162,15 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Hull
 }
 
 // Shapes that metal lies on, with their appendages.
-void MirrorShape::find_shapes(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines) {
-  const std::vector<HullSurfacePoint> surface = hull_->surface();
-  ShapeSet found = desc.learnt ? desc.learnt->without(ShapeRole::Sheet) : ShapeSet{};
-  learnt_ = !found.entries.empty();
-  if (!learnt_)
-    for (const SolidOfRevolution& solid : solids_of_revolution(outlines, surface, hull_->voxel()))
-      found.entries.push_back({surface_of_revolution(solid), ShapeRole::Mirror, kOnShape * hull_->voxel(), -1, {}});
+void MirrorShape::find_shapes(const MirrorShapeDesc& desc) {
+  const std::vector<ShapePoint> surface = hull_->surface();
+  learnt_ = knows(desc.learnt, ShapeRole::Mirror);
+  const ShapeSet found = (learnt_ ? *desc.learnt : desc.found).without(ShapeRole::Sheet);
   std::vector<uint8_t> keep(found.entries.size(), 1);
   for (size_t i = 0; i < keep.size(); ++i) {
     if (found.entries[i].parent >= 0) continue;
     size_t metal = 0, known = 0;
-    for (const HullSurfacePoint& p : surface) {
+    for (const ShapePoint& p : surface) {
       if (length(nearest(found.entries[i].shape, p.position).position - p.position) > kOnShape * hull_->voxel()) continue;
       const auto part = part_of_.find(cell_of(p.position));
       if (part == part_of_.end() || part->second < 0) continue;

@@ -27,6 +27,7 @@ struct MirrorShapeDesc {
   const std::vector<View>& photos;            // at full size
   const std::vector<View>& views;             // those that are fused
   const ShapeSet* learnt;                     // by training (ImageOptions::shape), or nullptr
+  ShapeSet found;                             // before training
   std::function<RgbdFrame(size_t)> frame_of;  // what surfels learnt of them
 };
 
@@ -56,8 +57,8 @@ class MirrorShape {
 
  private:
   CellIndex cell_of(const Vec3d& p) const;
-  void find_parts(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
-  void find_shapes(const MirrorShapeDesc& desc, const std::vector<HullMask>& outlines);
+  void find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& outlines);
+  void find_shapes(const MirrorShapeDesc& desc);
   std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
   bool near_marks(const ImageF& marks, int x, int y) const;
 

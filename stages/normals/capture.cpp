@@ -5,6 +5,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
+#include "core/stereo/shapes_artifact.h"
 
 namespace vitrine {
 
@@ -29,8 +30,9 @@ std::optional<ImageF> NormalCapture::mask(MaskClass kind, size_t view, int width
 }
 
 NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,
-                                  int holdout_every) {
-  NormalCapture capture{.sfm = sfm, .masks = masks, .set = load_view_set(sfm), .helpers = {}};
+                                  const std::optional<std::filesystem::path>& shapes, int holdout_every) {
+  NormalCapture capture{
+      .sfm = sfm, .masks = masks, .set = load_view_set(sfm), .shapes = read_shapes_artifact(shapes), .helpers = {}};
   for (uint32_t v = 0; v < capture.set.views.size(); ++v)
     if (!is_heldout(v, holdout_every)) capture.helpers.push_back(v);
   return capture;

@@ -8,6 +8,7 @@
 #include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
 #include "core/image/image.h"
+#include "core/shape/shape_set.h"
 
 namespace vitrine {
 
@@ -15,6 +16,7 @@ struct NormalCapture {
   std::filesystem::path sfm;
   std::optional<std::filesystem::path> masks;
   ViewSet set;
+  ShapeSet shapes;  // of glass and metal; found before
   std::vector<uint32_t> helpers;  // photos that others may be matched with: not those kept for the evaluation
 
   // The photo, display-referred, at a size of the caller's. [h,w,3]
@@ -24,6 +26,6 @@ struct NormalCapture {
 };
 
 NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,
-                                  int holdout_every);
+                                  const std::optional<std::filesystem::path>& shapes, int holdout_every);
 
 }  // namespace vitrine

@@ -8,7 +8,9 @@
 #include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "core/math/quantile.h"
+#include "core/stereo/mask_silhouette.h"
 #include "core/stereo/patch_match.h"
+#include "core/stereo/visual_hull.h"
 #include "stages/normals/plane_fit.h"
 
 namespace vitrine {
@@ -109,55 +111,49 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
-// Each class has a hull of its own: a case is a box, a case and an object beside it are not.
-struct ClassHull {
+// What is known of a class of glass or metal: its shapes, and the visual hull of what has none.
+struct ClassSurface {
   MaskClass kind;
+  ShapeRole role;
+  bool shaped = false;
   VisualHull hull;
 };
 
-// Of one class at the size of `k`; glass counts as specular, too, but says nothing of what is no glass. Empty when the photo has
-// none.
-ImageF hull_mask(const NormalCapture& capture, MaskClass kind, size_t view, const Intrinsics& k) {
-  const auto mask = capture.mask(kind, view, k.width, k.height);
-  if (!mask) return {};
-  ImageF out = *mask;
-  if (kind == MaskClass::Transparent) return out;
-  if (const auto glass = capture.mask(MaskClass::Transparent, view, k.width, k.height))
-    for (size_t i = 0; i < out.data().size(); ++i)
-      if (glass->data()[i] >= 0.5f) out.data()[i] = -1;
+ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& report) {
+  ClassSurface out{.kind = kind, .role = kind == MaskClass::Transparent ? ShapeRole::Sheet : ShapeRole::Mirror, .hull = {}};
+  out.shaped = desc.capture.shapes.has(out.role);
+  std::vector<Silhouette> masks;
+  for (uint32_t v : desc.capture.helpers)
+    if (auto s = mask_silhouette(*desc.capture.masks, kind, desc.capture.set.views[v], 2 * desc.config.max_side))
+      masks.push_back(std::move(*s));
+  // Where glass is all that there is of gloss, nobody asks for a hull of the rest.
+  if (kind == MaskClass::Specular && std::ranges::none_of(masks, marks_something)) masks.clear();
+  out.hull = VisualHull(masks, {.resolution = desc.config.hull_resolution,
+                                .rule = {.dissent = desc.config.hull_dissent},
+                                .flat_faces = !out.shaped});  // which finds facets on round things as well
+  if (!masks.empty())
+    report.hulls.push_back({kind, masks.size(), !out.hull.empty(), out.shaped, out.hull.faces(), out.hull.one_sidedness()});
   return out;
 }
 
-VisualHull hull_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& report) {
-  std::vector<HullMask> masks;
-  for (uint32_t v : desc.capture.helpers) {
-    HullMask m{desc.capture.set.views[v], {}};
-    m.view.intrinsics = m.view.intrinsics.limited_to(2 * desc.config.max_side);
-    m.mask = hull_mask(desc.capture, kind, v, m.view.intrinsics);
-    if (!m.mask.empty()) masks.push_back(std::move(m));
-  }
-  // Where glass is all that there is of gloss, nobody asks for a hull of the rest.
-  const auto marks_something = [](const HullMask& m) {
-    return std::ranges::any_of(m.mask.data(), [](float value) { return value >= 0.5f; });
-  };
-  if (kind == MaskClass::Specular && std::ranges::none_of(masks, marks_something)) masks.clear();
-  VisualHull hull(masks, {.resolution = desc.config.hull_resolution, .dissent = desc.config.hull_dissent, .flat_faces = true});
-  if (!masks.empty()) report.hulls.push_back({kind, masks.size(), !hull.empty(), hull.faces(), hull.one_sidedness()});
-  return hull;
-}
-
-// Inside the masks of `view`: the hull's normals. Behind glass stereo sees something else, and on a mirror perhaps.
-void put_hull(const GeometricDesc& desc, const ClassHull& of, const View& view, size_t index, NormalMap& map) {
+// Inside the masks of `view`: normals of the shapes, else of the hull. Behind glass stereo sees something else, and on a mirror
+// perhaps.
+void put_surface(const GeometricDesc& desc, const ClassSurface& of, const View& view, size_t index, NormalMap& map) {
   const Intrinsics& k = view.intrinsics;
-  const ImageF mask = hull_mask(desc.capture, of.kind, index, k);
-  if (mask.empty()) return;
+  const auto mask = mask_silhouette(*desc.capture.masks, of.kind, desc.capture.set.views[index], desc.config.max_side);
+  if (!mask) return;
   const Vec3d centre = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      if (mask.at(x, y) < 0.5f) continue;
-      const auto hit = of.hull.first_hit(centre, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
-      if (hit)
-        map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), float(desc.config.hull_confidence));
+      if (mask->value.at(x, y) < 0.5f) continue;
+      const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+      std::optional<Vec3d> normal;
+      if (const auto on_shape = desc.capture.shapes.first_hit({centre, direction}, of.role))
+        normal = on_shape->normal;
+      else if (const auto hit = of.hull.first_hit(centre, direction))
+        normal = hit->normal;
+      if (normal)
+        map.set(x, y, cast<float>(view.cam_from_world.rotation * *normal), float(desc.config.hull_confidence));
       else if (of.kind == MaskClass::Transparent)
         map.forget(x, y);
       else
@@ -178,10 +174,10 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
   if (confirmed) count_agreement(photos, depths);
-  std::vector<ClassHull> hulls;
+  std::vector<ClassSurface> surfaces;
   if (desc.with_hull && desc.capture.masks)
-    for (const std::string& kind : desc.config.hull) hulls.push_back({*mask_class(kind), hull_of(desc, *mask_class(kind), r)});
-  const bool any_hull = std::ranges::any_of(hulls, [](const ClassHull& h) { return !h.hull.empty(); });
+    for (const std::string& kind : desc.config.hull) surfaces.push_back(surface_of(desc, *mask_class(kind), r));
+  const bool any_surface = std::ranges::any_of(surfaces, [](const ClassSurface& s) { return s.shaped || !s.hull.empty(); });
   progress(0.85);
   std::vector<NormalMap> normals(desc.views.size());
   parallel_for(desc.views.size(), 1, [&](size_t i) {
@@ -189,13 +185,13 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
     const uint32_t v = desc.views[i];
     const Intrinsics& k = photos[v].view.intrinsics;
     if (depths[v].zdepth.empty()) {
-      if (any_hull) normals[i] = NormalMap(k.width, k.height);
+      if (any_surface) normals[i] = NormalMap(k.width, k.height);
     } else {
       normals[i] = fitted_normals(depth_samples(depths[v], confirmed), photos[v].luma, k);
     }
     if (normals[i].empty()) return;
     forget_hidden_sides(normals[i], k);
-    for (const ClassHull& hull : hulls) put_hull(desc, hull, photos[v].view, v, normals[i]);
+    for (const ClassSurface& of : surfaces) put_surface(desc, of, photos[v].view, v, normals[i]);
   });
   throw_if_interrupted();
   for (uint32_t v : desc.views) r.without_partners += depths[v].zdepth.empty();

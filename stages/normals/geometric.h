@@ -1,12 +1,12 @@
 // Normals from the photos themselves: stereo gives depths where there is texture, planes fitted to them give normals; inside the
-// masks of glass and mirrors, which stereo cannot match, the visual hull of the masks does.
+// masks of glass and mirrors, which stereo cannot match, the known shapes and the visual hull of the masks do.
 #pragma once
 
 #include <functional>
 #include <span>
 #include <vector>
 
-#include "core/stereo/visual_hull.h"
+#include "core/camera/mask_files.h"
 #include "stages/normals/capture.h"
 #include "stages/normals/normal_map.h"
 #include "stages/normals/normals.h"
@@ -17,7 +17,8 @@ struct HullReport {
   MaskClass of;
   size_t masks = 0;  // photos with one
   bool found = false;
-  size_t faces = 0;  // flat ones that its normals come from
+  bool shaped = false;  // known shapes give the normals where they are
+  size_t faces = 0;     // flat ones of the hull that its normals come from
   double one_sidedness = 0;
 };
 

@@ -31,7 +31,8 @@ class NormalsRun {
   NormalsRun(const NormalsConfig& config, StageContext& context)
       : config_(config),
         context_(context),
-        capture_(load_normal_capture(context.input("sfm"), context.optional_input("masks"), config.holdout_every)),
+        capture_(load_normal_capture(context.input("sfm"), context.optional_input("masks"), context.optional_input("shapes"),
+                                     config.holdout_every)),
         folder_(context.optional_input("normals")),
         network_(context.optional_input("network")) {}
 
@@ -62,7 +63,7 @@ class NormalsRun {
     report_["hull"] = Json::object();
     for (const HullReport& hull : g.hulls) {
       report_["hull"][name(hull.of)] = {
-          {"used", hull.found}, {"masks", hull.masks}, {"faces", hull.faces}, {"one_sidedness", hull.one_sidedness}};
+          {"used", hull.found}, {"masks", hull.masks}, {"shapes", hull.shaped}, {"faces", hull.faces}, {"one_sidedness", hull.one_sidedness}};
       if (!hull.found)
         context_.warning("NO_HULL",
                          fmt::format("the {} masks leave no common volume, or the photos see it from one side only: its "
@@ -283,10 +284,11 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 
 Stage normals_stage() {
   StageInfo info{.name = "normals",
-                 .version = 5,
+                 .version = 6,
                  .summary = "surface normals of the photos, from stereo, files or a network",
                  .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                             {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
+                            {.name = "shapes", .optional = true, .doc = "boxes and surfaces of revolution of glass and metal"},
                             {.name = "normals",
                              .artifact = false,
                              .optional = true,

@@ -75,10 +75,11 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 25,
+                 .version = 26,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},
+                            {.name = "shapes", .optional = true, .doc = "Boxes and surfaces of revolution of glass and metal."},
                             {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}},
                  .doing = "training",
                  .cost = optimize_cost,

@@ -1,16 +1,12 @@
-// The hull of things of glass or of polished metal: the points that every training photo that sees them shows inside its mask
-// (Laurentini 1994, with the depths of what is dull: a photo says nothing about points behind it). Neither has a texture that
-// stays on it; the outline is what photos tell about its place. (core/stereo/visual_hull knows masks alone, and gives a surface
-// that rays meet; here dull things that stand in front have their say, and the surface is a set of points.)
+// Where the surface of glass and of polished metal is, as far as photos tell: on known shapes, and elsewhere on the visual hull of
+// the masks (core/stereo/visual_hull), with the depths of opaque surfaces in front. Neither has a texture that stays on it; the
+// silhouette tells its place.
 #pragma once
 
-#include <optional>
+#include <span>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/render/renderer.h"
-#include "core/shape/box.h"
-#include "core/stereo/revolution_fit.h"
+#include "core/shape/shape_set.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
 
@@ -18,18 +14,15 @@ namespace vitrine {
 
 struct HullPoint {
   Vec3f position, normal;  // outwards, unit
-  bool known = false;      // by a box, a solid of revolution or a fine hull, to a fraction of a pixel; or as a hull wavers
+  bool known = false;      // on a shape, to a fraction of a pixel; or on a hull, which wavers
   float apart = 1;         // distance to its neighbours, of the hull's spacing
 };
 struct Hull {
-  std::vector<HullPoint> points;          // of the surface, on a grid
-  float spacing = 0;                      // of the grid
-  std::vector<SolidOfRevolution> solids;  // that pieces of it are
-  TriMesh beside;                         // appendages of the solids
-  std::optional<Box> box;                 // where the outlines are those of one
+  std::vector<HullPoint> points;  // of the surface
+  float spacing = 0;              // of most of them
 };
 
-// Gloss: the specular mask without the transparent one, whose pixels then say nothing.
+// Gloss: the specular mask without the transparent one, whose pixels then are unknown.
 enum class HullClass : unsigned char { Glass, Gloss };
 
 struct MaskHullDesc {
@@ -37,12 +30,13 @@ struct MaskHullDesc {
 
   const Capture& capture;
   const Targets& targets;
+  const ShapeSet& shapes;  // those of the class's role count
   // [photo] z-depth of the diffuse layer at `level`, 0 = none; empty for held-out photos.
   std::span<const std::vector<float>> depths;
   size_t level = 0;
-  int cells = 128;  // along the longest side of the hull
+  int voxels = 128;  // along the longest side of the hull
 };
-// Empty when no closed region agrees with the masks, of a window for example.
+// Empty when no closed region agrees with the masks, of a window for example, and no shape is known.
 Hull mask_hull(const MaskHullDesc& desc);
 
 }  // namespace vitrine

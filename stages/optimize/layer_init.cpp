@@ -14,10 +14,9 @@
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
-#include "stages/optimize/glass_case.h"
+#include "stages/optimize/clear_panes.h"
 #include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
-#include "stages/optimize/known_shapes.h"
 #include "stages/optimize/neighbours.h"
 
 namespace vitrine {
@@ -250,6 +249,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     hull = mask_hull({.kind = HullClass::Gloss,
                       .capture = desc.capture,
                       .targets = desc.targets,
+                      .shapes = desc.shapes,
                       .depths = found.depths,
                       .level = kEvidenceLevel});
 
@@ -296,7 +296,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     for (const HullPoint& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
-    counts.shapes = known_shapes(hull);
+    counts.shapes = desc.shapes.without(ShapeRole::Sheet);
   }
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
@@ -314,6 +314,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   const Hull hull = mask_hull({.kind = HullClass::Glass,
                                .capture = desc.capture,
                                .targets = desc.targets,
+                               .shapes = desc.shapes,
                                .depths = found.depths,
                                .level = kEvidenceLevel});
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
@@ -330,8 +331,9 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
-    if (closed && hull.box)
-      counts.shapes.entries.push_back(glass_case(*hull.box, desc.capture, desc.targets, found.depths, kEvidenceLevel));
+    if (closed) counts.shapes = desc.shapes.without(ShapeRole::Mirror);
+    for (ShapeSet::Entry& sheet : counts.shapes.entries)
+      sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
     return counts;
   }
   // Everything: what no training photo shows through the glass may be what the next view shows.

@@ -21,6 +21,7 @@ struct LayerInitDesc {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
+  const ShapeSet& shapes;  // of glass and metal, found before
   int sh_degree = 0;  // that the diffuse layer is rendered with
 };
 
@@ -33,9 +34,9 @@ struct MaskEvidence {
 
 struct HullCounts {
   size_t hull = 0, moved = 0;       // surfels put on the hull; surfels that left the diffuse layer for them
-  std::vector<Vec3f> known_points;  // of the hull of gloss, where its shape is known (HullPoint)
+  std::vector<Vec3f> known_points;  // on shapes of gloss (HullPoint)
   float known_reach = 0;            // how far from them surfels lie that show it, at most
-  ShapeSet shapes;                  // that mirror; glass that is a box
+  ShapeSet shapes;                  // of the layer's role, for training
 };
 // Both change the diffuse layer, which grows to `diffuse_cap` at most, and give `scene` its new layer, of at most `cap` surfels.
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);

@@ -10,6 +10,7 @@
 #include "core/base/timer.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
+#include "core/stereo/shapes_artifact.h"
 #include "core/train/capture.h"
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
@@ -73,12 +74,12 @@ class LazyDepth {
 };
 
 std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, const DenseDepth& dense) {
-  const auto& [config, capture, targets, layers, max_surfels, alone] = setup;
+  const Capture& capture = setup.capture;
   std::function<bool(const Vec3d&)> keep;
-  if (alone) keep = [&](const Vec3d& p) { return on_object(capture, targets, p); };
-  SplatLayer initial = initial_layer(config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
+  if (setup.object_alone) keep = [&](const Vec3d& p) { return on_object(capture, setup.targets, p); };
+  SplatLayer initial = initial_layer(setup.config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
-           capture.heldout.size(), initial.size(), max_surfels);
+           capture.heldout.size(), initial.size(), setup.max_surfels);
   return std::make_unique<Trainer>(setup, std::move(initial), dense.planes, dense.background);
 }
 
@@ -153,6 +154,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
+  const ShapeSet shapes = read_shapes_artifact(context.optional_input("shapes"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
   check_memory(config, capture, context);
   const LayerChoice layers =
@@ -171,6 +173,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const TrainerSetup setup{.config = config,
                            .capture = capture,
                            .targets = targets,
+                           .shapes = shapes,
                            .layers = layers,
                            .max_surfels = max_surfels,
                            .object_alone = alone};

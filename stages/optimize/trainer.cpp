@@ -238,7 +238,7 @@ void Trainer::move_surfels() {
 // A layer begins with what the diffuse layer knows at that moment.
 void Trainer::begin_phases() {
   const PhaseClock clock = this->clock();
-  const LayerInitDesc desc{.config = config(), .capture = setup_.capture, .targets = setup_.targets, .sh_degree = sh_degree()};
+  const LayerInitDesc desc{.config = config(), .capture = setup_.capture, .targets = setup_.targets, .shapes = setup_.shapes, .sh_degree = sh_degree()};
   bool changed = false;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance}) {
     uint8_t& begun = begun_[static_cast<size_t>(kind)];

@@ -30,6 +30,7 @@ struct TrainerSetup {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
+  const ShapeSet& shapes;  // of glass and metal, found before
   LayerChoice layers;
   size_t max_surfels;         // of all layers together
   bool object_alone = false;  // (object_alone.h)

@@ -28,13 +28,14 @@ class GlassAlone : public ::testing::Test {
     scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
     scene_.transmittance = SplatLayer(LayerKind::Transmittance, 0, 0);
   }
-  LayerInitDesc desc() const { return {.config = config_, .capture = capture_, .targets = targets_, .sh_degree = 0}; }
+  LayerInitDesc desc() const { return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0}; }
   double value(Attribute a, size_t i) const { return double(sigmoid(*scene_.diffuse.at(a, i))); }
 
   TemporaryFolder folder_;
   OptimizeConfig config_ = testing::tiny_config(100);
   Capture capture_;
   Targets targets_;
+  ShapeSet shapes_;
   SplatScene scene_{.diffuse = testing::tiny_scene()};
 };
 

@@ -121,9 +121,9 @@ TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
   };
   EXPECT_TRUE(has_reflection("own", "", "auto"));
   EXPECT_TRUE(has_reflection("files", R"({"classes": {"specular": {"source": "files"}}})", "auto"));
-  EXPECT_FALSE(has_reflection("guess", R"({"classes": {"specular": {"source": "proposed"}}})", "auto"));
-  EXPECT_TRUE(has_reflection("case", R"({"classes": {"specular": {"source": "proposed", "certain": true}}})", "auto"));
-  EXPECT_TRUE(has_reflection("forced", R"({"classes": {"specular": {"source": "proposed"}}})", "full"));
+  EXPECT_FALSE(has_reflection("guess", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "auto"));
+  EXPECT_TRUE(has_reflection("case", R"({"classes": {"specular": {"source": "proposed", "guessed": false}}})", "auto"));
+  EXPECT_TRUE(has_reflection("forced", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "full"));
   EXPECT_THROW(has_reflection("broken", "{", "auto"), Error);
 }
 

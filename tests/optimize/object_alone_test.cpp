@@ -16,12 +16,12 @@ namespace {
 // A ball of radius 0.25 seen by 12 cameras, whose masks are right.
 struct Ball {
   Ball() {
-    for (const HullMask& m :
+    for (const Silhouette& m :
          outlines(12, 2 * std::numbers::pi, [](const Vec3d&eye, const Vec3d&d) { return meets_ball({}, 0.25, eye, d); })) {
       capture.train.push_back(uint32_t(capture.photos.size()));
       capture.photos.emplace_back().levels[0].view = m.view;
       auto& object = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Object)];
-      for (float inside : m.mask.data()) object.push_back(inside > 0 ? 255 : 0);
+      for (float inside : m.value.data()) object.push_back(inside > 0 ? 255 : 0);
     }
     targets.has[size_t(MaskClass::Object)] = true;
   }

@@ -321,7 +321,8 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
   const Capture capture = load_capture(folder.path(), 0, config.holdout_every);
   ASSERT_EQ(capture.train.size(), 1u);
   const Targets targets = load_targets(capture, std::nullopt, std::nullopt);
-  const TrainerSetup setup{.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = 700};
+  const ShapeSet shapes;
+  const TrainerSetup setup{.config = config, .capture = capture, .targets = targets, .shapes = shapes, .layers = {}, .max_surfels = 700};
   Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600), {});
   std::vector<double> losses;
   for (int step = 0; step < 10; ++step) {

@@ -5,6 +5,7 @@
 
 #include "core/base/json.h"
 #include "core/shape/registry.h"
+#include "core/shape/surface_samples.h"
 
 namespace vitrine {
 namespace {
@@ -101,6 +102,34 @@ TEST_P(Shapes, HitsLieOnTheFacetsThatTheyName) {
 }
 
 // A sum over many rays of what a loss may want of t and normal, parameter by parameter.
+TEST_P(Shapes, SamplesLieOnItEvenly) {
+  const Shape shape = kind().sample(rng);
+  const double spacing = 0.03 * size_of(shape);
+  const std::vector<ShapePoint> points = surface_samples(shape, spacing);
+  ASSERT_GT(points.size(), 300u);
+  double area = 0;
+  const TriMesh mesh = tessellated(shape, spacing);
+  std::vector<Vec3d> fine;
+  for (const auto& f : mesh.faces) {
+    const Vec3d a = cast<double>(mesh.positions[f[0]]), b = cast<double>(mesh.positions[f[1]]), c = cast<double>(mesh.positions[f[2]]);
+    const Vec3d across = cross(b - a, c - a);
+    area += 0.5 * length(across);
+    const Vec3d middle = (1. / 3) * (a + b + c);
+    fine.push_back(middle);
+    const ShapePoint on = nearest(shape, middle);
+    EXPECT_LT(length(on.position - middle), 0.3 * spacing + 20 * precise());
+    if (0.5 * length(across) < 1e-3 * spacing * spacing) continue;
+    EXPECT_GT(dot(normalized(across), on.normal), 0.5) << "faces look outwards";
+  }
+  EXPECT_NEAR(double(points.size()) * spacing * spacing / area, 1, 0.05);
+  for (const ShapePoint& p : points) EXPECT_LT(length(nearest(shape, p.position).position - p.position), 20 * precise());
+  for (const Vec3d& place : fine) {
+    double least = 1e9;
+    for (const ShapePoint& p : points) least = std::min(least, length(p.position - place));
+    EXPECT_LT(least, 3.5 * spacing) << "no place without a sample";
+  }
+}
+
 TEST_P(Shapes, GradientsOfHitsMatchDifferences) {
   const Shape shape = kind().sample(rng);
   const size_t n = parameter_count(shape);

@@ -12,7 +12,7 @@ constexpr double kAround = 2 * std::numbers::pi, kCaseTurn = 0.35;
 const Vec3d kCaseHalf{0.2, 0.14, 0.28};
 const Bounds3 kAbout{{-0.3, -0.3, -0.35}, {0.3, 0.3, 0.35}};
 
-std::vector<HullMask> case_masks(int count) {
+std::vector<Silhouette> case_masks(int count) {
   return outlines(count, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_box(kCaseHalf, kCaseTurn, eye, d); });
 }
 
@@ -50,10 +50,10 @@ TEST(BoxFit, FindsTheFacesOfACaseToAFractionOfAPixel) {
 }
 
 TEST(BoxFit, SomethingInFrontOfItInAFewPhotosIsOutvoted) {
-  std::vector<HullMask> masks = case_masks(24);
+  std::vector<Silhouette> masks = case_masks(24);
   for (size_t v = 0; v < masks.size(); v += 5)
     for (int y = 0; y < 80; ++y)
-      for (int x = 30; x < 46; ++x) masks[v].mask.at(x, y) = 0;
+      for (int x = 30; x < 46; ++x) masks[v].value.at(x, y) = 0;
   const auto fit = fit_box(masks, kAbout);
   ASSERT_TRUE(fit);
   EXPECT_LT(errors(fit->box).first, 1.0);
@@ -72,31 +72,20 @@ TEST(BoxFit, BallsAndCylindersAreNoBoxes) {
 }
 
 TEST(BoxFit, OutlinesAreThoseOfTheMasks) {
-  const std::vector<HullMask> masks = case_masks(12);
+  const std::vector<Silhouette> masks = case_masks(12);
   const auto fit = fit_box(masks, kAbout);
   ASSERT_TRUE(fit);
-  for (const HullMask& m : masks) {
+  for (const Silhouette& m : masks) {
     const std::vector<uint8_t> inside = outline_mask(fit->box, m.view);
     size_t differ = 0, all = 0;
-    for (size_t i = 0; i < inside.size(); ++i) differ += inside[i] != (m.mask.data()[i] >= 0.5f), all += inside[i];
+    for (size_t i = 0; i < inside.size(); ++i) differ += inside[i] != (m.value.data()[i] >= 0.5f), all += inside[i];
     EXPECT_LT(differ, all / 20);
   }
 }
 
-TEST(BoxFit, RaysMeetItsFaces) {
-  const Box box{Mat3d::identity(), {-1, -2, -3}, {1, 2, 3}};
-  const auto hit = first_hit(box, {5, 0.5, 0}, {-2, 0, 0});
-  ASSERT_TRUE(hit);
-  EXPECT_DOUBLE_EQ(hit->t, 2);
-  EXPECT_EQ(hit->normal, (Vec3d{1, 0, 0}));
-  EXPECT_EQ(first_hit(box, {0.5, 0, -9}, {0, 0.1, 1})->normal, (Vec3d{0, 0, -1}));
-  EXPECT_FALSE(first_hit(box, {5, 2.5, 0}, {-1, 0, 0}));
-  EXPECT_FALSE(first_hit(box, {5, 0, 0}, {1, 0, 0}));  // behind
-}
-
 TEST(BoxFit, WithoutAMaskThereIsNoBox) {
-  std::vector<HullMask> masks = case_masks(3);
-  for (HullMask& m : masks) std::ranges::fill(m.mask.data(), 0.f);
+  std::vector<Silhouette> masks = case_masks(3);
+  for (Silhouette& m : masks) std::ranges::fill(m.value.data(), 0.f);
   EXPECT_FALSE(fit_box(masks, kAbout));
   EXPECT_FALSE(fit_box({}, kAbout));
   EXPECT_FALSE(fit_box(case_masks(3), {}));

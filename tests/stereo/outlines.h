@@ -5,26 +5,26 @@
 #include <numbers>
 #include <vector>
 
-#include "core/stereo/hull_mask.h"
+#include "core/stereo/silhouette.h"
 
 namespace vitrine {
 
 // From `count` places within `span_rad` of azimuth; meets(eye, unit direction).
 template <class Meets>
-std::vector<HullMask> outlines(int count, double span_rad, const Meets& meets) {
-  std::vector<HullMask> masks;
+std::vector<Silhouette> outlines(int count, double span_rad, const Meets& meets) {
+  std::vector<Silhouette> masks;
   for (int i = 0; i < count; ++i) {
     const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;
     const Vec3d eye{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)};
     const Vec3d forward = normalized(-eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
-    HullMask m;
+    Silhouette m;
     m.view.intrinsics = {96, 80, 90, 90, 48, 40};
     m.view.cam_from_world = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
-    m.mask = ImageF(96, 80, 1);
+    m.value = ImageF(96, 80, 1);
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 96; ++x) {
         const Vec3d ray = transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5));
-        m.mask.at(x, y) = meets(eye, normalized(ray)) ? 1.f : 0.f;
+        m.value.at(x, y) = meets(eye, normalized(ray)) ? 1.f : 0.f;
       }
     masks.push_back(std::move(m));
   }

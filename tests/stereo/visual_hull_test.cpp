@@ -15,13 +15,13 @@ namespace {
 constexpr double kRadius = 0.25;
 const Vec3d kCentre{0.05, -0.1, 0.1};
 
-std::vector<HullMask> ball_masks(int count, double span_rad, const Vec3d& centre = kCentre, double radius = kRadius) {
+std::vector<Silhouette> ball_masks(int count, double span_rad, const Vec3d& centre = kCentre, double radius = kRadius) {
   return outlines(count, span_rad, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, radius, eye, d); });
 }
 
 TEST(VisualHull, OfABallHasTheBallsNormals) {
-  const std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
-  const VisualHull hull(masks, {.resolution = 64, .dissent = 0});
+  const std::vector<Silhouette> masks = ball_masks(24, 2 * std::numbers::pi);
+  const VisualHull hull(masks, {.resolution = 64, .rule = {.dissent = 0}});
   ASSERT_FALSE(hull.empty());
   EXPECT_LT(hull.one_sidedness(), 0.5);
   double angle = 0, distance = 0;
@@ -48,7 +48,7 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
 
 // Silhouettes of a box that is turned by 20 degrees about z; its height is 1.4 times its half width.
 constexpr double kHalf = 0.22, kTurn = 0.35;
-std::vector<HullMask> box_masks(int count) {
+std::vector<Silhouette> box_masks(int count) {
   return outlines(count, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) {
     return meets_box({kHalf, kHalf, 1.4 * kHalf}, kTurn, eye, d);
   });
@@ -75,9 +75,9 @@ std::pair<double, double> errors_on_box(const VisualHull& hull, const View& view
 }
 
 TEST(VisualHull, OfABoxHasTheNormalsOfItsFlatFaces) {
-  const std::vector<HullMask> masks = box_masks(24);
-  const VisualHull round(masks, {.resolution = 64, .dissent = 0});
-  const VisualHull flat(masks, {.resolution = 64, .dissent = 0, .flat_faces = true});
+  const std::vector<Silhouette> masks = box_masks(24);
+  const VisualHull round(masks, {.resolution = 64, .rule = {.dissent = 0}});
+  const VisualHull flat(masks, {.resolution = 64, .rule = {.dissent = 0}, .flat_faces = true});
   EXPECT_EQ(round.faces(), 0u);
   EXPECT_EQ(flat.faces(), 6u);
   for (size_t v : {0u, 1u, 7u}) {
@@ -90,13 +90,13 @@ TEST(VisualHull, OfABoxHasTheNormalsOfItsFlatFaces) {
 }
 
 TEST(VisualHull, OfABallHasNoFlatFaces) {
-  const std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
-  EXPECT_EQ(VisualHull(masks, {.resolution = 64, .dissent = 0, .flat_faces = true}).faces(), 0u);
-  EXPECT_EQ(VisualHull(masks, {.resolution = 128, .dissent = 0, .flat_faces = true}).faces(), 0u);
+  const std::vector<Silhouette> masks = ball_masks(24, 2 * std::numbers::pi);
+  EXPECT_EQ(VisualHull(masks, {.resolution = 64, .rule = {.dissent = 0}, .flat_faces = true}).faces(), 0u);
+  EXPECT_EQ(VisualHull(masks, {.resolution = 128, .rule = {.dissent = 0}, .flat_faces = true}).faces(), 0u);
 }
 
 TEST(FlatFaces, EndWhereTheirSurfaceEnds) {
-  std::vector<HullSurfacePoint> slab;
+  std::vector<ShapePoint> slab;
   for (int x = 0; x < 40; ++x)
     for (int y = 0; y < 40; ++y)
       for (double side : {-1.0, 1.0}) slab.push_back({{x * 0.01, y * 0.01, 0.1 * side}, {0, 0, side}});
@@ -110,13 +110,13 @@ TEST(FlatFaces, EndWhereTheirSurfaceEnds) {
 
 TEST(FlatFaces, OfNothingAreNone) {
   EXPECT_TRUE(flat_faces({}, 0.1).empty());
-  const std::vector<HullSurfacePoint> one{{{0, 0, 0}, {0, 0, 1}}};
+  const std::vector<ShapePoint> one{{{0, 0, 0}, {0, 0, 1}}};
   EXPECT_EQ(face_of({}, one[0], 0.1), nullptr);
 }
 
 TEST(VisualHull, IsAsLargeAsTheBall) {
   for (int resolution : {24, 64}) {
-    const Bounds3 bounds = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .dissent = 0}).bounds();
+    const Bounds3 bounds = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .rule = {.dissent = 0}}).bounds();
     for (size_t i = 0; i < 3; ++i) {
       EXPECT_LT(std::abs(bounds.centre()[i] - kCentre[i]), 0.03);
       EXPECT_NEAR(bounds.high[i] - bounds.low[i], 2 * kRadius, 0.06) << resolution;
@@ -125,42 +125,42 @@ TEST(VisualHull, IsAsLargeAsTheBall) {
 }
 
 TEST(VisualHull, OfOnePieceKeepsTheLargestPart) {
-  std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
-  const std::vector<HullMask> crumb = ball_masks(24, 2 * std::numbers::pi, {-0.35, 0.3, -0.2}, 0.08);
+  std::vector<Silhouette> masks = ball_masks(24, 2 * std::numbers::pi);
+  const std::vector<Silhouette> crumb = ball_masks(24, 2 * std::numbers::pi, {-0.35, 0.3, -0.2}, 0.08);
   for (size_t i = 0; i < masks.size(); ++i)
-    for (size_t p = 0; p < masks[i].mask.data().size(); ++p) masks[i].mask.data()[p] += crumb[i].mask.data()[p];
+    for (size_t p = 0; p < masks[i].value.data().size(); ++p) masks[i].value.data()[p] += crumb[i].value.data()[p];
   const View& view = masks[1].view;
   const auto shows = [&](const VisualHull& hull, const Vec3d& point) {
     const Vec3d eye = view.centre_in_world();
     return hull.first_hit(eye, point - eye).has_value();
   };
-  const HullDesc all{.resolution = 64, .dissent = 0}, one{.resolution = 64, .dissent = 0, .one_piece = true};
+  const HullDesc all{.resolution = 64, .rule = {.dissent = 0}}, one{.resolution = 64, .rule = {.dissent = 0}, .one_piece = true};
   EXPECT_TRUE(shows(VisualHull(masks, all), {-0.35, 0.3, -0.2}));
   EXPECT_FALSE(shows(VisualHull(masks, one), {-0.35, 0.3, -0.2}));
   EXPECT_TRUE(shows(VisualHull(masks, one), kCentre));
 }
 
 TEST(VisualHull, AFewPhotosWithSomethingInFrontDoNotCutItAway) {
-  std::vector<HullMask> masks = ball_masks(24, 2 * std::numbers::pi);
+  std::vector<Silhouette> masks = ball_masks(24, 2 * std::numbers::pi);
   for (size_t m : {3, 11})
     for (int y = 0; y < 80; ++y)
-      for (int x = 0; x < 48; ++x) masks[m].mask.at(x, y) = 0;
+      for (int x = 0; x < 48; ++x) masks[m].value.at(x, y) = 0;
   const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
-  EXPECT_NEAR(VisualHull(masks, {.resolution = 48, .dissent = 0.1}).bounds().diagonal(), whole, 0.1 * whole);
-  EXPECT_LT(VisualHull(masks, {.resolution = 48, .dissent = 0}).bounds().diagonal(), 0.9 * whole);
+  EXPECT_NEAR(VisualHull(masks, {.resolution = 48, .rule = {.dissent = 0.1}}).bounds().diagonal(), whole, 0.1 * whole);
+  EXPECT_LT(VisualHull(masks, {.resolution = 48, .rule = {.dissent = 0}}).bounds().diagonal(), 0.9 * whole);
 }
 
 TEST(VisualHull, PhotosThatDoNotSayCutNothingAway) {
   const double whole = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = 48}).bounds().diagonal();
-  const HullDesc desc{.resolution = 48, .dissent = 0.1};
-  std::vector<HullMask> glass = ball_masks(24, 2 * std::numbers::pi), hidden = glass, behind = glass;
+  const HullDesc desc{.resolution = 48, .rule = {.dissent = 0.1}};
+  std::vector<Silhouette> glass = ball_masks(24, 2 * std::numbers::pi), hidden = glass, behind = glass;
   for (size_t m = 0; m < glass.size(); m += 3) {  // half of the ball, in a third of the photos
-    hidden[m].zdepth = behind[m].zdepth = ImageF(96, 80, 1);
+    hidden[m].depth = behind[m].depth = ImageF(96, 80, 1);
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 48; ++x) {
-        glass[m].mask.at(x, y) = -1;
-        hidden[m].mask.at(x, y) = behind[m].mask.at(x, y) = 0;
-        hidden[m].zdepth.at(x, y) = 0.4f, behind[m].zdepth.at(x, y) = 3;
+        glass[m].value.at(x, y) = -1;
+        hidden[m].value.at(x, y) = behind[m].value.at(x, y) = 0;
+        hidden[m].depth.at(x, y) = 0.4f, behind[m].depth.at(x, y) = 3;
       }
   }
   EXPECT_NEAR(VisualHull(glass, desc).bounds().diagonal(), whole, 0.1 * whole);
@@ -176,9 +176,9 @@ TEST(VisualHull, OfPhotosFromOneSideIsNone) {
 }
 
 TEST(VisualHull, OfEmptyOrContradictingMasksIsNone) {
-  std::vector<HullMask> masks = ball_masks(9, 2 * std::numbers::pi);
-  EXPECT_TRUE(VisualHull(std::vector<HullMask>{}, {}).empty());
-  for (HullMask& m : masks) std::fill(m.mask.data().begin(), m.mask.data().end(), 0.f);
+  std::vector<Silhouette> masks = ball_masks(9, 2 * std::numbers::pi);
+  EXPECT_TRUE(VisualHull(std::vector<Silhouette>{}, {}).empty());
+  for (Silhouette& m : masks) std::fill(m.value.data().begin(), m.value.data().end(), 0.f);
   EXPECT_TRUE(VisualHull(masks, {}).empty());
 }
 

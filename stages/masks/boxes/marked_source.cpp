@@ -11,10 +11,11 @@
 #include "core/base/process.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/revolution_edges.h"
+#include "core/stereo/shape_fit.h"
 #include "core/stereo/standing_boxes.h"
+#include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/grab_cut.h"
 #include "stages/masks/boxes/up_to_root.h"
-#include "stages/masks/hull_votes.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {
@@ -60,9 +61,9 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
 
 // Where marks are tight they show lids, too, which GrabCut takes for background.
 std::vector<SolidOfRevolution> solids_of_hull(const VisualHull& marked, const std::vector<View>& views) {
-  std::vector<HullMask> seen;
-  const std::vector<std::vector<uint8_t>> inside = silhouettes(marked, views);
-  for (size_t v = 0; v < views.size(); ++v) seen.push_back(hull_mask(views[v], inside[v]));
+  std::vector<Silhouette> seen;
+  const std::vector<std::vector<uint8_t>> inside = silhouettes_of(marked, views);
+  for (size_t v = 0; v < views.size(); ++v) seen.push_back(silhouette(views[v], inside[v]));
   return solids_of_revolution(seen, marked.surface(), marked.voxel());
 }
 
@@ -111,21 +112,20 @@ struct Carried {
 // `views`: at the small size. `photos`: the same with their colours; nobody looks at them for glass.
 Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::vector<View>& views,
               const std::vector<SmallPhoto>& photos, const MarkedThing& thing) {
-  std::vector<HullMask> cones;
+  std::vector<Silhouette> cones;
   size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
   std::vector<const Mark*> mark_of(views.size(), nullptr);
   std::vector<std::vector<uint8_t>> drawn(views.size());
   for (const Mark& mark : thing.marks) {
     mark_of[mark.view] = &mark;
     drawn[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, views[mark.view].intrinsics);
-    cones.push_back(hull_mask(views[mark.view], drawn[mark.view]));
+    cones.push_back(silhouette(views[mark.view], drawn[mark.view]));
     whole += !touches_border(drawn[mark.view], views[mark.view].intrinsics);
   }
   const auto is_drawn = [&](size_t v) { return mark_of[v] != nullptr && !mark_of[v]->box; };  // a polygon
   const bool tight = thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
   HullDesc desc{.resolution = config.resolution,
-                .dissent = 0,
-                .fewest_views = std::max<size_t>(whole, 2),
+                .rule = {.dissent = 0, .fewest_views = std::max<size_t>(whole, 2)},
                 .one_piece = true,
                 .most_one_sided = kOneSided};
   const VisualHull hull(cones, desc);
@@ -136,7 +136,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
                             : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
                  .hint = "mark the whole thing, and the same thing, in photos from different sides",
                  .code = "MARKS_DISAGREE"});
-  Carried out{silhouettes(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.kind}};
+  Carried out{silhouettes_of(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.kind}};
   out.summary.marks = thing.marks.size();
   const Vec3d extent = hull.bounds().high - hull.bounds().low;
   out.summary.edge = std::max({extent.x, extent.y, extent.z});
@@ -156,23 +156,25 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
       found[v] = is_drawn(v) ? drawn[v] : grab_cut(photos[v], out.inside[v], tight);
     });
     throw_if_interrupted();
-    std::vector<HullMask> outlines;
+    std::vector<Silhouette> outlines;
     for (size_t v = 0; v < views.size(); ++v) {
       if (found[v].empty()) continue;
-      outlines.push_back(hull_mask(views[v], found[v]));
+      outlines.push_back(silhouette(views[v], found[v]));
       out.summary.refined += !is_drawn(v);
     }
-    desc.dissent = config.dissent;
-    desc.fewest_views = 3;
-    desc.flat_faces = true;  // boxes and solids of revolution are asked for
+    desc.rule = {.dissent = config.dissent};
     const VisualHull second(outlines, desc);
     if (!second.empty()) {
-      out.inside = silhouettes(second, views);
+      const FittedShapes fits = fit_shapes(outlines, second);
+      if (fits.box)
+        for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(fits.box->box, views[v]);
+      else
+        out.inside = silhouettes_of(second, views);
       out.summary.voted = true;
-      out.summary.solids = second.solids().size();
+      out.summary.solids = fits.solids.size();
       if (out.summary.solids > 0) {
         std::vector<SolidOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SolidOfRevolution>{};
-        if (solids.empty()) solids.assign(second.solids().begin(), second.solids().end());
+        if (solids.empty()) solids = fits.solids;
         const std::vector<EdgePhoto> edges = edge_photos(capture, 2 * config.max_side);
         for (SolidOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
         turn(solids, second, tight ? &hull : nullptr, views, out.inside);

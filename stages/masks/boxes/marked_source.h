@@ -46,6 +46,7 @@ class MarkedSource final : public MaskSource {
   MarkedSource(std::shared_ptr<const MarkedMasks> masks, MaskClass kind) : masks_(std::move(masks)), kind_(kind) {}
   std::string_view name() const override { return "boxes"; }
   std::optional<SoftMask> at(size_t view) const override;
+  bool propagated() const override { return true; }
   void report(nlohmann::ordered_json& j) const override;
 
  private:

@@ -11,7 +11,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
-#include "stages/masks/hull_votes.h"
+#include "core/stereo/visual_hull.h"
 
 namespace vitrine {
 
@@ -58,15 +58,15 @@ std::vector<uint8_t> opened(const std::vector<uint8_t>& mask, const Intrinsics& 
 
 // Lets the photos vote on one class.
 void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
-  std::vector<HullMask> photos;
+  std::vector<Silhouette> photos;
   std::vector<std::vector<uint8_t>> own;
   for (size_t v = 0; v < masks.views.size(); ++v) {
     own.push_back(inside_of(c.value[v]));
-    photos.push_back(hull_mask(masks.views[v], own[v]));
+    photos.push_back(silhouette(masks.views[v], own[v]));
   }
-  const VisualHull hull(photos, {.resolution = masks.config.resolution, .dissent = masks.config.dissent});
+  const VisualHull hull(photos, {.resolution = masks.config.resolution, .rule = {.dissent = masks.config.dissent}});
   if (hull.empty()) return;
-  const std::vector<std::vector<uint8_t>> carried = silhouettes(hull, masks.views);
+  const std::vector<std::vector<uint8_t>> carried = silhouettes_of(hull, masks.views);
   double sum = 0;
   size_t shown = 0;
   for (size_t v = 0; v < own.size(); ++v) {

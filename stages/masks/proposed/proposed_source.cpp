@@ -105,7 +105,6 @@ void ProposedSource::report(nlohmann::ordered_json& j) const {
   j["fit_l1"] = proposal_->fit_l1;
   j["deviation"] = {{"typical", vote.typical}, {"weak", vote.weak}, {"strong", vote.strong}};
   j["unsure"] = vote.unsure;
-  j["certain"] = !proposal_->cases.empty();
   j["cases"] = nlohmann::ordered_json::array();
   for (const DisplayCase& glass : proposal_->cases) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();

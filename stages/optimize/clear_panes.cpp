@@ -1,4 +1,4 @@
-#include "stages/optimize/glass_case.h"
+#include "stages/optimize/clear_panes.h"
 
 #include <algorithm>
 
@@ -9,13 +9,15 @@ namespace vitrine {
 namespace {
 
 constexpr double kAtFace_rel = 0.25;  // of the longest side, along the ray: what lies further behind is seen through the face
-constexpr double kOnBox_rel = 0.05;   // of the longest side: surfels that show a face lie this near to it
 constexpr double kTelling_rel = 0.2;  // of the pixels of the face that most look out through: fewer say nothing
 
 }  // namespace
 
-ShapeSet::Entry glass_case(const Box& box, const Capture& capture, const Targets& targets,
-                           std::span<const std::vector<float>> depths, size_t level) {
+ShapeSet::Entry with_clear_panes(ShapeSet::Entry sheet, const Capture& capture, const Targets& targets,
+                                 std::span<const std::vector<float>> depths, size_t level) {
+  const auto* found = std::get_if<Box>(&sheet.shape);
+  if (!found || !sheet.clear.empty()) return sheet;
+  const Box& box = *found;
   std::array<size_t, Box::kFaces> left{}, beyond{};
   const double at_face = kAtFace_rel * box.longest_side();
   for (const uint32_t photo : capture.train) {
@@ -36,15 +38,15 @@ ShapeSet::Entry glass_case(const Box& box, const Capture& capture, const Targets
       beyond[face] += z == 0 || inside < -at_face;
     }
   }
-  ShapeSet::Entry out{box, ShapeRole::Sheet, kOnBox_rel * box.longest_side(), -1, std::vector<uint8_t>(Box::kFaces)};
+  sheet.clear.assign(Box::kFaces, 0);
   size_t panes = 0;
   const double telling = kTelling_rel * double(*std::ranges::max_element(left));
   for (size_t f = 0; f < Box::kFaces; ++f) {
-    out.clear[f] = double(left[f]) < telling || 2 * beyond[f] >= left[f];
-    panes += out.clear[f];
+    sheet.clear[f] = double(left[f]) < telling || 2 * beyond[f] >= left[f];
+    panes += sheet.clear[f];
   }
   log_info("{} of the box's faces are clear panes", panes);
-  return out;
+  return sheet;
 }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// What one photo says about where a thing is: its mask, as seen by a camera.
+// A silhouette: the pixels of a photo that show an object, as its camera sees them.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,16 @@
 
 namespace vitrine {
 
-struct HullMask {
-  View view;    // intrinsics of the size of `mask`
-  ImageF mask;  // [h,w,1]; at least one half = belongs to the object, negative = the photo does not say
-  // [h,w,1] z-depth of things that may stand in front, 0 = none; empty: unknown. Outside the mask a photo says nothing about what
-  // lies behind them.
-  ImageF zdepth = {};
+struct Silhouette {
+  View view;     // intrinsics of the size of `value`
+  ImageF value;  // [h,w,1] coverage: at least one half = shows the object; negative = unknown
+  // [h,w,1] z-depth of opaque surfaces, 0 = none; empty: unknown. Pixels outside the silhouette tell nothing about the space behind
+  // these surfaces.
+  ImageF depth = {};
 };
+
+// Coverage 0 or 1, [h,w] of the view.
+Silhouette silhouette(const View& view, const std::vector<uint8_t>& inside);
 
 // 1 where meets(pixel, eye, direction of the pixel's ray), [h,w] of the view.
 template <class Meets>

@@ -1,0 +1,18 @@
+// The visual hull of a part of an object to a fraction of a pixel. The grid of a whole hull is as coarse as the largest object in
+// it, and a thin part is six of its cells wide, with normals to match; here a grid of its own, a field that is as soft as the
+// masks' edges, and its level set.
+#pragma once
+
+#include <functional>
+
+#include "core/math/rigid.h"
+#include "core/mesh/tri_mesh.h"
+#include "core/stereo/carving.h"
+
+namespace vitrine {
+
+// Smoothed, with normals. `known`: what the whole hull says about a place that is not near its surface: 1 inside, 0 outside; -1
+// near.
+TriMesh fine_hull(const Carving& carving, const Bounds3& bounds, double cell, const std::function<int(const Vec3d&)>& known);
+
+}  // namespace vitrine
