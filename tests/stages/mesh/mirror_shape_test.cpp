@@ -11,6 +11,7 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/mesh/mesh_topology.h"
 #include "tests/core/mesh/orbit.h"
 
 namespace vitrine {
