@@ -31,7 +31,7 @@ done
 install_packages "${VITRINE_PACKAGES[@]}" "${VITRINE_TEST_PACKAGES[@]}" ${programs[@]:+"${programs[@]}"}
 
 if [ "$races" = 1 ]; then
-  suites=(stage optim loss render trace model)
+  suites=(stage optim train loss render trace model)
   build "$VITRINE_ROOT/build-thread" "${suites[@]/#/test_}" -DVITRINE_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo
   say "under ThreadSanitizer: ${suites[*]}"
   for suite in "${suites[@]}"; do

@@ -1,5 +1,5 @@
 // The kinds of shapes, one row each: what files and tests need of them, beside the members that shape.h asks for. A new kind is
-// an alternative of Shape and a row; tests/shape tries every row.
+// an alternative of Shape and a row; tests/core/shape tries every row.
 #pragma once
 
 #include <optional>

@@ -8,7 +8,7 @@
 #include "core/mesh/iso_surface.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_report.h"
-#include "tests/mesh/orbit.h"
+#include "tests/core/mesh/orbit.h"
 
 namespace vitrine {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/base/rng.h"
 #include "core/relight/relit_painter.h"
 #include "core/relight/sample_points.h"
-#include "tests/evaluate/tiny_capture.h"
+#include "tests/support/tiny_capture.h"
 
 namespace vitrine {
 namespace {

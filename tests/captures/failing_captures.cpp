@@ -15,9 +15,9 @@
 #include "stages/inspect/inspect.h"
 #include "stages/sfm/sfm.h"
 #include "tests/captures/studio.h"
-#include "tests/ingest/tiny_photos.h"
-#include "tests/inspect/drawn_photos.h"
+#include "tests/stages/inspect/drawn_photos.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/tiny_photos.h"
 
 namespace vitrine {
 namespace {

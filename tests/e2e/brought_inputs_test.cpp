@@ -7,7 +7,7 @@
 #include "core/image/ldr.h"
 #include "core/image/png.h"
 #include "core/image/resample.h"
-#include "tests/ingest/tiny_photos.h"
+#include "tests/support/tiny_photos.h"
 #include "tests/support/vitrine_process.h"
 
 namespace vitrine {

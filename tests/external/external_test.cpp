@@ -10,9 +10,9 @@
 #include "core/render/renderer.h"
 #include "stages/export/export.h"
 #include "stages/export/formats/display_color.h"
-#include "tests/export/pane_scene.h"
-#include "tests/export/solid_ball.h"
 #include "tests/external/programs.h"
+#include "tests/stages/export/pane_scene.h"
+#include "tests/stages/export/solid_ball.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {

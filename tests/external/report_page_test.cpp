@@ -3,7 +3,7 @@
 
 #include "core/base/json.h"
 #include "tests/external/programs.h"
-#include "tests/report/small_output.h"
+#include "tests/pipeline/report_page/small_output.h"
 
 namespace vitrine {
 namespace {

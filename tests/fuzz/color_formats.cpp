@@ -1,7 +1,7 @@
 // Colour profiles: alone, and inside of photos.
 #include "core/image/icc.h"
 #include "tests/fuzz/entry.h"
-#include "tests/ingest/tagged_photos.h"
+#include "tests/stages/ingest/tagged_photos.h"
 
 namespace vitrine {
 

@@ -21,10 +21,10 @@
 #include "stages/ingest/develop.h"
 #include "stages/normals/network.h"
 #include "tests/fuzz/entry.h"
-#include "tests/ingest/tiny_photos.h"
-#include "tests/normals/tiny_onnx.h"
+#include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/feature_network_file.h"
 #include "tests/support/tiff_file.h"
+#include "tests/support/tiny_photos.h"
 
 namespace vitrine {
 

@@ -8,7 +8,7 @@
 #include "pipeline/report_page/facts.h"
 #include "stages/edit/edit_list.h"
 #include "stages/masks/boxes/marks_file.h"
-#include "tests/config/example.h"
+#include "tests/core/config/example.h"
 #include "tests/fuzz/entry.h"
 
 namespace vitrine {

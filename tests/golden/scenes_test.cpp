@@ -1,6 +1,6 @@
 // What programs that work on a trained scene answer to mistakes: training, mesh, pictures, lights, edits, export.
+#include "tests/core/relight/relit_ball.h"
 #include "tests/golden/told.h"
-#include "tests/relight/relit_ball.h"
 
 namespace vitrine {
 namespace {

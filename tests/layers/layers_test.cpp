@@ -111,6 +111,12 @@ TEST(Layers, ThePipelineKnowsStagesOnlyThroughTheirDescription) {
     EXPECT_NE(parts(i.target)[0], "stages") << i.file.string() << ":" << i.line << " includes " << i.target;
 }
 
+TEST(Layers, TestsOfCoreIncludeNeitherStagesNorThePipeline) {
+  const std::regex above("^(tests/)?(stages|pipeline)/");
+  for (const Include& i : includes_below(kRoot / "tests/core"))
+    EXPECT_FALSE(std::regex_search(i.target, above)) << i.file.string() << ":" << i.line << " includes " << i.target;
+}
+
 TEST(Layers, HeavyLibrariesStayOutOfPublicHeaders) {
   const std::regex heavy("^(opencv2|CGAL|embree[34]?|Eigen|ceres|OpenMesh|tbb|oneapi)/");
   for (const Include& i : includes_below(kRoot / "core")) {

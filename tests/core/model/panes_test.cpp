@@ -1,0 +1,363 @@
+// Panes of glass: pictures in flat mirrors against rays that are mirrored one by one, and what they add to a pixel.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/math/dual.h"
+#include "core/model/kernels/pane_blend.h"
+#include "core/model/layered_model.h"
+#include "core/model/pane_pass.h"
+#include "core/model/thin_glass_pass.h"
+#include "core/trace/tracer.h"
+#include "tests/core/model/exact_model.h"
+#include "tests/core/model/tiny_rooms.h"
+#include "tests/support/gradcheck.h"
+
+namespace vitrine {
+namespace {
+
+constexpr double kHalf = 0.5, kSheetTolerance = 0.05;  // of the case, a cube about the origin
+
+// A case of glass before a camera that looks into it over a corner; around it and in it large surfels.
+struct Showcase {
+  SplatScene scene{.diffuse = SplatLayer(LayerKind::Diffuse, 1, 0),
+                   .reflection = SplatLayer(LayerKind::Reflection, 1, 0),
+                   .transmittance = SplatLayer(LayerKind::Transmittance, 1, 0)};
+  View view;
+  const Box box{Mat3d::identity(), {-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}};
+  std::shared_ptr<ShapeSet> set = std::make_shared<ShapeSet>(ShapeSet{{{box, ShapeRole::Sheet, kSheetTolerance, -1, {}}}});
+  size_t panes = 0;
+
+  Showcase() {
+    const Vec3d eye{1.4, -1.9, 0.8}, z = normalized(-eye), x = normalized(cross(z, Vec3d{0, 0, 1})), y = cross(z, x);
+    view.intrinsics = {32, 28, 46, 45, 16.4, 13.7};
+    view.cam_from_world.rotation = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+    view.cam_from_world.translation = -(view.cam_from_world.rotation * eye);
+    for (size_t f = 0; f < Box::kFaces; ++f) pane(Box::face(f));
+    panes = scene.diffuse.size();
+    Rng rng(4, 4);
+    const auto colour = [&] { return Vec3d{rng.uniform_double(), rng.uniform_double(), rng.uniform_double()}; };
+    // Walls, each seen in one pane or another, and something small in the case.
+    for (const Vec3d& at : {Vec3d{2.3, 2.4, -1}, {-1.7, -2.8, -1}, {-1.7, 2.3, 1.5}, {1.7, 3.2, -1.3}, {-2.4, -2.5, -1.3}})
+      dull(scene.diffuse, {.mean = at, .normal = -at, .size = 1.2, .opacity = 0.8, .rgb = colour()});
+    dull(scene.transmittance,
+         {.mean = {-0.15, -0.1, -0.1}, .normal = {0.5, -0.8, 0.2}, .size = 0.15, .opacity = 0.95, .rgb = colour()});
+    dull(scene.reflection, {.mean = {0, 0, 6}, .normal = {0, 0, -1}, .size = 4, .opacity = 0.9, .rgb = {0.9, 0.6, 0.3}});
+  }
+  void dull(SplatLayer& layer, const RoomSurfel& s) {
+    const size_t i = add_surfel(layer, s, layer.size() + 7);
+    for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission})
+      if (layer.width(a) > 0) *layer.at(a, i) = logit(1e-4f);
+    // The rasteriser has one view direction per surfel, rays have their own.
+    std::fill_n(layer.at(Attribute::ShRest, i), layer.width(Attribute::ShRest), 0.f);
+  }
+  void pane(Box::Face face) {
+    const Vec3d n = box.normal(face), u{n.y, n.z, n.x}, v = cross(n, u);
+    for (double a : {-0.3, 0.0, 0.3})
+      for (double b : {-0.3, 0.0, 0.3}) {
+        const size_t i = add_surfel(scene.diffuse, {kHalf * n + a * u + b * v, n, 0.12, 0.97, {0.5, 0.5, 0.5}}, 1);
+        for (size_t c = 0; c < 3; ++c) scene.diffuse.at(Attribute::F0, i)[c] = logit(0.06f + 0.01f * float(c));
+        *scene.diffuse.at(Attribute::SpecularWeight, i) = logit(0.01f);
+        *scene.diffuse.at(Attribute::Transmission, i) = logit(0.97f);
+        *scene.diffuse.at(Attribute::Roughness, i) = logit(0.05f);
+      }
+  }
+  ImageOptions options() const {
+    ImageOptions o = exact_options();
+    o.transmission.glass = Glass::Thin;
+    o.shape.set = set;
+    return o;
+  }
+};
+
+TEST(MirroredView, SeesThroughTheMirrorWhatTheViewSeesInIt) {
+  const Showcase s;
+  const Vec3d n = normalized(Vec3d{0.3, -0.8, 0.2});
+  const double offset = 0.4;
+  const View behind = mirrored_view(s.view, n, offset);
+  const Mat3d& r = behind.cam_from_world.rotation;
+  EXPECT_NEAR(dot(cross(r * Vec3d{1, 0, 0}, r * Vec3d{0, 1, 0}), r * Vec3d{0, 0, 1}), 1, 1e-12) << "no mirrored camera";
+  const auto project = [](const View& view, const Vec3d& p) {
+    const Vec3d q = view.cam_from_world * p;
+    return Vec3d{view.intrinsics.fx * q.x / q.z + view.intrinsics.cx, view.intrinsics.fy * q.y / q.z + view.intrinsics.cy, q.z};
+  };
+  for (const Vec3d& p : {Vec3d{1, -2, 0.5}, {0.2, -1.5, -0.3}, {0.7, -0.9, 1}}) {
+    const Vec3d image = p - 2 * (dot(p, n) - offset) * n;  // where p seems to be
+    const Vec3d seen = project(s.view, image), taken = project(behind, p);
+    EXPECT_NEAR(taken.x, s.view.intrinsics.width - seen.x, 1e-9);
+    EXPECT_NEAR(taken.y, seen.y, 1e-9);
+    EXPECT_NEAR(taken.z, seen.z, 1e-9);
+  }
+}
+
+// Pixel by pixel: the ray mirrored at a pane, traced through everything on the mirror's side of it. (The rasteriser filters
+// what is small in the picture, such as what stands in the case, and rays do not: hence the few pixels that may differ.)
+struct Compared {
+  size_t pixels = 0, mirror = 0, differ = 0;
+  float worst = 0;
+};
+// `meets(pixel, eye, direction)`: where the ray of a pixel meets that pane as a near or a far one, if it does.
+template <class Meets>
+Compared compared_with_rays(const Showcase& s, const Frame& frame, const Facet& pane, bool of_far, const Meets& meets) {
+  const PaneImages& panes = frame.panes;
+  const size_t pixels = frame.pixel_count(), width = size_t(s.view.intrinsics.width);
+  const Vec3d &n = pane.normal, eye = s.view.centre_in_world();
+  OpenedScene opened;
+  without_glass(s.scene, 1, 1, opened);
+  const SplatLayer& room = opened.surfels;
+  SplatLayer side(LayerKind::Transmittance, 1, 0);
+  for (size_t i = 0; i < room.size(); ++i) {
+    const float* m = room.at(Attribute::Mean, i);
+    if ((dot(n, Vec3d{m[0], m[1], m[2]}) > pane.offset) == of_far) continue;
+    side.resize(side.size() + 1);
+    for (Attribute a :
+         {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
+      std::copy_n(room.at(a, i), room.width(a), side.at(a, side.size() - 1));
+  }
+  const auto tracer = make_tracer(TracerBackend::Reference);
+  tracer->build(side, {});
+  std::vector<Vec3f> origins, directions;
+  std::vector<size_t> of;
+  for (size_t i = 0; i < pixels; ++i) {
+    if (!panes.shown[i] || (of_far && panes.far_cosine[i] == 0)) continue;
+    const Vec3d d = normalized(transposed_times(s.view.cam_from_world.rotation,
+                                                s.view.intrinsics.ray(double(i % width) + 0.5, double(i / width) + 0.5)));
+    const std::optional<double> t = meets(i, eye, d);
+    if (!t) continue;
+    origins.push_back(cast<float>(eye + *t * d));
+    directions.push_back(cast<float>(d - 2 * dot(d, n) * n));
+    of.push_back(i);
+  }
+  const std::vector<float> start(of.size(), 1e-3f);
+  RayValues values;
+  tracer->forward({.origins = origins, .directions = directions, .near = start, .far = {}, .spread = {}},
+                  {.sh_degree = 1, .min_transmittance = 1e-4f}, values, nullptr);
+  Compared out{.pixels = of.size()};
+  for (size_t k = 0; k < of.size(); ++k) {
+    const auto& color = of_far ? panes.far_color : panes.near_color;
+    float error = std::abs((of_far ? panes.far_open : panes.near_open)[of[k]] - values.transmittance[k]);
+    for (size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(color[c * pixels + of[k]] - values.color[k][c]));
+    out.differ += error > 1e-3f;
+    out.worst = std::max(out.worst, error);
+    out.mirror += values.transmittance[k] < 0.5f;
+  }
+  return out;
+}
+
+TEST(Panes, MirrorWhatRaysWouldMeet) {
+  const Showcase s;
+  LayeredModel model(s.options());
+  Frame frame;
+  model.forward(s.scene, s.view, frame);
+  ASSERT_FALSE(frame.panes.empty());
+  size_t mirror[2] = {}, differ = 0;
+  float worst = 0;
+  for (const bool of_far : {false, true})
+    for (size_t f = 0; f < Box::kFaces; ++f) {
+      const auto meets = [&](size_t, const Vec3d& eye, const Vec3d& d) -> std::optional<double> {
+        const auto crossing = s.box.crossing(eye, d);
+        EXPECT_TRUE(crossing);
+        if (!crossing || !((of_far ? crossing->left : crossing->entered) == Box::face(f))) return std::nullopt;
+        return of_far ? crossing->out : crossing->in;
+      };
+      const Compared c = compared_with_rays(s, frame, s.box.facets()[f], of_far, meets);
+      mirror[of_far] += c.mirror, differ += c.differ, worst = std::max(worst, c.worst);
+    }
+  for (const size_t pixels : mirror) EXPECT_GT(pixels, 50u) << "that mirror something";
+  EXPECT_LT(differ, (mirror[0] + mirror[1]) / 20);
+  EXPECT_LT(worst, 0.3f);
+}
+
+// A single pane, whichever way its front looks: it mirrors what lies before it, and there is no second pane.
+TEST(Panes, APlaneMirrorsWhatLiesBeforeIt) {
+  Showcase s;
+  std::vector<std::vector<float>> pictures;
+  for (const double front : {1., -1.}) {
+    const Mat3d axes{{1, 0, 0}, {0, 0, front}, {0, -front, 0}};  // the side of the case that looks along -y
+    const Plane plane{{0, -kHalf, 0}, axes, {kHalf, kHalf}};
+    s.set->entries = {{plane, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
+    LayeredModel model(s.options());
+    Frame frame;
+    model.forward(s.scene, s.view, frame);
+    ASSERT_FALSE(frame.panes.empty());
+    const Facet before = {{0, -1, 0}, kHalf};
+    const Compared c = compared_with_rays(s, frame, before, false, [&](size_t, const Vec3d& eye, const Vec3d& d) {
+      const auto hit = plane.intersect({eye, d});
+      EXPECT_TRUE(hit) << "pixels that miss it show no pane";
+      return hit ? std::optional<double>(hit->t) : std::nullopt;
+    });
+    EXPECT_GT(c.pixels, 60u);
+    EXPECT_GT(c.mirror, 50u);
+    EXPECT_LT(c.differ, c.mirror / 20);
+    for (float share : frame.panes.far_share) EXPECT_EQ(share, 0);
+    pictures.push_back(frame.srgb);
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
+// The nearest sheet that the pixel shows: one in front of it that is not shown hides nothing.
+TEST(Panes, OfSheetsThatOverlapAreThoseOfTheNearestThatIsShown) {
+  Showcase s;
+  const auto picture = [&](double tolerance_of_plane, bool with_case) {
+    const Plane before{{0, -kHalf - 0.1, 0}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {2, 2}};
+    s.set->entries.clear();
+    if (with_case) s.set->entries.push_back({s.box, ShapeRole::Sheet, kSheetTolerance, -1, {}});
+    s.set->entries.push_back({before, ShapeRole::Sheet, tolerance_of_plane, -1, {}});
+    Frame frame;
+    LayeredModel(s.options()).forward(s.scene, s.view, frame);
+    return frame.panes;
+  };
+  const PaneImages hidden = picture(0.05, true), of_case = [&] {
+    s.set->entries = {{s.box, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
+    Frame frame;
+    LayeredModel(s.options()).forward(s.scene, s.view, frame);
+    return frame.panes;
+  }();
+  EXPECT_EQ(hidden.near_color, of_case.near_color);
+  EXPECT_EQ(hidden.far_share, of_case.far_share);
+  const PaneImages both = picture(0.2, true), plane = picture(0.2, false);
+  EXPECT_NE(both.near_color, of_case.near_color);
+  for (size_t i = 0; i < both.shown.size(); ++i) {
+    if (!plane.shown[i]) continue;
+    EXPECT_EQ(both.far_share[i], 0) << "the plane is in front, although it is the second of the list";
+  }
+}
+
+TEST(Panes, AddUpToThePixelAsWritten) {
+  const Showcase s;
+  ImageOptions options = s.options();
+  options.composite.layer_images = true;
+  LayeredModel model(options);
+  Frame frame;
+  model.forward(s.scene, s.view, frame);
+  const GBuffer g(frame);
+  const size_t pixels = frame.pixel_count();
+  size_t through = 0, blocked = 0;
+  for (size_t group = 0; group < frame.shaded.groups(); ++group) {
+    const uint32_t i = frame.shaded.chosen_pixel(group);
+    if (!frame.panes.shown[i]) continue;
+    const BlendMaterial<float> m = g.material(i);
+    const auto at = [&](const std::vector<float>& plane) { return Vec3f{plane[i], plane[pixels + i], plane[2 * pixels + i]}; };
+    const Vec3f c_r = frame.reflection.radiance[group], c_t = at(frame.behind.radiance);
+    const Vec3f near = at(frame.panes.near_color) + frame.panes.near_open[i] * c_r;
+    const Vec3f far = at(frame.panes.far_color) + frame.panes.far_open[i] * c_r;
+    const auto crossing = s.box.crossing(s.view.centre_in_world(), cast<double>(g.ray(i).direction_per_z));
+    const bool open = frame.behind.inner_transmittance[i] > 0.5f || double(frame.behind.median_z[i]) > crossing->out;
+    EXPECT_EQ(frame.panes.far_share[i], open ? 1 : 0);
+    const Vec3f p = (open ? 1.f : 0.f) * fresnel(m.f0, frame.panes.far_cosine[i], 1.f).value;
+    const LayerWeights<float> w = layer_weights(LayerBlend::Layered, m, {true, true});
+    const Vec3f behind = c_t + hadamard(p, far - c_t);
+    const Vec3f expected =
+        hadamard(w.diffuse, g.rgb(g.color, i)) + hadamard(w.reflection, near) + hadamard(w.transmission, behind);
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(frame.linear[c * pixels + i], expected[c], 1e-5);
+    (open ? through : blocked) += 1;
+  }
+  EXPECT_GT(through, 100u);
+  EXPECT_GT(blocked, 2u) << "of what stands in the case";
+}
+
+TEST(Panes, TakeNoPartWithoutACaseOrWhereAFaceIsNoPane) {
+  Showcase s;
+  ImageOptions options = s.options();
+  options.shape.set = nullptr;
+  LayeredModel plain(options);
+  Frame frame;
+  plain.forward(s.scene, s.view, frame);
+  EXPECT_TRUE(frame.panes.empty());
+
+  s.set->entries[0].clear.assign(Box::kFaces, 0);
+  LayeredModel model(s.options());
+  model.forward(s.scene, s.view, frame);
+  ASSERT_FALSE(frame.panes.empty());
+  for (float v : frame.panes.far_color) EXPECT_EQ(v, 0);
+  for (float v : frame.panes.far_cosine) EXPECT_EQ(v, 0);
+}
+
+// What is only guessed of the room, at the end of the diffuse layer, is not mirrored; the reflection layer shows there.
+TEST(Panes, MirrorNoGuesses) {
+  const Showcase s;
+  ImageOptions options = s.options();
+  options.panes.mirrored = s.panes;
+  LayeredModel model(options);
+  Frame frame;
+  model.forward(s.scene, s.view, frame);
+  ASSERT_FALSE(frame.panes.empty());
+  for (size_t i = 0; i < frame.pixel_count(); ++i) EXPECT_EQ(frame.panes.near_open[i], 1);
+}
+
+// Mirrored pictures count as known: gradients are those of everything else.
+TEST(Panes, GradientsMatchFiniteDifferences) {
+  Showcase s;
+  ImageOptions options = s.options();
+  LayeredModel model(options);
+  Frame frame;
+  const auto loss = [&] {
+    model.forward(s.scene, s.view, frame);
+    double sum = 0;
+    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
+    return sum;
+  };
+  loss();
+  frame.grad_srgb.resize(frame.srgb.size());
+  start_gradient(frame);
+  SplatScene grad = s.scene.zeros_like();
+  model.backward(s.scene, frame, grad);
+  const auto check = [&](LayerKind kind, Attribute a) {
+    const std::vector<double> differences = extrapolated_differences(s.scene.layer(kind).values(a), loss);
+    const auto actual = grad.layer(kind).values(a);
+    expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
+                      {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05}, std::string(row(a).name));
+  };
+  check(LayerKind::Diffuse, Attribute::F0);
+  check(LayerKind::Diffuse, Attribute::SpecularWeight);
+  check(LayerKind::Diffuse, Attribute::Transmission);
+  check(LayerKind::Reflection, Attribute::ShDc);
+  check(LayerKind::Reflection, Attribute::Opacity);
+}
+
+TEST(Panes, BytesDoNotDependOnThreads) {
+  const Showcase s;
+  std::vector<std::vector<float>> pictures;
+  for (int threads : {1, 3}) {
+    set_thread_limit(threads);
+    ImageOptions options = s.options();
+    options.diffuse.backend = Backend::Cpu;
+    LayeredModel model(options);
+    Frame frame;
+    model.forward(s.scene, s.view, frame);
+    pictures.push_back(frame.srgb);
+  }
+  set_thread_limit(0);
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
+TEST(PaneBlend, MatchesDualNumbers) {
+  using N = Dual<double, 9>;
+  const auto variable = [](const Vec3d& v, size_t at) {
+    return Vec3<N>{N::variable(v.x, at), N::variable(v.y, at + 1), N::variable(v.z, at + 2)};
+  };
+  const auto constant = [](const Vec3d& v) { return Vec3<N>{N(v.x), N(v.y), N(v.z)}; };
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    Rng rng(seed, 3);
+    const auto unit = [&] { return rng.uniform_double(); };
+    const auto vec = [&] { return Vec3d{unit(), unit(), unit()}; };
+    PaneView<double> v{vec(), vec(), unit(), unit(), seed % 4 == 0 ? 0 : unit(), unit()};
+    const PaneView<N> dual_v{constant(v.near_color), constant(v.far_color), N(v.near_open),
+                             N(v.far_open),          N(v.far_share),        N(v.far_cosine)};
+    const Vec3d f0 = vec();
+    const PaneRadiances<double> c{vec(), vec()}, g{vec(), vec()};
+    const PaneRadiances<N> out = behind_panes(dual_v, variable(f0, 0), {variable(c.reflected, 3), variable(c.transmitted, 6)});
+    const N exact = dot(out.reflected, constant(g.reflected)) + dot(out.transmitted, constant(g.transmitted));
+    Vec3d grad_f0{};
+    const PaneRadiances<double> back = behind_panes_vjp(v, f0, c, g, grad_f0);
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(grad_f0[i], exact.d[i], 1e-12);
+      EXPECT_NEAR(back.reflected[i], exact.d[3 + i], 1e-12);
+      EXPECT_NEAR(back.transmitted[i], exact.d[6 + i], 1e-12);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vitrine

@@ -1,0 +1,232 @@
+#include "core/stereo/revolution_fit.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/stereo/shape_fit.h"
+#include "core/stereo/visual_hull.h"
+#include "tests/core/stereo/outlines.h"
+
+namespace vitrine {
+namespace {
+
+const Vec3d kVaseFoot{0.03, -0.02, -0.25};
+constexpr double kVaseHeight = 0.5, kVaseVoxel = 0.008, kFullTurn = 2 * std::numbers::pi;
+
+double vase_radius(double h) { return 0.13 + 0.05 * std::cos(9 * h); }
+double vase_slope(double h) { return -0.45 * std::sin(9 * h); }
+
+struct Vase {
+  double lean = 0;  // of its axis towards x, radians
+  bool handle = false;
+  // As it stands, from as if it did not lean, and back.
+  Vec3d leaning(const Vec3d& p) const {
+    const double c = std::cos(lean), s = std::sin(lean);
+    return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+  }
+  bool inside(const Vec3d& world) const {
+    const Vec3d p = Vase{-lean}.leaning(world - kVaseFoot);
+    if (handle && std::abs(p.y) < 0.02 && p.x > 0 && p.x < 0.24 && p.z > 0.2 && p.z < 0.26) return true;
+    return p.z > 0 && p.z < kVaseHeight && std::hypot(p.x, p.y) < vase_radius(p.z);
+  }
+  std::vector<Silhouette> masks(int count) const {
+    return outlines(count, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) {
+      for (int i = 0; i < 240; ++i)
+        if (inside(eye + (0.5 + i / 240.0) * d)) return true;
+      return false;
+    });
+  }
+  // Of its wall, as a hull would have it, `bulge` too wide.
+  std::vector<ShapePoint> surface(double bulge) const {
+    std::vector<ShapePoint> points;
+    for (double h = 0; h < kVaseHeight; h += kVaseVoxel)
+      for (double a = 0; a < kFullTurn; a += 0.05) {
+        const double r = vase_radius(h) + bulge, c = std::cos(a), s = std::sin(a);
+        points.push_back({kVaseFoot + leaning({r * c, r * s, h}), leaning(normalized(Vec3d{c, s, -vase_slope(h)}))});
+      }
+    return points;
+  }
+};
+
+// Mean angle between the normals of the solid and the true ones over the middle of the height, degrees, and mean distance.
+std::pair<double, double> vase_errors(const SolidOfRevolution& solid) {
+  double angle = 0, distance = 0;
+  int count = 0;
+  for (double h = 0.06; h < 0.45; h += 0.03)
+    for (double a = 0; a < 6; a += 0.5) {
+      const Vec3d p = kVaseFoot + Vec3d{vase_radius(h) * std::cos(a), vase_radius(h) * std::sin(a), h};
+      const Vec3d n = normalized(Vec3d{std::cos(a), std::sin(a), -vase_slope(h)});
+      const ShapePoint found = solid.nearest(p);
+      angle += std::acos(std::clamp(dot(found.normal, n), -1.0, 1.0)) * 57.29578;
+      distance += length(found.position - p);
+      ++count;
+    }
+  return {angle / count, distance / count};
+}
+
+TEST(RevolutionFit, FindsAVaseWithAndWithoutAHandle) {
+  for (bool handle : {false, true}) {
+    const Vase vase{.handle = handle};
+    const auto solids = solids_of_revolution(vase.masks(24), vase.surface(0.006), kVaseVoxel);
+    ASSERT_EQ(solids.size(), 1u) << handle;
+    const auto [angle, distance] = vase_errors(solids[0]);
+    fmt::print("handle {}: normals {:.2f} deg, {:.4f} off\n", handle, angle, distance);
+    EXPECT_LT(angle, 6);
+    EXPECT_LT(distance, 0.004);  // a pixel is 0.011 wide there
+  }
+}
+
+TEST(RevolutionFit, ItsAxisMayLean) {
+  const Vase vase{.lean = 0.2};
+  const auto solids = solids_of_revolution(vase.masks(24), vase.surface(0), kVaseVoxel);
+  ASSERT_EQ(solids.size(), 1u);
+  EXPECT_NEAR(solids[0].axis.x, std::sin(0.2), 0.02);
+  EXPECT_NEAR(solids[0].axis.y, 0, 0.02);
+}
+
+TEST(RevolutionFit, SomethingInFrontOfItInAFewPhotosIsOutvoted) {
+  const Vase vase;
+  std::vector<Silhouette> masks = vase.masks(24);
+  for (size_t v : {3, 14})
+    for (int y = 0; y < 80; ++y)
+      for (int x = 40; x < 52; ++x) masks[v].value.at(x, y) = 0;
+  const auto solids = solids_of_revolution(masks, vase.surface(0), kVaseVoxel);
+  ASSERT_EQ(solids.size(), 1u);
+  EXPECT_LT(vase_errors(solids[0]).first, 6);
+}
+
+TEST(RevolutionFit, EveryThingOfAClassIsLookedAtAlone) {
+  const Vec3d ball_at{0.05, 0.28, 0};
+  const Vase vase;
+  std::vector<Silhouette> masks = vase.masks(24);
+  const auto balls = outlines(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(ball_at, 0.07, eye, d); });
+  for (size_t v = 0; v < masks.size(); ++v)
+    for (size_t i = 0; i < masks[v].value.data().size(); ++i)
+      masks[v].value.data()[i] = std::max(masks[v].value.data()[i], balls[v].value.data()[i]);
+  std::vector<ShapePoint> surface = vase.surface(0);
+  for (double h = -0.98; h < 1; h += 0.08)
+    for (double a = 0; a < kFullTurn; a += 0.09) {
+      const double r = std::sqrt(1 - h * h);
+      const Vec3d n{r * std::cos(a), r * std::sin(a), h};
+      surface.push_back({ball_at + 0.07 * n, n});
+    }
+  const auto solids = solids_of_revolution(masks, surface, kVaseVoxel);
+  ASSERT_EQ(solids.size(), 2u);
+  const bool first = solids[0].top() - solids[0].low < 0.3;  // the ball
+  EXPECT_LT(vase_errors(solids[first ? 1 : 0]).first, 6);
+  EXPECT_NEAR(*std::ranges::max_element(solids[first ? 0 : 1].radii), 0.07, 0.006);
+}
+
+TEST(RevolutionFit, ALongThingIsNone) {
+  const Vec3d half{0.3, 0.08, 0.1};
+  const auto masks = outlines(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, 0, eye, d); });
+  std::vector<ShapePoint> surface;
+  for (double z = -half.z; z < half.z; z += kVaseVoxel) {
+    for (double x = -half.x; x < half.x; x += kVaseVoxel)
+      for (double side : {-1.0, 1.0}) surface.push_back({{x, side * half.y, z}, {0, side, 0}});
+    for (double y = -half.y; y < half.y; y += kVaseVoxel)
+      for (double side : {-1.0, 1.0}) surface.push_back({{side * half.x, y, z}, {side, 0, 0}});
+  }
+  EXPECT_TRUE(solids_of_revolution(masks, surface, kVaseVoxel).empty());
+  EXPECT_TRUE(solids_of_revolution({}, surface, kVaseVoxel).empty());
+  EXPECT_TRUE(solids_of_revolution(masks, {}, kVaseVoxel).empty());
+  std::vector<Silhouette> black = Vase{}.masks(6);
+  for (Silhouette& m : black) std::ranges::fill(m.value.data(), 0.f);
+  EXPECT_TRUE(solids_of_revolution(black, Vase{}.surface(0), kVaseVoxel).empty());
+}
+
+TEST(RevolutionFit, AHullNearItTakesItsNormalsAndAHandleKeepsItsOwn) {
+  const SolidOfRevolution can{{}, {0, 0, 1}, -0.2, 0.1, {0.2, 0.2, 0.2, 0.2, 0.2}};
+  const auto near = can.smoothed({{0.21, 0, 0}, normalized(Vec3d{1, 0.3, 0.3})}, 0.01);
+  ASSERT_TRUE(near);
+  EXPECT_NEAR(length(near->position - Vec3d{0.2, 0, 0}), 0, 1e-12);
+  EXPECT_NEAR(length(near->normal - Vec3d{1, 0, 0}), 0, 1e-12);
+  const auto lid = can.smoothed({{0.1, 0, 0.21}, {0, 0, 1}}, 0.01);
+  ASSERT_TRUE(lid);
+  EXPECT_NEAR(length(lid->normal - Vec3d{0, 0, 1}), 0, 1e-12);
+  EXPECT_NEAR(length(can.nearest({0, 0, 0.3}).normal - Vec3d{0, 0, 1}), 0, 1e-12);
+  const ShapePoint handle{{0.3, 0, 0}, {1, 0, 0}};
+  EXPECT_FALSE(can.smoothed(handle, 0.01));
+  EXPECT_FALSE(on_solid(std::vector{can}, handle, 0.01));
+  EXPECT_FALSE(can.smoothed({{0.19, 0, 0}, {-1, 0, 0}}, 0.01)) << "its other side";
+}
+
+TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
+  const SolidOfRevolution can{{}, {0, 0, 1}, -0.25, 0.1, {0.2, 0.2, 0.2, 0.2, 0.2, 0.2}};
+  for (const Silhouette& m :
+       outlines(6, kFullTurn, [&](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
+    const std::vector<uint8_t> inside = outline_mask(can, m.view);
+    for (size_t i = 0; i < inside.size(); ++i) ASSERT_EQ(inside[i] != 0, m.value.data()[i] > 0) << i;
+  }
+  // A cone that widens and narrows: nothing at its tips.
+  const SolidOfRevolution top{{0.1, 0, 0}, {0, 0, 1}, -0.2, 0.2, {0.001, 0.2, 0.001}};
+  View view;
+  view.intrinsics = {80, 80, 80, 80, 40, 40};
+  view.cam_from_world = {Mat3d::identity(), {-0.1, 0, 1}};  // looks along +z from below
+  const std::vector<uint8_t> disc = outline_mask(top, view);
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const double r = std::hypot(x - 39.5, y - 39.5);
+      if (std::abs(r - 16) <= 1) continue;
+      ASSERT_EQ(disc[size_t(80 * y + x)] != 0, r < 16) << x << " " << y;
+    }
+}
+
+TEST(RevolutionFit, RaysEnterItWhereTheyFirstTouchIt) {
+  SolidOfRevolution vase{kVaseFoot, {0, 0, 1}, 0, kVaseHeight / 40, {}};
+  for (int i = 0; i <= 40; ++i) vase.radii.push_back(vase_radius(vase.step * i));
+  int met = 0;
+  for (const Silhouette& m : Vase{}.masks(12))
+    for (int y = 0; y < m.value.height(); y += 5)
+      for (int x = 0; x < m.value.width(); x += 5) {
+        const Vec3d eye = m.view.centre_in_world();
+        const Vec3d d = normalized(transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5)));
+        double marched = 0;
+        while (marched < 2 && !Vase{}.inside(eye + marched * d)) marched += 1e-3;
+        const auto t = vase.entry(eye, d);
+        if (marched < 2 && Vase{}.inside(eye + (marched + 0.02) * d)) {  // not grazing it
+          ASSERT_TRUE(t);
+          EXPECT_NEAR(*t, marched, 5e-3);
+          EXPECT_NEAR(length(vase.nearest(eye + *t * d).position - (eye + *t * d)), 0, 1e-9);
+          ++met;
+        } else if (marched >= 2) {
+          EXPECT_TRUE(!t || *vase.entry(eye, d) > 0);
+        }
+      }
+  EXPECT_GT(met, 300);
+  EXPECT_EQ(vase.entry(kVaseFoot + Vec3d{0, 0, 0.1}, {1, 0, 0}), 0.0);
+  EXPECT_FALSE(vase.entry({1, 0, 0}, {1, 0, 0}));
+  EXPECT_FALSE(vase.entry({1, 0, kVaseHeight}, {-1, 0, 0}));  // above its top
+  EXPECT_NEAR(vase.entry(kVaseFoot + Vec3d{0.02, 0.01, 2}, {0, 0, -1}).value(), 2 - kVaseHeight, 1e-12);
+}
+
+// Against its own normals: those of a hull of voxels waver.
+TEST(RevolutionFit, ItsNormalsAreBetterThanThoseOfAVisualHull) {
+  const Vase vase;
+  const std::vector<Silhouette> masks = vase.masks(24);
+  const VisualHull hull(masks, {.resolution = 64, .rule = {.dissent = 0}});
+  const FittedShapes fits = fit_shapes(masks, hull);
+  ASSERT_FALSE(fits.box);
+  ASSERT_EQ(fits.solids.size(), 1u);
+  const SurfaceOfRevolution surface = surface_of_revolution(fits.solids[0]);
+  double of_hull = 0, of_fit = 0;
+  int count = 0;
+  for (double h = 0.1; h < 0.4; h += 0.02)
+    for (double a = 0; a < 6; a += 0.3) {
+      const Vec3d out{std::cos(a), std::sin(a), 0}, eye = kVaseFoot + Vec3d{0, 0, h} + 0.9 * out;
+      const auto carved = hull.first_hit(eye, -out);
+      const auto fitted = surface.intersect({eye, -out});
+      if (!carved || !fitted) continue;
+      const Vec3d n = normalized(Vec3d{out.x, out.y, -vase_slope(h)});
+      const auto degrees = [&](const Vec3d& m) { return std::acos(std::clamp(dot(m, n), -1.0, 1.0)) * 57.29578; };
+      of_hull += degrees(carved->normal), of_fit += degrees(fitted->normal), ++count;
+    }
+  EXPECT_GT(count, 250);
+  EXPECT_LT(of_fit / count, 6);
+  EXPECT_LT(of_fit, 0.6 * of_hull);
+}
+
+}  // namespace
+}  // namespace vitrine

@@ -1,0 +1,153 @@
+// Albedo and relit pictures against a truth in another frame and unit.
+#include <gtest/gtest.h>
+
+#include "core/image/resample.h"
+#include "core/picture/relight_materials.h"
+#include "core/picture/surfel_colors.h"
+#include "core/relight/relit_painter.h"
+#include "stages/evaluate/evaluate.h"
+#include "tests/support/recording_context.h"
+#include "tests/support/tiny_capture.h"
+
+namespace vitrine::test {
+namespace {
+
+constexpr Vec3f kFactor{0.5f, 0.8f, 0.6f};  // ours = factor x truth
+
+Vec3f paint(const float* p) { return {0.5f + 0.6f * p[0], 0.45f + 0.5f * p[1], 0.5f - 0.7f * p[2]}; }
+
+// A sky that is bright towards one side of the truth's world.
+Environment sky() {
+  ImageF map(64, 32, 3);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float side =
+          std::max(0.f, dot(lat_long_direction((float(x) + 0.5f) / 64, (float(y) + 0.5f) / 32), Vec3f{0, -0.6f, 0.8f}));
+      for (int c = 0; c < 3; ++c) map.at(x, y, c) = 0.05f + (1.5f - 0.3f * float(c)) * side * side;
+    }
+  return Environment(map);
+}
+
+class AlbedoRelit : public testing::Test {
+ protected:
+  AlbedoRelit() {
+    capture.write_truth(1);
+    const size_t n = capture.layer.size();
+    RelitScene scene;
+    scene.trained.surfels.diffuse = capture.layer;
+    scene.materials.resize(n);
+    std::ranges::fill(scene.materials.roughness, 1.f);
+    std::vector<Vec3f> truth(n);
+    for (size_t i = 0; i < n; ++i) truth[i] = scene.materials.albedo[i] = paint(capture.layer.at(Attribute::Mean, i));
+    scene.mesh = sphere_mesh(TinyCapture::kRadius);
+    RelightMaterials ours = scene.materials;
+    for (Vec3f& a : ours.albedo) a = hadamard(a, kFactor);
+    write_relight_materials(relight.path(), ours);
+    write_environment(relight_environment_path(relight.path()), sky());
+
+    for (const char* f : {"albedo", "env", "relit/side"}) make_folders(capture.truth() / f);
+    write_environment(capture.truth() / "env/side.exr", sky());
+    SurfelColors albedo(capture.layer, truth, 0.01f);
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting({.environment = sky().turned(cast<float>(transposed(capture.truth_from_ours.rotation))),
+                          .points = {},
+                          .directionals = {},
+                          .areas = {}});
+    for (const View& v : capture.views) {
+      write_exr_rgb(capture.truth() / "albedo" / (v.stem() + ".exr"), albedo.picture(v), ExrPrecision::Float);
+      write_exr_rgb(capture.truth() / "relit/side" / (v.stem() + ".exr"), painter.picture(v, {.samples = 64, .seed = 9}).radiance,
+                    ExrPrecision::Float);
+    }
+  }
+
+  nlohmann::json truth_figures() {
+    auto inputs = capture.inputs(true);
+    inputs["relight"] = relight.path();
+    RecordingContext context(inputs);
+    EvaluateConfig config;
+    config.mesh_samples = 200;
+    config.relit_views = 2;
+    run_evaluate(config, context);
+    EXPECT_TRUE(fs::exists(context.output() / "eval/relit/side/view_0.png"));
+    const auto metrics = nlohmann::json::parse(read_file(context.output() / "eval/metrics.json"));
+    not_measured = metrics.value("not_measured", nlohmann::json::object());
+    return metrics.at("truth");
+  }
+
+  TinyCapture capture;
+  TemporaryFolder relight;
+  nlohmann::json not_measured;
+};
+
+TEST_F(AlbedoRelit, OneFactorPerChannelIsFoundAndTheLightIsTurnedIntoOurFrame) {
+  const auto truth = truth_figures();
+  const auto& albedo = truth.at("albedo");
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(albedo.at("scale")[c], 1 / kFactor[c], 0.02);
+  EXPECT_GT(albedo.at("psnr"), 40);
+  EXPECT_LT(albedo.at("undecomposed_psnr"), 25);
+  const auto& side = truth.at("relit").at("environments").at("side");
+  EXPECT_GT(side.at("psnr"), 28) << side;  // noise of 32 samples
+  EXPECT_EQ(side.at("views"), 2);
+
+  // The same light from elsewhere is noticed.
+  const ImageF map = sky().map();
+  ImageF upside_down(64, 32, 3);
+  for (int y = 0; y < 32; ++y) std::copy_n(map.pixel(0, 31 - y), 3 * 64, upside_down.pixel(0, y));
+  write_environment(capture.truth() / "env/side.exr", Environment(upside_down));
+  EXPECT_LT(truth_figures().at("relit").at("environments").at("side").at("psnr"), 20);
+}
+
+TEST_F(AlbedoRelit, ASmallerTruthIsComparedWithMeansOverItsPixels) {
+  for (const View& v : capture.views) {
+    const fs::path path = capture.truth() / "relit/side" / (v.stem() + ".exr");
+    write_exr_rgb(path, resized(read_exr_rgb(path), TinyCapture::kWidth / 4, TinyCapture::kHeight / 4), ExrPrecision::Float);
+  }
+  // All pixels, the ball's outline among them: a ray through the middle of each has 25 dB.
+  EXPECT_GT(truth_figures().at("relit").at("environments").at("side").at("everywhere_psnr"), 30);
+}
+
+TEST_F(AlbedoRelit, WithoutAnOpaqueObjectTheOtherFiguresStay) {
+  for (const View& v : capture.views) capture.write_mask("object", v, 0, 0);
+  const auto truth = truth_figures();
+  const auto& relit = truth.at("relit");
+  EXPECT_FALSE(relit.contains("psnr"));
+  EXPECT_TRUE(not_measured.contains("truth.relit.psnr"));
+  const auto& side = relit.at("environments").at("side");
+  EXPECT_FALSE(side.contains("psnr"));
+  EXPECT_GT(side.at("everywhere_psnr"), 20);
+  EXPECT_EQ(side.at("views"), 2);
+}
+
+TEST_F(AlbedoRelit, TruthThatShowsNothingOfOursIsNoFigure) {
+  std::vector<View> elsewhere = capture.views;
+  for (View& v : elsewhere) {
+    v.cam_from_world = transformed_world(v.cam_from_world, capture.truth_from_ours);
+    v.intrinsics.cx = -1000;
+  }
+  write_transforms_json(capture.truth() / "transforms.json", elsewhere, "../photos");
+  const auto truth = truth_figures();
+  EXPECT_EQ(truth.dump().find("null"), std::string::npos) << truth.dump(1);  // as JSON writes what is no number
+  const auto& side = truth.at("relit").at("environments").at("side");
+  EXPECT_EQ(side.at("views"), 0);
+  EXPECT_FALSE(side.contains("everywhere_psnr"));
+  EXPECT_FALSE(side.contains("ssim"));
+}
+
+TEST_F(AlbedoRelit, MaterialsOfAnotherSceneAreRefused) {
+  RelightMaterials few;
+  few.resize(3);
+  write_relight_materials(relight.path(), few);
+  auto inputs = capture.inputs(true);
+  inputs["relight"] = relight.path();
+  RecordingContext context(inputs);
+  try {
+    run_evaluate({}, context);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_EQ(e.detail().code, "BAD_RELIGHT_MATERIALS");
+  }
+}
+
+}  // namespace
+}  // namespace vitrine::test

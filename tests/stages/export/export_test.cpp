@@ -1,0 +1,362 @@
+// Write, then read with a parser that shares no code with the writer.
+#include <cstring>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "core/base/rng.h"
+#include "core/camera/colmap_model.h"
+#include "core/camera/scene_info.h"
+#include "core/math/color.h"
+#include "core/math/rigid.h"
+#include "core/mesh/mesh_io.h"
+#include "core/scene/scene_io.h"
+#include "stages/export/export.h"
+#include "stages/export/formats/display_color.h"
+#include "stages/export/formats/format.h"
+#include "tests/core/camera/tiny_model.h"
+#include "tests/support/recording_context.h"
+
+namespace vitrine {
+namespace {
+
+using test::RecordingContext;
+
+// Every property of a binary PLY of floats, by name.
+struct FloatPly {
+  std::vector<std::string> comments, properties;
+  std::vector<std::vector<float>> rows;
+  float value(size_t row, const std::string& property) const {
+    for (size_t i = 0; i < properties.size(); ++i)
+      if (properties[i] == property) return rows.at(row)[i];
+    ADD_FAILURE() << "no property " << property;
+    return 0;
+  }
+};
+
+FloatPly parsed_ply(const fs::path& path) {
+  const std::string bytes = read_file(path);
+  std::istringstream in(bytes);
+  std::string line, word;
+  FloatPly ply;
+  size_t count = 0;
+  std::getline(in, line);
+  EXPECT_EQ(line, "ply");
+  while (std::getline(in, line) && line != "end_header") {
+    std::istringstream words(line);
+    words >> word;
+    if (word == "comment") ply.comments.push_back(line.substr(8));
+    if (word == "format") {
+      EXPECT_EQ(line, "format binary_little_endian 1.0");
+    }
+    if (word == "element") words >> word >> count;
+    if (word == "property") {
+      std::string type, name;
+      words >> type >> name;
+      EXPECT_EQ(type, "float");
+      ply.properties.push_back(name);
+    }
+  }
+  const size_t start = size_t(in.tellg()), width = ply.properties.size();
+  EXPECT_EQ(bytes.size(), start + count * width * 4);
+  ply.rows.assign(count, std::vector<float>(width));
+  for (size_t i = 0; i < count; ++i) std::memcpy(ply.rows[i].data(), bytes.data() + start + i * width * 4, width * 4);
+  return ply;
+}
+
+SplatLayer random_layer(int sh_degree, size_t n) {
+  SplatLayer layer(LayerKind::Diffuse, sh_degree, n);
+  Rng rng(7);
+  for (const AttributeRow& r : kAttributes)
+    for (float& v : layer.values(r.id)) v = rng.normal();
+  return layer;
+}
+
+TriMesh tetrahedron() {
+  TriMesh m;
+  m.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  m.normals = {{-0.6f, 0, -0.8f}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  m.colors = {{1, 0, 0}, {0, 1, 0}, {0.2f, 0.2f, 0.2f}, {0, 0, 0}};
+  m.faces = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return m;
+}
+
+class ExportStage : public testing::Test {
+ protected:
+  ExportStage() { fill(random_layer(3, 50)); }
+
+  void fill(const SplatLayer& layer) {
+    make_folders(root_.path() / "optimize/gaussians");
+    make_folders(root_.path() / "mesh/mesh");
+    make_folders(root_.path() / "sfm/sparse/0");
+    write_layer(layer_path(), layer);
+    write_mesh_ply(mesh_path(), tetrahedron());
+    model_ = test::tiny_model();
+    write_colmap_model(root_.path() / "sfm/sparse/0", model_, ColmapFormat::Binary);
+    write_colmap_model(root_.path() / "sfm/sparse/0", model_, ColmapFormat::Text);
+    for (const ColmapImage& image : model_.images) {
+      make_folders((root_.path() / "sfm/images" / image.name).parent_path());
+      write_file(root_.path() / "sfm/images" / image.name, "photo " + image.name);
+    }
+    write_scene_info(root_.path() / "sfm/scene.json", {});
+  }
+  fs::path layer_path() const { return root_.path() / "optimize/gaussians/diffuse.ply"; }
+  fs::path mesh_path() const { return root_.path() / "mesh/mesh/mesh.ply"; }
+  RecordingContext context() const {
+    return RecordingContext(
+        {{"sfm", root_.path() / "sfm"}, {"optimize", root_.path() / "optimize"}, {"mesh", root_.path() / "mesh"}});
+  }
+
+  TemporaryFolder root_;
+  ColmapModel model_;
+};
+
+std::vector<std::string> property_list(int rest, int scales) {
+  std::vector<std::string> names{"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"};
+  for (int i = 0; i < rest; ++i) names.push_back("f_rest_" + std::to_string(i));
+  names.push_back("opacity");
+  for (int i = 0; i < scales; ++i) names.push_back("scale_" + std::to_string(i));
+  for (int i = 0; i < 4; ++i) names.push_back("rot_" + std::to_string(i));
+  return names;
+}
+
+TEST_F(ExportStage, Ply2dgsHoldsTheRawValuesBitForBit) {
+  RecordingContext c = context();
+  run_export({.formats = {"ply-2dgs"}}, c);
+  const FloatPly ply = parsed_ply(c.output() / "export/gaussians_2dgs.ply");
+  EXPECT_EQ(ply.properties, property_list(45, 2));
+  EXPECT_NE(std::find(ply.comments.begin(), ply.comments.end(), "color lin_rec709"), ply.comments.end());
+  const SplatLayer layer = read_layer(layer_path());
+  ASSERT_EQ(ply.rows.size(), layer.size());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    EXPECT_EQ(ply.value(i, "y"), layer.at(Attribute::Mean, i)[1]);
+    EXPECT_EQ(ply.value(i, "f_dc_2"), layer.at(Attribute::ShDc, i)[2]);
+    // Channel-major in the file, coefficient-major in memory: green's third coefficient above the DC.
+    EXPECT_EQ(ply.value(i, "f_rest_17"), layer.at(Attribute::ShRest, i)[2 * 3 + 1]);
+    EXPECT_EQ(ply.value(i, "f_rest_44"), layer.at(Attribute::ShRest, i)[14 * 3 + 2]);
+    EXPECT_EQ(ply.value(i, "opacity"), *layer.at(Attribute::Opacity, i));
+    EXPECT_EQ(ply.value(i, "scale_1"), layer.at(Attribute::LogScale, i)[1]);
+    EXPECT_EQ(ply.value(i, "rot_0"), layer.at(Attribute::Rotation, i)[0]);
+    EXPECT_EQ(ply.value(i, "rot_3"), layer.at(Attribute::Rotation, i)[3]);
+    // The disk normal is orthogonal to both axes of the disk.
+    const Vec3f n{ply.value(i, "nx"), ply.value(i, "ny"), ply.value(i, "nz")};
+    const float* q = layer.at(Attribute::Rotation, i);
+    const Mat3<float> rotation = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]}));
+    EXPECT_NEAR(length(n), 1, 1e-5);
+    EXPECT_NEAR(dot(n, rotation * Vec3f{1, 0, 0}), 0, 1e-5);
+    EXPECT_NEAR(dot(n, rotation * Vec3f{0, 1, 0}), 0, 1e-5);
+  }
+}
+
+TEST_F(ExportStage, Ply3dgsShowsTheEncodedMeanColour) {
+  RecordingContext c = context();
+  run_export({.formats = {"ply-3dgs"}}, c);
+  const FloatPly ply = parsed_ply(c.output() / "export/gaussians_3dgs.ply");
+  EXPECT_EQ(ply.properties, property_list(45, 3));
+  const SplatLayer layer = read_layer(layer_path());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    EXPECT_FLOAT_EQ(ply.value(i, "scale_2"), std::log(1e-6f));
+    EXPECT_EQ(ply.value(i, "nx"), 0);
+    for (size_t ch = 0; ch < 3; ++ch) {
+      const float linear = 0.5f + 0.28209479f * layer.at(Attribute::ShDc, i)[ch];
+      const float shown = 0.5f + 0.28209479f * ply.value(i, "f_dc_" + std::to_string(ch));
+      EXPECT_NEAR(shown, srgb_from_linear(std::max(linear, 0.f)), 1e-5);
+    }
+  }
+}
+
+TEST_F(ExportStage, DisksAreAsThinInEveryUnit) {
+  RecordingContext c = context();
+  run_export({.formats = {"ply-3dgs"}, .scale = 1000}, c);
+  const FloatPly ply = parsed_ply(c.output() / "export/gaussians_3dgs.ply");
+  const SplatLayer layer = read_layer(layer_path());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    EXPECT_NEAR(ply.value(i, "scale_0"), layer.at(Attribute::LogScale, i)[0] + std::log(1000.f), 1e-5);
+    EXPECT_NEAR(ply.value(i, "scale_2"), std::log(1e-3f), 1e-5);
+  }
+}
+
+TEST_F(ExportStage, ShDegreesOtherThanThreeKeepTheirOwnPropertyCount) {
+  for (const auto& [degree, rest] : {std::pair{0, 0}, {1, 9}, {2, 24}}) {
+    write_layer(layer_path(), random_layer(degree, 3));
+    RecordingContext c = context();
+    run_export({.formats = {"ply-2dgs", "ply-3dgs"}}, c);
+    EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_2dgs.ply").properties, property_list(rest, 2));
+    EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_3dgs.ply").properties, property_list(rest, 3));
+  }
+}
+
+TEST(DisplayColor, FollowsTheEncodedRadianceToFirstOrder) {
+  // A mid grey with a small view dependence: the encoded value along any direction agrees to second order.
+  std::vector<float> sh(3 * 4, 0.f);
+  for (size_t ch = 0; ch < 3; ++ch) sh[ch] = (0.3f - 0.5f) / kShDc;
+  sh[3 + 0] = 0.02f;
+  sh[6 + 1] = -0.015f;
+  sh[9 + 2] = 0.01f;
+  const std::vector<float> linear = sh;
+  encode_sh_for_display(sh);
+  const auto value = [](const std::vector<float>& c, const Vec3f& d, size_t ch) {
+    float basis[4];
+    sh_basis(1, d, basis);
+    float v = 0.5f;
+    for (size_t k = 0; k < 4; ++k) v += basis[k] * c[3 * k + ch];
+    return v;
+  };
+  for (const Vec3f& d : {Vec3f{1, 0, 0}, Vec3f{0, -1, 0}, Vec3f{0, 0, 1}, normalized(Vec3f{1, 2, -1})})
+    for (size_t ch = 0; ch < 3; ++ch)
+      EXPECT_NEAR(value(sh, d, ch), srgb_from_linear(value(linear, d, ch)), 2e-4);  // worst seen 1.1e-4
+}
+
+TEST(DisplayColor, DoesNotBlowUpHighlightsOfBlackSurfels) {
+  std::vector<float> sh(3 * 4, 0.f);
+  sh[0] = (0.0005f - 0.5f) / kShDc;
+  sh[6] = 0.1f;  // up to 0.0494 along +z
+  encode_sh_for_display(sh);
+  float basis[4];
+  sh_basis(1, Vec3f{0, 0, 1}, basis);
+  const float shown = 0.5f + basis[0] * sh[0] + basis[2] * sh[6];
+  const float exact = srgb_from_linear(0.0005f + 0.0488603f);
+  EXPECT_NEAR(shown, exact, 0.15f);  // the tangent at the DC would show 0.64 instead of 0.25
+}
+
+TEST_F(ExportStage, ColmapCopyReadsAsTheSameModel) {
+  RecordingContext c = context();
+  run_export({.formats = {"colmap"}}, c);
+  const fs::path out = c.output() / "export/colmap";
+  for (const ColmapImage& image : model_.images) EXPECT_EQ(read_file(out / "images" / image.name), "photo " + image.name);
+  // Independent of our reader: u64 count, then u32 id, i32 model, u64 width, u64 height of the first camera.
+  const std::string bytes = read_file(out / "sparse/0/cameras.bin");
+  uint64_t count = 0, width = 0;
+  uint32_t id = 0;
+  std::memcpy(&count, bytes.data(), 8);
+  std::memcpy(&id, bytes.data() + 8, 4);
+  std::memcpy(&width, bytes.data() + 16, 8);
+  EXPECT_EQ(count, 3u);
+  EXPECT_EQ(id, 1u);
+  EXPECT_EQ(width, 640u);
+  for (const char* part : {"cameras.txt", "images.txt", "points3D.txt", "images.bin", "points3D.bin"})
+    EXPECT_TRUE(fs::exists(out / "sparse/0" / part)) << part;
+  EXPECT_TRUE(fs::exists(out / "scene.json"));
+}
+
+TEST_F(ExportStage, MeshFilesHoldTheSameTriangles) {
+  RecordingContext c = context();
+  run_export({.formats = {"mesh-ply", "mesh-obj"}}, c);
+  std::istringstream obj(read_file(c.output() / "export/mesh.obj"));
+  std::vector<std::array<float, 3>> vertices;
+  std::vector<std::array<uint32_t, 3>> faces;
+  for (std::string line; std::getline(obj, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "v") {
+      std::array<float, 3> v{};
+      for (float& x : v) words >> x;
+      vertices.push_back(v);
+    } else if (word == "f") {
+      std::array<uint32_t, 3> f{};
+      for (uint32_t& index : f) {
+        words >> word;
+        index = uint32_t(std::stoul(word)) - 1;
+      }
+      faces.push_back(f);
+    }
+  }
+  const TriMesh expected = tetrahedron();
+  EXPECT_EQ(faces, expected.faces);
+  ASSERT_EQ(vertices.size(), 4u);
+  EXPECT_FLOAT_EQ(vertices[3][2], 1);
+  // The PLY: 4 vertices, 4 faces of a count byte and three 4-byte indices at the very end.
+  const std::string ply = read_file(c.output() / "export/mesh.ply");
+  EXPECT_NE(ply.find("element vertex 4\n"), std::string::npos);
+  EXPECT_NE(ply.find("element face 4\n"), std::string::npos);
+  uint32_t last[3];
+  std::memcpy(last, ply.data() + ply.size() - 12, 12);
+  EXPECT_EQ(ply[ply.size() - 13], 3);
+  for (size_t k = 0; k < 3; ++k) EXPECT_EQ(last[k], expected.faces[3][k]);
+}
+
+TEST_F(ExportStage, EveryFormatListsItsFilesAndWhatIsLost) {
+  RecordingContext c = context();
+  run_export(ExportConfig{}, c);
+  const std::string list = read_file(c.output() / "export/formats.json");
+  for (const ExportFormat& f : export_formats()) {
+    EXPECT_FALSE(f.holds.empty() || f.loses.empty() || f.summary.empty()) << f.name;
+    EXPECT_NE(list.find('"' + std::string(f.name) + '"'), std::string::npos) << f.name;
+  }
+  EXPECT_EQ(ExportConfig{}.formats.size(), export_formats().size());
+  EXPECT_NE(c.summary_text.find(fmt::format("{} formats", export_formats().size())), std::string::npos);
+}
+
+TEST_F(ExportStage, TwoRunsGiveTheSameBytes) {
+  RecordingContext a = context(), b = context();
+  run_export(ExportConfig{}, a);
+  run_export(ExportConfig{}, b);
+  for (const auto& entry : fs::recursive_directory_iterator(a.output()))
+    if (entry.is_regular_file()) {
+      EXPECT_EQ(read_file(entry.path()), read_file(b.output() / fs::relative(entry.path(), a.output()))) << entry.path();
+    }
+}
+
+TEST(ExportConfigTest, UnknownAndRepeatedFormatsAreRefused) {
+  Stage stage = export_stage();
+  Option* formats = stage.options.find("formats");
+  ASSERT_NE(formats, nullptr);
+  try {
+    formats->assign_list({"ply-2dsg"}, "--set");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Usage);
+    EXPECT_NE(std::string(e.what()).find("ply-2dgs"), std::string::npos) << e.what();
+  }
+  formats->assign_list({"colmap", "colmap"}, "--set");
+  EXPECT_NE(stage.problem().find("colmap"), std::string::npos);
+}
+
+// Damaged inputs: truncated at many places, and with single bytes changed. An Error{Input}, or a file that is still valid.
+TEST_F(ExportStage, DamagedInputsAreNamedErrorsNeverACrash) {
+  size_t refused = 0;
+  const auto attempt = [&](const std::vector<std::string>& formats, const fs::path& path, const std::string& bytes) {
+    write_file(path, bytes);
+    RecordingContext c = context();
+    try {
+      run_export({.formats = formats, .texture_size = 32}, c);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::Input) << e.what();
+      EXPECT_NE(std::string(e.what()).find(root_.path().string()), std::string::npos) << e.what();
+      ++refused;
+    }
+  };
+  const std::vector<std::pair<fs::path, std::vector<std::string>>> cases{{layer_path(), {"ply-2dgs", "ply-3dgs", "mesh-glb"}},
+                                                                         {mesh_path(), {"mesh-ply", "mesh-obj", "mesh-glb"}},
+                                                                         {root_.path() / "sfm/sparse/0/images.bin", {"colmap"}},
+                                                                         {root_.path() / "sfm/sparse/0/cameras.bin", {"colmap"}}};
+  Rng rng(3);
+  for (const auto& [path, formats] : cases) {
+    const std::string good = read_file(path);
+    for (int i = 0; i < 8; ++i) attempt(formats, path, good.substr(0, rng.below(uint32_t(good.size()))));
+    EXPECT_GE(refused, 8u) << "a truncated " << path << " passed";
+    for (int i = 0; i < 24; ++i) {
+      std::string bad = good;
+      bad[rng.below(uint32_t(i < 16 ? std::min<size_t>(good.size(), 400) : good.size()))] = char(rng.below(256));
+      attempt(formats, path, bad);
+    }
+    refused = 0;
+    write_file(path, good);
+  }
+}
+
+TEST_F(ExportStage, AMissingPhotoIsAnErrorThatNamesIt) {
+  fs::remove(root_.path() / "sfm/images/a.jpg");
+  RecordingContext c = context();
+  try {
+    run_export({.formats = {"colmap"}}, c);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::Input);
+    EXPECT_NE(std::string(e.what()).find("a.jpg"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace vitrine

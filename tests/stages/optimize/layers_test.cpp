@@ -1,0 +1,156 @@
+// Runs of more than one layer, on a tiny scene with a mirror whose photos our own image model took.
+#include <gtest/gtest.h>
+
+#include "core/base/hash.h"
+#include "core/base/parallel.h"
+#include "core/picture/trained_scene.h"
+#include "core/scene/scene_io.h"
+#include "core/stereo/box_fit.h"
+#include "stages/optimize/optimize.h"
+#include "tests/stages/optimize/test_context.h"
+#include "tests/stages/optimize/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using testing::Stopped;
+using testing::TestContext;
+
+OptimizeConfig layered_config(int iterations) {
+  OptimizeConfig config = testing::tiny_config(iterations);
+  config.checkpoint_every = 7;
+  config.phases.reflection.hull_points = config.phases.transmittance.hull_points = 150;
+  return config;
+}
+
+class LayeredRun : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder("layers-test");
+    testing::write_tiny_sfm(folder_->path() / "sfm", 18, 48, 36, testing::tiny_mirror_scene());
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+    set_thread_limit(0);
+  }
+  static TestContext context(const std::string& name) {
+    TestContext c(folder_->path() / "sfm", folder_->path() / name);
+    c.masks = folder_->path() / "sfm";
+    return c;
+  }
+  // Killed before these steps, the run ends with the bytes of one that was left alone.
+  static void expect_same_bytes(const OptimizeConfig& config, const TestContext& whole, TestContext& killed,
+                                std::initializer_list<int> stops) {
+    for (int stop : stops) {
+      killed.after_step = [stop](int step) {
+        if (step == stop) throw Stopped{};
+      };
+      EXPECT_THROW(run_optimize(config, killed), Stopped);
+    }
+    killed.after_step = nullptr;
+    run_optimize(config, killed);
+    EXPECT_EQ(digest_folder(whole.output()), digest_folder(killed.output()));
+  }
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* LayeredRun::folder_ = nullptr;
+
+TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
+  OptimizeConfig config = layered_config(60);
+  config.layers = "full";
+  config.phases.reflection.from = 0.3;
+  config.phases.transmittance.from = 0.5;
+  TestContext whole = context("whole");
+  whole.thread_count = 1;
+  run_optimize(config, whole);
+  EXPECT_GT(read_layer(whole.output() / "gaussians/transmittance.ply").size(), 0u);
+  TestContext killed = context("killed");
+  killed.thread_count = 3;
+  expect_same_bytes(config, whole, killed, {12, 18, 19, 29, 31, 59});  // layers begin at 18 and 30
+}
+
+// A case of glass in the middle of the scene, by its outlines: found as a box, mirrored in, remembered by checkpoints and by the
+// description of the scene.
+TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
+  const Box box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
+  const fs::path masks = folder_->path() / "case";
+  fs::create_directories(masks / "masks/transparent");
+  for (const View& view : testing::ring_of_views(18, 48, 36)) {
+    const std::vector<uint8_t> inside = outline_mask(box, view);
+    Image8 mask(48, 36, 1);
+    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
+    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
+  }
+  OptimizeConfig config = layered_config(60);
+  config.layers = "full";
+  const auto context_of = [&](const std::string& name, int threads) {
+    TestContext c = context(name);
+    c.masks = masks;
+    c.thread_count = threads;
+    return c;
+  };
+  TestContext whole = context_of("whole case", 1), killed = context_of("killed case", 3);
+  run_optimize(config, whole);
+  const ImageOptions image = read_image_options(whole.output() / "optimize/model.json");
+  ASSERT_TRUE(knows(image.shape.set.get(), ShapeRole::Sheet));
+  const Box found = std::get<Box>(image.shape.set->entries.at(0).shape);
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(found.distance(box.corner(i)), 0, 0.03) << "half a pixel is 0.01";
+  EXPECT_LT(image.panes.mirrored, read_layer(whole.output() / "gaussians/diffuse.ply").size()) << "guesses are not mirrored";
+  expect_same_bytes(config, whole, killed, {8, 10, 20, 45, 59});  // glass begins at 9
+  config.shading.panes = false;
+  TestContext plain = context_of("plain case", 2);
+  run_optimize(config, plain);
+  EXPECT_FALSE(knows(read_image_options(plain.output() / "optimize/model.json").shape.set.get(), ShapeRole::Sheet));
+  EXPECT_NE(digest_folder(whole.output()), digest_folder(plain.output()));
+}
+
+TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
+  const fs::path masks = folder_->path() / "proposed";
+  fs::create_directories(masks / "masks");
+  fs::copy(folder_->path() / "sfm/masks/specular", masks / "masks/specular");
+  const auto has_reflection = [&](const char* name, const std::string& report, const std::string& layers) {
+    if (!report.empty()) write_file(masks / "masks/report.json", report);
+    OptimizeConfig config = layered_config(8);
+    config.layers = layers;
+    config.fill_unseen = false;
+    TestContext c = context(name);
+    c.masks = masks;
+    run_optimize(config, c);
+    return fs::exists(c.output() / "gaussians/reflection.ply");
+  };
+  EXPECT_TRUE(has_reflection("own", "", "auto"));
+  EXPECT_TRUE(has_reflection("files", R"({"classes": {"specular": {"source": "files"}}})", "auto"));
+  EXPECT_FALSE(has_reflection("guess", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "auto"));
+  EXPECT_TRUE(has_reflection("case", R"({"classes": {"specular": {"source": "proposed", "guessed": false}}})", "auto"));
+  EXPECT_TRUE(has_reflection("forced", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "full"));
+  EXPECT_THROW(has_reflection("broken", "{", "auto"), Error);
+}
+
+TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
+  OptimizeConfig config = layered_config(3);
+  const auto code_of = [&](const fs::path& masks) {
+    TestContext c = context("bad");
+    c.masks = masks;
+    try {
+      run_optimize(config, c);
+    } catch (const Error& e) {
+      return e.kind() == ErrorKind::Input ? e.detail().code : std::string("another kind");
+    }
+    return c.warnings.empty() ? std::string() : c.warnings.front();
+  };
+  const fs::path folder = folder_->path();
+  write_ldr(folder / "strange/masks/specular/nobody.png", Image8(48, 36, 1, 255));
+  EXPECT_EQ(code_of(folder / "strange"), "MASKS_MATCH_NO_PHOTO");
+  write_ldr(folder / "small/masks/specular/view_03.png", Image8(24, 18, 1, 255));
+  EXPECT_EQ(code_of(folder / "small"), "MASK_SIZE");
+  for (const View& view : testing::ring_of_views(18, 48, 36)) {
+    write_ldr(folder / "black/masks/specular" / (view.stem() + ".png"), Image8(48, 36, 1, 0));
+    write_ldr(folder / "white/masks/ignore" / (view.stem() + ".png"), Image8(48, 36, 1, 255));
+  }
+  EXPECT_EQ(code_of(folder / "black"), "MASK_EMPTY");
+  EXPECT_EQ(code_of(folder / "white"), "MASK_COVERS_MOST");
+}
+
+}  // namespace
+}  // namespace vitrine

@@ -1,0 +1,185 @@
+// The stage on folders: what it writes, reads back and refuses.
+#include "stages/shapes/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/camera/colmap_model.h"
+#include "core/camera/scene_info.h"
+#include "core/camera/view_masks.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/mesh/mesh_io.h"
+#include "core/shape/shape_file.h"
+#include "core/stereo/shapes_artifact.h"
+#include "tests/stages/shapes/rod.h"
+#include "tests/core/stereo/outlines.h"
+#include "tests/support/error_of.h"
+#include "tests/support/recording_context.h"
+
+namespace vitrine {
+namespace {
+
+using test::RecordingContext;
+
+const Box kCase{Mat3d::identity(), {-0.45, -0.15, -0.2}, {-0.1, 0.15, 0.2}};
+
+// A case of glass, and a ball of metal with a handle, as the stages before leave them.
+struct Scene {
+  TemporaryFolder folder;
+  fs::path sfm() const { return folder.path() / "sfm"; }
+  fs::path masks() const { return folder.path() / "masks"; }
+
+  Scene() {
+    const Vec3d ball{0.25, 0, 0};
+    const test::Rod handle{{0.42, 0, 0.03}, {0.6, 0, 0.1}};
+    const auto glass =
+        outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return kCase.crossing(eye, d).has_value(); });
+    const auto metal = outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+      return meets_ball(ball, 0.2, eye, d) || handle.distance(eye, d) < 0.035;
+    });
+    ColmapModel model;
+    Gains gains;
+    model.cameras.push_back(colmap_pinhole(1, glass[0].view.intrinsics));
+    for (uint32_t v = 0; v < glass.size(); ++v) {
+      View view = glass[v].view;
+      view.name = fmt::format("v{:02}.jpg", v);
+      model.images.push_back(
+          {v + 1, quaternion(view.cam_from_world.rotation), view.cam_from_world.translation, 1, view.name, {}});
+      make_folders(linear_image_path(sfm(), view).parent_path());
+      write_exr_rgb(linear_image_path(sfm(), view), ImageF(view.intrinsics.width, view.intrinsics.height, 3, 0.3f));
+      gains[view.name] = {1, 1, 1};
+      // Held-out photos are marked all over: whoever looks at them fails.
+      const bool heldout = is_heldout(v, 8);
+      for (const auto& [kind, silhouette] : {std::pair(MaskClass::Transparent, &glass[v]), std::pair(MaskClass::Specular, &metal[v])}) {
+        Image8 mask(view.intrinsics.width, view.intrinsics.height, 1, uint8_t(255));
+        for (size_t i = 0; !heldout && i < mask.data().size(); ++i) mask.data()[i] = silhouette->value.data()[i] > 0 ? 255 : 0;
+        make_folders(view_mask_path(masks(), kind, view).parent_path());
+        write_ldr(view_mask_path(masks(), kind, view), mask);
+      }
+    }
+    write_colmap_model(sfm() / "sparse/0", model, ColmapFormat::Binary);
+    make_folders(sfm() / "sfm");
+    write_gains(sfm() / "sfm/gains.json", gains);
+    write_scene_info(sfm() / "scene.json", {});
+  }
+};
+
+const Scene& scene() {
+  static const Scene scene;
+  return scene;
+}
+
+std::unique_ptr<RecordingContext> run(std::map<std::string, fs::path> more = {},
+                                      const std::vector<std::pair<std::string, std::string>>& options = {}) {
+  more["sfm"] = scene().sfm();
+  auto context = std::make_unique<RecordingContext>(more);
+  Stage stage = shapes_stage();
+  stage.options.find("resolution")->assign("64", "test");
+  for (const auto& [path, text] : options) stage.options.find(path)->assign(text, "test");
+  stage.run(*context);
+  return context;
+}
+std::unique_ptr<RecordingContext> fitted() { return run({{"masks", scene().masks()}}); }
+
+TEST(ShapesStage, FindsACaseAndABallWithItsHandle) {
+  const auto context = fitted();
+  const ShapeSet set = read_shapes_artifact(context->output());
+  ASSERT_EQ(set.entries.size(), 3u);
+  EXPECT_TRUE(std::holds_alternative<Box>(set.entries[0].shape));
+  EXPECT_TRUE(std::holds_alternative<SurfaceOfRevolution>(set.entries[1].shape));
+  EXPECT_EQ(set.entries[2].parent, 1);
+  for (size_t i = 0; i < 8; ++i) EXPECT_NEAR(kCase.distance(std::get<Box>(set.entries[0].shape).corner(i)), 0, 0.01);
+  const auto j = nlohmann::json::parse(read_file(context->output() / "shapes/shapes.json"));
+  for (size_t i : {0, 1}) {
+    EXPECT_GT(j["shapes"][i]["inside_masks"], 0.93);
+    EXPECT_GT(j["shapes"][i]["masks_covered"], 0.93);
+    EXPECT_EQ(j["shapes"][i]["source"], "fitted");
+  }
+  EXPECT_GT(read_mesh_ply(context->output() / "shapes/shapes.ply").faces.size(), 500u);
+  EXPECT_TRUE(fs::exists(context->output() / "shapes/contact_sheet.png"));
+}
+
+TEST(ShapesStage, GivesTheSameBytesForAnyNumberOfThreads) {
+  const auto bytes = [](int threads) {
+    set_thread_limit(threads);
+    const auto context = fitted();
+    set_thread_limit(0);
+    return read_file(context->output() / "shapes/shapes.json") + read_file(context->output() / "shapes/shapes.ply");
+  };
+  EXPECT_EQ(bytes(1), bytes(4));
+}
+
+// A person turns the case's floor into no pane and raises its roof; all else stays as it was found.
+TEST(ShapesStage, TakesWhatAPersonCorrected) {
+  const auto found = fitted();
+  TemporaryFolder mine;
+  fs::copy(found->output() / "shapes", mine.path(), fs::copy_options::recursive);
+  auto j = nlohmann::ordered_json::parse(read_file(mine.path() / "shapes.json"));
+  j["shapes"][0]["high"][2] = 0.25;
+  j["shapes"][0]["clear"] = {1, 1, 1, 1, 0, 1};
+  write_file(mine.path() / "shapes.json", readable(j));
+  for (const fs::path& given : {mine.path() / "shapes.json", mine.path()}) {
+    const auto context = run({{"masks", scene().masks()}, {"shapes", given}});
+    const ShapeSet set = read_shapes_artifact(context->output());
+    ASSERT_EQ(set.entries.size(), 3u);
+    EXPECT_EQ(std::get<Box>(set.entries[0].shape).high.z, 0.25);
+    EXPECT_FALSE(set.entries[0].is_clear(4));
+    EXPECT_EQ(nlohmann::json::parse(read_file(context->output() / "shapes/shapes.json"))["shapes"][1]["source"], "given");
+    EXPECT_TRUE(context->warnings.empty());
+  }
+  EXPECT_EQ(meant_shapes(mine.path() / "shapes.json"), mine.path()) << "its meshes are part of it";
+  const auto again = run({{"masks", scene().masks()}, {"shapes", mine.path()}}, {{"source", "fitted"}});
+  EXPECT_LT(std::get<Box>(read_shapes_artifact(again->output()).entries[0].shape).high.z, 0.22);
+  const auto none = run({{"masks", scene().masks()}, {"shapes", mine.path()}}, {{"source", "none"}});
+  EXPECT_TRUE(read_shapes_artifact(none->output()).entries.empty());
+}
+
+TEST(ShapesStage, SaysWhenPhotosDoubtAGivenShape) {
+  TemporaryFolder mine;
+  const ShapeSet wrong{.entries = {{Box{Mat3d::identity(), {0.1, 0.2, 0.2}, {0.4, 0.5, 0.5}}, ShapeRole::Sheet, 0.01, -1, {}}}};
+  write_file(mine.path() / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(wrong, mine.path())}}.dump());
+  const auto doubted = run({{"masks", scene().masks()}, {"shapes", mine.path() / "shapes.json"}});
+  EXPECT_TRUE(doubted->warnings.contains("SHAPE_OUTSIDE_MASKS"));
+  const auto unmarked = run({{"shapes", mine.path() / "shapes.json"}});
+  EXPECT_TRUE(unmarked->warnings.contains("SHAPES_WITHOUT_MASKS"));
+  EXPECT_EQ(read_shapes_artifact(unmarked->output()).entries.size(), 1u);
+}
+
+TEST(ShapesStage, NamesThePlaceOfAMistake) {
+  TemporaryFolder mine;
+  const fs::path file = mine.path() / "shapes.json";
+  const auto error_in = [&](const std::string& text) {
+    write_file(file, text);
+    return error_of([&] { run({{"shapes", file}}); });
+  };
+  const std::string box = R"({"kind": "box", "role": "sheet", "tolerance": 0.02,
+    "axes": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "low": [0, 0, 0], "high": [1, 1, 1]})";
+  EXPECT_EQ(error_in("{\"shapes\": [\n" + box + ",\n{\"kind\": \"cube\"}]}").detail().where, file.string() + ":4:1");
+  EXPECT_EQ(error_in(R"({"shapes": 3})").kind(), ErrorKind::Input);
+  EXPECT_EQ(error_in("{}").kind(), ErrorKind::Input);
+  EXPECT_EQ(error_in("not JSON").kind(), ErrorKind::Input);
+  EXPECT_EQ(error_in(R"({"shapes": [{"kind": "triangles", "role": "mirror", "tolerance": 1, "mesh": "shape_0.ply"}]})").kind(),
+            ErrorKind::Input)
+      << "its mesh is missing";
+}
+
+TEST(ShapesStage, WithoutMasksNothingIsFound) {
+  const auto context = run();
+  EXPECT_TRUE(read_shapes_artifact(context->output()).entries.empty());
+  EXPECT_FALSE(fs::exists(context->output() / "shapes/shapes.ply"));
+}
+
+TEST(ReadableJson, PutsPlainArraysOnALine) {
+  const auto text = R"({"a [b": [1, 2.5, "x\" ] y"], "c": [[1, 2], [3, 4]], "d": [], "e": {"f": [true, null]}})";
+  const auto j = nlohmann::ordered_json::parse(text);
+  const std::string out = readable(j);
+  EXPECT_EQ(nlohmann::ordered_json::parse(out), j);
+  EXPECT_NE(out.find("\n    [1, 2],\n"), std::string::npos) << out;
+  EXPECT_NE(out.find("\"f\": [true, null]"), std::string::npos) << out;
+}
+
+}  // namespace
+}  // namespace vitrine
