@@ -70,7 +70,7 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
   expect_same_bytes(config, whole, killed, {12, 18, 19, 29, 31, 59});  // layers begin at 18 and 30
 }
 
-// A case of glass in the middle of the scene, by its outlines: found as a box, mirrored in, remembered by checkpoints and by the
+// A case of glass in the middle of the scene, a known box: mirrored in, remembered by checkpoints and by the
 // description of the scene.
 TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   const Box box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
@@ -82,11 +82,15 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
     for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
     write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
   }
+  const fs::path shapes = folder_->path() / "case shapes/shapes";
+  fs::create_directories(shapes);
+  const ShapeSet known{{{box, ShapeRole::Sheet, 0.02, -1, {}}}};
+  write_file(shapes / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(known, shapes)}}.dump());
   OptimizeConfig config = layered_config(60);
   config.layers = "full";
   const auto context_of = [&](const std::string& name, int threads) {
     TestContext c = context(name);
-    c.masks = masks;
+    c.masks = masks, c.shapes = shapes.parent_path();
     c.thread_count = threads;
     return c;
   };

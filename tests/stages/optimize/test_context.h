@@ -37,7 +37,7 @@ class TestContext final : public StageContext {
     EXPECT_EQ(name, "sfm");
     return sfm_;
   }
-  std::optional<fs::path> optional_input(std::string_view name) const override { return name == "masks" ? masks : std::nullopt; }
+  std::optional<fs::path> optional_input(std::string_view name) const override { return name == "masks" ? masks : name == "shapes" ? shapes : std::nullopt; }
   const fs::path& output() const override { return output_; }
   const fs::path& scratch() const override { return scratch_; }
   int threads() const override { return thread_count; }
@@ -53,7 +53,7 @@ class TestContext final : public StageContext {
 
   int thread_count = 2;
   size_t memory = 0;
-  std::optional<fs::path> masks;  // an artifact of the masks stage
+  std::optional<fs::path> masks, shapes;  // artifacts of these stages
   std::function<void(int)> after_step;
   Progress last_progress;
   std::map<std::string, double> metrics, timings;
