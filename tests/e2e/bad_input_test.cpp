@@ -80,7 +80,7 @@ TEST_F(TinyRoom, AGreyCardThatIsNotThereEndsTheRunBeforeItBegins) {
   EXPECT_TRUE(unknown.has("error: the grey card cannot be found\n  where  img_0099.png:1,2,3,4\n  why    no photo in "))
       << unknown.text;
   EXPECT_FALSE(fs::exists(out()));
-  EXPECT_EQ(room(true_poses(), {"--set", "relight.grey_card=img_0003.png"}).exit, 2);
+  EXPECT_EQ(room(true_poses(), {"--set", "decompose.grey_card=img_0003.png"}).exit, 2);
   EXPECT_EQ(room(true_poses(), {"--grey-card", "img_0003.png:1,2,3,4", "--dry-run"}).exit, 0);
 }
 

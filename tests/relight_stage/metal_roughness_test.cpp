@@ -1,4 +1,4 @@
-#include "stages/relight/metal_roughness.h"
+#include "stages/decompose/metal_roughness.h"
 
 #include <cmath>
 

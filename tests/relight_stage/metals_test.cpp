@@ -1,4 +1,4 @@
-#include "stages/relight/metals.h"
+#include "stages/decompose/metals.h"
 
 #include <algorithm>
 #include <numbers>
@@ -7,7 +7,7 @@
 
 #include "core/light/environment.h"
 #include "core/math/spherical_harmonics.h"
-#include "stages/relight/light_solver.h"
+#include "stages/decompose/light_solver.h"
 #include "tests/evaluate/tiny_capture.h"
 #include "tests/support/error_of.h"
 
@@ -163,7 +163,7 @@ TEST(Metals, MetalsLoseTheirPaintAndGlazesTheirGloss) {
   found.things = {{.metal = true, .reflectance = PolishedBall::kCopper}, {.reflectance = {0.04f, 0.04f, 0.04f}}};
   found.of_surfel = {-1, 0, 1};
   found.gloss = {{}, {}, {0.1f, 0.1f, 0.1f}};
-  RelightMaterials materials;
+  DecomposedMaterials materials;
   materials.resize(3);
   std::ranges::fill(materials.albedo, Vec3f{0.4f, 0.4f, 0.4f});
   polish_materials(found, scene, {{0.2f, 0.2f, 0.2f}, {0.2f, 0.2f, 0.2f}, {0.2f, 0.4f, 0.05f}}, materials);

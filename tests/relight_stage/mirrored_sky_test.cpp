@@ -1,5 +1,5 @@
 // The height of walls, from what a mirror shows of them.
-#include "stages/relight/mirrored_sky.h"
+#include "stages/decompose/mirrored_sky.h"
 
 #include <cmath>
 #include <numbers>

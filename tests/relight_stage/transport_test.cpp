@@ -1,5 +1,5 @@
 // The parts that the decomposition is put together from: directions, light that reaches points, and what points lend each other.
-#include "stages/relight/transport.h"
+#include "stages/decompose/transport.h"
 
 #include <algorithm>
 #include <numbers>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/rng.h"
-#include "stages/relight/affinity.h"
-#include "stages/relight/spread.h"
+#include "stages/decompose/affinity.h"
+#include "stages/decompose/spread.h"
 
 namespace vitrine {
 namespace {

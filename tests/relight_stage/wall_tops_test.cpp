@@ -1,5 +1,5 @@
 // Walls whose tops no photo shows: continued while the solved light above them is no brighter than they are.
-#include "stages/relight/wall_tops.h"
+#include "stages/decompose/wall_tops.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // The program behind `vitrine relight` on a ball whose materials are known.
-#include "stages/relit/relit.h"
+#include "stages/relight/relight.h"
 
 #include <gtest/gtest.h>
 
 #include "core/math/color.h"
-#include "core/picture/relight_materials.h"
-#include "stages/relit/turntable.h"
+#include "core/picture/decomposed_materials.h"
+#include "stages/relight/turntable.h"
 #include "tests/evaluate/tiny_capture.h"
 #include "tests/relight/relit_ball.h"
 #include "tests/support/error_of.h"
@@ -17,23 +17,23 @@ namespace {
 using test::RecordingContext;
 using test::TinyCapture;
 
-class RelitStage : public testing::Test {
+class RelightStage : public testing::Test {
  protected:
-  RelitStage() {
-    make_folders(relight() / "relight");
-    write_relight_materials(relight(), test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
-    write_environment(relight_environment_path(relight()), Environment(ImageF(16, 8, 3, 1.f)));
+  RelightStage() {
+    make_folders(decompose() / "decompose");
+    write_decomposed_materials(decompose(), test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
+    write_environment(decomposed_environment_path(decompose()), Environment(ImageF(16, 8, 3, 1.f)));
     write_environment(folder.path() / "probe.exr", axis_probe(32));
   }
-  fs::path relight() const { return folder.path() / "artifact"; }
+  fs::path decompose() const { return folder.path() / "artifact"; }
   fs::path probe() const { return folder.path() / "probe.exr"; }
   std::map<std::string, fs::path> inputs(std::map<std::string, fs::path> more = {}) const {
-    more.insert({{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"relight", relight()}});
+    more.insert({{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose()}});
     return more;
   }
-  Error error_with(std::map<std::string, fs::path> more, const RelitConfig& config = {.samples = 1}) const {
+  Error error_with(std::map<std::string, fs::path> more, const RelightConfig& config = {.samples = 1}) const {
     RecordingContext context(inputs(std::move(more)));
-    const Error e = error_of([&] { run_relit(config, context); });
+    const Error e = error_of([&] { run_relight(config, context); });
     EXPECT_FALSE(fs::exists(context.output() / "relit")) << "nothing is written before everything is known to be good";
     return e;
   }
@@ -42,9 +42,9 @@ class RelitStage : public testing::Test {
   TinyCapture capture;
 };
 
-TEST_F(RelitStage, HeldOutViewsUnderANewLight) {
+TEST_F(RelightStage, HeldOutViewsUnderANewLight) {
   RecordingContext context(inputs({{"env", probe()}}));
-  run_relit({.samples = 4, .exposure = 1, .auto_exposure = false}, context);
+  run_relight({.samples = 4, .exposure = 1, .auto_exposure = false}, context);
   const fs::path out = context.output() / "relit" / "probe";
   for (const char* file : {"view_0.png", "view_0.exr", "contact_sheet.png", "transforms.json", "settings.json"})
     EXPECT_TRUE(fs::exists(out / file)) << file;
@@ -60,21 +60,21 @@ TEST_F(RelitStage, HeldOutViewsUnderANewLight) {
   EXPECT_EQ(context.metrics.at("views"), 1);
 }
 
-TEST_F(RelitStage, WithoutALightTheOneOfThePhotosShines) {
+TEST_F(RelightStage, WithoutALightTheOneOfThePhotosShines) {
   RecordingContext context(inputs());
-  run_relit({.width = 32, .height = 24, .samples = 16}, context);
+  run_relight({.width = 32, .height = 24, .samples = 16}, context);
   const ImageF picture = read_exr_rgb(context.output() / "relit/captured/view_0.exr");
   ASSERT_EQ(picture.width(), 32);
   EXPECT_NEAR(picture.at(16, 12, 0), 0.8, 0.03);  // constant light of 1: the albedo
   EXPECT_NEAR(picture.at(16, 12, 2), 0.2, 0.03);
 }
 
-TEST_F(RelitStage, PicturesAreDevelopedToMiddleGreyWhateverTheUnitsOfTheMap) {
+TEST_F(RelightStage, PicturesAreDevelopedToMiddleGreyWhateverTheUnitsOfTheMap) {
   std::vector<ImageF> pictures;
   for (const float radiance : {0.02f, 50.f}) {
     write_environment(folder.path() / "white.exr", Environment(ImageF(16, 8, 3, radiance)));
     RecordingContext context(inputs({{"env", folder.path() / "white.exr"}}));
-    run_relit({.width = 32, .height = 24, .samples = 16}, context);
+    run_relight({.width = 32, .height = 24, .samples = 16}, context);
     pictures.push_back(read_srgb(context.output() / "relit/white/view_0.png"));
   }
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(pictures[0].at(16, 12, c), pictures[1].at(16, 12, c), 0.03);
@@ -82,10 +82,10 @@ TEST_F(RelitStage, PicturesAreDevelopedToMiddleGreyWhateverTheUnitsOfTheMap) {
   EXPECT_NEAR(linear_from_srgb(pictures[0].at(16, 12, 1)), 0.4 / 0.47 * 0.18, 0.02);
 }
 
-TEST_F(RelitStage, RotationTurnsTheLight) {
+TEST_F(RelightStage, RotationTurnsTheLight) {
   const auto corner = [&](double degrees) {
     RecordingContext context(inputs({{"env", probe()}}));
-    run_relit({.width = 32, .height = 24, .samples = 4, .rotate = degrees}, context);
+    run_relight({.width = 32, .height = 24, .samples = 4, .rotate = degrees}, context);
     return read_exr_rgb(context.output() / "relit/probe/view_0.exr");
   };
   const ImageF at_0 = corner(0), at_360 = corner(360), at_90 = corner(90);
@@ -96,15 +96,15 @@ TEST_F(RelitStage, RotationTurnsTheLight) {
   for (int c = 0; c < 3; c += 2) EXPECT_GT(at_90.at(1, 1, 1), 3 * at_90.at(1, 1, c));
 }
 
-TEST_F(RelitStage, AnEnvironmentAndLampsTogetherHaveAFolderOfTheirOwn) {
+TEST_F(RelightStage, AnEnvironmentAndLampsTogetherHaveAFolderOfTheirOwn) {
   write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: point, position: [1, 0, 0.2], intensity: 1}\n");
   RecordingContext context(inputs({{"env", probe()}, {"lights", folder.path() / "lamps.yaml"}}));
-  run_relit({.width = 16, .height = 12, .samples = 1}, context);
+  run_relight({.width = 16, .height = 12, .samples = 1}, context);
   EXPECT_TRUE(fs::exists(context.output() / "relit/probe_lamps/view_0.png"));
   EXPECT_FALSE(fs::exists(context.output() / "relit/probe"));
 }
 
-TEST_F(RelitStage, MissingViewsAreCalledByTheirName) {
+TEST_F(RelightStage, MissingViewsAreCalledByTheirName) {
   capture.write_split({}, {1, 2});
   const Error heldout = error_with({});
   EXPECT_EQ(heldout.detail().code, "NO_VIEWS");
@@ -115,7 +115,7 @@ TEST_F(RelitStage, MissingViewsAreCalledByTheirName) {
   EXPECT_NE(std::string(train.what()).find("no training views"), std::string::npos) << train.what();
 }
 
-TEST_F(RelitStage, ATurntableGoesAroundWhatThePhotosLookAt) {
+TEST_F(RelightStage, ATurntableGoesAroundWhatThePhotosLookAt) {
   EXPECT_LT(length(point_looked_at(capture.views)), 1e-6);
   const std::vector<View> views = turntable_views(capture.views, 8);
   ASSERT_EQ(views.size(), 8u);
@@ -131,28 +131,28 @@ TEST_F(RelitStage, ATurntableGoesAroundWhatThePhotosLookAt) {
   const std::vector<View> half(capture.views.begin(), capture.views.begin() + 4);
   for (const View& v : turntable_views(half, 8)) EXPECT_GT(v.centre_in_world().y, -1e-6);
   RecordingContext context(inputs({{"env", probe()}}));
-  run_relit({.turntable = 3, .width = 16, .height = 12, .samples = 1}, context);
+  run_relight({.turntable = 3, .width = 16, .height = 12, .samples = 1}, context);
   EXPECT_TRUE(fs::exists(context.output() / "relit/probe/frame_0002.png"));
 }
 
-TEST_F(RelitStage, LampsAloneLightTheScene) {
+TEST_F(RelightStage, LampsAloneLightTheScene) {
   write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: point, position: [1, 0, 0.2], intensity: 1}\n");
   RecordingContext context(inputs({{"lights", folder.path() / "lamps.yaml"}}));
-  run_relit({.samples = 1}, context);
+  run_relight({.samples = 1}, context);
   const ImageF picture = read_exr_rgb(context.output() / "relit/lamps/view_0.exr");
   EXPECT_EQ(picture.at(1, 1, 0), 0);  // no environment behind
   EXPECT_GT(picture.at(32, 24, 0), 0.3);
 }
 
 // As resampling leaves them around lamps, in maps that people share.
-TEST_F(RelitStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
+TEST_F(RelightStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
   ImageF map(16, 8, 3, 2.f);
   std::vector<ImageF> pictures;
   for (const float level : {0.f, -3.f}) {
     map.at(4, 3, 1) = level;
     write_exr_rgb(folder.path() / "sky.exr", map, ExrPrecision::Float);
     RecordingContext context(inputs({{"env", folder.path() / "sky.exr"}}));
-    run_relit({.width = 16, .height = 12, .samples = 1}, context);
+    run_relight({.width = 16, .height = 12, .samples = 1}, context);
     EXPECT_EQ(context.warnings.contains("ENV_NEGATIVE"), level < 0);
     if (level < 0) {
       EXPECT_EQ(context.warnings["ENV_NEGATIVE"], "1 of 128 texels of sky.exr are darker than black: taken for black there");
@@ -162,7 +162,7 @@ TEST_F(RelitStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
   EXPECT_EQ(pictures[0], pictures[1]);
 }
 
-TEST_F(RelitStage, BadInputIsRefusedBeforeAnythingIsWritten) {
+TEST_F(RelightStage, BadInputIsRefusedBeforeAnythingIsWritten) {
   const fs::path bad = folder.path() / "bad.exr";
   write_exr_rgb(bad, ImageF(8, 8, 3));
   EXPECT_EQ(error_with({{"env", bad}}).detail().code, "ENV_SHAPE");
@@ -180,14 +180,14 @@ TEST_F(RelitStage, BadInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(error_with({{"lights", folder.path() / "lamps.yaml"}}).kind(), ErrorKind::Usage);
 }
 
-TEST_F(RelitStage, ScenesThatCannotBeRelitSaySo) {
-  RelightMaterials few;
+TEST_F(RelightStage, ScenesThatCannotBeRelitSaySo) {
+  DecomposedMaterials few;
   few.resize(3);
-  write_relight_materials(relight(), few);
+  write_decomposed_materials(decompose(), few);
   EXPECT_EQ(error_with({}).detail().code, "BAD_MATERIALS");
-  fs::remove(relight_materials_path(relight()));
+  fs::remove(decomposed_materials_path(decompose()));
   EXPECT_EQ(error_with({}).kind(), ErrorKind::Input);
-  write_relight_materials(relight(), test::relit_ball({1, 1, 1}).materials);
+  write_decomposed_materials(decompose(), test::relit_ball({1, 1, 1}).materials);
   write_mesh_ply(capture.mesh() / "mesh/mesh.ply", TriMesh{});
   EXPECT_EQ(error_with({}).kind(), ErrorKind::Input);
 }
