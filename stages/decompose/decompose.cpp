@@ -28,7 +28,7 @@
 #include "stages/decompose/painted_shell.h"
 #include "stages/decompose/pictures.h"
 #include "stages/decompose/spread.h"
-#include "stages/decompose/wall_tops.h"
+#include "stages/decompose/wall_extension.h"
 
 namespace vitrine {
 
@@ -193,7 +193,7 @@ class Decomposition {
                              .range_sigma = float(config_.solver.range_sigma),
                              .white = float(config_.white_albedo)});
     horizon_ = mirrored_horizon(scene_.surfels.reflection, points_);
-    tops_ = continued_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
+    walls_ = extended_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
     context_.timing("light", clock.seconds());
   }
 
@@ -305,7 +305,7 @@ class Decomposition {
     write_decomposed_materials(out, materials_);
     write_environment(decomposed_environment_path(out), Environment(environment()));
     if (!shell_.faces.empty())
-      write_mesh_ply(decomposed_surroundings_path(out), painted_shell(tops_, layer(), irradiance_, float(4 * outer_voxel_)));
+      write_mesh_ply(decomposed_surroundings_path(out), painted_shell(walls_, layer(), irradiance_, float(4 * outer_voxel_)));
     const fs::path sfm = context_.input("sfm");
     const std::optional<double> baked = write_decompose_pictures({.sfm_folder = sfm,
                                                                   .output = out,
@@ -327,7 +327,7 @@ class Decomposition {
          {{"share_of_sphere", around_.wall_share()},
           {"faces", shell_.faces.size()},
           {"sky_distance", sky_distance_},
-          {"continued_to_sine", tops_.sine},
+          {"continued_to_sine", walls_.sine},
           {"mirrored_sky_from_sine", horizon_ ? nlohmann::ordered_json(*horizon_) : nlohmann::ordered_json()}}},
         {"light_known_share", solution_.known_share},
         {"misfit_log_rms", solution_.misfit},
@@ -380,7 +380,7 @@ class Decomposition {
   std::vector<uint32_t> chosen_;
   LightSolution solution_;
   std::optional<float> horizon_;
-  WallTops tops_;
+  ExtendedWalls walls_;
   std::vector<Vec3f> irradiance_;
   DecomposedMaterials materials_;
   std::vector<Polished> polished_;

@@ -1,9 +1,7 @@
 // Decompose: the colours of the diffuse layer taken apart into albedo and light (algorithms 7.3, "bake then solve").
 // README.md teaches the method and the options.
 //   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
-//   writes  decompose/materials.ply, decompose/environment.exr, decompose/surroundings.ply, decompose/report.json,
-//   decompose/albedo.png,
-//           decompose/baked.png
+//   writes  decompose/{materials.ply,environment.exr,surroundings.ply,report.json,albedo.png,baked.png}
 #pragma once
 
 #include <string>

@@ -8,14 +8,14 @@
 
 namespace vitrine {
 
-TriMesh painted_shell(const WallTops& tops, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach) {
-  TriMesh shell = tops.around.shell();
+TriMesh painted_shell(const ExtendedWalls& walls, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach) {
+  TriMesh shell = walls.around.shell();
   // Corners of the shell stand in the order of the texels with walls. A wall that was continued is seen where it begins.
   std::vector<Vec3f> shown;
-  for (size_t t = 0; t < tops.source.size(); ++t)
-    if (tops.around.wall[t]) {
-      const size_t from = tops.source[t];
-      shown.push_back(tops.around.centre + tops.around.distance[from] * tops.around.direction(from));
+  for (size_t t = 0; t < walls.source.size(); ++t)
+    if (walls.around.wall[t]) {
+      const size_t from = walls.source[t];
+      shown.push_back(walls.around.centre + walls.around.distance[from] * walls.around.direction(from));
     }
   std::vector<Vec3f> positions;
   std::vector<uint32_t> index;

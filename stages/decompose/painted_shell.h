@@ -5,13 +5,13 @@
 
 #include "core/mesh/tri_mesh.h"
 #include "core/scene/layers.h"
-#include "stages/decompose/wall_tops.h"
+#include "stages/decompose/wall_extension.h"
 
 namespace vitrine {
 
 inline constexpr float kMaxAlbedo = 0.98f;  // of what gives back no more light than it gets
 
 // `irradiance` [surfels of `layer`] under the light of the photos; surfels within `reach` of a corner tell its own.
-TriMesh painted_shell(const WallTops& tops, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach);
+TriMesh painted_shell(const ExtendedWalls& walls, const SplatLayer& layer, std::span<const Vec3f> irradiance, float reach);
 
 }  // namespace vitrine

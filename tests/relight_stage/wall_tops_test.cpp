@@ -1,5 +1,5 @@
 // Walls whose tops no photo shows: continued while the solved light above them is no brighter than they are.
-#include "stages/decompose/wall_tops.h"
+#include "stages/decompose/wall_extension.h"
 
 #include <cmath>
 
@@ -38,56 +38,56 @@ std::vector<Vec3f> light_above(const LightGrid& grid, float dark_to) {
   return light;
 }
 
-TEST(WallTops, GoOnUpToTheLight) {
+TEST(WallExtension, GoOnUpToTheLight) {
   const LightGrid grid;
   const Surroundings seen = round_wall();
-  const WallTops tops = continued_walls(seen, grid, light_above(grid, 0.625f), std::vector<bool>(grid.cells(), true));
-  EXPECT_FLOAT_EQ(tops.sine, 0.625f);
+  const ExtendedWalls walls = extended_walls(seen, grid, light_above(grid, 0.625f), std::vector<bool>(grid.cells(), true));
+  EXPECT_FLOAT_EQ(walls.sine, 0.625f);
   size_t added = 0;
   for (size_t t = 0; t < seen.wall.size(); ++t) {
     const Vec3f d = seen.direction(t);
-    if (tops.source[t] == t) {
-      EXPECT_EQ(tops.around.distance[t], seen.distance[t]);
+    if (walls.source[t] == t) {
+      EXPECT_EQ(walls.around.distance[t], seen.distance[t]);
       continue;
     }
     ++added;
     EXPECT_LE(d.z, 0.625f);
     EXPECT_GT(d.z, kWallTop);
-    EXPECT_NEAR(tops.around.distance[t] * std::hypot(d.x, d.y), 2, 1e-4);
-    EXPECT_TRUE(tops.around.wall[t] && seen.wall[tops.source[t]]);
-    EXPECT_EQ(tops.around.radiance[t], kPaint);
+    EXPECT_NEAR(walls.around.distance[t] * std::hypot(d.x, d.y), 2, 1e-4);
+    EXPECT_TRUE(walls.around.wall[t] && seen.wall[walls.source[t]]);
+    EXPECT_EQ(walls.around.radiance[t], kPaint);
   }
   EXPECT_GT(added, 500u);
   // Where the room is open nothing was seen, and nothing is added.
-  EXPECT_FALSE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, -1, 0.4f}))]);
-  EXPECT_TRUE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
+  EXPECT_FALSE(walls.around.wall[seen.texel_of(normalized(Vec3f{0, -1, 0.4f}))]);
+  EXPECT_TRUE(walls.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
 }
 
-TEST(WallTops, EndWhereAMirrorShowsTheSky) {
+TEST(WallExtension, EndWhereAMirrorShowsTheSky) {
   const LightGrid grid;
   const Surroundings seen = round_wall();
   const std::vector<bool> all(grid.cells(), true);
-  const WallTops tops = continued_walls(seen, grid, light_above(grid, 0.625f), all, 0.45f);
-  EXPECT_FLOAT_EQ(tops.sine, 0.45f);
-  EXPECT_TRUE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
-  EXPECT_FALSE(tops.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.6f}))]);
-  EXPECT_FLOAT_EQ(continued_walls(seen, grid, light_above(grid, 0.625f), all, 0.9f).sine, 0.625f)
+  const ExtendedWalls walls = extended_walls(seen, grid, light_above(grid, 0.625f), all, 0.45f);
+  EXPECT_FLOAT_EQ(walls.sine, 0.45f);
+  EXPECT_TRUE(walls.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.4f}))]);
+  EXPECT_FALSE(walls.around.wall[seen.texel_of(normalized(Vec3f{0, 1, 0.6f}))]);
+  EXPECT_FLOAT_EQ(extended_walls(seen, grid, light_above(grid, 0.625f), all, 0.9f).sine, 0.625f)
       << "no higher than the light says";
 }
 
-TEST(WallTops, StopAtLightSkyAndUnknownDirections) {
+TEST(WallExtension, StopAtLightSkyAndUnknownDirections) {
   const LightGrid grid;
-  const auto untouched = [](const WallTops& tops, const Surroundings& seen) { return tops.around.wall == seen.wall; };
+  const auto untouched = [](const ExtendedWalls& walls, const Surroundings& seen) { return walls.around.wall == seen.wall; };
   Surroundings seen = round_wall();
   const std::vector<bool> all(grid.cells(), true), none(grid.cells(), false);
-  EXPECT_TRUE(untouched(continued_walls(seen, grid, light_above(grid, 0.f), all), seen)) << "sky right above the wall";
-  EXPECT_TRUE(untouched(continued_walls(seen, grid, light_above(grid, 0.625f), none), seen)) << "no cell was solved for";
+  EXPECT_TRUE(untouched(extended_walls(seen, grid, light_above(grid, 0.f), all), seen)) << "sky right above the wall";
+  EXPECT_TRUE(untouched(extended_walls(seen, grid, light_above(grid, 0.625f), none), seen)) << "no cell was solved for";
   const Surroundings half = round_wall(0.f);
-  EXPECT_TRUE(untouched(continued_walls(half, grid, light_above(grid, 0.625f), all), half)) << "half of the room is open";
+  EXPECT_TRUE(untouched(extended_walls(half, grid, light_above(grid, 0.625f), all), half)) << "half of the room is open";
   // Photos show sky above the wall.
   for (size_t t = 0; t < seen.wall.size(); ++t)
     if (!seen.wall[t] && seen.direction(t).z > kWallTop) seen.distance[t] = 50;
-  EXPECT_TRUE(untouched(continued_walls(seen, grid, light_above(grid, 0.625f), all), seen)) << "sky is seen";
+  EXPECT_TRUE(untouched(extended_walls(seen, grid, light_above(grid, 0.625f), all), seen)) << "sky is seen";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "stages/decompose/wall_tops.h"
+#include "stages/decompose/wall_extension.h"
 
 #include <algorithm>
 #include <array>
@@ -50,9 +50,9 @@ float wall_luminance(const Surroundings& around) {
 
 }  // namespace
 
-WallTops continued_walls(const Surroundings& around, const LightGrid& grid, std::span<const Vec3f> light,
-                         const std::vector<bool>& free, float horizon) {
-  WallTops out{around, std::vector<size_t>(around.distance.size()), 0};
+ExtendedWalls extended_walls(const Surroundings& around, const LightGrid& grid, std::span<const Vec3f> light,
+                             const std::vector<bool>& free, float horizon) {
+  ExtendedWalls out{around, std::vector<size_t>(around.distance.size()), 0};
   std::iota(out.source.begin(), out.source.end(), size_t(0));
   const size_t width = 2 * size_t(around.height);
   std::vector<Top> tops(width);
