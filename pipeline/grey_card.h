@@ -1,5 +1,6 @@
 // The grey card of a run, looked at before hours are spent on the way to the stage that needs it: the text must have its form and
-// name one of the photos. Whether the box lies in the photo is known once the photos are undistorted: the relight stage says it.
+// name one of the photos. Whether the box lies in the photo is known once the photos are undistorted: the decompose stage says
+// it.
 #pragma once
 
 #include <string>

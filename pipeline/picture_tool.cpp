@@ -48,13 +48,13 @@ std::optional<Manifest> pictures_before(ArtifactStore& store, const std::string&
 
 }  // namespace
 
-void add_picture_options(CommandLine& cli, PictureArguments& a, const std::string& folder) {
+void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureTool& tool) {
   cli.value("views", 0, "WHICH", a.views,
             "heldout, train, all, or a camera path: a file like the scene's transforms.json, in its frame.");
   cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as the path says.");
-  cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", folder));
-  cli.values("set", 0, "OPTION=VALUE", a.sets, fmt::format("An option of vitrine-{}.", folder));
-  cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", folder));
+  cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", tool.folder));
+  cli.values("set", 0, "OPTION=VALUE", a.sets, fmt::format("An option of vitrine-{}.", tool.name));
+  cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", tool.folder));
   cli.flag("force", 0, a.force, "Compute the pictures even if they are in the store.");
   cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Pictures do not depend on it.");
   cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
@@ -104,9 +104,9 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
     before = pictures_before(store, tool.name, *last, result.manifest);
   publish(result.entry, result.manifest, target, before ? &*before : nullptr);
   if (target == there) set_current_key(project, role, result.key);
-  if (!a.quiet) fmt::print("{}\n", (target / tool.name).string());
+  if (!a.quiet) fmt::print("{}\n", (target / tool.folder).string());
   // The report shows the relit pictures; a folder that has none yet gets it from its next run.
-  if (tool.name == "relit" && target == there && fs::exists(html_report_path(project))) {
+  if (tool.name == "relight" && target == there && fs::exists(html_report_path(project))) {
     const auto why_not = write_html_report(project, true);
     if (why_not && !a.quiet) fmt::print("note: report.html does not show these pictures yet: {}\n", *why_not);
   }

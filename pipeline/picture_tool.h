@@ -14,16 +14,15 @@ struct PictureArguments {
   int threads = 0;
   bool edited = false, force = false, no_progress = false, quiet = false, help = false;
 };
-// `folder`: what the pictures appear in.
-void add_picture_options(CommandLine& cli, PictureArguments& a, const std::string& folder);
-
 struct PictureTool {
-  std::string name;                                       // "render": program vitrine-render, store and folder `render`
+  std::string name;                                       // "render": program vitrine-render, and its part of the store
+  std::string folder;                                     // in which the pictures appear
   std::vector<std::string> stages;                        // whose artifacts it reads
   std::vector<std::string> optional_stages = {"refine"};  // likewise, where there are any
   std::string missing;                                    // "there is no trained scene yet"
   Words words;                                            // more arguments for the program
 };
+void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureTool& tool);
 // The project folder of the words that the command line left over, or the current folder.
 fs::path picture_project(const Words& rest);
 // --input NAME=PATH of a file that the user names. Throws Error{Input} when there is none.

@@ -75,6 +75,8 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
   for (const StageNode& n : graph_.nodes) chosen_.insert(n.name);
   if (!selection_.to.empty()) {
     const StageNode& to = graph_.at(selection_.to);
+    if (selection_.from == selection_.to) selection_.from = to.name;  // --only: told once
+    selection_.to = to.name;
     chosen_ = graph_.ancestors(to);
     chosen_.insert(to.name);
   }

@@ -36,7 +36,7 @@ say "run: vitrine run $photos -o $out --preset preview"
 "$vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
 [[ " ${options[*]} " != *" --dry-run "* && " ${options[*]} " != *" -n "* ]] || exit 0
 # A road that ended early (--to mesh) knows no materials, and there is nothing to relight.
-if [ -e "$out/relight/materials.ply" ]; then
+if [ -e "$out/decompose/materials.ply" ]; then
   lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
   say "relight: vitrine relight $out --lights $lamps"
   "$vitrine" relight "$out" --lights "$lamps"

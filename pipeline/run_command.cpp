@@ -53,7 +53,7 @@ CommandLine run_command_line(RunArguments& a) {
             "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
   cli.value(
       "grey-card", 0, "PHOTO:X,Y,W,H", a.grey_card,
-      "A card of known albedo (relight.grey_albedo, 0.18), which sets the scale of all albedos and the colour of the light: a "
+      "A card of known albedo (decompose.grey_albedo, 0.18), which sets the scale of all albedos and the colour of the light: a "
       "box in one photo, in pixels of that photo in the output folder's `images`.");
   cli.section("which stages");
   cli.value("from", 0, "STAGE", a.selection.from, "Leave the stages before this one as they are.");
@@ -119,7 +119,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.shapes", a.shapes, "--shapes");
   flag("input.normals", a.normals, "--normals");
   flag("input.truth", a.truth, "--truth");
-  flag("relight.grey_card", a.grey_card, "--grey-card");
+  flag("decompose.grey_card", a.grey_card, "--grey-card");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
   if (a.max_gaussians > 0) {
@@ -206,12 +206,14 @@ int dry_run(Planner& planner, const fs::path& project) {
 int run(const RunArguments& a, const Words& words, bool& opened) {
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);
+  if (is_project(target.project)) adopt_old_results(target.project);
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
+  settings.log_warnings();
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
-  if (const Option* card = settings.options.table.find("relight.grey_card"); card != nullptr && !card->text().empty())
+  if (const Option* card = settings.options.table.find("decompose.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
   check_inputs_apart(target.project, graph, settings);
   Planner planner(graph, settings, target.project, a.selection);

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <sstream>
 
+#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
+#include "core/base/log.h"
 #include "core/config/apply.h"
 #include "core/config/text.h"
 
@@ -14,11 +17,6 @@ namespace vitrine {
 namespace {
 
 constexpr const char* kDefaultPreset = "standard";
-
-struct LayerFile {
-  fs::path path;
-  std::string prefix;  // "mesh" for stages/mesh.yaml
-};
 
 bool is_there(const fs::path& path) {
   std::error_code ec;
@@ -90,6 +88,8 @@ Settings::Settings(const Graph& graph) {
   for (const StageNode& node : graph.nodes) {
     options.table.groups.push_back({node.name, node.summary});
     options.add_json(node.description, node.name);
+    if (const std::string before(stage_name_before(node.name)); !before.empty())
+      options.table.renamed.push_back({before, node.name});
   }
 }
 
@@ -131,6 +131,19 @@ bool Settings::apply_preset(const std::string& name, const std::string& where, C
   return true;
 }
 
+void Settings::rename_layers(std::vector<LayerFile>& files, ConfigErrors& errors) const {
+  std::map<std::string, std::string> given;  // section -> file
+  for (LayerFile& file : files) {
+    if (file.prefix.empty()) continue;
+    const std::string now = options.table.present_path(file.prefix);
+    if (const auto [first, fresh] = given.emplace(now, file.path.string()); !fresh)
+      errors.add(file.path.string(),
+                 fmt::format("'{}' is of the same stage, by its old or new name: leave one of them out", first->second));
+    if (now != file.prefix) errors.warn(file.path.string(), renamed_stage_message(file.prefix, now));
+    file.prefix = now;
+  }
+}
+
 void Settings::load(const SettingsDesc& desc) {
   std::vector<LayerFile> files;
   if (const auto user = user_config()) files.push_back({*user, {}});
@@ -143,6 +156,8 @@ void Settings::load(const SettingsDesc& desc) {
     std::sort(found.begin(), found.end());
     for (const fs::path& path : found) files.push_back({path, path.stem().string()});
   }
+  ConfigErrors errors;
+  rename_layers(files, errors);
   const size_t first_of_command = files.size();
   for (const std::string& path : desc.configs) files.push_back({path, {}});
 
@@ -170,7 +185,6 @@ void Settings::load(const SettingsDesc& desc) {
   for (const FlagValue& flag : desc.flags) look_for_preset(flag.path + "=" + flag.value, flag.origin.c_str());
   for (const std::string& word : desc.sets) look_for_preset(word, "--set");
 
-  ConfigErrors errors;
   const bool preset_known = apply_preset(preset, preset_origin, errors);
   std::vector<std::string> origins;
   const auto remember = [&] {
@@ -197,11 +211,16 @@ void Settings::load(const SettingsDesc& desc) {
   for (const FlagValue& flag : desc.flags) apply(flag.path + "=" + flag.value, flag.origin);
   for (const std::string& word : desc.sets) apply(word, "--set");
   anchor_paths(before, fs::current_path());
+  warnings_ = errors.warnings();
   errors.throw_if_any("`vitrine config reference` prints all options; `vitrine config show --origin` where each value came from");
   for (size_t i = 0; i < options.table.options.size(); ++i)
     if (options.table.options[i].origin != origins[i]) from_command.insert(options.table.options[i].path);
   if (preset_from_command) from_command.insert("preset");
   find_truth();
+}
+
+void Settings::log_warnings() const {
+  for (const std::string& warning : warnings_) log_warning("{}", warning);
 }
 
 void Settings::find_truth() {

@@ -16,7 +16,7 @@ namespace vitrine {
 
 namespace {
 
-bool replaced_by_edits(const std::string& stage) { return stage == "optimize" || stage == "mesh" || stage == "relight"; }
+bool replaced_by_edits(const std::string& stage) { return stage == "optimize" || stage == "mesh" || stage == "decompose"; }
 
 }  // namespace
 
@@ -81,7 +81,7 @@ EditedScene edited_scene(const fs::path& project, const fs::path& edits, const W
         {.where = file.string(), .hint = "vitrine edit PROJECT edits.yaml", .code = replay ? "NO_EDITS" : "MISSING_INPUT"});
   Words call = tool_call("edit", project,
                          {.stages = {"sfm", "optimize", "mesh"},
-                          .optional = {"refine", "relight", "masks"},
+                          .optional = {"refine", "decompose", "masks"},
                           .missing = "there is no scene to edit yet"});
   call.insert(call.end(), {"--input", "edits=" + file.string()});
   const ToolResult result = run_tool("edit", project, call, how);

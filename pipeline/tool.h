@@ -1,4 +1,4 @@
-// A program that works on a project's artifacts outside of `vitrine run`: render, relit, edit, and the export stage with other
+// A program that works on a project's artifacts outside of `vitrine run`: render, relight, edit, and the export stage with other
 // options. They are started with the current artifacts, keep their own in the project's store, and tell their own errors.
 #pragma once
 
@@ -15,7 +15,7 @@ struct ToolInputs {
   std::vector<std::string> stages;         // whose artifacts it reads
   std::vector<std::string> optional = {};  // the same, where they are there
   std::string missing;                     // what is told when one of `stages` was not computed: "there is no trained scene yet"
-  fs::path edited = {};                    // stands for optimize, refine, mesh and relight, unless empty (edited_scene)
+  fs::path edited = {};                    // stands for optimize, refine, mesh and decompose, unless empty (edited_scene)
 };
 // Program, store and inputs: what a call of the tool begins with. Throws Error when one is not there.
 Words tool_call(const std::string& tool, const fs::path& project, const ToolInputs& inputs);

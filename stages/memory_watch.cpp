@@ -52,7 +52,7 @@ std::string less_memory_hint(const std::string& stage) {
       {"optimize", "--max-gaussians 50000 --set optimize.resolution.max_side=640"},
       {"mesh", "--set mesh.resolution=192"},
       {"refine", "--set optimize.resolution.max_side=640"},
-      {"relight", "--set mesh.faces=50000"},
+      {"decompose", "--set mesh.faces=50000"},
       {"evaluate", "--set optimize.resolution.max_side=640"},
       {"export", "--set mesh.faces=50000"},
   };

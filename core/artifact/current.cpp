@@ -8,6 +8,10 @@ using nlohmann::json;
 
 namespace {
 fs::path current_file(const fs::path& project) { return store_of(project) / "current.json"; }
+
+void write_keys(const fs::path& project, const std::map<std::string, std::string>& keys) {
+  write_file(current_file(project), json(keys).dump(1) + "\n");
+}
 }  // namespace
 
 fs::path store_of(const fs::path& project) { return project / ".cache"; }
@@ -34,7 +38,12 @@ void set_current_key(const fs::path& project, const std::string& stage, const st
   auto keys = current_keys(project);
   if (const auto found = keys.find(stage); found != keys.end() && found->second == key) return;
   keys[stage] = key;
-  write_file(current_file(project), json(keys).dump(1) + "\n");
+  write_keys(project, keys);
+}
+
+void remove_current_key(const fs::path& project, const std::string& stage) {
+  auto keys = current_keys(project);
+  if (keys.erase(stage) > 0) write_keys(project, keys);
 }
 
 }  // namespace vitrine

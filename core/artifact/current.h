@@ -16,5 +16,6 @@ fs::path store_of(const fs::path& project);
 std::map<std::string, std::string> current_keys(const fs::path& project);
 std::optional<std::string> current_key(const fs::path& project, std::string_view stage);
 void set_current_key(const fs::path& project, const std::string& stage, const std::string& key);
+void remove_current_key(const fs::path& project, const std::string& stage);
 
 }  // namespace vitrine

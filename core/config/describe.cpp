@@ -162,6 +162,26 @@ Option* OptionTable::find(std::string_view path) {
 }
 const Option* OptionTable::find(std::string_view path) const { return const_cast<OptionTable*>(this)->find(path); }
 
+bool OptionTable::is_group(std::string_view path) const {
+  const std::string stem = std::string(path) + ".";
+  return std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.path.starts_with(stem); });
+}
+
+std::string OptionTable::present_path(std::string_view path) const {
+  std::string now(path);
+  // A renaming may lead to another: a group of another name, and in it an option of another name.
+  for (size_t i = 0; i < renamed.size() && find(now) == nullptr && !is_group(now); ++i) {
+    const Renaming* longest = nullptr;
+    for (const Renaming& r : renamed)
+      if ((now == r.before || now.starts_with(r.before + ".")) && (!longest || r.before.size() > longest->before.size()))
+        longest = &r;
+    if (longest == nullptr) break;
+    if (longest->now.empty()) return {};
+    now = longest->now + now.substr(longest->before.size());
+  }
+  return now;
+}
+
 std::string OptionTable::nearest(std::string_view path) const {
   std::vector<std::string> words;
   for (const Option& o : options) words.push_back(o.path);

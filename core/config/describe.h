@@ -6,6 +6,11 @@
 //     d.group("fusion", c.fusion, "How depth maps are fused.");          // nested struct with its own describe
 //   }
 //
+// A name that users' files may still have from the version before stands beside the field that has its meaning now:
+//
+//     d.renamed("voxel_size", "voxel_size_rel");     // taken for the new name, with a warning; a group takes its options along
+//     d.removed("smooth");                           // accepted with a warning, without effect
+//
 // From these lines come the strict YAML reader, the command line, --help, --describe (JSON), the canonical text of the cache
 // key, the echo in the manifest, the reference YAML and the generic tests.
 #pragma once
@@ -29,6 +34,7 @@ struct Option {
   std::vector<std::string> choices;  // allowed words of a string option
   bool affects_result = true;        // false: not in the cache key (threads, log level, preview period)
   std::string origin = "default";    // "default", "preset preview", "vitrine.yaml:14:3", "--set"
+  std::string given_as = {};         // the path that the last --set had, which may be an old one
 
   std::string type() const;  // "bool", "int", "float", "string", "float list", "string list"
   std::string text() const;  // canonical text of the current value: shortest round-trip numbers
@@ -67,14 +73,22 @@ struct OptionGroup {
   std::string path, doc;
 };
 
+struct Renaming {
+  std::string before, now;  // paths of an option or a group; `now` is empty: removed
+};
+
 // All options of one config object. Valid as long as the object lives (and does not move).
 class OptionTable {
  public:
   std::vector<Option> options;  // in declaration order
   std::vector<OptionGroup> groups;
+  std::vector<Renaming> renamed;
 
   Option* find(std::string_view path);
   const Option* find(std::string_view path) const;
+  bool is_group(std::string_view path) const;  // options lie below it
+  // What `path` is called now: the path itself where it is no old one, empty where it was removed.
+  std::string present_path(std::string_view path) const;
   // Nearest path or group by edit distance, for "did you mean"; the first word alone where nothing but that is near; empty when
   // nothing is.
   std::string nearest(std::string_view path) const;
@@ -98,6 +112,8 @@ class Describer {
     Describer inner(table_, joined(name));
     describe(inner, config);  // found by argument-dependent lookup
   }
+  void renamed(std::string_view before, std::string_view now) { table_.renamed.push_back({joined(before), joined(now)}); }
+  void removed(std::string_view before) { table_.renamed.push_back({joined(before), {}}); }
 
  private:
   std::string joined(std::string_view name) const {

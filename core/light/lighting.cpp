@@ -140,7 +140,7 @@ void parse_lamps(std::string_view text, const std::string& name, Lighting& light
     reader.complain(list != nullptr ? *list : reader.root(), "a list `lights:` is wanted");
   else
     for (const YamlNode& lamp : list->items) add_lamp(reader, lamp, lighting);
-  reader.finish("core/light/lighting.h and stages/relit/README.md show a file with one light of each type");
+  reader.finish("core/light/lighting.h and stages/relight/README.md show a file with one light of each type");
 }
 
 void read_lamps(const fs::path& path, Lighting& lighting) {

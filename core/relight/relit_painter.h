@@ -1,5 +1,5 @@
 // Pictures of a scene under another light (README): what each pixel shows is rasterised from the surfels, then shaded with the
-// materials of the relight stage; rays for shadows, reflections and one bounce run through the mesh.
+// materials of the decompose stage; rays for shadows, reflections and one bounce run through the mesh.
 //
 //   RelitPainter painter(scene);
 //   painter.set_lighting(lighting);                     // finds the light on the mesh and behind the glass, once

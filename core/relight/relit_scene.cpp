@@ -23,27 +23,29 @@ float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd))
 RelitScene read_relit_scene(const RelitFolders& folders) {
   RelitScene scene;
   scene.trained = read_trained_scene(folders.optimize, folders.refine);
-  scene.materials = read_relight_materials(folders.relight);
+  scene.materials = read_decomposed_materials(folders.decompose);
   if (scene.materials.size() != scene.trained.surfels.diffuse.size())
     throw Error(ErrorKind::Input, "the materials belong to another scene",
-                {.where = relight_materials_path(folders.relight).string(),
+                {.where = decomposed_materials_path(folders.decompose).string(),
                  .why = fmt::format("{} materials for {} surfels", scene.materials.size(), scene.trained.surfels.diffuse.size()),
-                 .hint = "run the stage relight again",
+                 .hint = "run the stage decompose again",
                  .code = "BAD_MATERIALS"});
-  scene.captured = read_environment(relight_environment_path(folders.relight));
+  scene.captured = read_environment(decomposed_environment_path(folders.decompose));
   const fs::path mesh = folders.mesh / "mesh" / "mesh.ply";
   scene.mesh = read_mesh_ply(mesh);
   if (scene.mesh.faces.empty())
     throw Error(ErrorKind::Input, "the mesh is empty: nothing would throw a shadow",
                 {.where = mesh.string(), .hint = "run the stage mesh again, with other options", .code = "EMPTY_MESH"});
-  const fs::path around = relight_surroundings_path(folders.relight);
+  const fs::path around = decomposed_surroundings_path(folders.decompose);
   std::error_code ec;
   if (fs::exists(around, ec)) {
     scene.surroundings = read_mesh_ply(around);
     if (scene.surroundings.colors.size() != scene.surroundings.positions.size())
-      throw Error(
-          ErrorKind::Input, "the surroundings have no albedo",
-          {.where = around.string(), .why = "no vertex colours", .hint = "run the stage relight again", .code = "BAD_MATERIALS"});
+      throw Error(ErrorKind::Input, "the surroundings have no albedo",
+                  {.where = around.string(),
+                   .why = "no vertex colours",
+                   .hint = "run the stage decompose again",
+                   .code = "BAD_MATERIALS"});
   }
   return scene;
 }

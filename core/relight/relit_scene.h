@@ -1,5 +1,5 @@
-// What a scene must know to be lit anew: the trained surfels, the materials that the relight stage found for them, the light that
-// it took out of the photos, the mesh that throws the shadows, and the walls around it.
+// What a scene must know to be lit anew: the trained surfels, the materials that the decompose stage found for them, the light
+// that it took out of the photos, the mesh that throws the shadows, and the walls around it.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 #include "core/light/environment.h"
 #include "core/mesh/tri_mesh.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "core/relight/microfacet.h"
@@ -16,8 +16,8 @@ namespace vitrine {
 
 struct RelitScene {
   TrainedScene trained;
-  RelightMaterials materials;  // of trained.surfels.diffuse
-  Environment captured;        // the light of the photos
+  DecomposedMaterials materials;  // of trained.surfels.diffuse
+  Environment captured;           // the light of the photos
   TriMesh mesh;
   TriMesh surroundings;  // walls around it, colours = albedo: they block light and send it on; empty: there are none
 
@@ -32,11 +32,11 @@ struct RelitScene {
 struct RelitFolders {
   std::filesystem::path optimize;
   std::optional<std::filesystem::path> refine = std::nullopt;
-  std::filesystem::path mesh, relight;
+  std::filesystem::path mesh, decompose;
 };
 RelitScene read_relit_scene(const RelitFolders& folders);
 
-// The diffuse surfels with the albedo as colour and the materials of the relight stage: what the rasteriser blends for a relit
+// The diffuse surfels with the albedo as colour and the materials of the decompose stage: what the rasteriser blends for a relit
 // picture.
 SplatLayer material_layer(const RelitScene& scene);
 

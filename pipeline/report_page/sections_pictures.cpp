@@ -199,7 +199,7 @@ std::string relit_section(const Material& m) {
                           escaped(light.lexically_relative(m.project).generic_string()), cells);
   }
   const auto sheet = [&](const char* name, const char* title, const char* alt) {
-    if (const auto p = picture_of_file(m.project / "relight" / name, kLargePicture))
+    if (const auto p = picture_of_file(m.project / "decompose" / name, kLargePicture))
       body += fmt::format("<details><summary>{}</summary>{}</details>", title, image(*p, alt));
   };
   sheet("albedo.png", "Albedo and light", "Photo, albedo and light on the surface, for some photos");

@@ -52,7 +52,7 @@ void change_surfel(EditScene& scene, size_t i, const MaterialChange& set) {
   if (set.specular_weight) *layer.at(Attribute::SpecularWeight, i) = raw(*set.specular_weight);
   if (set.transmission) *layer.at(Attribute::Transmission, i) = raw(*set.transmission);
   if (!scene.materials) return;
-  RelightMaterials& m = *scene.materials;
+  DecomposedMaterials& m = *scene.materials;
   if (set.tint) m.albedo[i] = tinted(m.albedo[i], *set.tint);
   if (set.f0) m.f0[i] = *set.f0;
   if (set.roughness) m.roughness[i] = *set.roughness;
@@ -161,7 +161,7 @@ void run_edit(const EditConfig&, StageContext& context) {
   const EditFolders folders{.optimize = context.input("optimize"),
                             .mesh = context.input("mesh"),
                             .refine = context.optional_input("refine"),
-                            .relight = context.optional_input("relight")};
+                            .decompose = context.optional_input("decompose")};
   EditScene scene = read_edit_scene(folders);
   SceneSelector selector(scene, views, context.optional_input("masks"));
   Json report = {{"edits", Json::array()}};
@@ -209,7 +209,7 @@ Stage edit_stage() {
                             {.name = "optimize", .doc = "The trained surfels."},
                             {.name = "mesh", .doc = "The mesh."},
                             {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
-                            {.name = "relight", .optional = true, .doc = "Materials freed of the light of the photos."},
+                            {.name = "decompose", .optional = true, .doc = "Materials freed of the light of the photos."},
                             {.name = "masks", .optional = true, .doc = "Which pixels show which class."},
                             {.name = "edits", .artifact = false, .doc = "What to change: a YAML file."}}};
   return make_stage<EditConfig>(std::move(info), run_edit, [] {

@@ -28,7 +28,7 @@ std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t
   return out;
 }
 
-RelightMaterials remaining(const RelightMaterials& m, const std::vector<uint8_t>& keep) {
+DecomposedMaterials remaining(const DecomposedMaterials& m, const std::vector<uint8_t>& keep) {
   return {remaining(m.albedo, keep), remaining(m.roughness, keep), remaining(m.f0, keep), remaining(m.specular_weight, keep),
           remaining(m.transmission, keep)};
 }
@@ -90,16 +90,16 @@ EditScene read_edit_scene(const EditFolders& folders) {
                 {.where = (folders.mesh / "mesh" / "mesh.ply").string(),
                  .hint = "run the stage mesh again, with other options",
                  .code = "EMPTY_MESH"});
-  if (folders.relight) {
-    scene.materials = read_relight_materials(*folders.relight);
+  if (folders.decompose) {
+    scene.materials = read_decomposed_materials(*folders.decompose);
     if (scene.materials->size() != scene.trained.surfels.diffuse.size())
       throw Error(
           ErrorKind::Input, "the materials belong to another scene",
-          {.where = relight_materials_path(*folders.relight).string(),
+          {.where = decomposed_materials_path(*folders.decompose).string(),
            .why = fmt::format("{} materials for {} surfels", scene.materials->size(), scene.trained.surfels.diffuse.size()),
-           .hint = "run the relight stage again",
+           .hint = "run the decompose stage again",
            .code = "BAD_MATERIALS"});
-    const fs::path walls = relight_surroundings_path(*folders.relight);
+    const fs::path walls = decomposed_surroundings_path(*folders.decompose);
     std::error_code ec;
     if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);
   }
@@ -137,11 +137,11 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
         std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));
   write_image_options(folder / "optimize" / "model.json", image);
   copy(from.optimize, fs::path("optimize") / "views.json");
-  if (!from.relight) return;
-  write_relight_materials(folder, remaining(*scene.materials, scene.there.diffuse));
-  copy(*from.relight, fs::path("relight") / "environment.exr");
+  if (!from.decompose) return;
+  write_decomposed_materials(folder, remaining(*scene.materials, scene.there.diffuse));
+  copy(*from.decompose, fs::path("decompose") / "environment.exr");
   const TriMesh walls = submesh(scene.surroundings, whole_faces(scene.surroundings, scene.there.walls));
-  if (!walls.faces.empty()) write_mesh_ply(relight_surroundings_path(folder), walls);
+  if (!walls.faces.empty()) write_mesh_ply(decomposed_surroundings_path(folder), walls);
 }
 
 }  // namespace vitrine

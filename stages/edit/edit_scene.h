@@ -1,5 +1,5 @@
 // A scene as edits see it: what the stages left, and which of it is still there. Read once, changed in place, written as a folder
-// that stands for their artifacts (optimize with refine, mesh, relight).
+// that stands for their artifacts (optimize with refine, mesh, decompose).
 #pragma once
 
 #include <filesystem>
@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "core/mesh/tri_mesh.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
 
 namespace vitrine {
 
 struct EditFolders {
   std::filesystem::path optimize, mesh;
-  std::optional<std::filesystem::path> refine = {}, relight = {};
+  std::optional<std::filesystem::path> refine = {}, decompose = {};
 };
 
 // Flags: 0 or 1 for each.
@@ -27,10 +27,10 @@ struct Parts {
 
 struct EditScene {
   TrainedScene trained;
-  std::optional<RelightMaterials> materials;  // of trained.surfels.diffuse
-  TriMesh mesh, surroundings;                 // the latter: walls that the relight stage found, or empty
-  TriMesh content;                            // what stands behind glass (the mesh stage's behind_glass.ply), or empty
-  Parts there;                                // what no edit has deleted
+  std::optional<DecomposedMaterials> materials;  // of trained.surfels.diffuse
+  TriMesh mesh, surroundings;                    // the latter: walls that the decompose stage found, or empty
+  TriMesh content;                               // what stands behind glass (the mesh stage's behind_glass.ply), or empty
+  Parts there;                                   // what no edit has deleted
 
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
 };

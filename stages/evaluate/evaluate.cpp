@@ -10,7 +10,7 @@
 #include "core/image/metrics.h"
 #include "core/math/quantile.h"
 #include "core/mesh/mesh_io.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "stages/evaluate/albedo_error.h"
@@ -100,16 +100,16 @@ class Evaluator {
 
   void open_albedo() {
     if (!truth_->has_maps("albedo")) return;
-    const auto folder = context_.optional_input("relight");
-    if (!folder) return not_measured("truth.albedo", "there is no relight artifact");
-    const RelightMaterials materials = read_relight_materials(*folder);
+    const auto folder = context_.optional_input("decompose");
+    if (!folder) return not_measured("truth.albedo", "there is no decompose artifact");
+    const DecomposedMaterials materials = read_decomposed_materials(*folder);
     const SplatLayer& surfels = painter_.surfels().diffuse;
     if (materials.size() != surfels.size())
-      throw Error(ErrorKind::Input, "the relit materials belong to another scene",
-                  {.where = relight_materials_path(*folder).string(),
+      throw Error(ErrorKind::Input, "the materials belong to another scene",
+                  {.where = decomposed_materials_path(*folder).string(),
                    .why = fmt::format("{} of them for {} surfels", materials.size(), surfels.size()),
-                   .hint = "run the relight stage again",
-                   .code = "BAD_RELIGHT_MATERIALS"});
+                   .hint = "run the decompose stage again",
+                   .code = "BAD_MATERIALS"});
     albedo_.emplace(surfels, materials.albedo, painter_.image().diffuse.near_z);
   }
 
@@ -294,8 +294,8 @@ class Evaluator {
   void score_relit() {
     TruthScores& t = *result_.truth;
     if (config_.relit_samples == 0 || relit_environments(*truth_).empty()) return;
-    const auto relight = context_.optional_input("relight");
-    if (!relight) return not_measured("truth.relit", "there is no relight artifact");
+    const auto decompose = context_.optional_input("decompose");
+    if (!decompose) return not_measured("truth.relit", "there is no decompose artifact");
     RelitErrorDesc desc{.truth = *truth_,
                         .views = views_,
                         .truth_from_ours = t.alignment->truth_from_ours,
@@ -311,7 +311,7 @@ class Evaluator {
         read_relit_scene({.optimize = context_.input("optimize"),
                           .refine = context_.optional_input("refine"),
                           .mesh = context_.input("mesh"),
-                          .relight = *relight}),
+                          .decompose = *decompose}),
         [&](size_t view, MaskClass c, const Intrinsics& k) { return mask(view, c, k); }, desc,
         [&](double f) {
           throw_if_interrupted();

@@ -1,6 +1,6 @@
 // evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
 // normals, depth and mesh against the truth. README.md in this folder defines every figure.
-//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, relight and
+//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, decompose and
 //   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
 //   eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 #pragma once

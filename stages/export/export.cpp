@@ -36,7 +36,7 @@ void run_export(const ExportConfig& config, StageContext& context) {
                        .optimize = context.input("optimize"),
                        .mesh = context.input("mesh"),
                        .refine = context.optional_input("refine"),
-                       .relight = context.optional_input("relight")},
+                       .decompose = context.optional_input("decompose")},
                       {.axes = config.axes, .scale = config.scale, .texture_size = config.texture_size});
   const fs::path folder = context.output() / "export";
   make_folders(folder);
@@ -90,13 +90,13 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 8;
+  info.version = 9;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},
                  {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
                  {.name = "mesh", .doc = "the mesh"},
-                 {.name = "relight", .optional = true, .doc = "materials freed of the light of the photos"}};
+                 {.name = "decompose", .optional = true, .doc = "materials freed of the light of the photos"}};
   info.doing = "writing files for other programs";
   info.cost = export_cost;
   return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);

@@ -1,5 +1,5 @@
 // export: the scene in other programs' formats (formats/registry.cpp). README.md in this folder lists them.
-//   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, relight/materials.ply (optional)
+//   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, decompose/materials.ply (optional)
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
 #pragma once
 

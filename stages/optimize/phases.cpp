@@ -56,6 +56,7 @@ void describe(Describer& d, ReflectionPhase& c) {
            "Step of the place and the profile of a known shape, scene units, from surface_from on; of appendages half of it.")
       .range(0, 0.1);
   d.option("axis_rate", c.axis_rate, "Step of the direction of its axis, radians.").range(0, 0.1);
+  d.removed("beside_rate");
 }
 
 void describe(Describer& d, ShadingConfig& c) {

@@ -2,394 +2,270 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/base/log.h"
 #include "core/base/process.h"
-#include "core/base/timer.h"
+#include "core/base/rng.h"
 #include "core/camera/view_set.h"
-#include "core/camera/view_split.h"
-#include "core/light/environment.h"
-#include "core/math/point_grid.h"
-#include "core/mesh/mesh_io.h"
-#include "core/picture/relight_materials.h"
-#include "core/picture/surfel_colors.h"
-#include "core/picture/trained_scene.h"
-#include "core/scene/activation.h"
-#include "stages/relight/grey_card.h"
-#include "stages/relight/light_solver.h"
-#include "stages/relight/marked_pixels.h"
-#include "stages/relight/metals.h"
-#include "stages/relight/mirrored_sky.h"
-#include "stages/relight/painted_shell.h"
-#include "stages/relight/pictures.h"
-#include "stages/relight/spread.h"
-#include "stages/relight/wall_tops.h"
+#include "core/image/bitmap_font.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/picture/picture_views.h"
+#include "core/relight/relit_painter.h"
+#include "stages/relight/turntable.h"
 
 namespace vitrine {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
+constexpr double kMiddleGrey = 0.18;
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
-constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
-constexpr float kMaxMasked = 0.5f;
-constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // radiances that a photo of 8 bits can tell
-constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as coarse as if there were so many points at most
-constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
-constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
-constexpr size_t kFewestPoints = 64;
-constexpr double kPolishReach = 6;  // edges of the mesh, between polished faces and their surfels
-
-double area_of(const TriMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.faces)
-    area += 0.5 * double(length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
-  return area;
+// The folder of a light: the names of its files without what a file system or a shell might not like.
+std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
+  std::string label = environment ? environment->stem().string() : lights ? "" : "captured";
+  if (lights) label += (label.empty() ? "" : "_") + lights->stem().string();
+  for (char& c : label)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
+  return label.find_first_not_of('.') == std::string::npos ? "light" : label;
 }
 
-class Decomposition {
- public:
-  Decomposition(const RelightConfig& config, StageContext& context)
-      : config_(config),
-        context_(context),
-        scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))) {
-    const ViewSet set = load_view_set(context.input("sfm"));
-    all_views_ = set.views;
-    for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
-    const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
-    for (const size_t v : split.train.empty() ? split.heldout : split.train) {
-      views_.push_back(set.views[v]);
-      views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
-    }
-    if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
-    const fs::path mesh_path = context.input("mesh") / "mesh" / "mesh.ply";
-    mesh_ = read_mesh_ply(mesh_path);
-    const double area = area_of(mesh_);
-    if (!(area > 0) || mesh_.colors.size() != mesh_.positions.size())
-      throw Error(ErrorKind::Input, "the mesh is not usable for shadows",
-                  {.where = mesh_path.string(),
-                   .why = mesh_.faces.empty() ? "it has no triangles"
-                          : !(area > 0)       ? "its triangles have no area"
-                                              : "it has no colours",
-                   .hint = "run the mesh stage again",
-                   .code = "NO_SURFACE"});
-    for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));
-    const Vec3d margin = 0.02 * (box_.high - box_.low) + Vec3d{1e-3, 1e-3, 1e-3};
-    box_.low = box_.low - margin;
-    box_.high = box_.high + margin;
-    voxel_ = std::sqrt(area / config.points);
-    outer_voxel_ = kOuterFactor * std::sqrt(area / std::min(double(config.points), kOuterPoints));
-    edge_ = std::sqrt(2 * area / double(mesh_.faces.size()));
+Lighting chosen_lighting(const RelightConfig& config, StageContext& context, const RelitScene& scene) {
+  Lighting lighting;
+  const auto environment = context.optional_input("env"), lights = context.optional_input("lights");
+  if (environment) {
+    size_t negative = 0;
+    lighting.environment = read_environment(*environment, &negative);
+    if (negative > 0)
+      context.warning("ENV_NEGATIVE", fmt::format("{} of {} texels of {} are darker than black: taken for black there", negative,
+                                                  lighting.environment.map().pixel_count(), environment->filename().string()));
+  } else if (!lights) {
+    lighting.environment = scene.captured;
   }
+  lighting.environment = lighting.environment.rotated(config.rotate);
+  if (lights) read_lamps(*lights, lighting);
+  return lighting;
+}
 
-  void run() {
-    gather();
-    trace();
-    solve();
-    spread();
-    write();
+std::vector<View> chosen_views(const RelightConfig& config, const StageContext& context) {
+  PictureViewsDesc desc{.which = config.views,
+                        .sfm = context.input("sfm"),
+                        .optimize = context.input("optimize"),
+                        .path = context.optional_input("path"),
+                        .width = config.width,
+                        .height = config.height};
+  if (config.turntable == 0) return picture_views(desc);
+  desc.which = "all";
+  return turntable_views(picture_views(desc), config.turntable);
+}
+
+// Stops that make the mean of what the mesh sends on a middle grey. The same for all pictures of a light.
+double exposure_of_scene(const LitScene& lit) {
+  double sum = 0;
+  for (const Vec3f& b : lit.radiance()) sum += 0.2126 * b.x + 0.7152 * b.y + 0.0722 * b.z;
+  return sum > 0 ? std::round(10 * std::log2(kMiddleGrey * double(lit.radiance().size()) / sum)) / 10 : 0;
+}
+
+Image8 developed(const ImageF& radiance, double exposure) {
+  ImageF scaled = radiance;
+  const auto gain = static_cast<float>(std::exp2(exposure));
+  for (float& v : scaled.data()) v *= gain;
+  return srgb8_from_linear(scaled);
+}
+
+// Small copies of pictures on one sheet, with their names.
+class ContactSheet {
+ public:
+  void add(const Image8& picture, const std::string& name) {
+    if (cells_.size() == size_t(kMostSheetCells)) return;
+    const int width = std::min(kSheetCell, picture.width());
+    const int height = std::max(1, static_cast<int>(std::lround(double(picture.height()) * width / picture.width())));
+    ImageF whole(picture.width(), picture.height(), 3);
+    std::ranges::transform(picture.data(), whole.data().begin(), [](uint8_t v) { return float(v) / 255; });
+    const ImageF small = resized(whole, width, height);
+    Image8 cell(width, height, 3);
+    std::ranges::transform(small.data(), cell.data().begin(), [](float v) { return uint8_t(std::lround(v * 255)); });
+    draw_text(cell, 4, 4, name);
+    cells_.push_back(std::move(cell));
+  }
+  void write(const fs::path& path) const {
+    int cell_width = 1, cell_height = 1;
+    for (const Image8& c : cells_) cell_width = std::max(cell_width, c.width()), cell_height = std::max(cell_height, c.height());
+    const int columns = std::min(kSheetColumns, static_cast<int>(cells_.size()));
+    const int rows = (static_cast<int>(cells_.size()) + columns - 1) / columns;
+    Image8 sheet(columns * (cell_width + kGap) + kGap, rows * (cell_height + kGap) + kGap, 3, uint8_t(24));
+    for (size_t i = 0; i < cells_.size(); ++i) {
+      const Image8& c = cells_[i];
+      const int left = kGap + static_cast<int>(i) % columns * (cell_width + kGap);
+      const int top = kGap + static_cast<int>(i) / columns * (cell_height + kGap);
+      for (int y = 0; y < c.height(); ++y) std::copy_n(c.pixel(0, y), 3 * c.width(), sheet.pixel(left, top + y));
+    }
+    write_ldr(path, sheet);
   }
 
  private:
-  void step(double fraction, std::string text) {
-    throw_if_interrupted();
-    context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
-  }
-
-  void gather() {
-    const Timer clock;
-    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
-    points_ = lit_points(scene_.surfels.diffuse, views_,
-                         {.inner = box_,
-                          .voxel = voxel_,
-                          .outer_factor = outer_voxel_ / voxel_,
-                          .max_side = config_.max_side,
-                          .near_z = scene_.image.diffuse.near_z,
-                          .sky_distance = sky_distance_,
-                          .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
-                         [&](double f) { step(0.2 * f, "surface points"); });
-    if (points_.size() < kFewestPoints)
-      throw Error(ErrorKind::Input, "the views show too little surface to find the light",
-                  {.why = fmt::format("{} points", points_.size()),
-                   .hint = "look at optimize/previews; more points: relight.points",
-                   .code = "NO_SURFACE"});
-    around_ =
-        surroundings(scene_.surfels.diffuse, {.inner = box_, .height = config_.panorama_height, .sky_distance = sky_distance_});
-    shell_ = around_.shell();
-    context_.timing("points", clock.seconds());
-  }
-
-  bool shows_sky(size_t surfel) const {
-    const float* p = layer().at(Attribute::Mean, surfel);
-    return length(Vec3f{p[0], p[1], p[2]} - around_.centre) > sky_distance_;
-  }
-
-  void trace() {
-    const Timer clock;
-    std::vector<float> clear;
-    if (scene_.surfels.transmittance.size() > 0) clear = mesh_transmission();
-    transport_ = transport({.mesh = mesh_, .transmission = clear, .around = around_, .shell = shell_}, points_,
-                           {.grid = {.bands = size_t(config_.bands)},
-                            .reach = float(3 * edge_),
-                            .offset = float(0.1 * edge_),
-                            .outer_offset = float(outer_voxel_),
-                            .seed = uint64_t(config_.seed)},
-                           [&](double f) { step(0.2 + 0.4 * f, fmt::format("light that reaches {} points", points_.size())); });
-    for (const float share : transport_.inside) usable_.push_back(share < kMaxInside);
-    context_.timing("rays", clock.seconds());
-  }
-
-  // Of the nearest surface points, per vertex of the mesh.
-  std::vector<float> mesh_transmission() const {
-    std::vector<Vec3f> positions;
-    for (const LitPoint& p : points_) positions.push_back(p.position);
-    const PointGrid grid(positions, float(2 * voxel_));
-    std::vector<float> out(mesh_.positions.size(), 0.f);
-    std::vector<PointGrid::Near> near;
-    for (size_t v = 0; v < out.size(); ++v) {
-      grid.nearest(mesh_.positions[v], 1, float(6 * voxel_), near);
-      if (!near.empty()) out[v] = points_[near[0].index].transmission;
-    }
-    return out;
-  }
-
-  void solve() {
-    const Timer clock;
-    step(0.6, "light and albedo by turns");
-    std::vector<uint32_t> speaking;
-    for (size_t i = 0; i < points_.size(); ++i) {
-      const LitPoint& p = points_[i];
-      const float brightest = std::max({p.radiance.x, p.radiance.y, p.radiance.z});
-      if (p.inner && usable_[i] && p.specular_weight < kMaxSpecular && p.transmission < kMaxSpecular && p.masked < kMaxMasked &&
-          brightest < kBrightestTold && luminance(p.radiance) > kDarkestTold)
-        speaking.push_back(uint32_t(i));
-    }
-    if (speaking.size() < kFewestPoints) {
-      context_.warning("FEW_DULL_POINTS",
-                       fmt::format("only {} of {} surface points are dull and well exposed: all take part, and the "
-                                   "light is a guess (are the photos over- or underexposed?)",
-                                   speaking.size(), points_.size()));
-      speaking.resize(points_.size());
-      for (size_t i = 0; i < points_.size(); ++i) speaking[i] = uint32_t(i);
-    }
-    const size_t wanted = std::min(speaking.size(), size_t(config_.solver.points));
-    for (size_t i = 0; i < wanted; ++i) chosen_.push_back(speaking[i * speaking.size() / wanted]);
-    std::vector<Vec3f> positions, radiance;
-    for (const uint32_t i : chosen_) positions.push_back(points_[i].position), radiance.push_back(points_[i].radiance);
-    const double spacing = std::sqrt(area_of(mesh_) / double(wanted));
-    const Affinity partners = affinity(
-        positions, radiance,
-        {.radius = float(4 * spacing), .chroma_sigma = float(config_.solver.chroma_sigma), .seed = uint64_t(config_.seed)});
-    solution_ = solve_light({.transport = transport_, .points = points_, .chosen = chosen_, .affinity = partners},
-                            {.rounds = config_.solver.rounds,
-                             .ridge = float(config_.solver.ridge),
-                             .smooth = float(config_.solver.smooth),
-                             .range_sigma = float(config_.solver.range_sigma),
-                             .white = float(config_.white_albedo)});
-    horizon_ = mirrored_horizon(scene_.surfels.reflection, points_);
-    tops_ = continued_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
-    context_.timing("light", clock.seconds());
-  }
-
-  void spread() {
-    step(0.8, "albedo of the surfels");
-    const SplatLayer& layer = scene_.surfels.diffuse;
-    std::vector<Vec3f> irradiance(points_.size());
-    for (size_t i = 0; i < points_.size(); ++i) irradiance[i] = transport_.irradiance(i, solution_.light);
-    irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_,
-                                    {.inner_radius = float(voxel_), .outer_radius = float(outer_voxel_)});
-    std::vector<Vec3f> eyes;
-    for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
-    const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
-    materials_.resize(layer.size());
-    const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
-    for (size_t i = 0; i < layer.size(); ++i) {
-      for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] = std::max(0.f, kPi * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]));
-        materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
-      }
-      // What no layer trained is a first guess, not a finding: matt and opaque.
-      materials_.roughness[i] = reflects ? sigmoid(*layer.at(Attribute::Roughness, i)) : 1.f;
-      materials_.specular_weight[i] = reflects ? sigmoid(*layer.at(Attribute::SpecularWeight, i)) : 0.f;
-      materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
-      if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
-    }
-    if (reflects) dull_unmarked();
-    polish(radiance);
-    if (card_) match_card();
-    for (Vec3f& rho : materials_.albedo)
-      for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
-  }
-
-  // Where no mask calls for gloss, a small specular weight is what training did not care about, and its f0 was never asked for:
-  // at grazing angles it would be seen under another light.
-  void dull_unmarked() {
-    const bool marked = std::ranges::any_of(points_, [](const LitPoint& p) { return p.masked > kLeastMasked; });
-    if (!marked) return;
-    std::vector<Vec3f> positions;
-    for (const LitPoint& p : points_) positions.push_back(p.position);
-    const PointGrid grid(positions, float(2 * voxel_));
-    std::vector<PointGrid::Near> near;
-    for (size_t i = 0; i < materials_.size(); ++i) {
-      if (materials_.specular_weight[i] >= kTrainedGloss || materials_.transmission[i] > kMaxSpecular) continue;
-      const float* p = layer().at(Attribute::Mean, i);
-      grid.nearest({p[0], p[1], p[2]}, 1, float(2 * outer_voxel_), near);
-      if (near.empty() || points_[near[0].index].masked <= kLeastMasked) materials_.specular_weight[i] = 0;
-    }
-  }
-
-  // What mirrors is a metal without paint, or paint under a glaze, whose gloss is none of the paint's.
-  void polish(const std::vector<Vec3f>& radiance) {
-    const fs::path sfm = context_.input("sfm");
-    const Environment light(environment());
-    const Metals found =
-        find_metals({.sfm_folder = sfm,
-                     .scene = scene_,
-                     .mesh = mesh_,
-                     .views = views_,
-                     .environment = light,
-                     .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
-                     .glass_or_mirrors = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); },
-                     .max_side = config_.max_side,
-                     .verdicts = mesh_verdicts(context_.input("mesh") / "mesh" / "report.json"),
-                     .reach = float(kPolishReach * edge_)});
-    polished_ = found.things;
-    polish_materials(found, scene_, radiance, materials_);
-  }
-
-  // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
-  void match_card() {
-    View view = all_views_[card_->view];
-    view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
-    const Vec3f found = median_in(*card_, all_views_[card_->view],
-                                  SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view));
-    for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
-    for (size_t i = 0; i < materials_.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] *= card_gain_[c];
-        irradiance_[i][c] /= card_gain_[c];
-      }
-    for (Vec3f& l : solution_.light)
-      for (size_t c = 0; c < 3; ++c) l[c] /= card_gain_[c];
-  }
-
-  // Seen walls and sky as they are, the rest as solved.
-  ImageF environment() const {
-    const int h = config_.panorama_height;
-    ImageF out(2 * h, h, 3);
-    Vec3d sum{};
-    double count = 0;
-    for (size_t j = 0; j < solution_.light.size(); ++j)
-      if (solution_.free[j]) sum += cast<double>(solution_.light[j]), count += 1;
-    const Vec3f mean = count > 0 ? cast<float>(sum / count) : Vec3f{};
-    for (size_t t = 0; t < out.pixel_count(); ++t) {
-      const size_t cell = transport_.grid.cell_of(around_.direction(t));
-      Vec3f value = solution_.free[cell] ? solution_.light[cell] : mean;
-      if (around_.seen(t))
-        for (size_t c = 0; c < 3; ++c) value[c] = around_.radiance[t][c] / card_gain_[c];
-      for (size_t c = 0; c < 3; ++c) out.data()[3 * t + c] = value[c];
-    }
-    return out;
-  }
-
-  void write() {
-    step(0.9, "pictures and files");
-    const fs::path& out = context_.output();
-    make_folders(out / "relight");
-    write_relight_materials(out, materials_);
-    write_environment(relight_environment_path(out), Environment(environment()));
-    if (!shell_.faces.empty())
-      write_mesh_ply(relight_surroundings_path(out), painted_shell(tops_, layer(), irradiance_, float(4 * outer_voxel_)));
-    const fs::path sfm = context_.input("sfm");
-    const std::optional<double> baked = write_relight_pictures({.sfm_folder = sfm,
-                                                                .output = out,
-                                                                .layer = layer(),
-                                                                .near_z = scene_.image.diffuse.near_z,
-                                                                .albedo = materials_.albedo,
-                                                                .irradiance = irradiance_,
-                                                                .views = views_,
-                                                                .rows = config_.sheet_rows,
-                                                                .cell_width = config_.sheet_cell_width});
-    size_t usable = 0, inner = 0, free = 0;
-    for (size_t i = 0; i < points_.size(); ++i) usable += usable_[i], inner += points_[i].inner;
-    for (const bool f : solution_.free) free += f;
-    Json report{
-        {"points",
-         {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
-        {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
-        {"surroundings",
-         {{"share_of_sphere", around_.wall_share()},
-          {"faces", shell_.faces.size()},
-          {"sky_distance", sky_distance_},
-          {"continued_to_sine", tops_.sine},
-          {"mirrored_sky_from_sine", horizon_ ? nlohmann::ordered_json(*horizon_) : nlohmann::ordered_json()}}},
-        {"light_known_share", solution_.known_share},
-        {"misfit_log_rms", solution_.misfit},
-        {"scale",
-         {{"by", card_ ? "grey_card" : "convention"},
-          {"meaning", card_
-                          ? fmt::format("the card has the albedo {}", config_.grey_albedo)
-                          : fmt::format("the open light is white in the mean, and the brightest twentieth of the surface has the "
-                                        "albedo {}",
-                                        config_.white_albedo)},
-          {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
-    if (baked) report["baked_log_rms"] = *baked;
-    for (const Polished& p : polished_)
-      report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
-                                    {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
-                                    {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
-                                    {"dimmer_half", p.dimmer},
-                                    {"pixels", p.pixels}});
-    write_file(out / "relight" / "report.json", report.dump(2) + "\n");
-    context_.metric("misfit_log_rms", solution_.misfit.back());
-    context_.metric("light_known_share", solution_.known_share);
-    if (baked) context_.metric("baked_log_rms", *baked);
-    if (free == 0)
-      context_.warning("NO_OPEN_LIGHT", "no surface point looks past the mesh and its surroundings: all light counts as known");
-    if (solution_.scale_by_bounces)
-      context_.warning("ALBEDO_SCALE", "bounced light alone is brighter than the wanted scale of the albedo allows");
-    context_.summary(fmt::format("{}k points, {} of {} light cells solved, {:.0f} % of the light bounced or seen; albedo by {}",
-                                 (points_.size() + 500) / 1000, free, solution_.light.size(), 100 * solution_.known_share,
-                                 card_ ? "grey card" : "convention"));
-  }
-
-  const SplatLayer& layer() const { return scene_.surfels.diffuse; }
-  MarkedPixels marks() const { return {.masks = context_.optional_input("masks"), .photos = all_views_}; }
-
-  const RelightConfig& config_;
-  StageContext& context_;
-  TrainedScene scene_;
-  std::vector<View> all_views_, views_;
-  std::optional<GreyCard> card_;
-  TriMesh mesh_;
-  Bounds3 box_;
-  std::vector<Vec3f> sparse_;
-  double voxel_ = 0, outer_voxel_ = 0, edge_ = 0;
-  float sky_distance_ = 0;
-  std::vector<LitPoint> points_;
-  std::vector<bool> usable_;
-  Surroundings around_;
-  TriMesh shell_;
-  Transport transport_;
-  std::vector<uint32_t> chosen_;
-  LightSolution solution_;
-  std::optional<float> horizon_;
-  WallTops tops_;
-  std::vector<Vec3f> irradiance_;
-  RelightMaterials materials_;
-  std::vector<Polished> polished_;
-  Vec3f card_gain_{1, 1, 1};
+  std::vector<Image8> cells_;
 };
+
+// A film of frame_0000.png on. Bytes depend on the frames and on ffmpeg alone.
+void write_film(const fs::path& ffmpeg, const fs::path& folder, const fs::path& film, double frame_rate) {
+  const ProcessResult r = run_process({.arguments = {ffmpeg.string(),
+                                                     "-nostdin",
+                                                     "-y",
+                                                     "-loglevel",
+                                                     "error",
+                                                     "-framerate",
+                                                     fmt::format("{}", frame_rate),
+                                                     "-i",
+                                                     (folder / "frame_%04d.png").string(),
+                                                     "-vf",
+                                                     "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                                     "-pix_fmt",
+                                                     "yuv420p",
+                                                     "-threads",
+                                                     "1",
+                                                     "-map_metadata",
+                                                     "-1",
+                                                     "-fflags",
+                                                     "+bitexact",
+                                                     "-flags:v",
+                                                     "+bitexact",
+                                                     film.string()}});
+  if (!r.ok())
+    throw Error(
+        ErrorKind::Dependency, "ffmpeg could not make the film",
+        {.where = film.string(), .why = r.tail, .hint = "the frames are fine: make the film by hand", .code = "FFMPEG_FAILED"});
+}
+
+std::string problem_of(const RelightConfig& c) {
+  return (c.width == 0) == (c.height == 0) ? "" : "width and height must be given together";
+}
+
+void write_settings(const fs::path& path, const RelightConfig& c, double exposure, const Lighting& lighting, bool solid_glass) {
+  nlohmann::ordered_json json;
+  json["rotate_deg"] = c.rotate;
+  json["exposure_stops_of_png"] = exposure;
+  json["samples"] = c.samples;
+  json["seed"] = c.seed;
+  json["environment_orientation"] = "first row +z, centre +x, three quarters -y, before the rotation about +z";
+  const Vec3f mean = lighting.environment.mean();
+  json["environment_mean"] = {mean.x, mean.y, mean.z};
+  json["lamps"] = lighting.lamps();
+  json["approximations"] = {"what stands behind glass keeps its trained colours, scaled by the ratio of the light there",
+                            "light bounces between matt copies of the surfaces; no caustics"};
+  if (solid_glass)
+    json["approximations"].push_back(
+        "solid glass bends what the camera sees through it; shadows and reflections see it as panes");
+  write_file(path, json.dump(2) + "\n");
+}
 
 }  // namespace
 
-void run_relight(const RelightConfig& config, StageContext& context) { Decomposition(config, context).run(); }
+void describe(Describer& d, RelightConfig& c) {
+  d.option("views", c.views, "Cameras: held-out photos, training photos, both, or those of the input `path`.")
+      .choices({"heldout", "train", "all", "path"});
+  d.option("turntable", c.turntable, "Frames of a camera that goes around the scene; 0 = the views.").range(0, 100000);
+  d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
+  d.option("samples", c.samples, "Samples a pixel: noise halves with four times as many.").range(1, 65536);
+  d.option("seed", c.seed, "Another seed, another noise.").range(0, 1e9);
+  d.option("rotate", c.rotate, "Turns the environment about +z, counter-clockwise seen from above, degrees.")
+      .range(-36000, 36000);
+  d.option("auto_exposure", c.auto_exposure,
+           "Develop the PNG so that the surfaces of the scene are middle grey in the mean, whatever the units of the map.");
+  d.option("exposure", c.exposure, "Stops that the PNG are brighter than the EXR, or than auto_exposure makes them.")
+      .range(-30, 30);
+  d.option("frame_rate", c.frame_rate, "Frames a second of the film of a turntable or path.").range(1, 240);
+}
+
+void run_relight(const RelightConfig& config, StageContext& context) {
+  // Bad light and bad cameras are told before anything is computed.
+  const std::vector<View> all_views = chosen_views(config, context);
+  RelitScene scene = read_relit_scene({.optimize = context.input("optimize"),
+                                       .refine = context.optional_input("refine"),
+                                       .mesh = context.input("mesh"),
+                                       .decompose = context.input("decompose")});
+  const Lighting lighting = chosen_lighting(config, context, scene);
+  const auto environment = context.optional_input("env");
+  const float brightest = lighting.environment.map().empty() ? 0.f : *std::ranges::max_element(lighting.environment.map().data());
+  if (environment && brightest <= 1)
+    context.warning("ENV_LOW_RANGE", fmt::format("no texel of {} is brighter than 1: was it made from a display picture?",
+                                                 environment->filename().string()));
+  const bool glass = scene.trained.surfels.transmittance.size() > 0;
+  const bool solid_glass = scene.trained.image.transmission.thick != nullptr;
+  RelitPainter painter(std::move(scene));
+  context.progress({.fraction = 0, .text = "light on the scene", .values = {}});
+  painter.set_lighting(lighting, {.seed = static_cast<uint64_t>(config.seed)});
+
+  const double exposure = config.exposure + (config.auto_exposure ? exposure_of_scene(painter.lit()) : 0);
+  std::vector<View> views = all_views;
+  const fs::path out = context.output() / "relit" / label_of(environment, context.optional_input("lights"));
+  make_folders(out);
+  ContactSheet sheet;
+  for (size_t i = 0; i < views.size(); ++i) {
+    throw_if_interrupted();
+    const std::string text = fmt::format("view {}/{}", i + 1, views.size());
+    const RelitPicture picture = painter.picture(
+        views[i],
+        {.samples = config.samples, .seed = mix64(static_cast<uint64_t>(config.seed), i), .progress = [&](double share) {
+           context.progress({.fraction = (double(i) + share) / double(views.size()), .text = text, .values = {}});
+         }});
+    const fs::path stem = out / views[i].stem();
+    make_folders(stem.parent_path());
+    write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
+    const Image8 png = developed(picture.radiance, exposure);
+    write_ldr(fs::path(stem.string() + ".png"), png);
+    sheet.add(png, views[i].stem());
+    views[i].name = views[i].stem() + ".png";
+  }
+  sheet.write(out / "contact_sheet.png");
+  write_transforms_json(out / "transforms.json", views, ".");
+  write_settings(out / "settings.json", config, exposure, lighting, solid_glass);
+  std::string film;
+  if (config.turntable > 0 || config.views == "path") {
+    if (const auto ffmpeg = find_program("ffmpeg")) {
+      film = config.turntable > 0 ? "turntable.mp4" : "path.mp4";
+      write_film(*ffmpeg, out, out / film, config.frame_rate);
+    } else {
+      context.warning("NO_FFMPEG", "ffmpeg is not installed: the frames are there, but no film");
+    }
+  }
+  context.metric("views", double(views.size()));
+  const Intrinsics& k = views[0].intrinsics;
+  context.summary(fmt::format("{} {} of {}x{} at {} spp{}{}", views.size(), views.size() == 1 ? "picture" : "pictures", k.width,
+                              k.height, config.samples, film.empty() ? "" : ", " + film,
+                              glass ? "; glass: its inside is relit approximately" : ""));
+}
+
+Stage relight_stage() {
+  StageInfo info{
+      .name = "relight",
+      .version = 8,
+      .summary = "pictures of a scene under another light",
+      .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
+                 {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                 {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
+                 {.name = "mesh", .doc = "The mesh that throws shadows and is seen in mirrors."},
+                 {.name = "decompose", .doc = "Materials and the light of the photos."},
+                 {.name = "env",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "Environment: lat-long, 2:1, OpenEXR or Radiance HDR. Without env and lights: that of the photos."},
+                 {.name = "lights", .artifact = false, .optional = true, .doc = "Lamps: a YAML file."},
+                 {.name = "path",
+                  .artifact = false,
+                  .optional = true,
+                  .doc = "Cameras in the scene's frame, in order: a transforms.json, or a camera path of nerfstudio's viewer."}}};
+  return make_stage<RelightConfig>(
+      std::move(info), run_relight,
+      [] {
+        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
+                                                  {"ffmpeg", find_program("ffmpeg") ? "present" : "none"}};
+      },
+      problem_of);
+}
 
 }  // namespace vitrine

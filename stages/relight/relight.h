@@ -1,45 +1,24 @@
-// Relight, part one: the colours of the diffuse layer taken apart into albedo and light (algorithms 7.3, "bake then solve").
-// README.md teaches the method and the options.
-//   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
-//   writes  relight/materials.ply, relight/environment.exr, relight/surroundings.ply, relight/report.json, relight/albedo.png,
-//           relight/baked.png
+// relight: pictures of a scene under another light. Started by `vitrine relight`; it stands beside the graph of `vitrine run`,
+// because nothing follows from its pictures.
+//   reads   sfm, optimize, mesh, decompose (materials, light of the photos); env (HDRI), lights (YAML), path: outside files
+//   writes  relit/<light>/<view>.{exr,png}, contact_sheet.png, turntable.mp4, transforms.json (the cameras), settings.json
 #pragma once
-
-#include <string>
 
 #include "stages/stage.h"
 
 namespace vitrine {
 
-struct RelightSolverConfig {
-  int points = 5000;
-  int rounds = 20;
-  double ridge = 0.01;
-  double smooth = 0.02;
-  double range_sigma = 1;
-  double chroma_sigma = 0.03;
-};
-void describe(Describer& d, RelightSolverConfig& c);
-
 struct RelightConfig {
-  int points = 60000;
-  int bands = 16;
-  int max_side = 320;
-  int panorama_height = 64;
-  double sky_distance = 0;
-  double white_albedo = 0.8;
-  std::string grey_card;
-  double grey_albedo = 0.18;
-  int sheet_rows = 4;
-  int sheet_cell_width = 320;
-  int seed = 1;
-  RelightSolverConfig solver;
+  std::string views = "heldout";
+  int turntable = 0;  // frames
+  int width = 0, height = 0, samples = 64, seed = 1;
+  double rotate = 0, exposure = 0;
+  bool auto_exposure = true;
+  double frame_rate = 25;
 };
 void describe(Describer& d, RelightConfig& c);
 
 void run_relight(const RelightConfig& config, StageContext& context);
 Stage relight_stage();
-StageCost relight_cost(const CostTerms& terms);
-StageReport relight_report();
 
 }  // namespace vitrine

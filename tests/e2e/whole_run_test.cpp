@@ -15,7 +15,7 @@ std::vector<std::string> full_size(const std::vector<std::string>& more = {}) {
   std::vector<std::string> words;
   for (const char* set : {"masks.proposed.fit.steps=450", "normals.geometric.max_side=240", "optimize.iterations=600",
                           "optimize.max_gaussians=6000", "optimize.checkpoint_every=100", "optimize.initial.stereo_side=160",
-                          "mesh.resolution=96", "mesh.faces=10000", "relight.points=6000", "evaluate.relit_samples=8"})
+                          "mesh.resolution=96", "mesh.faces=10000", "decompose.points=6000", "evaluate.relit_samples=8"})
     words.insert(words.end(), {"--set", set});
   words.insert(words.end(), more.begin(), more.end());
   return words;
@@ -32,7 +32,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"optimize", "ran"},
                               {"mesh", "ran"},
                               {"refine", "ran"},
-                              {"relight", "ran"},
+                              {"decompose", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
   const auto metrics = json("eval/metrics.json");
@@ -68,7 +68,7 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
                               {"optimize", "cached"},
                               {"mesh", "ran"},
                               {"refine", "ran"},
-                              {"relight", "ran"},
+                              {"decompose", "ran"},
                               {"evaluate", "ran"},
                               {"export", "ran"}}));
 

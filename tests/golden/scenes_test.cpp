@@ -9,9 +9,9 @@ class GoldenMessagesOfScenes : public Told {
  protected:
   GoldenMessagesOfScenes() {
     for (const auto& [name, path] : capture_.inputs(false)) fs::copy(path, folder.path() / name, fs::copy_options::recursive);
-    make_folders(folder.path() / "relight/relight");
-    write_relight_materials(folder.path() / "relight", test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
-    write_environment(relight_environment_path(folder.path() / "relight"), Environment(ImageF(16, 8, 3, 1.f)));
+    make_folders(folder.path() / "decompose/decompose");
+    write_decomposed_materials(folder.path() / "decompose", test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
+    write_environment(decomposed_environment_path(folder.path() / "decompose"), Environment(ImageF(16, 8, 3, 1.f)));
   }
   static Words words(const std::string& program, const std::vector<std::string>& inputs, const Words& more) {
     Words all = {program, "-o", "result", "-q"};
@@ -20,10 +20,10 @@ class GoldenMessagesOfScenes : public Told {
     return all;
   }
   static Words relit(const Words& more) {
-    return words("vitrine-relit", {"sfm=sfm", "optimize=optimize", "mesh=mesh", "relight=relight"}, more);
+    return words("vitrine-relight", {"sfm=sfm", "optimize=optimize", "mesh=mesh", "decompose=decompose"}, more);
   }
   static Words edit(const std::string& list) {
-    return words("vitrine-edit", {"sfm=sfm", "optimize=optimize", "mesh=mesh", "relight=relight", "edits=" + list}, {});
+    return words("vitrine-edit", {"sfm=sfm", "optimize=optimize", "mesh=mesh", "decompose=decompose", "edits=" + list}, {});
   }
   static Words render(const Words& more) { return words("vitrine-render", {"sfm=sfm", "optimize=optimize"}, more); }
   static Words optimize(const Words& more) { return words("vitrine-optimize", {"sfm=sfm"}, more); }
@@ -82,13 +82,14 @@ TEST_F(GoldenMessagesOfScenes, AboutPicturesAndLights) {
   told("mistakes in lights", relit({"-i", "lights=" + put("lights.yaml",
                                                           "lights:\n  - {type: pont, position: [0, 0, 2]}\n"
                                                           "  - {type: point, position: [0, 0], intensity: -1}\n")}));
-  told("materials of another scene",
-       words("vitrine-relit",
-             {"sfm=sfm", "optimize=optimize", "mesh=mesh", "relight=" + damaged("relight", "relight/materials.ply", "ply\n")},
-             {}));
+  told("materials of another scene", words("vitrine-relight",
+                                           {"sfm=sfm", "optimize=optimize", "mesh=mesh",
+                                            "decompose=" + damaged("decompose", "decompose/materials.ply", "ply\n")},
+                                           {}));
   told("a mesh that cannot be read",
-       words("vitrine-relit",
-             {"sfm=sfm", "optimize=optimize", "mesh=" + damaged("mesh", "mesh/mesh.ply", "ply\nformat"), "relight=relight"}, {}));
+       words("vitrine-relight",
+             {"sfm=sfm", "optimize=optimize", "mesh=" + damaged("mesh", "mesh/mesh.ply", "ply\nformat"), "decompose=decompose"},
+             {}));
   golden::expect_golden("about_pictures_and_lights.txt", all());
 }
 

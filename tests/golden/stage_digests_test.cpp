@@ -89,7 +89,7 @@ class StageDigests : public TinyRoom {
     must(room(write_true_model(),
               {"--masks", (sample() / "truth/mask").string(), "--set", "optimize.iterations=24", "--set",
                "optimize.checkpoint_every=1000", "--set", "optimize.max_gaussians=1500", "--set", "refine.fine_tune.iterations=3",
-               "--set", "mesh.faces=2000", "--set", "relight.points=500", "--set", "evaluate.relit_samples=1"}));
+               "--set", "mesh.faces=2000", "--set", "decompose.points=500", "--set", "evaluate.relit_samples=1"}));
     must(call({"render", out().string(), "--size", "48x32", "--layers"}));
     write_exr_rgb(folder.path() / "sky.exr", ImageF(16, 8, 3, 1.f));
     must(call({"relight", out().string(), "--env", (folder.path() / "sky.exr").string(), "--size", "24x16"}));
@@ -121,7 +121,7 @@ TEST_F(StageDigests, MoveOnlyWithTheVersion) {
   run_everything();
   if (HasFatalFailure()) return;
   const DigestFile now = taken();
-  for (const char* stage : {"ingest", "optimize", "export", "render", "relit", "edit", "inspect"})
+  for (const char* stage : {"ingest", "optimize", "export", "render", "relight", "edit", "inspect"})
     EXPECT_TRUE(now.stages.contains(stage)) << stage << " has no artifact";
 
   const std::map<std::string, int> listed = listed_versions(read_file(fs::path(VITRINE_SOURCE_DIR) / kVersions));

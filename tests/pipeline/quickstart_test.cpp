@@ -66,8 +66,8 @@ TEST_F(Quickstart, FindsThePhotosWhereverTheyStand) {
 TEST_F(Quickstart, RelightsWhatHasMaterialsOnly) {
   EXPECT_EQ(calls({"--to", "mesh"}), "run\n");
   EXPECT_EQ(printed.find("relit/"), std::string::npos) << printed;
-  make_folders(out() / "relight");
-  write_file(out() / "relight/materials.ply", "ply\n");
+  make_folders(out() / "decompose");
+  write_file(out() / "decompose/materials.ply", "ply\n");
   make_folders(out() / "relit");
   EXPECT_EQ(calls({}), "run\nrelight\nrelight\nreport\n");
   EXPECT_NE(printed.find(out().string() + "/relit/"), std::string::npos) << printed;

@@ -29,7 +29,7 @@ constexpr Row kRows[] = {
     {"preview", "optimize", false, 285.26399999999995, 0.92, 620522110, 27262976},
     {"preview", "mesh", false, 12.5, 0.5, 262144000, 9437184},
     {"preview", "refine", false, 0.1, 0.5, 94371840, 104857},
-    {"preview", "relight", false, 21.2, 0.77, 517996544, 6291456},
+    {"preview", "decompose", false, 21.2, 0.77, 517996544, 6291456},
     {"preview", "evaluate", false, 11.89184, 0.65, 296443340, 8053063},
     {"preview", "export", false, 26.4, 0.7, 692060160, 78643200},
     {"standard", "ingest", false, 26.4736, 0.86, 3237054151, 347892350},
@@ -39,7 +39,7 @@ constexpr Row kRows[] = {
     {"standard", "optimize", false, 1673.712, 0.92, 1790028283, 52428800},
     {"standard", "mesh", false, 18.125, 0.5, 458752000, 18874368},
     {"standard", "refine", false, 0.1, 0.5, 94371840, 104857},
-    {"standard", "relight", false, 21.2, 0.77, 517996544, 6291456},
+    {"standard", "decompose", false, 21.2, 0.77, 517996544, 6291456},
     {"standard", "evaluate", false, 41.56736, 0.65, 713914161, 32212254},
     {"standard", "export", false, 43.8, 0.7, 796917760, 131072000},
     {"preview", "ingest", true, 16.06744576, 0.86, 3237054151, 142496706},
@@ -49,7 +49,7 @@ constexpr Row kRows[] = {
     {"preview", "optimize", true, 570.714, 0.92, 1023861483, 27262976},
     {"preview", "mesh", true, 28.5, 0.5, 393216000, 9437184},
     {"preview", "refine", true, 73.5376, 0.92, 1075054557, 27262976},
-    {"preview", "relight", true, 21.2, 0.77, 517996544, 6291456},
+    {"preview", "decompose", true, 21.2, 0.77, 517996544, 6291456},
     {"preview", "evaluate", true, 37.89184, 0.65, 936074700, 8053063},
     {"preview", "export", true, 26.4, 0.7, 692060160, 78643200},
     {"standard", "ingest", true, 26.4736, 0.86, 3237054151, 347892350},
@@ -59,7 +59,7 @@ constexpr Row kRows[] = {
     {"standard", "optimize", true, 4589.0112, 0.92, 2953546668, 52428800},
     {"standard", "mesh", true, 34.125, 0.5, 688128000, 18874368},
     {"standard", "refine", true, 1411.4111999999998, 0.92, 3101224001, 52428800},
-    {"standard", "relight", true, 21.2, 0.77, 517996544, 6291456},
+    {"standard", "decompose", true, 21.2, 0.77, 517996544, 6291456},
     {"standard", "evaluate", true, 67.56736000000001, 0.65, 1353545521, 32212254},
     {"standard", "export", true, 43.8, 0.7, 796917760, 131072000},
 };
@@ -137,11 +137,11 @@ TEST(StageCosts, ThatAreUnknownAreNamedBeforeTheLongStages) {
   const auto line = [&](const std::vector<const StageNode*>& stages) {
     return preflight_line(preflight(stages, settings, capture, 8, there), there);
   };
-  const StageNode& relight = graph().at("relight");
-  EXPECT_EQ(line({&relight}).find("without an estimate"), std::string::npos) << line({&relight});
+  const StageNode& decompose = graph().at("decompose");
+  EXPECT_EQ(line({&decompose}).find("without an estimate"), std::string::npos) << line({&decompose});
   EXPECT_TRUE(
-      line({&relight, &gone}).ends_with("free); without an estimate, and not in the sum: mesh (its program cannot be started)"))
-      << line({&relight, &gone});
+      line({&decompose, &gone}).ends_with("free); without an estimate, and not in the sum: mesh (its program cannot be started)"))
+      << line({&decompose, &gone});
   EXPECT_EQ(line({&gone}), "to come: no stage has an estimate of its costs: mesh (its program cannot be started)");
 }
 

@@ -12,6 +12,8 @@
 #include "core/config/apply.h"
 #include "pipeline/settings.h"
 #include "tests/pipeline/built_stages.h"
+#include "tests/support/error_of.h"
+#include "tests/support/renamed_options.h"
 
 namespace vitrine {
 namespace {
@@ -117,6 +119,50 @@ TEST(Stages, ReferenceFilesAreUpToDate) {
   const std::string first = graph().nodes.front().name;
   EXPECT_EQ(output_of({std::string(VITRINE_BIN_DIR) + "/vitrine", "config", "reference", first}),
             read_file(written.path() / (first + ".yaml")));
+}
+
+TEST(Stages, OptionsOfTheVersionBeforeAreAccepted) {
+  size_t renamed = 0;
+  for (const StageNode& n : graph().nodes)
+    test::expect_old_names_are_accepted([&](const auto& check) {
+      OwnedOptions options;
+      options.add_json(n.description, "");
+      renamed += options.table.renamed.size();
+      check(options.table);
+    });
+  EXPECT_GT(renamed, 0u);
+}
+
+TEST(Stages, SectionsOfRenamedStagesAreAcceptedInARun) {
+  Settings probe(graph());
+  size_t stages = 0;
+  for (const Renaming& r : probe.options.table.renamed)
+    stages += std::any_of(graph().nodes.begin(), graph().nodes.end(), [&](const StageNode& n) { return n.name == r.now; });
+  EXPECT_GT(stages, 0u);
+  test::expect_old_names_are_accepted([&](const auto& check) {
+    Settings settings(graph());
+    check(settings.options.table);
+  });
+}
+
+TEST(Stages, FilesOfAProjectMayHaveTheNamesOfRenamedStages) {
+  const TemporaryFolder project;
+  write_file(project.path() / "stages/relight.yaml", "points: 1234\n");
+  const auto load = [&] {
+    Settings settings(graph());
+    settings.load({.project = project.path()});
+    return settings.text("decompose.points");
+  };
+  EXPECT_EQ(load(), "1234");
+  write_file(project.path() / "stages/decompose.yaml", "points: 1235\n");
+  EXPECT_NE(error_of(load).message().find("leave one of them out"), std::string::npos);
+}
+
+TEST(Stages, AreFoundByTheNameOfTheVersionBefore) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(graph().at("relight").name, "decompose");
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("'relight' is called 'decompose' now"), std::string::npos);
+  EXPECT_THROW(graph().at("relit"), Error) << "it was no stage of a run";
 }
 
 TEST(Presets, AreReadWithoutComplaint) {

@@ -110,7 +110,7 @@ ExportFormat mesh_glb_format() {
           "thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior",
       .loses =
           "view dependence; gloss of what stands behind glass; what solid glass absorbs (it is clear), and its shell where it "
-          "stands on something; base colours above 1; without the relight stage, and of what is seen through glass alone, the "
+          "stands on something; base colours above 1; without the decompose stage, and of what is seen through glass alone, the "
           "photos' light is part of the base colour",
       .write = write_mesh_glb};
 }

@@ -1,6 +1,6 @@
 // mesh-ply: the cleaned mesh as binary PLY. Vertex normals, colours as 8-bit sRGB, and what the surface is made of as floats:
 //   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]
-// f0 is the reflectance at normal incidence with the specular weight in it (bake/pbr_mesh.h). albedo: linear, when the relight
+// f0 is the reflectance at normal incidence with the specular weight in it (bake/pbr_mesh.h). albedo: linear, when the decompose
 // stage found it; the 8-bit colours then are the albedo too, else the radiance that was fused with the mesh.
 #include <algorithm>
 #include <bit>

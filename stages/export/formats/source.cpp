@@ -8,7 +8,7 @@
 #include "core/mesh/mesh_topology.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/model/thin_glass_pass.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/scene/activation.h"
 #include "stages/export/bake/preview_fit.h"
 
@@ -58,13 +58,13 @@ std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
 std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder, const TrainedScene& scene) {
   const size_t surfels = scene.surfels.diffuse.size();
   const LayerBlend blend = scene.image.composite.blend;
-  const RelightMaterials found = read_relight_materials(folder);
+  const DecomposedMaterials found = read_decomposed_materials(folder);
   if (found.size() != surfels)
     throw Error(ErrorKind::Input, "the materials belong to another scene",
-                {.where = relight_materials_path(folder).string(),
+                {.where = decomposed_materials_path(folder).string(),
                  .why = fmt::format("{} materials, {} surfels", found.size(), surfels),
-                 .hint = "run the relight stage again",
-                 .code = "RELIGHT_MISMATCH"});
+                 .hint = "run the decompose stage again",
+                 .code = "MATERIALS_MISMATCH"});
   std::vector<SurfelMaterial> out(surfels);
   for (size_t i = 0; i < surfels; ++i)
     out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i], found.transmission[i]),
@@ -152,7 +152,7 @@ const TriMesh& ExportSource::mesh() {
 }
 
 const std::vector<SurfelMaterial>& ExportSource::materials() {
-  if (!materials_) materials_ = inputs_.relight ? relit_materials(*inputs_.relight, scene()) : trained_materials(scene());
+  if (!materials_) materials_ = inputs_.decompose ? relit_materials(*inputs_.decompose, scene()) : trained_materials(scene());
   return *materials_;
 }
 
@@ -214,7 +214,7 @@ const SplatLayer& ExportSource::preview() {
 }
 
 std::string color_note(const ExportSource& source) {
-  return source.has_albedo() ? "colours are albedo, found by the relight stage"
+  return source.has_albedo() ? "colours are albedo, found by the decompose stage"
                              : "colours are the diffuse radiance of the photos: their light and shadows are in them";
 }
 

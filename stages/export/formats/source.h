@@ -19,7 +19,7 @@ namespace vitrine {
 
 struct ExportInputs {
   std::filesystem::path sfm, optimize, mesh;
-  std::optional<std::filesystem::path> refine, relight;
+  std::optional<std::filesystem::path> refine, decompose;
 };
 
 struct ExportSettings {
@@ -32,7 +32,7 @@ class ExportSource {
  public:
   ExportSource(ExportInputs inputs, ExportSettings settings) : inputs_(std::move(inputs)), settings_(std::move(settings)) {}
   const std::filesystem::path& sfm() const { return inputs_.sfm; }
-  const std::optional<std::filesystem::path>& relight() const { return inputs_.relight; }
+  const std::optional<std::filesystem::path>& decompose() const { return inputs_.decompose; }
 
   // The frame of the settings; `axes` replaces theirs for formats that have only one.
   ExportFrame frame(std::string_view axes = {});
@@ -43,9 +43,9 @@ class ExportSource {
   // what straight rays painted into solid glass is left out. Normals of solid glass are those at which its rays bend.
   const TriMesh& mesh();
   uint32_t first_behind_glass() { return mesh(), first_behind_glass_; }
-  // Of every diffuse surfel, and whether their colour is an albedo (of the relight stage) or has the photos' light in it.
+  // Of every diffuse surfel, and whether their colour is an albedo (of the decompose stage) or has the photos' light in it.
   const std::vector<SurfelMaterial>& materials();
-  bool has_albedo() const { return inputs_.relight.has_value(); }
+  bool has_albedo() const { return inputs_.decompose.has_value(); }
   // At the vertices of mesh().
   const std::vector<SurfaceSample>& vertex_samples();
   const PbrMesh& pbr_mesh();

@@ -15,6 +15,8 @@ struct Fusion {
 inline void describe(Describer& d, Fusion& c) {
   d.option("weight_cap", c.weight_cap, "Largest weight of a voxel.").range(1, 1000);
   d.option("carve", c.carve, "Whether empty space is carved.");
+  d.renamed("max_weight", "weight_cap");
+  d.removed("smooth");
 }
 
 struct Config {
@@ -36,6 +38,10 @@ inline void describe(Describer& d, Config& c) {
   d.option("threads", c.threads, "Threads; 0 = all.").range(0, 1024).affects_output(false);
   d.group("fusion", c.fusion, "How depth maps are fused.");
   d.option("note", c.note, "Free text kept in the manifest.");
+  d.renamed("voxel_size", "voxel");
+  d.renamed("fusion.backend", "backend");  // moved out of its group
+  d.renamed("integration", "fusion");      // a group
+  d.removed("denoise");                    // a group
 }
 
 }  // namespace vitrine::example

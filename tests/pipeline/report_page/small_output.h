@@ -97,7 +97,7 @@ inline void write_output(const fs::path& out, const OutputDesc& d = {}) {
        R"({"mesh": {"faces": 2, "components": 1, "edges": 500, "boundary_edges": 4, "self_intersections": 0}})");
   file("refine/report.json", R"({"glass": {"regions": [{"verdict": "untested"}, {"verdict": "thick", "psnr":
       {"straight": 13.1, "straight_without_layer": 12, "bent": 20, "bent_without_layer": 36.07}}]}})");
-  file("relight/report.json", R"({"baked_log_rms": 0.5, "misfit_log_rms": [0.4, 0.2]})");
+  file("decompose/report.json", R"({"baked_log_rms": 0.5, "misfit_log_rms": [0.4, 0.2]})");
   file("normals/report.json", R"({"source": "geometric", "photos": [{"known": 0.5}, {"known": 0.9}]})");
   file("eval/metrics.json",
        fmt::format(R"({{"heldout": {{"psnr": {}, "ssim": {}, "views": {}}}, "train": {{"psnr": {}, "ssim": 0.9, "views": 1}},

@@ -49,7 +49,7 @@ class EditStage : public testing::Test {
     write_file(folder_.path() / "edits.yaml", "edits:\n" + edits);
     run_edit({}, context_);
     const fs::path out = context_.output() / "edited";
-    return read_relit_scene({.optimize = out, .mesh = out, .relight = out});
+    return read_relit_scene({.optimize = out, .mesh = out, .decompose = out});
   }
   Error refused(const std::string& edits) {
     write_file(folder_.path() / "edits.yaml", "edits:\n" + edits);
@@ -355,10 +355,10 @@ TEST_F(EditGlass, OtherEditsLeaveItsShapeAndTintWhatStandsThere) {
 TEST_F(EditStage, WorksWithoutMaterialsAndMasks) {
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 1}\n" + kTint);
   auto inputs = with_edits();
-  inputs.erase("relight"), inputs.erase("masks");
+  inputs.erase("decompose"), inputs.erase("masks");
   RecordingContext context(inputs);
   run_edit({}, context);
-  EXPECT_FALSE(fs::exists(context.output() / "edited/relight"));
+  EXPECT_FALSE(fs::exists(context.output() / "edited/decompose"));
   const TrainedScene scene = read_trained_scene(context.output() / "edited");
   EXPECT_NE(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], balls().layer.at(Attribute::ShDc, 0)[0]);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {class: specular}\n" + kTint);

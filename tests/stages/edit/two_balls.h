@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/light/environment.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "tests/support/tiny_capture.h"
 
 namespace vitrine::test {
@@ -41,18 +41,18 @@ class TwoBalls {
     write_layer(capture.optimize() / "gaussians/diffuse.ply", layer);
     write_layer(capture.optimize() / "gaussians/transmittance.ply", behind_glass);
     write_mesh_ply(capture.mesh() / "mesh/mesh.ply", mesh);
-    write_relight_materials(relight(), materials);
-    write_environment(relight_environment_path(relight()), Environment(ImageF(8, 4, 3, 1.f)));
+    write_decomposed_materials(decompose(), materials);
+    write_environment(decomposed_environment_path(decompose()), Environment(ImageF(8, 4, 3, 1.f)));
     write_masks();
   }
 
-  fs::path relight() const { return folder.path() / "relight"; }
+  fs::path decompose() const { return folder.path() / "decompose"; }
   fs::path masks() const { return folder.path() / "masks"; }
   std::map<std::string, fs::path> artifacts() const {
     return {{"sfm", capture.sfm()},
             {"optimize", capture.optimize()},
             {"mesh", capture.mesh()},
-            {"relight", relight()},
+            {"decompose", decompose()},
             {"masks", masks()}};
   }
   bool in_a(size_t surfel) const { return surfel < kSurfelsA || surfel == kSurfelsA + kSurfelsB; }
@@ -60,7 +60,7 @@ class TwoBalls {
 
   TinyCapture capture;
   SplatLayer layer, behind_glass{LayerKind::Transmittance, 0, 0};
-  RelightMaterials materials;
+  DecomposedMaterials materials;
   TriMesh mesh;
   size_t vertices_a = 0, faces_a = 0;
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/image/resample.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/surfel_colors.h"
 #include "core/relight/relit_painter.h"
 #include "stages/evaluate/evaluate.h"
@@ -40,10 +40,10 @@ class AlbedoRelit : public testing::Test {
     std::vector<Vec3f> truth(n);
     for (size_t i = 0; i < n; ++i) truth[i] = scene.materials.albedo[i] = paint(capture.layer.at(Attribute::Mean, i));
     scene.mesh = sphere_mesh(TinyCapture::kRadius);
-    RelightMaterials ours = scene.materials;
+    DecomposedMaterials ours = scene.materials;
     for (Vec3f& a : ours.albedo) a = hadamard(a, kFactor);
-    write_relight_materials(relight.path(), ours);
-    write_environment(relight_environment_path(relight.path()), sky());
+    write_decomposed_materials(decompose.path(), ours);
+    write_environment(decomposed_environment_path(decompose.path()), sky());
 
     for (const char* f : {"albedo", "env", "relit/side"}) make_folders(capture.truth() / f);
     write_environment(capture.truth() / "env/side.exr", sky());
@@ -62,7 +62,7 @@ class AlbedoRelit : public testing::Test {
 
   nlohmann::json truth_figures() {
     auto inputs = capture.inputs(true);
-    inputs["relight"] = relight.path();
+    inputs["decompose"] = decompose.path();
     RecordingContext context(inputs);
     EvaluateConfig config;
     config.mesh_samples = 200;
@@ -75,7 +75,7 @@ class AlbedoRelit : public testing::Test {
   }
 
   TinyCapture capture;
-  TemporaryFolder relight;
+  TemporaryFolder decompose;
   nlohmann::json not_measured;
 };
 
@@ -134,18 +134,18 @@ TEST_F(AlbedoRelit, TruthThatShowsNothingOfOursIsNoFigure) {
 }
 
 TEST_F(AlbedoRelit, MaterialsOfAnotherSceneAreRefused) {
-  RelightMaterials few;
+  DecomposedMaterials few;
   few.resize(3);
-  write_relight_materials(relight.path(), few);
+  write_decomposed_materials(decompose.path(), few);
   auto inputs = capture.inputs(true);
-  inputs["relight"] = relight.path();
+  inputs["decompose"] = decompose.path();
   RecordingContext context(inputs);
   try {
     run_evaluate({}, context);
     FAIL() << "no error";
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::Input);
-    EXPECT_EQ(e.detail().code, "BAD_RELIGHT_MATERIALS");
+    EXPECT_EQ(e.detail().code, "BAD_MATERIALS");
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/image/ldr.h"
 #include "core/math/color.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"
@@ -24,13 +24,13 @@ class PaneFiles : public testing::Test {
   PaneFiles() { scene_.write(root_.path()); }
   RecordingContext context() const {
     std::map<std::string, fs::path> inputs;
-    for (const char* stage : {"sfm", "optimize", "mesh", "relight"})
+    for (const char* stage : {"sfm", "optimize", "mesh", "decompose"})
       if (fs::exists(root_.path() / stage)) inputs[stage] = root_.path() / stage;
     return RecordingContext(inputs);
   }
   // Albedo 0.6 0.5 0.4 everywhere, other materials as the scene's.
-  void write_relight(size_t surfels) const {
-    RelightMaterials m;
+  void write_materials(size_t surfels) const {
+    DecomposedMaterials m;
     m.resize(surfels);
     for (size_t i = 0; i < surfels; ++i) {
       m.albedo[i] = {0.6f, 0.5f, 0.4f};
@@ -39,8 +39,8 @@ class PaneFiles : public testing::Test {
       m.specular_weight[i] = 0;
       m.transmission[i] = 0;
     }
-    make_folders(root_.path() / "relight/relight");
-    write_relight_materials(root_.path() / "relight", m);
+    make_folders(root_.path() / "decompose/decompose");
+    write_decomposed_materials(root_.path() / "decompose", m);
   }
 
   TemporaryFolder root_;
@@ -219,11 +219,11 @@ TEST_F(PaneFiles, TransmissionOfTheBlendRtrgsHasItsSpecularWeight) {
   EXPECT_NEAR(row.transmission, test::kPaneSpecular * test::kPaneTransmission, 1e-3);
   EXPECT_NEAR(row.f0[0], test::kPaneSpecular * test::kPaneF0, 1e-3);
 
-  RelightMaterials m;
+  DecomposedMaterials m;
   m.resize(scene_.diffuse.size());
   for (size_t i = 0; i < m.size(); ++i) m.specular_weight[i] = 0.5f, m.transmission[i] = 0.8f, m.f0[i] = {0.1f, 0.1f, 0.1f};
-  make_folders(root_.path() / "relight/relight");
-  write_relight_materials(root_.path() / "relight", m);
+  make_folders(root_.path() / "decompose/decompose");
+  write_decomposed_materials(root_.path() / "decompose", m);
   RecordingContext relit = context();
   run_export({.formats = {"mesh-ply"}}, relit);
   const VertexRow second = rows_of(relit.output() / "export/mesh.ply", true, n)[on_pane];
@@ -245,7 +245,7 @@ TEST_F(PaneFiles, NormalsOfAMeshWithoutAnyAreIndependentOfItsTriangles) {
 }
 
 TEST_F(PaneFiles, ColoursAreAlbedoWhenTheSceneWasDecomposed) {
-  write_relight(scene_.diffuse.size());
+  write_materials(scene_.diffuse.size());
   RecordingContext c = context();
   run_export({.formats = {"mesh-ply", "mesh-obj"}, .texture_size = 256}, c);
   for (const VertexRow& row : rows_of(c.output() / "export/mesh.ply", true, scene_.mesh.positions.size())) {
@@ -260,11 +260,11 @@ TEST_F(PaneFiles, ColoursAreAlbedoWhenTheSceneWasDecomposed) {
 }
 
 TEST_F(PaneFiles, MaterialsOfAnotherSceneAreRefused) {
-  write_relight(scene_.diffuse.size() - 1);
+  write_materials(scene_.diffuse.size() - 1);
   RecordingContext c = context();
   const Error e = error_of([&] { run_export({.formats = {"mesh-ply"}}, c); });
   EXPECT_EQ(e.kind(), ErrorKind::Input);
-  EXPECT_EQ(e.detail().code, "RELIGHT_MISMATCH");
+  EXPECT_EQ(e.detail().code, "MATERIALS_MISMATCH");
 }
 
 TEST_F(PaneFiles, AnEmptyMeshIsRefused) {

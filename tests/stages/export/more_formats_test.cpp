@@ -9,7 +9,7 @@
 #include "core/base/json.h"
 #include "core/camera/colmap_model.h"
 #include "core/image/exr.h"
-#include "core/picture/relight_materials.h"
+#include "core/picture/decomposed_materials.h"
 #include "stages/export/bake/preview_fit.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"
@@ -124,7 +124,7 @@ class MoreFormats : public testing::Test {
   }
   RecordingContext context() const {
     std::map<std::string, fs::path> inputs;
-    for (const char* stage : {"sfm", "optimize", "mesh", "relight"})
+    for (const char* stage : {"sfm", "optimize", "mesh", "decompose"})
       if (fs::exists(root_.path() / stage)) inputs[stage] = root_.path() / stage;
     return RecordingContext(inputs);
   }
@@ -254,8 +254,8 @@ TEST_F(MoreFormats, EnvironmentIsCopiedWhenThereIsOne) {
   RecordingContext without = context();
   run_export({.formats = {"environment"}}, without);
   EXPECT_FALSE(fs::exists(without.output() / "export/environment.exr"));
-  make_folders(root_.path() / "relight/relight");
-  write_exr_rgb(relight_environment_path(root_.path() / "relight"), ImageF(8, 4, 3, 2.5f));
+  make_folders(root_.path() / "decompose/decompose");
+  write_exr_rgb(decomposed_environment_path(root_.path() / "decompose"), ImageF(8, 4, 3, 2.5f));
   RecordingContext with = context();
   run_export({.formats = {"environment"}}, with);
   EXPECT_EQ(read_exr_rgb(with.output() / "export/environment.exr").at(3, 2, 1), 2.5f);

@@ -1,262 +1,196 @@
+// The program behind `vitrine relight` on a ball whose materials are known.
 #include "stages/relight/relight.h"
-
-#include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
-#include "core/light/environment.h"
-#include "core/picture/relight_materials.h"
-#include "core/picture/surfel_colors.h"
-#include "stages/relight/grey_card.h"
-#include "tests/stages/relight/lit_room.h"
+#include "core/math/color.h"
+#include "core/picture/decomposed_materials.h"
+#include "stages/relight/turntable.h"
+#include "tests/support/tiny_capture.h"
+#include "tests/core/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/tiny_capture.h"
 
 namespace vitrine {
 namespace {
 
-const test::LitRoom& room() {
-  static const test::LitRoom instance;
-  return instance;
-}
+using test::RecordingContext;
+using test::TinyCapture;
 
-RelightConfig quick() {
-  RelightConfig config;
-  config.points = 2500;
-  config.bands = 12;
-  config.max_side = 112;
-  config.panorama_height = 16;
-  config.sheet_rows = 1;
-  config.solver.points = 1200;
-  config.solver.rounds = 10;
-  return config;
-}
-
-// rms of log(scale ours / truth) after one factor per channel, their mean ratio.
-double log_error(const std::vector<Vec3f>& ours, const std::vector<Vec3f>& truth) {
-  double squares = 0;
-  for (size_t c = 0; c < 3; ++c) {
-    double mean = 0;
-    for (size_t i = 0; i < ours.size(); ++i) mean += std::log(double(ours[i][c]) / double(truth[i][c])) / double(ours.size());
-    for (size_t i = 0; i < ours.size(); ++i) {
-      const double d = std::log(double(ours[i][c]) / double(truth[i][c])) - mean;
-      squares += d * d;
-    }
+class RelightStage : public testing::Test {
+ protected:
+  RelightStage() {
+    make_folders(decompose() / "decompose");
+    write_decomposed_materials(decompose(), test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
+    write_environment(decomposed_environment_path(decompose()), Environment(ImageF(16, 8, 3, 1.f)));
+    write_environment(folder.path() / "probe.exr", axis_probe(32));
   }
-  return std::sqrt(squares / (3 * double(ours.size())));
-}
-
-TEST(Relight, FindsAlbedoAndLightOfAKnownScene) {
-  test::RecordingContext context(room().inputs());
-  run_relight(quick(), context);
-  const RelightMaterials materials = read_relight_materials(context.output());
-  ASSERT_EQ(materials.size(), room().albedo.size());
-  const double before = log_error(room().radiance, room().albedo), after = log_error(materials.albedo, room().albedo);
-  RecordProperty("log_error", fmt::format("{} -> {}", before, after));
-  EXPECT_LT(after, 0.17) << "undecomposed " << before;
-  EXPECT_LT(after, 0.4 * before);
-  for (const Vec3f& rho : materials.albedo)
-    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(rho[c] >= 0 && rho[c] <= 1);
-  EXPECT_NEAR(materials.f0[0].x, 0.04f, 1e-4f);
-  EXPECT_EQ(materials.specular_weight[0], 0.f);  // there is no reflection layer that could have trained it
-  // The light comes from where it does.
-  const Environment light = read_environment(relight_environment_path(context.output()));
-  const auto mean_around = [&](const Vec3f& axis) {
-    float sum = 0;
-    int count = 0;
-    for (int k = 0; k < 400; ++k) {
-      const float z = float(k % 20) / 20, a = float(k / 20) * 0.314159f, s = std::sqrt(1 - z * z);
-      const Vec3f d{s * std::cos(a), s * std::sin(a), z};
-      if (dot(d, axis) > 0.85f) sum += light.radiance(d).y, ++count;
-    }
-    return sum / float(count);
-  };
-  const Vec3f lamp = normalized(Vec3f{0.7f, 0.3f, 0.65f});
-  EXPECT_GT(mean_around(lamp), 4 * mean_around(normalized(Vec3f{-0.7f, -0.3f, 0.65f})));
-  for (const char* file : {"albedo.png", "baked.png", "report.json"})
-    EXPECT_TRUE(fs::exists(context.output() / "relight" / file));
-  EXPECT_TRUE(std::ranges::is_sorted(context.fractions));
-  EXPECT_GT(context.metrics.at("light_known_share"), 0.01);
-}
-
-TEST(Relight, SameBytesForAnyNumberOfThreads) {
-  std::vector<std::string> bytes;
-  for (const int threads : {1, 3}) {
-    set_thread_limit(threads);
-    test::RecordingContext context(room().inputs());
-    RelightConfig config = quick();
-    config.solver.rounds = 2;
-    run_relight(config, context);
-    std::string all;
-    for (const char* file : {"materials.ply", "environment.exr", "report.json", "albedo.png", "baked.png"})
-      all += read_file(context.output() / "relight" / file);
-    bytes.push_back(std::move(all));
+  fs::path decompose() const { return folder.path() / "artifact"; }
+  fs::path probe() const { return folder.path() / "probe.exr"; }
+  std::map<std::string, fs::path> inputs(std::map<std::string, fs::path> more = {}) const {
+    more.insert({{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose()}});
+    return more;
   }
-  set_thread_limit(0);
-  EXPECT_TRUE(bytes[0] == bytes[1]);
-}
-
-TEST(Relight, GreyCardSetsTheScale) {
-  test::RecordingContext context(room().inputs());
-  RelightConfig config = quick();
-  config.solver.rounds = 1;
-  config.grey_card = "view_0.png:50,60,6,6";
-  config.grey_albedo = 0.3;
-  run_relight(config, context);
-  const auto report = nlohmann::json::parse(read_file(context.output() / "relight" / "report.json"));
-  EXPECT_EQ(report.at("scale").at("by"), "grey_card");
-  const SplatLayer layer = read_layer(room().folder() / "gaussians/diffuse.ply");
-  const std::vector<Vec3f> albedo = read_relight_materials(context.output()).albedo;
-  const GreyCard card = parse_grey_card(config.grey_card, room().views);
-  const Vec3f found = median_in(card, room().views[0], SurfelColors(layer, albedo, 0.01f).picture(room().views[0]));
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.3, 0.005);
-  // Surfels that the convention makes brighter than white keep what tells them apart once the card has made them darker.
-  RelightConfig bright = config;
-  bright.grey_card.clear();
-  bright.white_albedo = 0.95;
-  bright.grey_albedo = 0.18;
-  test::RecordingContext by_convention(room().inputs());
-  run_relight(bright, by_convention);
-  const std::vector<Vec3f> white = read_relight_materials(by_convention.output()).albedo;
-  bright.grey_card = config.grey_card;
-  test::RecordingContext by_card(room().inputs());
-  run_relight(bright, by_card);
-  const std::vector<Vec3f> grey = read_relight_materials(by_card.output()).albedo;
-  for (size_t c = 0; c < 3; ++c) {
-    float gain = 0, darkest = 1, brightest = 0;
-    size_t limited = 0;
-    for (size_t i = 0; i < white.size(); ++i) {
-      if (white[i][c] < 0.5f) gain = grey[i][c] / white[i][c];  // the same for all
-      if (white[i][c] < 0.979f) continue;
-      ++limited;
-      darkest = std::min(darkest, grey[i][c]);
-      brightest = std::max(brightest, grey[i][c]);
-    }
-    ASSERT_LT(gain, 0.9f) << "the card must make the scene darker for this test";
-    ASSERT_GT(limited, 10u) << "channel " << c;
-    EXPECT_GT(brightest, 1.05f * darkest) << limited << " surfels of channel " << c;
-  }
-  for (const char* wrong :
-       {"view_0.png", "view_0.png:1,2,3", "view_9.png:1,2,3,4", "view_0.png:100,60,50,6", "view_0.png:1,2,0,4"}) {
-    config.grey_card = wrong;
+  Error error_with(std::map<std::string, fs::path> more, const RelightConfig& config = {.samples = 1}) const {
+    RecordingContext context(inputs(std::move(more)));
     const Error e = error_of([&] { run_relight(config, context); });
-    EXPECT_EQ(e.kind(), ErrorKind::Usage) << wrong;
-    EXPECT_EQ(e.detail().code, "GREY_CARD");
+    EXPECT_FALSE(fs::exists(context.output() / "relit")) << "nothing is written before everything is known to be good";
+    return e;
   }
+
+  TemporaryFolder folder;
+  TinyCapture capture;
+};
+
+TEST_F(RelightStage, HeldOutViewsUnderANewLight) {
+  RecordingContext context(inputs({{"env", probe()}}));
+  run_relight({.samples = 4, .exposure = 1, .auto_exposure = false}, context);
+  const fs::path out = context.output() / "relit" / "probe";
+  for (const char* file : {"view_0.png", "view_0.exr", "contact_sheet.png", "transforms.json", "settings.json"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  const ImageF linear = read_exr_rgb(out / "view_0.exr"), srgb = read_srgb(out / "view_0.png");
+  ASSERT_EQ(linear.width(), TinyCapture::kWidth);
+  // The PNG is one stop brighter, clipped and encoded; the corner shows the cyan of -x behind the ball.
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(srgb.at(40, 24, c), srgb_from_linear(std::clamp(2 * linear.at(40, 24, c), 0.f, 1.f)), 0.004);
+  }
+  EXPECT_GT(linear.at(1, 1, 1), 0.2);
+  EXPECT_EQ(linear.at(1, 1, 1), linear.at(1, 1, 2));
+  EXPECT_LT(linear.at(1, 1, 0), 0.05);
+  EXPECT_EQ(context.metrics.at("views"), 1);
 }
 
-TEST(Relight, RefusesScenesWithoutSurface) {
-  const auto refused = [](const std::function<void(const fs::path&)>& damage) {
-    const TemporaryFolder copy;
-    fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
-    damage(copy.path());
-    test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
-    const Error e = error_of([&] { run_relight(quick(), context); });
-    EXPECT_EQ(e.kind(), ErrorKind::Input) << e.what();
-    return e.detail().code;
+TEST_F(RelightStage, WithoutALightTheOneOfThePhotosShines) {
+  RecordingContext context(inputs());
+  run_relight({.width = 32, .height = 24, .samples = 16}, context);
+  const ImageF picture = read_exr_rgb(context.output() / "relit/captured/view_0.exr");
+  ASSERT_EQ(picture.width(), 32);
+  EXPECT_NEAR(picture.at(16, 12, 0), 0.8, 0.03);  // constant light of 1: the albedo
+  EXPECT_NEAR(picture.at(16, 12, 2), 0.2, 0.03);
+}
+
+TEST_F(RelightStage, PicturesAreDevelopedToMiddleGreyWhateverTheUnitsOfTheMap) {
+  std::vector<ImageF> pictures;
+  for (const float radiance : {0.02f, 50.f}) {
+    write_environment(folder.path() / "white.exr", Environment(ImageF(16, 8, 3, radiance)));
+    RecordingContext context(inputs({{"env", folder.path() / "white.exr"}}));
+    run_relight({.width = 32, .height = 24, .samples = 16}, context);
+    pictures.push_back(read_srgb(context.output() / "relit/white/view_0.png"));
+  }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pictures[0].at(16, 12, c), pictures[1].at(16, 12, c), 0.03);
+  // The ball's albedo 0.8 0.4 0.2 has the luminance 0.47; it becomes 0.18.
+  EXPECT_NEAR(linear_from_srgb(pictures[0].at(16, 12, 1)), 0.4 / 0.47 * 0.18, 0.02);
+}
+
+TEST_F(RelightStage, RotationTurnsTheLight) {
+  const auto corner = [&](double degrees) {
+    RecordingContext context(inputs({{"env", probe()}}));
+    run_relight({.width = 32, .height = 24, .samples = 4, .rotate = degrees}, context);
+    return read_exr_rgb(context.output() / "relit/probe/view_0.exr");
   };
-  EXPECT_EQ(refused([](const fs::path& f) { write_mesh_ply(f / "mesh/mesh.ply", TriMesh{}); }), "NO_SURFACE");
-  EXPECT_EQ(refused([](const fs::path& f) {
-              TriMesh flat;
-              flat.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0.2f, 0, 0}};
-              flat.colors.resize(3);
-              flat.faces = {{0, 1, 2}};
-              write_mesh_ply(f / "mesh/mesh.ply", flat);
-            }),
-            "NO_SURFACE");
-  EXPECT_EQ(refused([](const fs::path& f) { write_layer(f / "gaussians/diffuse.ply", SplatLayer(LayerKind::Diffuse, 0, 0)); }),
-            "NO_SURFACE");
+  const ImageF at_0 = corner(0), at_360 = corner(360), at_90 = corner(90);
+  EXPECT_EQ(at_0, at_360);
+  // The corner looks past the ball towards -x, where the probe is cyan. Counter-clockwise seen from above +y comes to lie there,
+  // which is green; the other sense would bring the magenta of -y.
+  for (int c = 1; c < 3; ++c) EXPECT_GT(at_0.at(1, 1, c), 3 * at_0.at(1, 1, 0));
+  for (int c = 0; c < 3; c += 2) EXPECT_GT(at_90.at(1, 1, 1), 3 * at_90.at(1, 1, c));
 }
 
-TEST(Relight, OverexposedPhotosEndInAGuessAndAWarning) {
-  const TemporaryFolder copy;
-  fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
-  SplatLayer layer = read_layer(copy.path() / "gaussians/diffuse.ply");
-  std::ranges::fill(layer.values(Attribute::ShDc), 20.f);
-  write_layer(copy.path() / "gaussians/diffuse.ply", layer);
-  test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
-  run_relight(quick(), context);
-  EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
-  for (const Vec3f& rho : read_relight_materials(context.output()).albedo)
-    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(rho[c]));
+TEST_F(RelightStage, AnEnvironmentAndLampsTogetherHaveAFolderOfTheirOwn) {
+  write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: point, position: [1, 0, 0.2], intensity: 1}\n");
+  RecordingContext context(inputs({{"env", probe()}, {"lights", folder.path() / "lamps.yaml"}}));
+  run_relight({.width = 16, .height = 12, .samples = 1}, context);
+  EXPECT_TRUE(fs::exists(context.output() / "relit/probe_lamps/view_0.png"));
+  EXPECT_FALSE(fs::exists(context.output() / "relit/probe"));
 }
 
-TEST(Relight, PixelsOfMirrorsDoNotSpeakAboutTheLight) {
-  const TemporaryFolder copy, masks;
-  fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
-  // Trained at half size; masks are as large as the photos.
-  auto split = nlohmann::json::parse(read_file(copy.path() / "optimize/views.json"));
-  split["max_side"] = 56;
-  write_file(copy.path() / "optimize/views.json", split.dump());
-  std::map<std::string, fs::path> inputs{
-      {"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}, {"masks", masks.path()}};
-  RelightConfig config = quick();
-  config.solver.rounds = 1;
-  config.sheet_rows = 0;
-  for (const View& v : room().views) {
-    const fs::path path = view_mask_path(masks.path(), MaskClass::Specular, v);
-    make_folders(path.parent_path());
-    write_ldr(path, Image8(v.intrinsics.width, v.intrinsics.height, 1, uint8_t(255)));
+TEST_F(RelightStage, MissingViewsAreCalledByTheirName) {
+  capture.write_split({}, {1, 2});
+  const Error heldout = error_with({});
+  EXPECT_EQ(heldout.detail().code, "NO_VIEWS");
+  EXPECT_NE(std::string(heldout.what()).find("no held-out views"), std::string::npos) << heldout.what();
+  EXPECT_EQ(heldout.detail().hint, "--views all");
+  capture.write_split({1, 2}, {});
+  const Error train = error_with({}, {.views = "train", .samples = 1});
+  EXPECT_NE(std::string(train.what()).find("no training views"), std::string::npos) << train.what();
+}
+
+TEST_F(RelightStage, ATurntableGoesAroundWhatThePhotosLookAt) {
+  EXPECT_LT(length(point_looked_at(capture.views)), 1e-6);
+  const std::vector<View> views = turntable_views(capture.views, 8);
+  ASSERT_EQ(views.size(), 8u);
+  for (const View& v : views) {
+    const Vec3d c = v.centre_in_world();
+    EXPECT_NEAR(std::hypot(c.x, c.y), 1, 1e-6);
+    EXPECT_NEAR(c.z, 0.4, 0.06);
+    EXPECT_LT(length(normalized(v.cam_from_world * Vec3d{}) - Vec3d{0, 0, 1}), 1e-9);  // the target lies on the axis
   }
-  test::RecordingContext context(inputs);
-  run_relight(config, context);
-  EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
-  make_folders(masks.path() / "masks/transparent");
-  write_ldr(view_mask_path(masks.path(), MaskClass::Transparent, room().views[0]), Image8(8, 6, 1));
-  test::RecordingContext damaged(inputs);
-  EXPECT_EQ(error_of([&] { run_relight(config, damaged); }).detail().code, "MASK_SIZE");
+  const Vec3d start = views[0].centre_in_world(), opposite = views[4].centre_in_world();  // wherever it starts
+  EXPECT_LT(start.x * opposite.x + start.y * opposite.y, -0.9);
+  // Photos of one side: the camera stays on it.
+  const std::vector<View> half(capture.views.begin(), capture.views.begin() + 4);
+  for (const View& v : turntable_views(half, 8)) EXPECT_GT(v.centre_in_world().y, -1e-6);
+  RecordingContext context(inputs({{"env", probe()}}));
+  run_relight({.turntable = 3, .width = 16, .height = 12, .samples = 1}, context);
+  EXPECT_TRUE(fs::exists(context.output() / "relit/probe/frame_0002.png"));
 }
 
-TEST(Relight, WithoutPicturesTheirErrorIsAbsentNotZero) {
-  test::RecordingContext context(room().inputs());
-  RelightConfig config = quick();
-  config.solver.rounds = 1;
-  config.sheet_rows = 0;
-  run_relight(config, context);
-  const auto report = nlohmann::json::parse(read_file(context.output() / "relight" / "report.json"));
-  EXPECT_FALSE(report.contains("baked_log_rms")) << report;
-  EXPECT_FALSE(context.metrics.contains("baked_log_rms"));
+TEST_F(RelightStage, LampsAloneLightTheScene) {
+  write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: point, position: [1, 0, 0.2], intensity: 1}\n");
+  RecordingContext context(inputs({{"lights", folder.path() / "lamps.yaml"}}));
+  run_relight({.samples = 1}, context);
+  const ImageF picture = read_exr_rgb(context.output() / "relit/lamps/view_0.exr");
+  EXPECT_EQ(picture.at(1, 1, 0), 0);  // no environment behind
+  EXPECT_GT(picture.at(32, 24, 0), 0.3);
 }
 
-// What the dearest settings that pass the check would hold in memory at once.
-TEST(RelightOptions, EvenTheDearestFitAnOrdinaryMachine) {
-  RelightConfig config;
-  const OptionTable table = options_of(config);
-  const auto most = [&](const char* option) { return table.find(option)->high.value(); };
-  const double cells = 2 * most("bands") * most("bands");
-  const double both_sides = 2;
-  EXPECT_LT(both_sides * most("points") * cells * sizeof(float), 2e9);          // transport
-  EXPECT_LT((2 * most("solver.points") + cells) * cells * sizeof(float), 1e9);  // matrix, weighted copy, normal matrix
-  EXPECT_LT(most("panorama_height") * most("panorama_height") * 2 * 100, 1e9);  // rays and their values
-  const double cell_bytes = most("sheet_cell_width") * most("sheet_cell_width") * 3;
-  EXPECT_LT(2 * 2 * 3 * most("sheet_rows") * cell_bytes, 2e9);  // two sheets of three columns, and their cells
-}
-
-TEST(RelightMaterials, RoundTripAndDamage) {
-  const TemporaryFolder folder;
-  RelightMaterials m;
-  m.resize(2);
-  m.albedo = {{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
-  m.f0 = {{0.04f, 0.05f, 0.06f}, {1, 1, 1}};
-  m.roughness = {0.3f, 0}, m.specular_weight = {0.5f, 0.25f}, m.transmission = {0, 1};
-  write_relight_materials(folder.path(), m);
-  const RelightMaterials back = read_relight_materials(folder.path());
-  EXPECT_EQ(back.albedo, m.albedo);
-  EXPECT_EQ(back.f0, m.f0);
-  EXPECT_EQ(back.roughness, m.roughness);
-  EXPECT_EQ(back.specular_weight, m.specular_weight);
-  EXPECT_EQ(back.transmission, m.transmission);
-  const fs::path path = relight_materials_path(folder.path());
-  const std::string good = read_file(path);
-  std::string not_a_number = good;
-  for (size_t i = good.size() - 4; i < good.size(); ++i) not_a_number[i] = char(0xff);
-  for (const std::string& bad :
-       {good.substr(0, good.size() - 3), good + "x", std::string("ply\n"), std::string(), not_a_number}) {
-    write_file(path, bad);
-    EXPECT_EQ(error_of([&] { read_relight_materials(folder.path()); }).kind(), ErrorKind::Input);
+// As resampling leaves them around lamps, in maps that people share.
+TEST_F(RelightStage, TexelsDarkerThanBlackAreToldAndTakenForBlack) {
+  ImageF map(16, 8, 3, 2.f);
+  std::vector<ImageF> pictures;
+  for (const float level : {0.f, -3.f}) {
+    map.at(4, 3, 1) = level;
+    write_exr_rgb(folder.path() / "sky.exr", map, ExrPrecision::Float);
+    RecordingContext context(inputs({{"env", folder.path() / "sky.exr"}}));
+    run_relight({.width = 16, .height = 12, .samples = 1}, context);
+    EXPECT_EQ(context.warnings.contains("ENV_NEGATIVE"), level < 0);
+    if (level < 0) {
+      EXPECT_EQ(context.warnings["ENV_NEGATIVE"], "1 of 128 texels of sky.exr are darker than black: taken for black there");
+    }
+    pictures.push_back(read_exr_rgb(context.output() / "relit/sky/view_0.exr"));
   }
+  EXPECT_EQ(pictures[0], pictures[1]);
+}
+
+TEST_F(RelightStage, BadInputIsRefusedBeforeAnythingIsWritten) {
+  const fs::path bad = folder.path() / "bad.exr";
+  write_exr_rgb(bad, ImageF(8, 8, 3));
+  EXPECT_EQ(error_with({{"env", bad}}).detail().code, "ENV_SHAPE");
+  write_exr_rgb(bad, ImageF(8, 4, 3, std::numeric_limits<float>::infinity()), ExrPrecision::Float);
+  EXPECT_EQ(error_with({{"env", bad}}).detail().code, "ENV_BAD_TEXELS");
+  write_ldr(folder.path() / "sky.png", Image8(8, 4, 3));
+  EXPECT_EQ(error_with({{"env", folder.path() / "sky.png"}}).detail().code, "ENV_LDR");
+  write_file(folder.path() / "path.json",
+             R"({"w": 32, "h": 24, "fl_x": 30, "frames": [{"file_path": "a.png", "transform_matrix":
+                [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]}]})");
+  const Error singular = error_with({{"path", folder.path() / "path.json"}}, {.views = "path"});
+  EXPECT_EQ(singular.kind(), ErrorKind::Input);
+  EXPECT_NE(std::string(singular.what()).find("flattens space"), std::string::npos) << singular.what();
+  write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: candle}\n");
+  EXPECT_EQ(error_with({{"lights", folder.path() / "lamps.yaml"}}).kind(), ErrorKind::Usage);
+}
+
+TEST_F(RelightStage, ScenesThatCannotBeRelitSaySo) {
+  DecomposedMaterials few;
+  few.resize(3);
+  write_decomposed_materials(decompose(), few);
+  EXPECT_EQ(error_with({}).detail().code, "BAD_MATERIALS");
+  fs::remove(decomposed_materials_path(decompose()));
+  EXPECT_EQ(error_with({}).kind(), ErrorKind::Input);
+  write_decomposed_materials(decompose(), test::relit_ball({1, 1, 1}).materials);
+  write_mesh_ply(capture.mesh() / "mesh/mesh.ply", TriMesh{});
+  EXPECT_EQ(error_with({}).kind(), ErrorKind::Input);
 }
 
 }  // namespace

@@ -1,0 +1,394 @@
+#include "stages/decompose/decompose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/base/log.h"
+#include "core/base/process.h"
+#include "core/base/timer.h"
+#include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
+#include "core/light/environment.h"
+#include "core/math/point_grid.h"
+#include "core/mesh/mesh_io.h"
+#include "core/picture/decomposed_materials.h"
+#include "core/picture/surfel_colors.h"
+#include "core/picture/trained_scene.h"
+#include "core/scene/activation.h"
+#include "stages/decompose/grey_card.h"
+#include "stages/decompose/light_solver.h"
+#include "stages/decompose/marked_pixels.h"
+#include "stages/decompose/metals.h"
+#include "stages/decompose/mirrored_sky.h"
+#include "stages/decompose/painted_shell.h"
+#include "stages/decompose/pictures.h"
+#include "stages/decompose/spread.h"
+#include "stages/decompose/wall_extension.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
+constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
+constexpr float kMaxMasked = 0.5f;
+constexpr float kDarkestTold = 0.004f, kBrightestTold = 0.95f;  // radiances that a photo of 8 bits can tell
+constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as coarse as if there were so many points at most
+constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
+constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
+constexpr size_t kFewestPoints = 64;
+constexpr double kPolishReach = 6;  // edges of the mesh, between polished faces and their surfels
+
+double area_of(const TriMesh& mesh) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.faces)
+    area += 0.5 * double(length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
+  return area;
+}
+
+class Decomposition {
+ public:
+  Decomposition(const DecomposeConfig& config, StageContext& context)
+      : config_(config),
+        context_(context),
+        scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))) {
+    const ViewSet set = load_view_set(context.input("sfm"));
+    all_views_ = set.views;
+    for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
+    const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
+    for (const size_t v : split.train.empty() ? split.heldout : split.train) {
+      views_.push_back(set.views[v]);
+      views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
+    }
+    if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
+    const fs::path mesh_path = context.input("mesh") / "mesh" / "mesh.ply";
+    mesh_ = read_mesh_ply(mesh_path);
+    const double area = area_of(mesh_);
+    if (!(area > 0) || mesh_.colors.size() != mesh_.positions.size())
+      throw Error(ErrorKind::Input, "the mesh is not usable for shadows",
+                  {.where = mesh_path.string(),
+                   .why = mesh_.faces.empty() ? "it has no triangles"
+                          : !(area > 0)       ? "its triangles have no area"
+                                              : "it has no colours",
+                   .hint = "run the mesh stage again",
+                   .code = "NO_SURFACE"});
+    for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));
+    const Vec3d margin = 0.02 * (box_.high - box_.low) + Vec3d{1e-3, 1e-3, 1e-3};
+    box_.low = box_.low - margin;
+    box_.high = box_.high + margin;
+    voxel_ = std::sqrt(area / config.points);
+    outer_voxel_ = kOuterFactor * std::sqrt(area / std::min(double(config.points), kOuterPoints));
+    edge_ = std::sqrt(2 * area / double(mesh_.faces.size()));
+  }
+
+  void run() {
+    gather();
+    trace();
+    solve();
+    spread();
+    write();
+  }
+
+ private:
+  void step(double fraction, std::string text) {
+    throw_if_interrupted();
+    context_.progress({.fraction = fraction, .text = std::move(text), .values = {}});
+  }
+
+  void gather() {
+    const Timer clock;
+    sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
+    points_ = lit_points(scene_.surfels.diffuse, views_,
+                         {.inner = box_,
+                          .voxel = voxel_,
+                          .outer_factor = outer_voxel_ / voxel_,
+                          .max_side = config_.max_side,
+                          .near_z = scene_.image.diffuse.near_z,
+                          .sky_distance = sky_distance_,
+                          .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
+                         [&](double f) { step(0.2 * f, "surface points"); });
+    if (points_.size() < kFewestPoints)
+      throw Error(ErrorKind::Input, "the views show too little surface to find the light",
+                  {.why = fmt::format("{} points", points_.size()),
+                   .hint = "look at optimize/previews; more points: decompose.points",
+                   .code = "NO_SURFACE"});
+    around_ =
+        surroundings(scene_.surfels.diffuse, {.inner = box_, .height = config_.panorama_height, .sky_distance = sky_distance_});
+    shell_ = around_.shell();
+    context_.timing("points", clock.seconds());
+  }
+
+  bool shows_sky(size_t surfel) const {
+    const float* p = layer().at(Attribute::Mean, surfel);
+    return length(Vec3f{p[0], p[1], p[2]} - around_.centre) > sky_distance_;
+  }
+
+  void trace() {
+    const Timer clock;
+    std::vector<float> clear;
+    if (scene_.surfels.transmittance.size() > 0) clear = mesh_transmission();
+    transport_ = transport({.mesh = mesh_, .transmission = clear, .around = around_, .shell = shell_}, points_,
+                           {.grid = {.bands = size_t(config_.bands)},
+                            .reach = float(3 * edge_),
+                            .offset = float(0.1 * edge_),
+                            .outer_offset = float(outer_voxel_),
+                            .seed = uint64_t(config_.seed)},
+                           [&](double f) { step(0.2 + 0.4 * f, fmt::format("light that reaches {} points", points_.size())); });
+    for (const float share : transport_.inside) usable_.push_back(share < kMaxInside);
+    context_.timing("rays", clock.seconds());
+  }
+
+  // Of the nearest surface points, per vertex of the mesh.
+  std::vector<float> mesh_transmission() const {
+    std::vector<Vec3f> positions;
+    for (const LitPoint& p : points_) positions.push_back(p.position);
+    const PointGrid grid(positions, float(2 * voxel_));
+    std::vector<float> out(mesh_.positions.size(), 0.f);
+    std::vector<PointGrid::Near> near;
+    for (size_t v = 0; v < out.size(); ++v) {
+      grid.nearest(mesh_.positions[v], 1, float(6 * voxel_), near);
+      if (!near.empty()) out[v] = points_[near[0].index].transmission;
+    }
+    return out;
+  }
+
+  void solve() {
+    const Timer clock;
+    step(0.6, "light and albedo by turns");
+    std::vector<uint32_t> speaking;
+    for (size_t i = 0; i < points_.size(); ++i) {
+      const LitPoint& p = points_[i];
+      const float brightest = std::max({p.radiance.x, p.radiance.y, p.radiance.z});
+      if (p.inner && usable_[i] && p.specular_weight < kMaxSpecular && p.transmission < kMaxSpecular && p.masked < kMaxMasked &&
+          brightest < kBrightestTold && luminance(p.radiance) > kDarkestTold)
+        speaking.push_back(uint32_t(i));
+    }
+    if (speaking.size() < kFewestPoints) {
+      context_.warning("FEW_DULL_POINTS",
+                       fmt::format("only {} of {} surface points are dull and well exposed: all take part, and the "
+                                   "light is a guess (are the photos over- or underexposed?)",
+                                   speaking.size(), points_.size()));
+      speaking.resize(points_.size());
+      for (size_t i = 0; i < points_.size(); ++i) speaking[i] = uint32_t(i);
+    }
+    const size_t wanted = std::min(speaking.size(), size_t(config_.solver.points));
+    for (size_t i = 0; i < wanted; ++i) chosen_.push_back(speaking[i * speaking.size() / wanted]);
+    std::vector<Vec3f> positions, radiance;
+    for (const uint32_t i : chosen_) positions.push_back(points_[i].position), radiance.push_back(points_[i].radiance);
+    const double spacing = std::sqrt(area_of(mesh_) / double(wanted));
+    const Affinity partners = affinity(
+        positions, radiance,
+        {.radius = float(4 * spacing), .chroma_sigma = float(config_.solver.chroma_sigma), .seed = uint64_t(config_.seed)});
+    solution_ = solve_light({.transport = transport_, .points = points_, .chosen = chosen_, .affinity = partners},
+                            {.rounds = config_.solver.rounds,
+                             .ridge = float(config_.solver.ridge),
+                             .smooth = float(config_.solver.smooth),
+                             .range_sigma = float(config_.solver.range_sigma),
+                             .white = float(config_.white_albedo)});
+    horizon_ = mirrored_horizon(scene_.surfels.reflection, points_);
+    walls_ = extended_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
+    context_.timing("light", clock.seconds());
+  }
+
+  void spread() {
+    step(0.8, "albedo of the surfels");
+    const SplatLayer& layer = scene_.surfels.diffuse;
+    std::vector<Vec3f> irradiance(points_.size());
+    for (size_t i = 0; i < points_.size(); ++i) irradiance[i] = transport_.irradiance(i, solution_.light);
+    irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_,
+                                    {.inner_radius = float(voxel_), .outer_radius = float(outer_voxel_)});
+    std::vector<Vec3f> eyes;
+    for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
+    const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
+    materials_.resize(layer.size());
+    const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
+    for (size_t i = 0; i < layer.size(); ++i) {
+      for (size_t c = 0; c < 3; ++c) {
+        materials_.albedo[i][c] = std::max(0.f, std::numbers::pi_v<float> * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]));
+        materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
+      }
+      // What no layer trained is a first guess, not a finding: matt and opaque.
+      materials_.roughness[i] = reflects ? sigmoid(*layer.at(Attribute::Roughness, i)) : 1.f;
+      materials_.specular_weight[i] = reflects ? sigmoid(*layer.at(Attribute::SpecularWeight, i)) : 0.f;
+      materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
+      if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
+    }
+    if (reflects) dull_unmarked();
+    polish(radiance);
+    if (card_) match_card();
+    for (Vec3f& rho : materials_.albedo)
+      for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
+  }
+
+  // Where no mask calls for gloss, a small specular weight is what training did not care about, and its f0 was never asked for:
+  // at grazing angles it would be seen under another light.
+  void dull_unmarked() {
+    const bool marked = std::ranges::any_of(points_, [](const LitPoint& p) { return p.masked > kLeastMasked; });
+    if (!marked) return;
+    std::vector<Vec3f> positions;
+    for (const LitPoint& p : points_) positions.push_back(p.position);
+    const PointGrid grid(positions, float(2 * voxel_));
+    std::vector<PointGrid::Near> near;
+    for (size_t i = 0; i < materials_.size(); ++i) {
+      if (materials_.specular_weight[i] >= kTrainedGloss || materials_.transmission[i] > kMaxSpecular) continue;
+      const float* p = layer().at(Attribute::Mean, i);
+      grid.nearest({p[0], p[1], p[2]}, 1, float(2 * outer_voxel_), near);
+      if (near.empty() || points_[near[0].index].masked <= kLeastMasked) materials_.specular_weight[i] = 0;
+    }
+  }
+
+  // What mirrors is a metal without paint, or paint under a glaze, whose gloss is none of the paint's.
+  void polish(const std::vector<Vec3f>& radiance) {
+    const fs::path sfm = context_.input("sfm");
+    const Environment light(environment());
+    const Metals found =
+        find_metals({.sfm_folder = sfm,
+                     .scene = scene_,
+                     .mesh = mesh_,
+                     .views = views_,
+                     .environment = light,
+                     .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
+                     .glass_or_mirrors = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); },
+                     .max_side = config_.max_side,
+                     .verdicts = mesh_verdicts(context_.input("mesh") / "mesh" / "report.json"),
+                     .reach = float(kPolishReach * edge_)});
+    polished_ = found.things;
+    polish_materials(found, scene_, radiance, materials_);
+  }
+
+  // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
+  void match_card() {
+    View view = all_views_[card_->view];
+    view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
+    const Vec3f found = median_in(*card_, all_views_[card_->view],
+                                  SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view));
+    for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
+    for (size_t i = 0; i < materials_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        materials_.albedo[i][c] *= card_gain_[c];
+        irradiance_[i][c] /= card_gain_[c];
+      }
+    for (Vec3f& l : solution_.light)
+      for (size_t c = 0; c < 3; ++c) l[c] /= card_gain_[c];
+  }
+
+  // Seen walls and sky as they are, the rest as solved.
+  ImageF environment() const {
+    const int h = config_.panorama_height;
+    ImageF out(2 * h, h, 3);
+    Vec3d sum{};
+    double count = 0;
+    for (size_t j = 0; j < solution_.light.size(); ++j)
+      if (solution_.free[j]) sum += cast<double>(solution_.light[j]), count += 1;
+    const Vec3f mean = count > 0 ? cast<float>(sum / count) : Vec3f{};
+    for (size_t t = 0; t < out.pixel_count(); ++t) {
+      const size_t cell = transport_.grid.cell_of(around_.direction(t));
+      Vec3f value = solution_.free[cell] ? solution_.light[cell] : mean;
+      if (around_.seen(t))
+        for (size_t c = 0; c < 3; ++c) value[c] = around_.radiance[t][c] / card_gain_[c];
+      for (size_t c = 0; c < 3; ++c) out.data()[3 * t + c] = value[c];
+    }
+    return out;
+  }
+
+  void write() {
+    step(0.9, "pictures and files");
+    const fs::path& out = context_.output();
+    make_folders(out / "decompose");
+    write_decomposed_materials(out, materials_);
+    write_environment(decomposed_environment_path(out), Environment(environment()));
+    if (!shell_.faces.empty())
+      write_mesh_ply(decomposed_surroundings_path(out), painted_shell(walls_, layer(), irradiance_, float(4 * outer_voxel_)));
+    const fs::path sfm = context_.input("sfm");
+    const std::optional<double> baked = write_decompose_pictures({.sfm_folder = sfm,
+                                                                  .output = out,
+                                                                  .layer = layer(),
+                                                                  .near_z = scene_.image.diffuse.near_z,
+                                                                  .albedo = materials_.albedo,
+                                                                  .irradiance = irradiance_,
+                                                                  .views = views_,
+                                                                  .rows = config_.sheet_rows,
+                                                                  .cell_width = config_.sheet_cell_width});
+    size_t usable = 0, inner = 0, free = 0;
+    for (size_t i = 0; i < points_.size(); ++i) usable += usable_[i], inner += points_[i].inner;
+    for (const bool f : solution_.free) free += f;
+    Json report{
+        {"points",
+         {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
+        {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
+        {"surroundings",
+         {{"share_of_sphere", around_.wall_share()},
+          {"faces", shell_.faces.size()},
+          {"sky_distance", sky_distance_},
+          {"continued_to_sine", walls_.sine},
+          {"mirrored_sky_from_sine", horizon_ ? nlohmann::ordered_json(*horizon_) : nlohmann::ordered_json()}}},
+        {"light_known_share", solution_.known_share},
+        {"misfit_log_rms", solution_.misfit},
+        {"scale",
+         {{"by", card_ ? "grey_card" : "convention"},
+          {"meaning", card_
+                          ? fmt::format("the card has the albedo {}", config_.grey_albedo)
+                          : fmt::format("the open light is white in the mean, and the brightest twentieth of the surface has the "
+                                        "albedo {}",
+                                        config_.white_albedo)},
+          {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
+    if (baked) report["baked_log_rms"] = *baked;
+    for (const Polished& p : polished_)
+      report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
+                                    {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
+                                    {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
+                                    {"dimmer_half", p.dimmer},
+                                    {"pixels", p.pixels}});
+    write_file(out / "decompose" / "report.json", report.dump(2) + "\n");
+    context_.metric("misfit_log_rms", solution_.misfit.back());
+    context_.metric("light_known_share", solution_.known_share);
+    if (baked) context_.metric("baked_log_rms", *baked);
+    if (free == 0)
+      context_.warning("NO_OPEN_LIGHT", "no surface point looks past the mesh and its surroundings: all light counts as known");
+    if (solution_.scale_by_bounces)
+      context_.warning("ALBEDO_SCALE", "bounced light alone is brighter than the wanted scale of the albedo allows");
+    context_.summary(fmt::format("{}k points, {} of {} light cells solved, {:.0f} % of the light bounced or seen; albedo by {}",
+                                 (points_.size() + 500) / 1000, free, solution_.light.size(), 100 * solution_.known_share,
+                                 card_ ? "grey card" : "convention"));
+  }
+
+  const SplatLayer& layer() const { return scene_.surfels.diffuse; }
+  MarkedPixels marks() const { return {.masks = context_.optional_input("masks"), .photos = all_views_}; }
+
+  const DecomposeConfig& config_;
+  StageContext& context_;
+  TrainedScene scene_;
+  std::vector<View> all_views_, views_;
+  std::optional<GreyCard> card_;
+  TriMesh mesh_;
+  Bounds3 box_;
+  std::vector<Vec3f> sparse_;
+  double voxel_ = 0, outer_voxel_ = 0, edge_ = 0;
+  float sky_distance_ = 0;
+  std::vector<LitPoint> points_;
+  std::vector<bool> usable_;
+  Surroundings around_;
+  TriMesh shell_;
+  Transport transport_;
+  std::vector<uint32_t> chosen_;
+  LightSolution solution_;
+  std::optional<float> horizon_;
+  ExtendedWalls walls_;
+  std::vector<Vec3f> irradiance_;
+  DecomposedMaterials materials_;
+  std::vector<Polished> polished_;
+  Vec3f card_gain_{1, 1, 1};
+};
+
+}  // namespace
+
+void run_decompose(const DecomposeConfig& config, StageContext& context) { Decomposition(config, context).run(); }
+
+}  // namespace vitrine

@@ -1,0 +1,378 @@
+#include "stages/decompose/metals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
+#include "core/image/resample.h"
+#include "core/math/disjoint_sets.h"
+#include "core/math/median.h"
+#include "core/math/point_grid.h"
+#include "core/math/spherical_harmonics.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/scene/activation.h"
+#include "core/stereo/visible_paint.h"
+#include "core/trace/mesh_hits.h"
+#include "core/trace/tracer.h"
+#include "stages/decompose/light_solver.h"
+#include "stages/decompose/metal_roughness.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kMinCosine = 0.3f;
+constexpr float kBrightest = 0.95f;                               // of a photo; more is clipped, and white whatever the metal
+constexpr size_t kFewestPixels = 300;                             // of a thing, over all views
+constexpr size_t kFewestOfFace = 4;                               // views that tell gloss from paint
+constexpr float kLeastCoverage = 0.05f;                           // of a ray by surfels: less shows the light beyond
+constexpr float kBrightestMetal = 0.95f;                          // silver
+constexpr float kDull = 0.1f;                                     // of a face's pixels that may be marked
+constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
+constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
+constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
+constexpr float kPaintShows = 0.75f;                              // of a thing's dimmer half: less is metal
+constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
+constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
+constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
+
+struct PolishedPixels {
+  std::vector<uint32_t> face;
+  std::vector<Vec3f> origins, normals, directions, photo, light;
+  std::vector<int> view, x, y;
+  std::vector<float> cosine;
+  std::vector<bool> well_known;  // the mirrored ray meets what the photos look at, and it is dull
+  size_t size() const { return face.size(); }
+};
+
+class PolishedFinder {
+ public:
+  explicit PolishedFinder(const MetalsDesc& desc)
+      : d_(desc),
+        hits_(desc.mesh),
+        normals_(vertex_normals(desc.mesh)),
+        shown_(desc.mesh.faces.size()),
+        marked_(shown_.size()),
+        not_dull_(shown_.size()) {}
+
+  Metals run() {
+    const size_t surfels = d_.scene.surfels.diffuse.size();
+    Metals out{{}, std::vector<int>(surfels, -1), std::vector<Vec3f>(surfels)};
+    for (size_t v = 0; v < d_.views.size(); ++v) look_at(int(v));
+    if (pixels_.size() == 0) return out;
+    connect();
+    drop_unsure();
+    trace();
+    const std::vector<FaceShows> faces = faces_show();
+    out.things = judged(faces);
+    spread(faces, out);
+    for (size_t t = 0; t < out.things.size(); ++t)
+      if (out.things[t].metal) leave_handles(int(t), faces, out);
+    return out;
+  }
+
+ private:
+  void look_at(int number) {
+    const View& view = d_.views[size_t(number)];
+    const Intrinsics k = view.intrinsics.limited_to(d_.max_side);
+    const ImageF mirrors = d_.mirrors(view, k);
+    if (mirrors.empty()) return;
+    const ImageF marked = d_.glass_or_mirrors(view, k);
+    ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
+    for (float& v : photo.data()) v = std::max(v, 0.f);  // colours outside of Rec. 709; no reflectance is negative
+    const Rigid world_from_cam = inverse(view.cam_from_world);
+    const Vec3f eye = cast<float>(world_from_cam.translation);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const Vec3f towards = normalized(cast<float>(world_from_cam.rotation * k.ray(x + 0.5, y + 0.5)));
+        const auto hit = hits_.first_hit(eye, towards);
+        if (!hit) continue;
+        ++shown_[hit->face];
+        not_dull_[hit->face] += marked.at(x, y) > 0.5f;
+        if (!(mirrors.at(x, y) > 0.5f)) continue;
+        ++marked_[hit->face];
+        const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
+        const float cosine = -dot(n, towards);
+        const float* c = photo.pixel(x, y);
+        if (!(cosine > kMinCosine) || std::max({c[0], c[1], c[2]}) > kBrightest) continue;
+        pixels_.face.push_back(hit->face);
+        pixels_.view.push_back(number), pixels_.x.push_back(x), pixels_.y.push_back(y);
+        pixels_.origins.push_back(p);
+        pixels_.normals.push_back(n);
+        pixels_.directions.push_back(towards + 2 * cosine * n);
+        pixels_.photo.push_back({c[0] / float(view.gain.x), c[1] / float(view.gain.y), c[2] / float(view.gain.z)});
+        pixels_.cosine.push_back(cosine);
+      }
+  }
+
+  Vec3f normal_at(uint32_t face, const Vec3f& p) const {
+    const auto& f = d_.mesh.faces[face];
+    const Vec3f &a = d_.mesh.positions[f[0]], &b = d_.mesh.positions[f[1]], &c = d_.mesh.positions[f[2]], g = cross(b - a, c - a);
+    const float area = squared_length(g);
+    if (!(area > 0)) return normals_[f[0]];
+    const float u = dot(cross(p - a, c - a), g) / area, v = dot(cross(b - a, p - a), g) / area;
+    const Vec3f n = (1 - u - v) * normals_[f[0]] + u * normals_[f[1]] + v * normals_[f[2]];
+    return squared_length(n) > 0 ? normalized(n) : normalized(g);
+  }
+
+  // Polished faces that share a corner, numbered in the order of the faces.
+  void connect() {
+    DisjointSets corners(d_.mesh.positions.size());
+    thing_.assign(d_.mesh.faces.size(), -1);
+    const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
+    for (size_t f = 0; f < thing_.size(); ++f)
+      if (polished(f))
+        for (size_t i = 1; i < 3; ++i) corners.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
+    std::vector<int> number(d_.mesh.positions.size(), -1);
+    for (size_t f = 0; f < thing_.size(); ++f) {
+      if (!polished(f)) continue;
+      int& n = number[corners.representative(d_.mesh.faces[f][0])];
+      if (n < 0) n = count_++;
+      thing_[f] = n;
+    }
+  }
+
+  // Things that few pixels show, and pixels of no thing, are forgotten.
+  void drop_unsure() {
+    std::vector<size_t> pixels(size_t(count_), 0);
+    for (const uint32_t f : pixels_.face)
+      if (thing_[f] >= 0) ++pixels[size_t(thing_[f])];
+    std::vector<int> number(pixels.size(), -1);
+    count_ = 0;
+    for (size_t t = 0; t < pixels.size(); ++t)
+      if (pixels[t] >= kFewestPixels) number[t] = count_++;
+    for (int& t : thing_)
+      if (t >= 0) t = number[size_t(t)];
+  }
+
+  // What the mirrored rays bring; a pixel whose ray meets something polished again says nothing.
+  void trace() {
+    PolishedPixels kept;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      if (thing_[pixels_.face[i]] < 0) continue;
+      const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
+      if (again && thing_[again->face] >= 0) continue;
+      kept.face.push_back(pixels_.face[i]);
+      kept.view.push_back(pixels_.view[i]), kept.x.push_back(pixels_.x[i]), kept.y.push_back(pixels_.y[i]);
+      kept.origins.push_back(pixels_.origins[i]);
+      kept.normals.push_back(pixels_.normals[i]);
+      kept.directions.push_back(pixels_.directions[i]);
+      kept.photo.push_back(pixels_.photo[i]);
+      kept.cosine.push_back(pixels_.cosine[i]);
+      kept.well_known.push_back(again && float(not_dull_[again->face]) < kDull * float(shown_[again->face]));
+    }
+    pixels_ = std::move(kept);
+    tracer_ = make_tracer();
+    tracer_->build(d_.scene.surfels.diffuse);
+    pixels_.light = light_along(pixels_.origins, pixels_.directions);
+  }
+
+  // What the trained scene, and the environment beyond, send back along rays.
+  std::vector<Vec3f> light_along(std::span<const Vec3f> origins, std::span<const Vec3f> directions) const {
+    RayValues seen;
+    const std::vector<float> near(origins.size(), d_.reach);
+    tracer_->forward({.origins = origins, .directions = directions, .near = near},
+                     {.sh_degree = d_.scene.surfels.diffuse.sh_degree()}, seen, nullptr);
+    std::vector<Vec3f> light(origins.size());
+    for (size_t i = 0; i < light.size(); ++i) {
+      light[i] = seen.transmittance[i] * d_.environment.radiance(directions[i]);
+      if (1 - seen.transmittance[i] > kLeastCoverage) light[i] += seen.color[i];
+    }
+    return light;
+  }
+
+  // Mean of the photos over the views of a face, and of what is left of the dimmer half without the mirrored light of a glaze.
+  struct FaceShows {
+    Vec3f mean{}, paint{};
+    float dimmer = 1;  // core/stereo/visible_paint
+    size_t views = 0;
+  };
+  std::vector<FaceShows> faces_show() const {
+    std::vector<std::vector<uint32_t>> of_face(thing_.size());
+    for (uint32_t i = 0; i < pixels_.size(); ++i) of_face[pixels_.face[i]].push_back(i);
+    std::vector<FaceShows> faces(thing_.size());
+    for (size_t f = 0; f < of_face.size(); ++f) {
+      std::vector<uint32_t>& views = of_face[f];
+      if (views.size() < kFewestOfFace) continue;
+      FaceShows& face = faces[f];
+      face.views = views.size();
+      const auto photo = [&](uint32_t i) { return luminance(pixels_.photo[i]); };
+      std::ranges::stable_sort(views, {}, photo);
+      const size_t half = (views.size() + 1) / 2;
+      std::vector<float> luminances;
+      for (size_t v = 0; v < views.size(); ++v) {
+        face.mean += pixels_.photo[views[v]] / float(views.size());
+        luminances.push_back(photo(views[v]));
+        if (v >= half) continue;
+        const Vec3f mirrored = schlick(Vec3f{kGlaze, kGlaze, kGlaze}, pixels_.cosine[views[v]]).value;
+        const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
+        for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
+      }
+      face.dimmer = dimmer_half(luminances);
+    }
+    return faces;
+  }
+
+  std::vector<Polished> judged(const std::vector<FaceShows>& faces) const {
+    std::vector<Polished> things(static_cast<size_t>(count_));
+    for (size_t t = 0; t < things.size(); ++t) {
+      std::vector<double> dimmer;
+      for (size_t f = 0; f < faces.size(); ++f)
+        if (thing_[f] == int(t) && faces[f].views > 0) dimmer.push_back(faces[f].dimmer);
+      Polished& thing = things[t];
+      thing.dimmer = dimmer.empty() ? 1.f : float(upper_median(dimmer));
+      const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
+      thing.metal = verdict != nullptr ? verdict->metal : thing.dimmer < kPaintShows;
+      thing.reflectance = {kGlaze, kGlaze, kGlaze};
+      Vec3d photo[2]{}, light[2]{};
+      size_t well_known = 0;
+      for (size_t i = 0; i < pixels_.size(); ++i) {
+        if (thing_[pixels_.face[i]] != int(t)) continue;
+        ++thing.pixels;
+        well_known += pixels_.well_known[i];
+        photo[pixels_.well_known[i]] += cast<double>(pixels_.photo[i]);
+        light[pixels_.well_known[i]] += cast<double>(pixels_.light[i]);
+      }
+      if (well_known < kFewestPixels) photo[1] += photo[0], light[1] += light[0];
+      thing.metal = thing.metal && std::min({light[1].x, light[1].y, light[1].z}) > 0;
+      if (!thing.metal) continue;
+      for (size_t c = 0; c < 3; ++c) thing.reflectance[c] = float(photo[1][c] / light[1][c]);
+      const float most = std::max({thing.reflectance.x, thing.reflectance.y, thing.reflectance.z});
+      if (most > kBrightestMetal) thing.reflectance = (kBrightestMetal / most) * thing.reflectance;
+      thing.roughness = roughness_of_contrast(
+          well_known_of(int(t)), thing.reflectance,
+          [&](std::span<const Vec3f> origins, std::span<const Vec3f> directions) { return light_along(origins, directions); });
+    }
+    return things;
+  }
+
+  MirroredPixels well_known_of(int thing) const {
+    MirroredPixels out;
+    for (size_t i = 0; i < pixels_.size(); ++i) {
+      if (thing_[pixels_.face[i]] != thing || !pixels_.well_known[i]) continue;
+      out.view.push_back(pixels_.view[i]), out.x.push_back(pixels_.x[i]), out.y.push_back(pixels_.y[i]);
+      out.origins.push_back(pixels_.origins[i]);
+      out.normals.push_back(pixels_.normals[i]);
+      out.towards_eye.push_back(normalized(2 * pixels_.cosine[i] * pixels_.normals[i] - pixels_.directions[i]));
+      out.photo.push_back(pixels_.photo[i]);
+    }
+    return out;
+  }
+
+  void spread(const std::vector<FaceShows>& shown, Metals& out) {
+    std::vector<Vec3f> centres;
+    for (const auto& f : d_.mesh.faces)
+      centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
+    const PointGrid grid(centres, d_.reach / 4);
+    const Bounds3 metal = metal_bounds(out.things);
+    std::vector<PointGrid::Near> near;
+    deep_.assign(out.of_surfel.size(), false);
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
+      const Vec3f p{m[0], m[1], m[2]};
+      grid.nearest(p, kNearFaces, d_.reach, near);
+      if (near.empty() && metal.contains(p)) {
+        // Deep inside: a picture in the metal.
+        deep_[i] = true;
+        grid.nearest(p, 1, float(0.5 * metal.diagonal()), near);
+        if (near.empty()) continue;
+        const uint32_t f = near[0].index;
+        if (thing_[f] >= 0 && out.things[size_t(thing_[f])].metal && dot(p - centres[f], face_normal(f)) < 0)
+          out.of_surfel[i] = thing_[f];
+        continue;
+      }
+      if (near.empty() || thing_[near[0].index] < 0) continue;
+      out.of_surfel[i] = thing_[near[0].index];
+      float faces = 0;
+      for (const auto& n : near)
+        if (thing_[n.index] == out.of_surfel[i] && shown[n.index].views > 0) {
+          for (size_t c = 0; c < 3; ++c) out.gloss[i][c] += std::max(shown[n.index].mean[c] - shown[n.index].paint[c], 0.f);
+          faces += 1;
+        }
+      if (faces > 0) out.gloss[i] = out.gloss[i] / faces;
+    }
+  }
+
+  // Handles and knobs are marked together with the metal, but training found neither mirror nor light in them.
+  void leave_handles(int thing, const std::vector<FaceShows>& shown, Metals& out) const {
+    const SplatLayer& layer = d_.scene.surfels.diffuse;
+    double specular = 0, opacity = 0, light = 0, faces = 0;
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      if (out.of_surfel[i] != thing) continue;
+      const double o = sigmoid(*layer.at(Attribute::Opacity, i));
+      specular += o * double(sigmoid(*layer.at(Attribute::SpecularWeight, i)));
+      opacity += o;
+    }
+    for (size_t f = 0; f < shown.size(); ++f)
+      if (thing_[f] == thing && shown[f].views > 0) {
+        light += double(luminance(shown[f].mean));
+        faces += 1;
+      }
+    if (!(opacity > 0) || !(faces > 0)) return;
+    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+      if (out.of_surfel[i] != thing || deep_[i]) continue;
+      Vec3f color;
+      for (size_t c = 0; c < 3; ++c) color[c] = std::max(0.5f + kShDc * layer.at(Attribute::ShDc, i)[c], 0.f);
+      if (double(sigmoid(*layer.at(Attribute::SpecularWeight, i))) < double(kOtherPart) * specular / opacity &&
+          double(luminance(color)) < double(kDarkPart) * light / faces)
+        out.of_surfel[i] = -1;
+    }
+  }
+
+  Vec3f face_normal(uint32_t face) const {
+    const auto& [a, b, c] = d_.mesh.faces[face];
+    return cross(d_.mesh.positions[b] - d_.mesh.positions[a], d_.mesh.positions[c] - d_.mesh.positions[a]);
+  }
+  Bounds3 metal_bounds(const std::vector<Polished>& things) const {
+    Bounds3 out;
+    for (size_t f = 0; f < thing_.size(); ++f)
+      if (thing_[f] >= 0 && things[size_t(thing_[f])].metal)
+        for (const uint32_t v : d_.mesh.faces[f]) out.extend(cast<double>(d_.mesh.positions[v]));
+    return out;
+  }
+
+  const MetalsDesc& d_;
+  MeshHits hits_;
+  std::vector<Vec3f> normals_;
+  std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
+  std::vector<int> thing_;                           // [face]
+  int count_ = 0;
+  std::unique_ptr<Tracer> tracer_;
+  std::vector<bool> deep_;  // [surfel] so far inside a metal that it is a picture in it
+  PolishedPixels pixels_;
+};
+
+}  // namespace
+
+Metals find_metals(const MetalsDesc& desc) { return PolishedFinder(desc).run(); }
+
+void polish_materials(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
+                      DecomposedMaterials& materials) {
+  const LayerBlend blend = scene.image.composite.blend;
+  for (size_t i = 0; i < materials.size(); ++i) {
+    if (found.of_surfel[i] < 0) continue;
+    const Polished& thing = found.things[size_t(found.of_surfel[i])];
+    Vec3f& albedo = materials.albedo[i];
+    for (size_t c = 0; c < 3; ++c)
+      albedo[c] = thing.metal ? 0
+                              : albedo[c] * std::clamp(1 - found.gloss[i][c] / std::max(radiance[i][c], kDarkestRadiance),
+                                                       kLeastPaint, 1.f);
+    if (!thing.metal && blend == LayerBlend::RtrGs) continue;  // in which nothing has both paint and a reflection of its own
+    set_reflectance(blend, thing.reflectance, materials.specular_weight[i], materials.f0[i]);
+    materials.transmission[i] = 0;
+    if (thing.roughness)
+      materials.roughness[i] = *thing.roughness;
+    else if (!thing.metal || scene.surfels.reflection.size() == 0)
+      materials.roughness[i] = thing.metal ? kMetalRoughness : kGlazeRoughness;
+  }
+}
+
+void set_reflectance(LayerBlend blend, const Vec3f& reflectance, float& specular_weight, Vec3f& f0) {
+  // k F, or k + (1 - k) F: the least k with which F counts in full, so that F has the colour.
+  const float k = blend == LayerBlend::RtrGs ? 0 : float(kFullFresnel);
+  specular_weight = blend == LayerBlend::RtrGs ? 1 : k;
+  for (size_t c = 0; c < 3; ++c) f0[c] = std::clamp((reflectance[c] - k) / (1 - k), 0.f, 1.f);
+}
+
+}  // namespace vitrine

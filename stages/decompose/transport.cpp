@@ -1,0 +1,143 @@
+#include "stages/decompose/transport.h"
+
+#include <cmath>
+#include <optional>
+
+#include "core/base/parallel.h"
+#include "core/base/rng.h"
+#include "core/trace/mesh_hits.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kClear = 0.5f;   // transmission from which a surface lets a ray pass
+constexpr int kMaxPanes = 8;     // that one ray passes
+constexpr size_t kChunk = 64;    // points
+constexpr size_t kBlock = 4096;  // points between two reports of progress
+
+// Weights of the corners of a face at a point in it.
+Vec3f corner_weights(const TriMesh& mesh, uint32_t face, const Vec3f& p) {
+  const auto& [i, j, k] = mesh.faces[face];
+  const Vec3f &a = mesh.positions[i], &b = mesh.positions[j], &c = mesh.positions[k];
+  const Vec3f n = cross(b - a, c - a);
+  const float area = squared_length(n);
+  if (!(area > 0)) return {1, 0, 0};
+  const float u = dot(cross(c - b, p - b), n) / area, v = dot(cross(a - c, p - c), n) / area;
+  return {u, v, 1 - u - v};
+}
+
+Vec3f color_at(const TriMesh& mesh, uint32_t face, const Vec3f& p) {
+  const Vec3f w = corner_weights(mesh, face, p);
+  Vec3f sum{};
+  for (size_t c = 0; c < 3; ++c) sum += w[c] * mesh.colors[mesh.faces[face][c]];
+  return {std::max(0.f, sum.x), std::max(0.f, sum.y), std::max(0.f, sum.z)};
+}
+
+class Rays {
+ public:
+  explicit Rays(const TransportScene& scene) : scene_(scene), mesh_(scene.mesh) {
+    if (!scene.shell.faces.empty()) shell_.emplace(scene.shell);
+  }
+
+  // Where the rays of a point start: on the front of the mesh nearest to it along its normal.
+  Vec3f start(const LitPoint& point, const TransportDesc& desc) const {
+    constexpr int kMostSheets = 4;
+    const Vec3f above = point.position + desc.reach * point.normal;
+    float near = 0, best = desc.reach;  // distance below `above`; nothing found: the point itself
+    float miss = desc.reach;
+    for (int sheet = 0; sheet < kMostSheets; ++sheet) {
+      const std::optional<MeshHit> hit = mesh_.first_hit(above, -point.normal, near, 2 * desc.reach);
+      if (!hit) break;
+      if (!hit->from_inside && std::abs(hit->t - desc.reach) < miss) {
+        best = hit->t;
+        miss = std::abs(hit->t - desc.reach);
+      }
+      near = hit->t * 1.0001f + 1e-5f;
+    }
+    return above + (desc.offset - best) * point.normal;
+  }
+
+  struct Met {
+    bool something = false, back = false;
+    Vec3f radiance{};
+  };
+  Met trace(const Vec3f& origin, const Vec3f& direction, float shell_near) const {
+    float near = 0;
+    for (int pane = 0; pane <= kMaxPanes; ++pane) {
+      const std::optional<MeshHit> hit = mesh_.first_hit(origin, direction, near);
+      if (!hit) break;
+      const Vec3f p = origin + hit->t * direction;
+      // What the photos show is the front; its light is not that of the back.
+      if (!clear(hit->face, p)) return {true, hit->from_inside, hit->from_inside ? Vec3f{} : color_at(scene_.mesh, hit->face, p)};
+      near = hit->t * 1.0001f + 1e-5f;
+    }
+    if (shell_)
+      if (const std::optional<MeshHit> hit = shell_->first_hit(origin, direction, shell_near))
+        return {true, false, color_at(scene_.shell, hit->face, origin + hit->t * direction)};
+    // Sky that the surfels show is known too; far away the direction alone counts.
+    const size_t texel = scene_.around.texel_of(direction);
+    if (scene_.around.seen(texel) && !scene_.around.wall[texel]) return {true, false, scene_.around.radiance[texel]};
+    return {};
+  }
+
+ private:
+  bool clear(uint32_t face, const Vec3f& p) const {
+    if (scene_.transmission.empty()) return false;
+    const Vec3f w = corner_weights(scene_.mesh, face, p);
+    float sum = 0;
+    for (size_t c = 0; c < 3; ++c) sum += w[c] * scene_.transmission[scene_.mesh.faces[face][c]];
+    return sum > kClear;
+  }
+  const TransportScene& scene_;
+  MeshHits mesh_;
+  std::optional<MeshHits> shell_;
+};
+
+}  // namespace
+
+Vec3f Transport::irradiance(size_t point, std::span<const Vec3f> light) const {
+  const std::span<const float> a = row(point);
+  Vec3f sum = known[point];
+  for (size_t j = 0; j < a.size(); ++j)
+    if (a[j] != 0) sum += a[j] * light[j];
+  return sum;
+}
+
+Transport transport(const TransportScene& scene, std::span<const LitPoint> points, const TransportDesc& desc,
+                    const std::function<void(double)>& progress) {
+  const LightGrid& grid = desc.grid;
+  const size_t cells = grid.cells();
+  const Rays rays(scene);
+  Transport out{grid, std::vector<float>(points.size() * cells, 0.f), std::vector<Vec3f>(points.size()),
+                std::vector<float>(points.size(), 0.f)};
+  const auto shoot = [&](size_t s) {
+    const LitPoint& point = points[s];
+    const Vec3f origin = point.inner ? rays.start(point, desc) : point.position + desc.outer_offset * point.normal;
+    Rng rng(desc.seed, s);
+    size_t shot = 0, back = 0;
+    for (size_t j = 0; j < cells; ++j) {
+      const float u = rng.uniform(), v = rng.uniform();
+      const Vec3f direction = grid.direction(j, u, v);
+      const float cosine = dot(direction, point.normal);
+      if (!(cosine > 0)) continue;
+      const float weight = cosine * grid.solid_angle();
+      const Rays::Met met = rays.trace(origin, direction, point.inner ? 0.f : desc.outer_offset);
+      ++shot;
+      back += met.back;
+      if (met.something)
+        out.known[s] += weight * met.radiance;
+      else
+        out.open[s * cells + j] = weight;
+    }
+    out.inside[s] = shot > 0 ? float(back) / float(shot) : 1.f;
+  };
+  for (size_t begin = 0; begin < points.size(); begin += kBlock) {
+    progress(double(begin) / double(points.size()));
+    const size_t count = std::min(kBlock, points.size() - begin);
+    parallel_for(count, kChunk, [&](size_t i) { shoot(begin + i); });
+  }
+  return out;
+}
+
+}  // namespace vitrine

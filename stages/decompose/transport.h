@@ -1,0 +1,46 @@
+// How light reaches the points: one jittered ray per point and cell of directions. A ray that meets the mesh or the surroundings
+// brings the radiance that the photos show there (the light of the capture, bounced: algorithms 7.3, L_ind), none from a back
+// side, which no photo shows; one that leaves brings the unknown radiance of its cell, or the known one where the surroundings
+// show sky. Irradiance is then linear in the unknown light:
+//   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega where the ray of point s and cell j leaves the scene
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/mesh/tri_mesh.h"
+#include "stages/decompose/light_grid.h"
+#include "stages/decompose/lit_points.h"
+#include "stages/decompose/surroundings.h"
+
+namespace vitrine {
+
+struct TransportDesc {
+  LightGrid grid;
+  float reach = 0.02f;         // surfels and mesh agree to about so much: rays start on the mesh, if it is that near
+  float offset = 0.001f;       // above it
+  float outer_offset = 0.05f;  // the same for points outside the mesh, whose shell is coarse
+  uint64_t seed = 1;
+};
+
+struct Transport {
+  LightGrid grid;
+  std::vector<float> open;    // [points * cells] A
+  std::vector<Vec3f> known;   // [points] irradiance of rays that met something
+  std::vector<float> inside;  // [points] share of the rays that met a back side: most of them where it lies under the surface
+  std::span<const float> row(size_t point) const { return {open.data() + point * grid.cells(), grid.cells()}; }
+  Vec3f irradiance(size_t point, std::span<const Vec3f> light) const;
+};
+
+struct TransportScene {
+  const TriMesh& mesh;                  // colours: radiance
+  std::span<const float> transmission;  // [vertices of mesh]: rays pass where it is high; empty: none
+  const Surroundings& around;
+  const TriMesh& shell;  // of `around`
+};
+
+Transport transport(const TransportScene& scene, std::span<const LitPoint> points, const TransportDesc& desc,
+                    const std::function<void(double)>& progress);
+
+}  // namespace vitrine

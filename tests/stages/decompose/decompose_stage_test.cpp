@@ -1,0 +1,263 @@
+#include "stages/decompose/decompose.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "core/camera/view_masks.h"
+#include "core/image/ldr.h"
+#include "core/light/environment.h"
+#include "core/picture/decomposed_materials.h"
+#include "core/picture/surfel_colors.h"
+#include "stages/decompose/grey_card.h"
+#include "tests/stages/decompose/lit_room.h"
+#include "tests/support/error_of.h"
+#include "tests/support/recording_context.h"
+
+namespace vitrine {
+namespace {
+
+const test::LitRoom& room() {
+  static const test::LitRoom instance;
+  return instance;
+}
+
+DecomposeConfig quick() {
+  DecomposeConfig config;
+  config.points = 2500;
+  config.bands = 12;
+  config.max_side = 112;
+  config.panorama_height = 16;
+  config.sheet_rows = 1;
+  config.solver.points = 1200;
+  config.solver.rounds = 10;
+  return config;
+}
+
+// rms of log(scale ours / truth) after one factor per channel, their mean ratio.
+double log_error(const std::vector<Vec3f>& ours, const std::vector<Vec3f>& truth) {
+  double squares = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    double mean = 0;
+    for (size_t i = 0; i < ours.size(); ++i) mean += std::log(double(ours[i][c]) / double(truth[i][c])) / double(ours.size());
+    for (size_t i = 0; i < ours.size(); ++i) {
+      const double d = std::log(double(ours[i][c]) / double(truth[i][c])) - mean;
+      squares += d * d;
+    }
+  }
+  return std::sqrt(squares / (3 * double(ours.size())));
+}
+
+TEST(Decompose, FindsAlbedoAndLightOfAKnownScene) {
+  test::RecordingContext context(room().inputs());
+  run_decompose(quick(), context);
+  const DecomposedMaterials materials = read_decomposed_materials(context.output());
+  ASSERT_EQ(materials.size(), room().albedo.size());
+  const double before = log_error(room().radiance, room().albedo), after = log_error(materials.albedo, room().albedo);
+  RecordProperty("log_error", fmt::format("{} -> {}", before, after));
+  EXPECT_LT(after, 0.17) << "undecomposed " << before;
+  EXPECT_LT(after, 0.4 * before);
+  for (const Vec3f& rho : materials.albedo)
+    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(rho[c] >= 0 && rho[c] <= 1);
+  EXPECT_NEAR(materials.f0[0].x, 0.04f, 1e-4f);
+  EXPECT_EQ(materials.specular_weight[0], 0.f);  // there is no reflection layer that could have trained it
+  // The light comes from where it does.
+  const Environment light = read_environment(decomposed_environment_path(context.output()));
+  const auto mean_around = [&](const Vec3f& axis) {
+    float sum = 0;
+    int count = 0;
+    for (int k = 0; k < 400; ++k) {
+      const float z = float(k % 20) / 20, a = float(k / 20) * 0.314159f, s = std::sqrt(1 - z * z);
+      const Vec3f d{s * std::cos(a), s * std::sin(a), z};
+      if (dot(d, axis) > 0.85f) sum += light.radiance(d).y, ++count;
+    }
+    return sum / float(count);
+  };
+  const Vec3f lamp = normalized(Vec3f{0.7f, 0.3f, 0.65f});
+  EXPECT_GT(mean_around(lamp), 4 * mean_around(normalized(Vec3f{-0.7f, -0.3f, 0.65f})));
+  for (const char* file : {"albedo.png", "baked.png", "report.json"})
+    EXPECT_TRUE(fs::exists(context.output() / "decompose" / file));
+  EXPECT_TRUE(std::ranges::is_sorted(context.fractions));
+  EXPECT_GT(context.metrics.at("light_known_share"), 0.01);
+}
+
+TEST(Decompose, SameBytesForAnyNumberOfThreads) {
+  std::vector<std::string> bytes;
+  for (const int threads : {1, 3}) {
+    set_thread_limit(threads);
+    test::RecordingContext context(room().inputs());
+    DecomposeConfig config = quick();
+    config.solver.rounds = 2;
+    run_decompose(config, context);
+    std::string all;
+    for (const char* file : {"materials.ply", "environment.exr", "report.json", "albedo.png", "baked.png"})
+      all += read_file(context.output() / "decompose" / file);
+    bytes.push_back(std::move(all));
+  }
+  set_thread_limit(0);
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+TEST(Decompose, GreyCardSetsTheScale) {
+  test::RecordingContext context(room().inputs());
+  DecomposeConfig config = quick();
+  config.solver.rounds = 1;
+  config.grey_card = "view_0.png:50,60,6,6";
+  config.grey_albedo = 0.3;
+  run_decompose(config, context);
+  const auto report = nlohmann::json::parse(read_file(context.output() / "decompose" / "report.json"));
+  EXPECT_EQ(report.at("scale").at("by"), "grey_card");
+  const SplatLayer layer = read_layer(room().folder() / "gaussians/diffuse.ply");
+  const std::vector<Vec3f> albedo = read_decomposed_materials(context.output()).albedo;
+  const GreyCard card = parse_grey_card(config.grey_card, room().views);
+  const Vec3f found = median_in(card, room().views[0], SurfelColors(layer, albedo, 0.01f).picture(room().views[0]));
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.3, 0.005);
+  // Surfels that the convention makes brighter than white keep what tells them apart once the card has made them darker.
+  DecomposeConfig bright = config;
+  bright.grey_card.clear();
+  bright.white_albedo = 0.95;
+  bright.grey_albedo = 0.18;
+  test::RecordingContext by_convention(room().inputs());
+  run_decompose(bright, by_convention);
+  const std::vector<Vec3f> white = read_decomposed_materials(by_convention.output()).albedo;
+  bright.grey_card = config.grey_card;
+  test::RecordingContext by_card(room().inputs());
+  run_decompose(bright, by_card);
+  const std::vector<Vec3f> grey = read_decomposed_materials(by_card.output()).albedo;
+  for (size_t c = 0; c < 3; ++c) {
+    float gain = 0, darkest = 1, brightest = 0;
+    size_t limited = 0;
+    for (size_t i = 0; i < white.size(); ++i) {
+      if (white[i][c] < 0.5f) gain = grey[i][c] / white[i][c];  // the same for all
+      if (white[i][c] < 0.979f) continue;
+      ++limited;
+      darkest = std::min(darkest, grey[i][c]);
+      brightest = std::max(brightest, grey[i][c]);
+    }
+    ASSERT_LT(gain, 0.9f) << "the card must make the scene darker for this test";
+    ASSERT_GT(limited, 10u) << "channel " << c;
+    EXPECT_GT(brightest, 1.05f * darkest) << limited << " surfels of channel " << c;
+  }
+  for (const char* wrong :
+       {"view_0.png", "view_0.png:1,2,3", "view_9.png:1,2,3,4", "view_0.png:100,60,50,6", "view_0.png:1,2,0,4"}) {
+    config.grey_card = wrong;
+    const Error e = error_of([&] { run_decompose(config, context); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << wrong;
+    EXPECT_EQ(e.detail().code, "GREY_CARD");
+  }
+}
+
+TEST(Decompose, RefusesScenesWithoutSurface) {
+  const auto refused = [](const std::function<void(const fs::path&)>& damage) {
+    const TemporaryFolder copy;
+    fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
+    damage(copy.path());
+    test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
+    const Error e = error_of([&] { run_decompose(quick(), context); });
+    EXPECT_EQ(e.kind(), ErrorKind::Input) << e.what();
+    return e.detail().code;
+  };
+  EXPECT_EQ(refused([](const fs::path& f) { write_mesh_ply(f / "mesh/mesh.ply", TriMesh{}); }), "NO_SURFACE");
+  EXPECT_EQ(refused([](const fs::path& f) {
+              TriMesh flat;
+              flat.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0.2f, 0, 0}};
+              flat.colors.resize(3);
+              flat.faces = {{0, 1, 2}};
+              write_mesh_ply(f / "mesh/mesh.ply", flat);
+            }),
+            "NO_SURFACE");
+  EXPECT_EQ(refused([](const fs::path& f) { write_layer(f / "gaussians/diffuse.ply", SplatLayer(LayerKind::Diffuse, 0, 0)); }),
+            "NO_SURFACE");
+}
+
+TEST(Decompose, OverexposedPhotosEndInAGuessAndAWarning) {
+  const TemporaryFolder copy;
+  fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
+  SplatLayer layer = read_layer(copy.path() / "gaussians/diffuse.ply");
+  std::ranges::fill(layer.values(Attribute::ShDc), 20.f);
+  write_layer(copy.path() / "gaussians/diffuse.ply", layer);
+  test::RecordingContext context({{"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}});
+  run_decompose(quick(), context);
+  EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
+  for (const Vec3f& rho : read_decomposed_materials(context.output()).albedo)
+    for (size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(rho[c]));
+}
+
+TEST(Decompose, PixelsOfMirrorsDoNotSpeakAboutTheLight) {
+  const TemporaryFolder copy, masks;
+  fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
+  // Trained at half size; masks are as large as the photos.
+  auto split = nlohmann::json::parse(read_file(copy.path() / "optimize/views.json"));
+  split["max_side"] = 56;
+  write_file(copy.path() / "optimize/views.json", split.dump());
+  std::map<std::string, fs::path> inputs{
+      {"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}, {"masks", masks.path()}};
+  DecomposeConfig config = quick();
+  config.solver.rounds = 1;
+  config.sheet_rows = 0;
+  for (const View& v : room().views) {
+    const fs::path path = view_mask_path(masks.path(), MaskClass::Specular, v);
+    make_folders(path.parent_path());
+    write_ldr(path, Image8(v.intrinsics.width, v.intrinsics.height, 1, uint8_t(255)));
+  }
+  test::RecordingContext context(inputs);
+  run_decompose(config, context);
+  EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
+  make_folders(masks.path() / "masks/transparent");
+  write_ldr(view_mask_path(masks.path(), MaskClass::Transparent, room().views[0]), Image8(8, 6, 1));
+  test::RecordingContext damaged(inputs);
+  EXPECT_EQ(error_of([&] { run_decompose(config, damaged); }).detail().code, "MASK_SIZE");
+}
+
+TEST(Decompose, WithoutPicturesTheirErrorIsAbsentNotZero) {
+  test::RecordingContext context(room().inputs());
+  DecomposeConfig config = quick();
+  config.solver.rounds = 1;
+  config.sheet_rows = 0;
+  run_decompose(config, context);
+  const auto report = nlohmann::json::parse(read_file(context.output() / "decompose" / "report.json"));
+  EXPECT_FALSE(report.contains("baked_log_rms")) << report;
+  EXPECT_FALSE(context.metrics.contains("baked_log_rms"));
+}
+
+// What the dearest settings that pass the check would hold in memory at once.
+TEST(DecomposeOptions, EvenTheDearestFitAnOrdinaryMachine) {
+  DecomposeConfig config;
+  const OptionTable table = options_of(config);
+  const auto most = [&](const char* option) { return table.find(option)->high.value(); };
+  const double cells = 2 * most("bands") * most("bands");
+  const double both_sides = 2;
+  EXPECT_LT(both_sides * most("points") * cells * sizeof(float), 2e9);          // transport
+  EXPECT_LT((2 * most("solver.points") + cells) * cells * sizeof(float), 1e9);  // matrix, weighted copy, normal matrix
+  EXPECT_LT(most("panorama_height") * most("panorama_height") * 2 * 100, 1e9);  // rays and their values
+  const double cell_bytes = most("sheet_cell_width") * most("sheet_cell_width") * 3;
+  EXPECT_LT(2 * 2 * 3 * most("sheet_rows") * cell_bytes, 2e9);  // two sheets of three columns, and their cells
+}
+
+TEST(DecomposedMaterials, RoundTripAndDamage) {
+  const TemporaryFolder folder;
+  DecomposedMaterials m;
+  m.resize(2);
+  m.albedo = {{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
+  m.f0 = {{0.04f, 0.05f, 0.06f}, {1, 1, 1}};
+  m.roughness = {0.3f, 0}, m.specular_weight = {0.5f, 0.25f}, m.transmission = {0, 1};
+  write_decomposed_materials(folder.path(), m);
+  const DecomposedMaterials back = read_decomposed_materials(folder.path());
+  EXPECT_EQ(back.albedo, m.albedo);
+  EXPECT_EQ(back.f0, m.f0);
+  EXPECT_EQ(back.roughness, m.roughness);
+  EXPECT_EQ(back.specular_weight, m.specular_weight);
+  EXPECT_EQ(back.transmission, m.transmission);
+  const fs::path path = decomposed_materials_path(folder.path());
+  const std::string good = read_file(path);
+  std::string not_a_number = good;
+  for (size_t i = good.size() - 4; i < good.size(); ++i) not_a_number[i] = char(0xff);
+  for (const std::string& bad :
+       {good.substr(0, good.size() - 3), good + "x", std::string("ply\n"), std::string(), not_a_number}) {
+    write_file(path, bad);
+    EXPECT_EQ(error_of([&] { read_decomposed_materials(folder.path()); }).kind(), ErrorKind::Input);
+  }
+}
+
+}  // namespace
+}  // namespace vitrine
