@@ -30,7 +30,7 @@ const std::vector<LossFactory>& loss_registry() {
       {"specular_mask", "Nothing reflects outside the specular mask, everything a little inside.", 0.02f,
        make_specular_mask_loss},
       {"transmission_mask", "Transmission agrees with the transparent mask.", 0.1f, make_transmission_mask_loss},
-      // Only where the object is trained alone (stages/optimize/object_alone.h): elsewhere it would empty the surroundings.
+      // Only where the object is trained alone (stages/optimize/surroundings.h): elsewhere it would empty the surroundings.
       {"object_mask", "Alpha agrees with the object mask, where the object is trained alone.", 0.3f, make_object_mask_loss},
       {"first_hit", "Transmitted and reflected things stay off the surface that shows them.", 0.01f, make_first_hit_loss},
       {"monocular_normal", "Surfel normals agree with the normals stage.", 0.05f, make_monocular_normal_loss, 0, 0, 0.2},

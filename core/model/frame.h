@@ -8,8 +8,8 @@
 
 #include "core/camera/view.h"
 #include "core/model/image_options.h"
-#include "core/model/outline.h"
 #include "core/model/secondary_rays.h"
+#include "core/model/silhouette_pixels.h"
 #include "core/model/thick_glass.h"
 #include "core/render/raster_desc.h"
 #include "core/render/renderer.h"
@@ -48,10 +48,10 @@ struct PaneImages {
   void start(size_t pixels);
 };
 
-// Pixels at the silhouettes of known shapes (OutlinePass), and the two pictures that they show side by side. Empty without.
-struct OutlineImages {
+// Pixels at the silhouettes of known shapes (SilhouettePass), and the two pictures that they show side by side. Empty without.
+struct SilhouetteImages {
   std::vector<uint32_t> shapes;               // [h,w] 1 + the entry that a specular pixel shows (ShapePass), 0: none
-  std::vector<OutlinePixel> pixels;           // ascending
+  std::vector<SilhouettePixel> pixels;        // ascending
   std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the silhouette, of the shape where it crosses
   std::vector<float> grad_covered;            // [pixel]
   void clear();
@@ -76,7 +76,7 @@ struct Frame {
   ShadedPixels shaded;                     // pixels that send rays
   SecondaryRays reflection, transmission;  // their rays through the two other layers
   PaneImages panes;
-  OutlineImages outline;
+  SilhouetteImages silhouette;
   OpenedScene opened;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain

@@ -9,7 +9,7 @@ namespace vitrine {
 namespace {
 
 constexpr std::array<std::string_view, 14> kPartNames{
-    "diffuse channels",   "linear radiance",      "shown shapes", "outlines",       "surfaces",
+    "diffuse channels",   "linear radiance",      "shown shapes", "silhouettes",    "surfaces",
     "reflection askers",  "transmission askers",  "opened scene", "behind glass",   "panes",
     "reflected radiance", "transmitted radiance", "layer images", "display picture"};
 static_assert(kPartNames.size() == static_cast<size_t>(FramePart::Srgb) + 1);

@@ -27,9 +27,9 @@ struct DiffuseOptions {
 // Sheet). nullptr: none is known.
 struct ShapeOptions {
   std::shared_ptr<const ShapeSet> set = nullptr;
-  float min_alpha = 0.5f;  // no surface below
-  float polished = 0.3f;   // k_s of what is
-  bool outlines = true;    // pixels at their silhouettes, too (OutlinePass)
+  float min_alpha = 0.5f;   // no surface below
+  float polished = 0.3f;    // k_s of what is
+  bool silhouettes = true;  // pixels at their silhouettes, too (SilhouettePass)
 };
 
 // Which pixels send rays, and what comes back along them to the diffuse layer.

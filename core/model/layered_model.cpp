@@ -3,9 +3,9 @@
 #include "core/model/composite_pass.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
-#include "core/model/outline_pass.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
+#include "core/model/silhouette_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/model/thin_glass_pass.h"
 #include "core/model/transmission_pass.h"
@@ -16,14 +16,14 @@ LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
   const Backend backend = options.diffuse.backend;
   emplace<DiffusePass>(backend);
   shape_ = emplace<ShapePass>();
-  emplace<OutlinePass>(backend);
+  emplace<SilhouettePass>(backend);
   emplace<SurfacePass>();
   emplace<ThinGlassPass>(backend);
   emplace<PanePass>(backend);
   emplace<ReflectionPass>(options.reflection.backend);
   emplace<TransmissionPass>(options.transmission.backend);
   emplace<CompositePass>();
-  emplace<OutlineBlendPass>();
+  emplace<SilhouetteBlendPass>();
   emplace<DisplayPass>();
 }
 

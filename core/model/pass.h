@@ -16,8 +16,8 @@ namespace vitrine {
 enum class FramePart : unsigned char {
   DiffuseChannels,      // Frame::diffuse
   Linear,               // Frame::linear
-  ShownShapes,          // Frame::outline.shapes
-  Outlines,             // the rest of Frame::outline
+  ShownShapes,          // Frame::silhouette.shapes
+  Silhouettes,          // the rest of Frame::silhouette
   Surfaces,             // Frame::shaded, but for the two below
   ReflectionAskers,     // ShadedPixels::asks
   TransmissionAskers,   // likewise

@@ -19,14 +19,14 @@ constexpr size_t kRows = 8;
 void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   options_ = frame.options.shape;
   bands_.clear();
-  frame.outline.shapes.clear();
+  frame.silhouette.shapes.clear();
   if (!knows(options_.set.get(), ShapeRole::Mirror) || scene.reflection.size() == 0) return;
   const ShapeSet& set = *options_.set;
   const GBuffer g(frame);
   const auto width = static_cast<size_t>(g.width);
   const Vec3d eye = frame.view->centre_in_world();
   const std::span<float> normal = frame.diffuse.plane(Aov::Normal), zdepth = frame.diffuse.plane(Aov::ZDepth);
-  frame.outline.shapes.assign(g.pixels, 0);
+  frame.silhouette.shapes.assign(g.pixels, 0);
   bands_.resize((static_cast<size_t>(g.height) + kRows - 1) / kRows);
   parallel_for(bands_.size(), 1, [&](size_t band) {
     const size_t end = std::min((band + 1) * kRows * width, g.pixels);
@@ -43,21 +43,21 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
       if (!hit) continue;
       for (size_t c = 0; c < 3; ++c) normal[c * g.pixels + pixel] = alpha * static_cast<float>(hit->normal[c]);
       zdepth[pixel] = alpha * static_cast<float>(hit->t);
-      frame.outline.shapes[pixel] = hit->entry + 1;
+      frame.silhouette.shapes[pixel] = hit->entry + 1;
       bands_[band].push_back({pixel, *hit});
     }
   });
 }
 
 // Of the pixels that sent rays, and of those that silhouettes cross, for their silhouette alone: it was not their middle that
-// mirrored (OutlinePass). What losses on normals and depths want is meant for the surfels.
+// mirrored (SilhouettePass). What losses on normals and depths want is meant for the surfels.
 void ShapePass::shape_gradients(const Frame& frame) {
   const ShapeSet& set = *options_.set;
   for (const ShapeSet::Entry& e : set.entries) gradients_.emplace_back(parameter_count(e.shape), 0.0);
   const ShadedPixels& s = frame.shaded;
   std::vector<uint32_t> group_of(frame.pixel_count(), UINT32_MAX);
   for (size_t g = 0; g < s.groups(); ++g) group_of[s.chosen_pixel(g)] = static_cast<uint32_t>(g);
-  for (const OutlinePixel& p : frame.outline.pixels)
+  for (const SilhouettePixel& p : frame.silhouette.pixels)
     if (p.crossed) group_of[p.pixel] = UINT32_MAX;
   const Vec3d eye = frame.view->centre_in_world();
   for (const auto& band : bands_)
@@ -70,10 +70,10 @@ void ShapePass::shape_gradients(const Frame& frame) {
       hit_vjp(set.entries[hit.entry].shape, {eye, per_z}, hit, {dot(cast<double>(grad.position), per_z), cast<double>(on_normal)},
               gradients_[hit.entry]);
     }
-  const OutlineImages& outline = frame.outline;
-  for (size_t i = 0; i < outline.grad_covered.size(); ++i)
-    if (const OutlinePixel& p = outline.pixels[i]; outline.grad_covered[i] != 0)
-      outline_vjp(p, set.entries[p.entry].shape, double(outline.grad_covered[i]), gradients_[p.entry]);
+  const SilhouetteImages& silhouette = frame.silhouette;
+  for (size_t i = 0; i < silhouette.grad_covered.size(); ++i)
+    if (const SilhouettePixel& p = silhouette.pixels[i]; silhouette.grad_covered[i] != 0)
+      silhouette_vjp(p, set.entries[p.entry].shape, double(silhouette.grad_covered[i]), gradients_[p.entry]);
 }
 
 // N = A n and Z = A z, n and z of the shape.

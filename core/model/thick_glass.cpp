@@ -75,7 +75,7 @@ BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface
     const Vec3f point = origin + hit->t * d;
     const float side = leaves ? -1.f : 1.f;
     Vec3f n = side * normal_at(hit->face, point);
-    if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an outline
+    if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an silhouette
     Vec3f bent;
     if (refract(d, n, leaves ? ior_ : 1 / ior_, bent))
       depth = leaves ? 0 : 1;

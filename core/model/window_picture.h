@@ -1,5 +1,5 @@
 // A window of a picture, drawn from a part of a layer: of what stands beside it nothing is copied or drawn. Passes that need such
-// a picture (PanePass, OutlinePass) say which surfels take part.
+// a picture (PanePass, SilhouettePass) say which surfels take part.
 #pragma once
 
 #include <memory>

@@ -30,7 +30,7 @@ constexpr const char* kMirrored = "mirrored_surfels";
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
-constexpr const char* kOutlines = "outlines";
+constexpr const char *kSilhouettes = "silhouettes", *kOldSilhouettes = "outlines";
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
@@ -88,7 +88,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
   if (options.panes.mirrored != SIZE_MAX) json[kMirrored] = options.panes.mirrored;
   if (options.shape.set) {
     json[kShapes] = write_shapes(*options.shape.set, path.parent_path());
-    json[kOutlines] = options.shape.outlines;
+    json[kSilhouettes] = options.shape.silhouettes;
   }
   if (const ThickGlass* thick = options.transmission.thick.get()) {
     json[kThickGlass] = {{"ior", shortest(thick->ior())}, {"tolerance", shortest(thick->tolerance())}};
@@ -126,7 +126,7 @@ ImageOptions read_image_options(const fs::path& path) {
     options.panes.mirrored = json.value(kMirrored, options.panes.mirrored);
     if (json.contains(kShapes))
       options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
-    options.shape.outlines = json.value(kOutlines, options.shape.outlines);
+    options.shape.silhouettes = json.value(kSilhouettes, json.value(kOldSilhouettes, options.shape.silhouettes));
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");

@@ -51,10 +51,10 @@ class RowSums {
   double all_ = 0;
 };
 
-// The outline of a box: the span [left, right] of every row of pixels, at the height of their centres. Empty if a corner is
+// The silhouette of a box: the span [left, right] of every row of pixels, at the height of their centres. Empty if a corner is
 // behind the camera.
 using Spans = std::vector<std::array<double, 2>>;
-Spans outline_spans(const Box& box, const View& view) {
+Spans silhouette_spans(const Box& box, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::array<Vec2d, 8> corners;
   for (size_t i = 0; i < 8; ++i) {
@@ -78,14 +78,14 @@ Spans outline_spans(const Box& box, const View& view) {
 }
 
 double RowSums::agreement(const Box& box) const {
-  double both = 0, outline = 0;
-  const Spans spans = outline_spans(box, view_);
+  double both = 0, silhouette = 0;
+  const Spans spans = silhouette_spans(box, view_);
   for (size_t y = 0; y < spans.size(); ++y) {
     if (!(spans[y][1] > spans[y][0])) continue;
     both += left_of(mask_, int(y), spans[y][1]) - left_of(mask_, int(y), spans[y][0]);
-    outline += left_of(known_, int(y), spans[y][1]) - left_of(known_, int(y), spans[y][0]);
+    silhouette += left_of(known_, int(y), spans[y][1]) - left_of(known_, int(y), spans[y][0]);
   }
-  return both / std::max(all_ + outline - both, 1.0);
+  return both / std::max(all_ + silhouette - both, 1.0);
 }
 
 double mean_agreement(const std::vector<RowSums>& photos, const Box& box) {
@@ -133,10 +133,10 @@ std::optional<BoxFit> fit_box(std::span<const Silhouette> masks, const Bounds3& 
   return best;
 }
 
-std::vector<uint8_t> outline_mask(const Box& box, const View& view) {
+std::vector<uint8_t> silhouette_mask(const Box& box, const View& view) {
   const Intrinsics& k = view.intrinsics;
   std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
-  const Spans spans = outline_spans(box, view);
+  const Spans spans = silhouette_spans(box, view);
   for (size_t y = 0; y < spans.size(); ++y)
     for (int x = std::max(0, int(std::ceil(spans[y][0] - 0.5))); x < k.width && x + 0.5 <= spans[y][1]; ++x)
       inside[y * size_t(k.width) + size_t(x)] = 1;

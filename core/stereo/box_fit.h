@@ -1,6 +1,6 @@
-// The box whose outlines are the masks: display cases, aquaria and blocks are boxes, and their masks say so better than any hull
-// that is carved by them, which bulges between the cones of few photos. Nine numbers (three angles, six faces) against the
-// outlines of all photos: faces come out right to a fraction of a pixel.
+// The box whose silhouettes are the masks: display cases, aquaria and blocks are boxes, and their masks say so better than any
+// hull that is carved by them, which bulges between the cones of few photos. Nine numbers (three angles, six faces) against the
+// silhouettes of all photos: faces come out right to a fraction of a pixel.
 #pragma once
 
 #include <optional>
@@ -17,18 +17,18 @@ inline constexpr double kLeastBoxAgreement = 0.94;
 
 struct BoxFit {
   Box box;
-  double agreement = 0;  // intersection over union of outlines and masks: mean over the better three quarters of the photos
+  double agreement = 0;  // intersection over union of silhouettes and masks: mean over the better three quarters of the photos
 };
 
-// Empty unless the outlines agree to `least`: a bottle, a vase, a ball is no box. `about`: what the box is looked for around, the
-// bounds of a hull; z is where one of its edges starts to point. What the photos do not say (mask < 0) does not count; a photo
-// with something in front of the box is outvoted.
+// Empty unless the silhouettes agree to `least`: a bottle, a vase, a ball is no box. `about`: what the box is looked for around,
+// the bounds of a hull; z is where one of its edges starts to point. What the photos do not say (mask < 0) does not count; a
+// photo with something in front of the box is outvoted.
 std::optional<BoxFit> fit_box(std::span<const Silhouette> masks, const Bounds3& about, double least = kLeastBoxAgreement);
 
 // What `fit_box` makes as large as it can.
 double agreement(std::span<const Silhouette> masks, const Box& box);
 
-// 1 inside the outline of the box, [h,w] of the view.
-std::vector<uint8_t> outline_mask(const Box& box, const View& view);
+// 1 inside the silhouette of the box, [h,w] of the view.
+std::vector<uint8_t> silhouette_mask(const Box& box, const View& view);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// The flat faces of a thing known by its outline alone. A visual hull is right where photos look along a surface and bulges
+// The flat faces of a thing known by its silhouette alone. A visual hull is right where photos look along a surface and bulges
 // between; it is also made of voxels. The panes of a case, a window or a bottle with sides are flat: the plane through all of a
 // face's points is nearer to the pane than they are (a case of five panes, true masks: normals 18.5 degrees off, then 7.3).
 #pragma once

@@ -21,7 +21,7 @@ constexpr double kEdgeHalfWidth = 1.25;  // pixels: what lies so far on both sid
 constexpr float kEdgeContrast = 0.15f;   // of three channels: half of what a clear edge counts
 constexpr double kEdgeBend = 0.004;      // what a step of the radius between two heights costs, in edges
 constexpr double kEdgeSteepest = 0.8;    // slope of radii over heights: beyond, rims of lids and feet are edges as well
-constexpr double kEdgeTouch = 0.98;      // nearly seen from above the rim is no outline
+constexpr double kEdgeTouch = 0.98;      // nearly seen from above the rim is no silhouette
 constexpr double kEdgeFirstMove = 0.05, kEdgeLastMove = 5e-4;  // of the largest radius; radians for the tilt
 constexpr int kEdgeRounds = 3;                                 // of radii and axis
 constexpr size_t kEdgeFewest = 10;                             // sides of photos that show a height
@@ -29,7 +29,7 @@ constexpr size_t kEdgeFewest = 10;                             // sides of photo
 using EdgeRadii = std::array<double, kEdgeHeights>;
 using EdgeRow = std::array<double, 2 * kEdgeSteps + 1>;  // strength at each radius that is tried
 
-// How much the photo changes across the outline at `p`, whose surface looks along `normal`; negative: it does not show it.
+// How much the photo changes across the silhouette at `p`, whose surface looks along `normal`; negative: it does not show it.
 float edge_at(const EdgePhoto& photo, const Vec3d& p, const Vec3d& normal) {
   const Intrinsics& k = photo.view.intrinsics;
   const Vec3d q = photo.view.cam_from_world * p, n = photo.view.cam_from_world.rotation * normal;
@@ -83,7 +83,7 @@ class Edges {
  private:
   double radius(size_t i, double k) const { return start_[i] + reach_ * (k - kEdgeSteps) / kEdgeSteps; }
 
-  // Edges at one height. A photo sees the rim of a disc as the outline where its line of sight touches the surface there.
+  // Edges at one height. A photo sees the rim of a disc as the silhouette where its line of sight touches the surface there.
   EdgeRow row(const TurningAxis& axis, size_t i) const {
     EdgeRow sum{};
     std::array<size_t, 2 * kEdgeSteps + 1> count{};

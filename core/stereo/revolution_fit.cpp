@@ -53,15 +53,15 @@ class Rims {
       for (const Silhouette& m : masks_) {
         const double towards = azimuth(m, disc);
         for (double side : {-0.5, 0.5})
-          if (const auto r = outline(m, disc, towards + side * std::numbers::pi, 0.98 * reach_)) ends.push_back(*r);
+          if (const auto r = silhouette(m, disc, towards + side * std::numbers::pi, 0.98 * reach_)) ends.push_back(*r);
       }
       radii[i] = ends.size() < kFewestEnds ? 0 : quantile_of(ends, kAgainst);
     });
     return radii;
   }
 
-  // Moves the radii of `profile` to where most photos see the outline: a photo sees the rim of a disc as the outline where its
-  // line of sight touches the surface there. Returns the mean distance between the outlines and the solid.
+  // Moves the radii of `profile` to where most photos see the silhouette: a photo sees the rim of a disc as the silhouette where
+  // its line of sight touches the surface there. Returns the mean distance between the silhouettes and the solid.
   double fit(const TurningAxis& axis, Profile& profile) const {
     double mean = 0;
     for (int round = 0; round < kRounds; ++round) {
@@ -80,7 +80,7 @@ class Rims {
           const double cosine = (now[i] + slope * dot(to_camera, axis.along)) / distance;
           if (!(std::abs(cosine) < kTouch)) continue;
           for (double side : {-1.0, 1.0})
-            if (const auto r = outline(m, disc, azimuth(m, disc) + side * std::acos(cosine), now[i])) ends.push_back(*r);
+            if (const auto r = silhouette(m, disc, azimuth(m, disc) + side * std::acos(cosine), now[i])) ends.push_back(*r);
         }
         if (ends.size() < kFewestEnds) return;
         const double seen = quantile_of(ends, 0.5);
@@ -106,7 +106,7 @@ class Rims {
   }
 
  private:
-  static constexpr double kTouch = 0.98;  // nearly seen from above the rim is no outline
+  static constexpr double kTouch = 0.98;  // nearly seen from above the rim is no silhouette
   struct Disc {
     Vec3d centre, u, v;
   };
@@ -122,7 +122,7 @@ class Rims {
   }
 
   // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.
-  std::optional<double> outline(const Silhouette& m, const Disc& disc, double angle, double from) const {
+  std::optional<double> silhouette(const Silhouette& m, const Disc& disc, double angle, double from) const {
     const Vec3d direction = std::cos(angle) * disc.u + std::sin(angle) * disc.v;
     const double step = reach_ / kMarch;
     const float at_from = said(m, disc, direction, from);

@@ -1,5 +1,5 @@
-// Solids of revolution whose outlines the masks are: vases, bottles and bowls are turned about an axis, and the curve
-// that is turned follows from the outlines of all photos at once, with normals as smooth as it is. A visual hull of the same
+// Solids of revolution whose silhouettes the masks are: vases, bottles and bowls are turned about an axis, and the curve
+// that is turned follows from the silhouettes of all photos at once, with normals as smooth as it is. A visual hull of the same
 // masks is made of voxels and bulges between the cones. Appendages and handles are no part of it.
 #pragma once
 
@@ -37,8 +37,8 @@ SurfaceOfRevolution surface_of_revolution(const SolidOfRevolution& solid);
 std::vector<SolidOfRevolution> solids_of_revolution(std::span<const Silhouette> masks, std::span<const ShapePoint> surface,
                                                     double voxel);
 
-// 1 inside the outline of the solid, [h,w] of the view.
-std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view);
+// 1 inside the silhouette of the solid, [h,w] of the view.
+std::vector<uint8_t> silhouette_mask(const SolidOfRevolution& solid, const View& view);
 
 // On the first of the solids that have it.
 std::optional<ShapePoint> on_solid(std::span<const SolidOfRevolution> solids, const ShapePoint& p, double voxel);

@@ -54,7 +54,7 @@ SurfaceOfRevolution surface_of_revolution(const SolidOfRevolution& solid) {
   return out;
 }
 
-std::vector<uint8_t> outline_mask(const SolidOfRevolution& solid, const View& view) {
+std::vector<uint8_t> silhouette_mask(const SolidOfRevolution& solid, const View& view) {
   return mask_of_rays(view,
                       [&](size_t, const Vec3d& eye, const Vec3d& direction) { return solid.entry(eye, direction).has_value(); });
 }

@@ -1,6 +1,6 @@
 // Paint or mirror? Paint looks alike from everywhere, and gloss adds to it here and there; what a metal shows changes with the
-// view as much as its surroundings do. Told by what several photos show of a place: the mean of their dimmer half, over the mean
-// of all.
+// view as much as its surroundings do. Told by what several photos show of a place: the mean of their lower-half mean ratio, over
+// the mean of all.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace vitrine {
 
 // `luminances` of one place in several photos, at least one; they are put in another order. 1 where all are black.
-inline float dimmer_half(std::vector<float>& luminances) {
+inline float lower_half_mean_ratio(std::vector<float>& luminances) {
   const size_t half = (luminances.size() + 1) / 2;
   std::ranges::nth_element(luminances, luminances.begin() + static_cast<std::ptrdiff_t>(half - 1));
   double dim = 0, all = 0;

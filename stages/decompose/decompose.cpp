@@ -344,7 +344,7 @@ class Decomposition {
       report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
                                     {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
                                     {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
-                                    {"dimmer_half", p.dimmer},
+                                    {"lower_half_mean_ratio", p.lower_half},
                                     {"pixels", p.pixels}});
     write_file(out / "decompose" / "report.json", report.dump(2) + "\n");
     context_.metric("misfit_log_rms", solution_.misfit.back());

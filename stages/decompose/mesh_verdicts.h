@@ -1,6 +1,6 @@
-// What the mesh stage has decided of polished things: where its report says metal, the mesh has the shape of outlines, and where
-// it says glaze, the shape that surfels learnt. Whoever asks again follows: a metal with a glaze's normals mirrors the wrong
-// things.
+// What the mesh stage has decided of polished things: where its report says metal, the mesh has the shape of silhouettes, and
+// where it says glaze, the shape that surfels learnt. Whoever asks again follows: a metal with a glaze's normals mirrors the
+// wrong things.
 #pragma once
 
 #include <filesystem>

@@ -32,7 +32,7 @@ constexpr float kDull = 0.1f;                                     // of a face's
 constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
 constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
-constexpr float kPaintShows = 0.75f;                              // of a thing's dimmer half: less is metal
+constexpr float kPaintShows = 0.75f;                              // of a thing's lower-half mean ratio: less is metal
 constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
 constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
@@ -182,10 +182,11 @@ class PolishedFinder {
     return light;
   }
 
-  // Mean of the photos over the views of a face, and of what is left of the dimmer half without the mirrored light of a glaze.
+  // Mean of the photos over the views of a face, and of what is left of the lower-half mean ratio without the mirrored light of a
+  // glaze.
   struct FaceShows {
     Vec3f mean{}, paint{};
-    float dimmer = 1;  // core/stereo/visible_paint
+    float lower_half = 1;  // core/stereo/visible_paint
     size_t views = 0;
   };
   std::vector<FaceShows> faces_show() const {
@@ -209,7 +210,7 @@ class PolishedFinder {
         const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
         for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
       }
-      face.dimmer = dimmer_half(luminances);
+      face.lower_half = lower_half_mean_ratio(luminances);
     }
     return faces;
   }
@@ -217,13 +218,13 @@ class PolishedFinder {
   std::vector<Polished> judged(const std::vector<FaceShows>& faces) const {
     std::vector<Polished> things(static_cast<size_t>(count_));
     for (size_t t = 0; t < things.size(); ++t) {
-      std::vector<double> dimmer;
+      std::vector<double> lower_half;
       for (size_t f = 0; f < faces.size(); ++f)
-        if (thing_[f] == int(t) && faces[f].views > 0) dimmer.push_back(faces[f].dimmer);
+        if (thing_[f] == int(t) && faces[f].views > 0) lower_half.push_back(faces[f].lower_half);
       Polished& thing = things[t];
-      thing.dimmer = dimmer.empty() ? 1.f : float(upper_median(dimmer));
+      thing.lower_half = lower_half.empty() ? 1.f : float(upper_median(lower_half));
       const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
-      thing.metal = verdict != nullptr ? verdict->metal : thing.dimmer < kPaintShows;
+      thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;
       thing.reflectance = {kGlaze, kGlaze, kGlaze};
       Vec3d photo[2]{}, light[2]{};
       size_t well_known = 0;

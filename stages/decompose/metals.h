@@ -1,14 +1,15 @@
 // Polished things, where the masks mark mirrors that are not glass. Training leaves them as they look: a mirror keeps pictures of
 // the old surroundings in its diffuse colours, a glaze its highlights. What they are is told by the photos and the mesh, whose
-// shape is that of their outlines (stages/mesh). A face is polished when most pixels that show it are marked; connected faces are
-// one thing. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
-//   metal   shows little from its dim sides: the dimmer half of the views has less than three quarters of their mean (median
-//   face).
+// shape is that of their silhouettes (stages/mesh). A face is polished when most pixels that show it are marked; connected faces
+// are one thing. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
+//   metal   shows little from its dim sides: the lower-half mean ratio of the views has less than three quarters of their mean
+//   (median face).
 //           F0 = sum C / sum L  per channel, over the rays that meet what is dull of the mesh, which the photos know well;
 //           nothing is scattered, and it is as rough as the contrast of what it mirrors says (metal_roughness.h). Surfels of a
 //           fifth of its brightness that training gave a quarter of its specular weight or less are handles and knobs: they keep
 //           their paint
-//   glaze   paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the dimmer half of a face's views,
+//   glaze   paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the lower-half mean ratio of a
+//   face's views,
 //           for highlights are brighter than any L that is known; mean of C - D is gloss, which is none of the paint's
 // Sums and means, for normals of mirrors are never so good that a single ray meets what its pixel shows.
 #pragma once
@@ -44,9 +45,9 @@ struct MetalsDesc {
 };
 
 struct Polished {
-  bool metal = false;                             // else a glaze
-  float dimmer = 1;                               // of the mean over views: that of the dimmer half of them; the median face
-  Vec3f reflectance{};                            // head on
+  bool metal = false;    // else a glaze
+  float lower_half = 1;  // of the mean over views: that of the lower-half mean ratio of them; the median face
+  Vec3f reflectance{};   // head on
   std::optional<float> roughness = std::nullopt;  // of metal whose mirrored surroundings are known well enough
   size_t pixels = 0;                              // that told it, over all views
 };

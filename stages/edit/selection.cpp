@@ -27,10 +27,10 @@ constexpr size_t kNamedComponents = 5;  // in the error that another does not ex
 constexpr size_t kGrain = 256;
 
 // Even-odd rule.
-bool inside_outline(const std::vector<Vec2d>& outline, const Vec2d& p) {
+bool inside_silhouette(const std::vector<Vec2d>& silhouette, const Vec2d& p) {
   bool inside = false;
-  for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const Vec2d &a = outline[i], &b = outline[j];
+  for (size_t i = 0, j = silhouette.size() - 1; i < silhouette.size(); j = i++) {
+    const Vec2d &a = silhouette[i], &b = silhouette[j];
     if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) inside = !inside;
   }
   return inside;
@@ -64,7 +64,7 @@ void combine(Parts& a, const Parts& b, Op&& op) {
     for (size_t i = 0; i < (a.*list).size(); ++i) (a.*list)[i] = op((a.*list)[i], (b.*list)[i]);
 }
 
-// By a pixel: what stands on the outline of a thing belongs to it, and its centre falls on either side.
+// By a pixel: what stands on the silhouette of a thing belongs to it, and its centre falls on either side.
 ImageF widened(const ImageF& mask) {
   ImageF out = mask;
   for (int y = 0; y < mask.height(); ++y)
@@ -110,7 +110,7 @@ Parts SceneSelector::select(const Selector& selector, const std::string& where) 
         if (!(p[c] >= selector.box->low[c] && p[c] <= selector.box->high[c])) return false;
     return std::ranges::all_of(selector.marks, [&](const EditMark& mark) {
       const auto px = image_point(p, views_[mark.view]);
-      return px && inside_outline(mark.outline, {px->x, px->y});
+      return px && inside_silhouette(mark.silhouette, {px->x, px->y});
     });
   });
   const auto both = [](uint8_t a, uint8_t b) { return uint8_t(a && b); };

@@ -33,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSolidVoxels = 0.75;  // vertices so near to a solid that training learnt lie on it
-constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror's outlines' hull is another thing
+constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror's silhouettes' hull is another thing
 
 Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -190,14 +190,13 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   RenderedDepth rendered(config, layer, scene.image.diffuse.near_z, views);
   std::optional<MirrorShape> mirrors;
   if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
-    mirrors.emplace(
-        MirrorShapeDesc{.sfm = context.input("sfm"),
-                        .masks = *masks,
-                        .photos = set.views,
-                        .views = views,
-                        .learnt = scene.image.shape.set.get(),
-                        .found = read_shapes_artifact(context.optional_input("shapes")),
-                        .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
+    mirrors.emplace(MirrorShapeDesc{.sfm = context.input("sfm"),
+                                    .masks = *masks,
+                                    .photos = set.views,
+                                    .views = views,
+                                    .learnt = scene.image.shape.set.get(),
+                                    .found = read_shapes_artifact(context.optional_input("shapes")),
+                                    .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
     if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);
@@ -256,7 +255,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   if (mirrors)
     for (const MirrorShape::Part& part : mirrors->parts())
       report["mirrors"].push_back({{"kind", part.metal() ? "metal" : "glaze"},
-                                   {"dimmer_half", part.dimmer},
+                                   {"lower_half_mean_ratio", part.lower_half},
                                    {"low", json_of(part.bounds.low)},
                                    {"high", json_of(part.bounds.high)}});
   TriMesh mesh = cleaned(raw, config, context, report);
@@ -311,7 +310,7 @@ void describe(Describer& d, MeshFusionConfig& c) {
   d.option("mean_median_voxels", c.mean_median_voxels, "Mean depth where it is this close to the median depth, else the median.")
       .range(0, 1e6);
   d.option("min_valid", c.min_valid, "Views with a smaller share of usable pixels are skipped.").range(0, 1);
-  d.option("mirror_hull", c.mirror_hull, "Polished metal, where masks mark it, takes the shape of the hull of its outlines.");
+  d.option("mirror_hull", c.mirror_hull, "Polished metal, where masks mark it, takes the shape of the hull of its silhouettes.");
   d.option("memory_mb", c.memory_mb, "Memory of the volume in MiB; the voxel grows when it would not fit.").range(1, 1 << 20);
 }
 

@@ -22,20 +22,20 @@ namespace {
 
 constexpr int kMaskSide = 640, kLeastMaskSide = 160;  // of the masks that shape the hull, pixels
 constexpr double kMostMaskPixels = 30e6;              // of all views together: about 16 bytes each
-constexpr double kDissent = 0.15;                     // share of the photos that may contradict: outlines on mirrors are rough
-constexpr int kHullResolution = 96, kHullBlur = 13;   // outlines of some dozen photos are facets: a bell of three voxels
+constexpr double kDissent = 0.15;                     // share of the photos that may contradict: silhouettes on mirrors are rough
+constexpr int kHullResolution = 96, kHullBlur = 13;   // silhouettes of some dozen photos are facets: a bell of three voxels
 constexpr float kHalf = 0.5f;
 constexpr double kCells = 16;         // along the hull: places in neighbouring ones hang together
 constexpr int kStride = 4;            // pixels of the masks between places that are looked at
 constexpr double kLeastCosine = 0.3;  // of views that tell about a place
 constexpr size_t kFewestViews = 4;
-constexpr float kNoPaint = 0.65f;                 // of a part's dimmer half: less is metal
+constexpr float kNoPaint = 0.65f;                 // of a part's lower-half mean ratio: less is metal
 constexpr double kCrumb = 0.05;                   // of the places on the largest part: no thing of its own
 constexpr double kOnShape = 2.5;                  // voxels: a blurred hull lies so far from the shape that it shows
-constexpr int kMarksMargin = 2;                   // pixels of the masks: outlines may be too narrow by that
-constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no outline shows the tops of lids, and a smooth
-                                                  // hull guesses better; from one to the other
-constexpr double kTurnedAlike = 0.7;              // cosine between both normals, at least
+constexpr int kMarksMargin = 2;                   // pixels of the masks: silhouettes may be too narrow by that
+constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no silhouette shows the tops of lids, and a
+                                                  // smooth hull guesses better; from one to the other
+constexpr double kTurnedAlike = 0.7;  // cosine between both normals, at least
 
 ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Intrinsics& k) {
   const auto specular = read_view_mask(masks, MaskClass::Specular, photo);
@@ -58,10 +58,10 @@ int mirror_mask_side(size_t views) {
   return int(std::clamp(side, double(kLeastMaskSide), double(kMaskSide)));
 }
 
-bool MirrorShape::Part::metal() const { return dimmer < kNoPaint; }
+bool MirrorShape::Part::metal() const { return lower_half < kNoPaint; }
 
 MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
-  std::vector<Silhouette> outlines;
+  std::vector<Silhouette> silhouettes;
   const int side = mirror_mask_side(desc.views.size());
   bool any = false;
   for (size_t i = 0; i < desc.views.size(); ++i) {
@@ -76,18 +76,18 @@ MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
     throw_if_interrupted();
     const ImageF& marks = marks_[i];
     if (marks.empty()) continue;
-    Silhouette& outline = outlines.emplace_back(Silhouette{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
-    outline.view.intrinsics = desc.views[i].intrinsics.limited_to(side);
+    Silhouette& silhouette = silhouettes.emplace_back(Silhouette{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
+    silhouette.view.intrinsics = desc.views[i].intrinsics.limited_to(side);
     const RgbdFrame frame = desc.frame_of(i);
     const int width = frame.intrinsics.width, height = frame.intrinsics.height;
     for (int y = 0; y < marks.height(); ++y)
       for (int x = 0; x < marks.width(); ++x)
-        outline.depth.at(x, y) =
+        silhouette.depth.at(x, y) =
             frame.zdepth[size_t(y * height / marks.height()) * size_t(width) + size_t(x * width / marks.width())];
   }
-  hull_.emplace(outlines, HullDesc{.resolution = kHullResolution, .rule = {.dissent = kDissent}, .blur_passes = kHullBlur});
+  hull_.emplace(silhouettes, HullDesc{.resolution = kHullResolution, .rule = {.dissent = kDissent}, .blur_passes = kHullBlur});
   if (hull_->empty()) return;
-  find_parts(desc, outlines);
+  find_parts(desc, silhouettes);
   find_shapes(desc);
 }
 
@@ -96,11 +96,11 @@ CellIndex MirrorShape::cell_of(const Vec3d& p) const {
 }
 
 // What the photos show of places on the hull, and which of these hang together.
-void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& outlines) {
+void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& silhouettes) {
   const Vec3d extent = hull_->bounds().high - hull_->bounds().low;
   cell_ = std::max({extent.x, extent.y, extent.z}) / kCells;
-  std::vector<ImageF> shown;  // [outline] luminance
-  for (const Silhouette& o : outlines) {
+  std::vector<ImageF> shown;  // [silhouette] luminance
+  for (const Silhouette& o : silhouettes) {
     throw_if_interrupted();
     const ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm, o.view)), o.value.width(), o.value.height());
     ImageF& grey = shown.emplace_back(photo.width(), photo.height(), 1);
@@ -108,9 +108,9 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silh
       for (size_t c = 0; c < 3; ++c)  // negative: a colour outside of Rec. 709
         grey.data()[p] += std::max(photo.data()[3 * p + c], 0.f) / float(3 * o.view.gain[c]);
   }
-  std::map<CellIndex, std::vector<float>> dimmer;
+  std::map<CellIndex, std::vector<float>> lower_half;
   std::vector<float> luminances;
-  for (const Silhouette& from : outlines) {
+  for (const Silhouette& from : silhouettes) {
     throw_if_interrupted();
     const Rigid world_from_cam = inverse(from.view.cam_from_world);
     for (int y = 0; y < from.value.height(); y += kStride)
@@ -121,19 +121,19 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silh
         if (!hit) continue;
         const Vec3d place = world_from_cam.translation + hit->t * direction;
         luminances.clear();
-        for (size_t o = 0; o < outlines.size(); ++o) {
-          const View& view = outlines[o].view;
+        for (size_t o = 0; o < silhouettes.size(); ++o) {
+          const View& view = silhouettes[o].view;
           const auto at = image_point(place, view);
-          if (!at || !(outlines[o].value.at(int(at->x), int(at->y)) > kHalf)) continue;
+          if (!at || !(silhouettes[o].value.at(int(at->x), int(at->y)) > kHalf)) continue;
           if (dot(hit->normal, normalized(view.centre_in_world() - place)) < kLeastCosine) continue;
           luminances.push_back(shown[o].at(int(at->x), int(at->y)));
         }
-        std::vector<float>& of_cell = dimmer[cell_of(place)];
-        if (luminances.size() >= kFewestViews) of_cell.push_back(dimmer_half(luminances));
+        std::vector<float>& of_cell = lower_half[cell_of(place)];
+        if (luminances.size() >= kFewestViews) of_cell.push_back(lower_half_mean_ratio(luminances));
       }
   }
   std::vector<CellIndex> cells;
-  for (const auto& [cell, values] : dimmer) cells.push_back(cell);
+  for (const auto& [cell, values] : lower_half) cells.push_back(cell);
   std::vector<size_t> places;  // [part]
   for (const auto& members : connected_cells(cells).members) {
     const int part = int(parts_.size());
@@ -142,11 +142,11 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silh
     for (size_t i : members) {
       const CellIndex& at = cells[i];
       part_of_[at] = part;
-      all.insert(all.end(), dimmer[at].begin(), dimmer[at].end());
+      all.insert(all.end(), lower_half[at].begin(), lower_half[at].end());
       for (int d = 0; d < 2; ++d)
         parts_.back().bounds.extend(cell_ * Vec3d{double(at[0] + d), double(at[1] + d), double(at[2] + d)});
     }
-    if (!all.empty()) parts_.back().dimmer = upper_median(all);
+    if (!all.empty()) parts_.back().lower_half = upper_median(all);
     places.push_back(all.size());
   }
   // Crumbs where cones happen to meet.
@@ -181,7 +181,7 @@ void MirrorShape::find_shapes(const MirrorShapeDesc& desc) {
   shapes_ = found.kept(keep);
 }
 
-// Outlines that are too narrow by a pixel leave pictures in the mirror beside them, deep inside.
+// Silhouettes that are too narrow by a pixel leave pictures in the mirror beside them, deep inside.
 bool MirrorShape::near_marks(const ImageF& marks, int x, int y) const {
   for (int v = std::max(0, y - kMarksMargin); v <= std::min(marks.height() - 1, y + kMarksMargin); ++v)
     for (int u = std::max(0, x - kMarksMargin); u <= std::min(marks.width() - 1, x + kMarksMargin); ++u)

@@ -1,9 +1,9 @@
 // The shape of polished metal. What surfels learn there are pictures in the mirror, at their depths and with their normals; what
-// photos tell of the metal itself is its outline. Where the masks stage marks mirrors that are not glass, the fused depth is that
-// of the visual hull of their outlines (core/stereo/visual_hull) and, where that lies on a solid of revolution, of the solid,
-// which neither bulges nor wavers (core/stereo/revolution_fit), as training learnt it from what it mirrors where it did: relit
-// metal is what its normals make it; photos in which something dull stands in front, or glass, say nothing there. Parts of the
-// hull that show paint (core/stereo/visible_paint) keep their depth: a glazed pot is hollow, its hull is not.
+// photos tell of the metal itself is its silhouette. Where the masks stage marks mirrors that are not glass, the fused depth is
+// that of the visual hull of their silhouettes (core/stereo/visual_hull) and, where that lies on a solid of revolution, of the
+// solid, which neither bulges nor wavers (core/stereo/revolution_fit), as training learnt it from what it mirrors where it did:
+// relit metal is what its normals make it; photos in which something dull stands in front, or glass, say nothing there. Parts of
+// the hull that show paint (core/stereo/visible_paint) keep their depth: a glazed pot is hollow, its hull is not.
 #pragma once
 
 #include <array>
@@ -40,12 +40,12 @@ class MirrorShape {
 
   struct Part {
     Bounds3 bounds;
-    float dimmer = 1;  // dimmer half of what photos show of a place, in the median
+    float lower_half = 1;  // lower-half mean ratio of what photos show of a place, in the median
     bool metal() const;
   };
   const std::vector<Part>& parts() const {
     return parts_;
-  }  // connected ones; none: nothing is marked, or the outlines do not close
+  }  // connected ones; none: nothing is marked, or the silhouettes do not close
 
   // Puts the hull's depth, or a shape's, where view i marks metal, but where the frame knows a surface more than `tolerance` in
   // front of it. Marked pixels beside the hull are not fused, where all of it is metal; nor those beside a shape where the hull
@@ -57,7 +57,7 @@ class MirrorShape {
 
  private:
   CellIndex cell_of(const Vec3d& p) const;
-  void find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& outlines);
+  void find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& silhouettes);
   void find_shapes(const MirrorShapeDesc& desc);
   std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
   bool near_marks(const ImageF& marks, int x, int y) const;

@@ -5,7 +5,7 @@
 #include "core/base/error.h"
 #include "core/camera/mask_files.h"
 #include "core/train/capture.h"
-#include "stages/optimize/unseen.h"
+#include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {
 

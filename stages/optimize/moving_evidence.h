@@ -16,7 +16,7 @@ enum class Evidence : unsigned char { None, Still, Moves, Object };
 // Of one training photo, at the size of its depth map, without single dissenters. Empty: the photo has no depth map.
 struct PhotoEvidence {
   int width = 0, height = 0;
-  std::vector<Evidence> pixels;  // Object: inside its mask or within a patch of its outline
+  std::vector<Evidence> pixels;  // Object: inside its mask or within a patch of its silhouette
   std::vector<uint8_t> plain;    // 1: without texture and alike in place
   std::vector<uint8_t> fine;     // 1: texture within a pixel; else a patch matches by what lies beside it
 };

@@ -15,8 +15,8 @@
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
-#include "stages/optimize/object_alone.h"
 #include "stages/optimize/outputs.h"
+#include "stages/optimize/surroundings.h"
 
 namespace vitrine {
 

@@ -50,8 +50,10 @@ void describe(Describer& d, ReflectionPhase& c) {
       .range(0, 1);
   d.option("surface_from", c.surface_from, "Part of the run after which reflections turn and move the surfaces that show them.")
       .range(0, 1);
-  d.option("outlines_from", c.outlines_from, "Part of the run after which known shapes tell the pixels at their outlines.")
+  d.option("silhouettes_from", c.silhouettes_from,
+           "Part of the run after which known shapes tell the pixels at their silhouettes.")
       .range(0, 1);
+  d.renamed("outlines_from", "silhouettes_from");
   d.option("shape_rate", c.shape_rate,
            "Step of the place and the profile of a known shape, scene units, from surface_from on; of appendages half of it.")
       .range(0, 0.1);
@@ -79,7 +81,9 @@ void describe(Describer& d, ShadingConfig& c) {
   d.option("shapes", c.shapes,
            "Polished things that are solids of revolution have the surface of the solid, which learns from what it mirrors; off: "
            "that of their surfels.");
-  d.option("outlines", c.outlines, "Pixels at the outline of such a solid are told by it, too: how much of each it covers.");
+  d.option("silhouettes", c.silhouettes,
+           "Pixels at the silhouette of such a solid are told by it, too: how much of each it covers.");
+  d.renamed("outlines", "silhouettes");
   d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a training step; 0 = all that reflect or transmit.")
       .range(0, 100000000);
   d.option("gate", c.gate, "Damps gradients of the transmitted layer where reflections vary strongly; 0 = off.").range(0, 1000);
@@ -148,7 +152,7 @@ ImageOptions PhaseClock::image_options(const ShadingConfig& shading, Backend bac
   o.diffuse = {.backend = backend, .sh_degree = sh_degree};
   o.surface.ray_budget = shading.ray_budget;
   o.surface.normal_gradient = o.surface.depth_gradient = fraction_ >= reflection.surface_from;
-  o.shape.outlines = shading.outlines && fraction_ >= reflection.outlines_from;
+  o.shape.silhouettes = shading.silhouettes && fraction_ >= reflection.silhouettes_from;
   o.reflection.backend = o.transmission.backend = tracer;
   o.reflection.sh_degree = reflection.sh_degree;
   o.reflection.lobe = lobe;

@@ -45,10 +45,10 @@ struct ReflectionPhase : LayerPhase {
   double known_specular_weight = 0.9, known_f0 = 0.8, known_factor = 0.02;
   int known_hull_points = 3000;  // in place of hull_points: opaque surfels, which only help where they stand right
   double roughness_from = 0.4;
-  double surface_from = 0.36;   // rays turn and move surfaces
-  double outlines_from = 0.36;  // known shapes tell the pixels at their outlines
-  double shape_rate = 1e-4;     // of a known shape's lengths, scene units
-  double axis_rate = 4e-4;      // of its angles, radians
+  double surface_from = 0.36;      // rays turn and move surfaces
+  double silhouettes_from = 0.36;  // known shapes tell the pixels at their silhouettes
+  double shape_rate = 1e-4;        // of a known shape's lengths, scene units
+  double axis_rate = 4e-4;         // of its angles, radians
 };
 struct TransmittancePhase : LayerPhase {
   double transmission = 0.98, specular_weight = 0.002, f0 = 0.077;  // of glass, to start from
@@ -62,7 +62,7 @@ struct DiffusePhase {
 struct ShadingConfig {
   std::string blend = "layered", lobe = "mirror", glass = "thin";
   int ray_budget = 0;
-  bool panes = true, shapes = true, outlines = true;
+  bool panes = true, shapes = true, silhouettes = true;
   double gate = 4, diffuse_in_transparent = 1;
 };
 void describe(Describer& d, ShadingConfig& c);

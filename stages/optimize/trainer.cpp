@@ -10,7 +10,7 @@
 #include "core/train/photo_order.h"
 #include "core/train/picture_step.h"
 #include "stages/optimize/layer_init.h"
-#include "stages/optimize/unseen.h"
+#include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {
 
@@ -238,7 +238,11 @@ void Trainer::move_surfels() {
 // A layer begins with what the diffuse layer knows at that moment.
 void Trainer::begin_phases() {
   const PhaseClock clock = this->clock();
-  const LayerInitDesc desc{.config = config(), .capture = setup_.capture, .targets = setup_.targets, .shapes = setup_.shapes, .sh_degree = sh_degree()};
+  const LayerInitDesc desc{.config = config(),
+                           .capture = setup_.capture,
+                           .targets = setup_.targets,
+                           .shapes = setup_.shapes,
+                           .sh_degree = sh_degree()};
   bool changed = false;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance}) {
     uint8_t& begun = begun_[static_cast<size_t>(kind)];
@@ -270,8 +274,8 @@ void Trainer::fill_unseen() {
   filled_ = 1;
   const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
   if (thin_glass) fill_beside_glass();
-  const SplatLayer unseen = unseen_surroundings(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
-                                                background_, size_t(kMostUnseen * double(setup_.max_surfels)));
+  const SplatLayer unseen = inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
+                                             background_, size_t(kMostUnseen * double(setup_.max_surfels)));
   scene_.diffuse = joined(scene_.diffuse, unseen);
   unseen_surfels_ = unseen.size();
   training(LayerKind::Diffuse).grow(scene_.diffuse.size());

@@ -33,13 +33,13 @@ struct TrainerSetup {
   const ShapeSet& shapes;  // of glass and metal, found before
   LayerChoice layers;
   size_t max_surfels;         // of all layers together
-  bool object_alone = false;  // (object_alone.h)
+  bool object_alone = false;  // (surroundings.h)
 };
 
 class Trainer {
  public:
   // `planes`, `background`: the large planes of the scene and the distance of its sky, where what no photo shows is guessed
-  // (unseen.h).
+  // (plane_inpainting.h).
   Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<ScenePlane> planes, double background = 0);
 
   // Throws Error{Diverged} when the loss or too many gradients are not finite.
@@ -54,8 +54,8 @@ class Trainer {
   const std::vector<EpochRecord>& epochs() const { return epochs_; }
   const TrainCounts& counts(LayerKind kind) const { return training(kind).counts(); }
   const LayerChoice& layers() const { return setup_.layers; }
-  size_t from_behind_glass() const { return from_behind_glass_; }  // surfels that went to the diffuse layer (unseen.h)
-  size_t unseen_surfels() const { return unseen_surfels_; }        // for what no photo shows (unseen.h), beyond the cap
+  size_t from_behind_glass() const { return from_behind_glass_; }  // surfels that went to the diffuse layer (plane_inpainting.h)
+  size_t unseen_surfels() const { return unseen_surfels_; }        // for what no photo shows (plane_inpainting.h), beyond the cap
   size_t initial_surfels() const { return initial_surfels_; }      // that training started from
   static size_t cap(const TrainerSetup& setup, LayerKind kind);    // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }

@@ -20,7 +20,7 @@ constexpr size_t kPhotos = 8;
 constexpr std::array<uint8_t, 3> kSheetColor{0, 178, 255}, kMirrorColor{255, 115, 0};
 
 // A pixel whose neighbour to the right or below belongs to another entry.
-void draw_outlines(const ShapeSet& shapes, const View& view, Image8& picture) {
+void draw_silhouettes(const ShapeSet& shapes, const View& view, Image8& picture) {
   const Intrinsics& k = view.intrinsics;
   constexpr int kNone = -1;
   std::vector<int> shown(size_t(k.width) * size_t(k.height), kNone);
@@ -31,7 +31,9 @@ void draw_outlines(const ShapeSet& shapes, const View& view, Image8& picture) {
         t = hit->t, shown[pixel] = int(i);
     return false;
   });
-  const auto at = [&](int x, int y) { return shown[size_t(std::min(y, k.height - 1)) * size_t(k.width) + size_t(std::min(x, k.width - 1))]; };
+  const auto at = [&](int x, int y) {
+    return shown[size_t(std::min(y, k.height - 1)) * size_t(k.width) + size_t(std::min(x, k.width - 1))];
+  };
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       const int here = at(x, y);
@@ -61,7 +63,7 @@ void write_contact_sheet(const fs::path& file, const fs::path& sfm, const ViewSe
     cells[i] = Image8(photo.width(), photo.height(), 3);
     for (size_t p = 0; p < photo.data().size(); ++p)
       cells[i].data()[p] = uint8_t(std::lround(std::clamp(photo.data()[p], 0.f, 1.f) * 255.f));
-    draw_outlines(shapes, view, cells[i]);
+    draw_silhouettes(shapes, view, cells[i]);
   });
   int width = 0, height = 0;
   for (const Image8& cell : cells) width = std::max(width, cell.width()), height = std::max(height, cell.height());

@@ -13,8 +13,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSoftPadding = 4;  // cells around the bounds, so that the surface closes
-constexpr int kSoftening = 4;    // passes of 1 2 1 over the field: outlines of some dozen photos are facets
+constexpr int kSoftPadding = 4;     // cells around the bounds, so that the surface closes
+constexpr int kSoftening = 4;       // passes of 1 2 1 over the field: silhouettes of some dozen photos are facets
 constexpr int kFineSmoothing = 10;  // Taubin's passes over the mesh: what is left of the cells' steps
 
 void soften(VoxelGrid<float>& grid) {

@@ -14,8 +14,8 @@
 #include "core/stereo/shape_fit.h"
 #include "core/stereo/standing_boxes.h"
 #include "core/stereo/visual_hull.h"
+#include "stages/masks/boxes/appendage_pixels.h"
 #include "stages/masks/boxes/grab_cut.h"
-#include "stages/masks/boxes/up_to_root.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {
@@ -77,7 +77,7 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
     if (interrupt_signal() != 0) return;
     std::vector<uint8_t> turned(inside[v].size(), 0);
     for (const SolidOfRevolution& solid : solids) {
-      const std::vector<uint8_t> outline = outline_mask(solid, views[v]);
+      const std::vector<uint8_t> outline = silhouette_mask(solid, views[v]);
       for (size_t i = 0; i < turned.size(); ++i) turned[i] |= outline[i];
     }
     // What else is there, and what of it stands far off.
@@ -99,7 +99,7 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
       }
       return false;
     });
-    inside[v] = with_what_sticks_out(turned, off, far, views[v].intrinsics);
+    inside[v] = with_appendages(turned, off, far, views[v].intrinsics);
   });
   throw_if_interrupted();
 }
@@ -146,7 +146,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
       Box box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
       if (agreement(cones, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
-      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(box, views[v]);
+      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = silhouette_mask(box, views[v]);
       out.summary.box_agreement = fit->agreement;
     }
   if (thing.kind != MaskClass::Transparent) {
@@ -167,7 +167,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
     if (!second.empty()) {
       const FittedShapes fits = fit_shapes(outlines, second);
       if (fits.box)
-        for (size_t v = 0; v < views.size(); ++v) out.inside[v] = outline_mask(fits.box->box, views[v]);
+        for (size_t v = 0; v < views.size(); ++v) out.inside[v] = silhouette_mask(fits.box->box, views[v]);
       else
         out.inside = silhouettes_of(second, views);
       out.summary.voted = true;

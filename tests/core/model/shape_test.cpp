@@ -89,7 +89,7 @@ TEST(ShapePass, GapsOfTheNearSideShowTheSolid) {
   const auto width = static_cast<uint32_t>(r.room.view.intrinsics.width),
              height = static_cast<uint32_t>(r.room.view.intrinsics.height);
   const uint32_t middle = (height / 2) * width + width / 2;
-  EXPECT_EQ(frame.outline.shapes[middle], 1u);
+  EXPECT_EQ(frame.silhouette.shapes[middle], 1u);
   const GBuffer g(frame);
   const PixelRay<float> ray = g.ray(middle);
   const Vec3d place = cast<double>(ray.eye + (g.zdepth[middle] / g.alpha[middle]) * ray.direction_per_z);
@@ -112,7 +112,7 @@ TEST(ShapePass, ShowsTheNearestOfShapesThatOverlap) {
   for (uint32_t i = 0; i < g.pixels; ++i) {
     const auto hit = in_picture.first_hit({eye, cast<double>(g.ray(i).direction_per_z)}, ShapeRole::Mirror);
     ASSERT_TRUE(hit);
-    EXPECT_EQ(frame.outline.shapes[i], hit->entry + 1);
+    EXPECT_EQ(frame.silhouette.shapes[i], hit->entry + 1);
     second += hit->entry == 1;
   }
   EXPECT_GT(second, g.pixels / 2);
@@ -140,7 +140,7 @@ TEST(ShapePass, AnAppendageHidesItsParent) {
   size_t of_mesh = 0, of_ball = 0;
   for (uint32_t i = 0; i < g.pixels; ++i) {
     const Vec3d normal = cast<double>(normalized(g.rgb(g.normal, i)));
-    if (frame.outline.shapes[i] == 1) {
+    if (frame.silhouette.shapes[i] == 1) {
       ++of_ball;
       continue;
     }

@@ -45,7 +45,7 @@ TEST(ThickGlass, ABallBendsRaysAsTheClosedFormSays) {
     const Vec3d eye = 2.0 * normalized(Vec3d{rng.normal(), rng.normal(), rng.normal()});
     const Vec3d at = cast<double>(centre) + 0.3 * Vec3d{rng.normal(), rng.normal(), rng.normal()};
     const auto exact = test::through_ball(eye, normalized(at - eye), cast<double>(centre), radius, kGlassIor);
-    if (!exact || exact->offset > 0.9) continue;  // beside it or near the outline, where a polygon is not a ball
+    if (!exact || exact->offset > 0.9) continue;  // beside it or near the silhouette, where a polygon is not a ball
     const BentRay ray = ball.path(cast<float>(eye), cast<float>(normalized(at - eye)), float(exact->entry_distance));
     ASSERT_EQ(ray.path, GlassPath::Bent) << i;
     ASSERT_EQ(ray.leg_count, 2u);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -13,7 +13,8 @@ const Vec3d kCaseHalf{0.2, 0.14, 0.28};
 const Bounds3 kAbout{{-0.3, -0.3, -0.35}, {0.3, 0.3, 0.35}};
 
 std::vector<Silhouette> case_masks(int count) {
-  return outlines(count, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_box(kCaseHalf, kCaseTurn, eye, d); });
+  return silhouettes_of_rays(count, kAround,
+                             [](const Vec3d& eye, const Vec3d& d) { return meets_box(kCaseHalf, kCaseTurn, eye, d); });
 }
 
 // Largest angle between a face and the nearest true one, degrees, and largest distance of a corner from the nearest true one.
@@ -61,8 +62,10 @@ TEST(BoxFit, SomethingInFrontOfItInAFewPhotosIsOutvoted) {
 }
 
 TEST(BoxFit, BallsAndCylindersAreNoBoxes) {
-  const auto ball = outlines(24, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_ball({}, 0.25, eye, d); });
-  const auto jar = outlines(24, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_cylinder(0.2, 0.28, eye, d); });
+  const auto ball =
+      silhouettes_of_rays(24, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_ball({}, 0.25, eye, d); });
+  const auto jar =
+      silhouettes_of_rays(24, kAround, [](const Vec3d& eye, const Vec3d& d) { return meets_cylinder(0.2, 0.28, eye, d); });
   for (const auto& [name, masks] : {std::pair("ball", ball), std::pair("jar", jar)}) {
     const auto anyway = fit_box(masks, kAbout, 0);
     ASSERT_TRUE(anyway);
@@ -76,7 +79,7 @@ TEST(BoxFit, OutlinesAreThoseOfTheMasks) {
   const auto fit = fit_box(masks, kAbout);
   ASSERT_TRUE(fit);
   for (const Silhouette& m : masks) {
-    const std::vector<uint8_t> inside = outline_mask(fit->box, m.view);
+    const std::vector<uint8_t> inside = silhouette_mask(fit->box, m.view);
     size_t differ = 0, all = 0;
     for (size_t i = 0; i < inside.size(); ++i) differ += inside[i] != (m.value.data()[i] >= 0.5f), all += inside[i];
     EXPECT_LT(differ, all / 20);

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/rng.h"
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -12,7 +12,8 @@ namespace {
 constexpr double kBallRadius = 0.3;
 
 std::vector<Silhouette> ball(int count) {
-  return outlines(count, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) { return meets_ball({}, kBallRadius, eye, d); });
+  return silhouettes_of_rays(count, 2 * std::numbers::pi,
+                             [](const Vec3d& eye, const Vec3d& d) { return meets_ball({}, kBallRadius, eye, d); });
 }
 
 TEST(Carving, OccupancyIsTheSoftFormOfInside) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -22,7 +22,7 @@ SolidOfRevolution true_vase() {
 // A polished vase before a wall of tiles, in a room that it mirrors: as many edges inside as outside.
 std::vector<EdgePhoto> photos_of(const SolidOfRevolution& vase, int count) {
   std::vector<EdgePhoto> photos;
-  for (const Silhouette& m : outlines(count, 2 * std::numbers::pi, [](const Vec3d&, const Vec3d&) { return false; })) {
+  for (const Silhouette& m : silhouettes_of_rays(count, 2 * std::numbers::pi, [](const Vec3d&, const Vec3d&) { return false; })) {
     EdgePhoto photo{m.view, {}};
     photo.view.intrinsics = {288, 240, 270, 270, 144, 120};
     const Intrinsics& k = photo.view.intrinsics;

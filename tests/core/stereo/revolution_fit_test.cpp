@@ -7,7 +7,7 @@
 
 #include "core/stereo/shape_fit.h"
 #include "core/stereo/visual_hull.h"
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -32,7 +32,7 @@ struct Vase {
     return p.z > 0 && p.z < kVaseHeight && std::hypot(p.x, p.y) < vase_radius(p.z);
   }
   std::vector<Silhouette> masks(int count) const {
-    return outlines(count, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) {
+    return silhouettes_of_rays(count, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) {
       for (int i = 0; i < 240; ++i)
         if (inside(eye + (0.5 + i / 240.0) * d)) return true;
       return false;
@@ -101,7 +101,8 @@ TEST(RevolutionFit, EveryThingOfAClassIsLookedAtAlone) {
   const Vec3d ball_at{0.05, 0.28, 0};
   const Vase vase;
   std::vector<Silhouette> masks = vase.masks(24);
-  const auto balls = outlines(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(ball_at, 0.07, eye, d); });
+  const auto balls =
+      silhouettes_of_rays(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(ball_at, 0.07, eye, d); });
   for (size_t v = 0; v < masks.size(); ++v)
     for (size_t i = 0; i < masks[v].value.data().size(); ++i)
       masks[v].value.data()[i] = std::max(masks[v].value.data()[i], balls[v].value.data()[i]);
@@ -121,7 +122,8 @@ TEST(RevolutionFit, EveryThingOfAClassIsLookedAtAlone) {
 
 TEST(RevolutionFit, ALongThingIsNone) {
   const Vec3d half{0.3, 0.08, 0.1};
-  const auto masks = outlines(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, 0, eye, d); });
+  const auto masks =
+      silhouettes_of_rays(24, kFullTurn, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, 0, eye, d); });
   std::vector<ShapePoint> surface;
   for (double z = -half.z; z < half.z; z += kVaseVoxel) {
     for (double x = -half.x; x < half.x; x += kVaseVoxel)
@@ -156,8 +158,8 @@ TEST(RevolutionFit, AHullNearItTakesItsNormalsAndAHandleKeepsItsOwn) {
 TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
   const SolidOfRevolution can{{}, {0, 0, 1}, -0.25, 0.1, {0.2, 0.2, 0.2, 0.2, 0.2, 0.2}};
   for (const Silhouette& m :
-       outlines(6, kFullTurn, [&](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
-    const std::vector<uint8_t> inside = outline_mask(can, m.view);
+       silhouettes_of_rays(6, kFullTurn, [&](const Vec3d&eye, const Vec3d&d) { return meets_cylinder(0.2, 0.25, eye, d); })) {
+    const std::vector<uint8_t> inside = silhouette_mask(can, m.view);
     for (size_t i = 0; i < inside.size(); ++i) ASSERT_EQ(inside[i] != 0, m.value.data()[i] > 0) << i;
   }
   // A cone that widens and narrows: nothing at its tips.
@@ -165,7 +167,7 @@ TEST(RevolutionFit, ItsOutlineIsWhatRaysMeet) {
   View view;
   view.intrinsics = {80, 80, 80, 80, 40, 40};
   view.cam_from_world = {Mat3d::identity(), {-0.1, 0, 1}};  // looks along +z from below
-  const std::vector<uint8_t> disc = outline_mask(top, view);
+  const std::vector<uint8_t> disc = silhouette_mask(top, view);
   for (int y = 0; y < 80; ++y)
     for (int x = 0; x < 80; ++x) {
       const double r = std::hypot(x - 39.5, y - 39.5);

@@ -8,7 +8,7 @@
 
 #include "core/base/rng.h"
 #include "core/stereo/edge_field.h"
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -16,7 +16,8 @@ constexpr double kRadius = 0.25;
 const Vec3d kCentre{0.05, -0.1, 0.1};
 
 std::vector<Silhouette> ball_masks(int count, double span_rad, const Vec3d& centre = kCentre, double radius = kRadius) {
-  return outlines(count, span_rad, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, radius, eye, d); });
+  return silhouettes_of_rays(count, span_rad,
+                             [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, radius, eye, d); });
 }
 
 TEST(VisualHull, OfABallHasTheBallsNormals) {
@@ -49,7 +50,7 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
 // Silhouettes of a box that is turned by 20 degrees about z; its height is 1.4 times its half width.
 constexpr double kHalf = 0.22, kTurn = 0.35;
 std::vector<Silhouette> box_masks(int count) {
-  return outlines(count, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) {
+  return silhouettes_of_rays(count, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) {
     return meets_box({kHalf, kHalf, 1.4 * kHalf}, kTurn, eye, d);
   });
 }
@@ -116,7 +117,8 @@ TEST(FlatFaces, OfNothingAreNone) {
 
 TEST(VisualHull, IsAsLargeAsTheBall) {
   for (int resolution : {24, 64}) {
-    const Bounds3 bounds = VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .rule = {.dissent = 0}}).bounds();
+    const Bounds3 bounds =
+        VisualHull(ball_masks(24, 2 * std::numbers::pi), {.resolution = resolution, .rule = {.dissent = 0}}).bounds();
     for (size_t i = 0; i < 3; ++i) {
       EXPECT_LT(std::abs(bounds.centre()[i] - kCentre[i]), 0.03);
       EXPECT_NEAR(bounds.high[i] - bounds.low[i], 2 * kRadius, 0.06) << resolution;

@@ -103,7 +103,7 @@ TEST_F(Marked, GlassIsCarriedByItsHullAndMirrorsToo) {
 TEST_F(Marked, ACaseIsCarriedAsTheBoxThatItIs) {
   const Box box{rotation_matrix(Quatd{std::cos(0.15), 0, 0, std::sin(0.15)}), {-0.2, -0.22, -0.2}, {0.22, 0.15, 0.18}};
   for (size_t v = 0; v < views.size(); ++v) {
-    const std::vector<uint8_t> inside = outline_mask(box, views[v]);
+    const std::vector<uint8_t> inside = silhouette_mask(box, views[v]);
     for (size_t i = 0; i < inside.size(); ++i) truth[v].data()[i] = inside[i] ? 255 : 0;
   }
   const auto context = run(head() + corners(box, 0) + corners(box, 3) + corners(box, 6) + corners(box, 8));

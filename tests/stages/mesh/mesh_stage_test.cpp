@@ -178,7 +178,7 @@ TEST_F(BallOnTable, BecomesAMeshOfBothWithinTheVoxel) {
   EXPECT_GT(red, 0.95);
 }
 
-// A polished ball: the surfels stand where the mirrored things appear, deep inside; only the outlines show the ball.
+// A polished ball: the surfels stand where the mirrored things appear, deep inside; only the silhouettes show the ball.
 class MirrorOnTable : public BallOnTable {
  protected:
   MirrorOnTable() { learnt_radius = 0.2; }

@@ -84,7 +84,7 @@ TEST_F(PolishedVase, IsTheSolidThatWasFoundInItsSilhouettes) {
   EXPECT_LT(off[off.size() * 9 / 10], 0.004);
 }
 
-// Outlines say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
+// Silhouettes say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   SurfaceOfRevolution learnt = surface_of_revolution(vase);
   for (Vec2d& p : learnt.profile) p.x *= 1.02;

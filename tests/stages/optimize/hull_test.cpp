@@ -8,7 +8,7 @@
 #include "core/scene/activation.h"
 #include "core/train/picture_step.h"
 #include "stages/optimize/clear_panes.h"
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {
@@ -41,8 +41,8 @@ Hull hull_in(const std::vector<Silhouette>& masks, HullClass kind, const ShapeSe
 
 TEST(MaskHull, HasPointsOnTheFacesOfAKnownBoxAndNoneOfItsOwn) {
   const Box box{rotation_matrix(normalized(Quatd{0.98, 0, 0, 0.17})), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
-  const auto masks =
-      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
+  const auto masks = silhouettes_of_rays(24, 2 * std::numbers::pi,
+                                         [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
   const Hull hull = hull_in(masks, HullClass::Glass, {.entries = {{box, ShapeRole::Sheet, 0.02, -1, {}}}});
   ASSERT_GT(hull.points.size(), 500u);
   for (const HullPoint& p : hull.points) {
@@ -56,8 +56,8 @@ TEST(MaskHull, HasPointsOnTheFacesOfAKnownBoxAndNoneOfItsOwn) {
 // Photos look through the sides to a wall, and down to a floor that the case stands on; something stands in its middle.
 TEST(ClearPanes, StandsOnAFloorThatIsNoPane) {
   const Box box{Mat3d::identity(), {-0.2, -0.14, -0.28}, {0.2, 0.14, 0.28}};
-  const auto masks =
-      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
+  const auto masks = silhouettes_of_rays(24, 2 * std::numbers::pi,
+                                         [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
   Marked photos(masks, MaskClass::Transparent);
   for (size_t photo = 0; photo < masks.size(); ++photo) {
     const View& view = masks[photo].view;
@@ -84,7 +84,7 @@ TEST(ClearPanes, StandsOnAFloorThatIsNoPane) {
 // A ball that nobody knows, and a ball with a handle that is known but for its foot.
 TEST(MaskHull, OfAKnownShapeIsTheShapeAndElsewhereAsCarved) {
   const Vec3d ball{0.3, 0, 0}, known{-0.2, 0, 0};
-  const auto masks = outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+  const auto masks = silhouettes_of_rays(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
     return meets_ball(ball, 0.12, eye, d) || meets_ball(known, 0.2, eye, d);
   });
   SurfaceOfRevolution solid{known, {0, 0, 1}, {}};
@@ -113,8 +113,8 @@ TEST(MaskHull, AppendagesAreCrowded) {
   const Box handle{Mat3d::identity(), {0.1, -0.05, -0.05}, {0.4, 0.05, 0.05}};
   const ShapeSet shapes{.entries = {{body, ShapeRole::Mirror, 0.02, -1, {}},
                                     {TriangleShape(handle.tessellated(1)), ShapeRole::Mirror, 0.01, 0, {}}}};
-  const auto masks =
-      outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return body.crossing(eye, d).has_value(); });
+  const auto masks = silhouettes_of_rays(24, 2 * std::numbers::pi,
+                                         [&](const Vec3d& eye, const Vec3d& d) { return body.crossing(eye, d).has_value(); });
   size_t on_body = 0, on_handle = 0;
   for (const HullPoint& p : hull_in(masks, HullClass::Gloss, shapes).points) {
     EXPECT_TRUE(p.known);

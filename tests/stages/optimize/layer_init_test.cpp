@@ -18,7 +18,7 @@ class GlassAlone : public ::testing::Test {
     testing::write_tiny_sfm(sfm, 18, 48, 36);
     const Box box{Mat3d::identity(), {-0.3, -0.3, -0.29}, {0.3, 0.3, 0.3}};
     for (const View& view : testing::ring_of_views(18, 48, 36)) {
-      const std::vector<uint8_t> inside = outline_mask(box, view);
+      const std::vector<uint8_t> inside = silhouette_mask(box, view);
       Image8 mask(48, 36, 1);
       for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
       write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
@@ -28,7 +28,9 @@ class GlassAlone : public ::testing::Test {
     scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
     scene_.transmittance = SplatLayer(LayerKind::Transmittance, 0, 0);
   }
-  LayerInitDesc desc() const { return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0}; }
+  LayerInitDesc desc() const {
+    return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0};
+  }
   double value(Attribute a, size_t i) const { return double(sigmoid(*scene_.diffuse.at(a, i))); }
 
   TemporaryFolder folder_;

@@ -77,7 +77,7 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   const fs::path masks = folder_->path() / "case";
   fs::create_directories(masks / "masks/transparent");
   for (const View& view : testing::ring_of_views(18, 48, 36)) {
-    const std::vector<uint8_t> inside = outline_mask(box, view);
+    const std::vector<uint8_t> inside = silhouette_mask(box, view);
     Image8 mask(48, 36, 1);
     for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
     write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);

@@ -79,8 +79,8 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   EXPECT_GT(after[1], before[1] + 0.3) << ::testing::PrintToString(before) << " -> " << ::testing::PrintToString(after);
 }
 
-// Photos large enough that outlines tell its shape: the ball is found as a solid of revolution, follows what it mirrors, and is
-// remembered by checkpoints and by the description of the scene.
+// Photos large enough that silhouettes tell its shape: the ball is found as a solid of revolution, follows what it mirrors, and
+// is remembered by checkpoints and by the description of the scene.
 TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   const TemporaryFolder folder("solid-test");
   const fs::path sfm = folder.path() / "sfm";

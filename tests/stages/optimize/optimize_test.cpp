@@ -14,8 +14,8 @@
 #include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
+#include "stages/optimize/plane_inpainting.h"
 #include "stages/optimize/trainer.h"
-#include "stages/optimize/unseen.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
 #include "tests/support/feature_network_file.h"
@@ -322,7 +322,8 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
   ASSERT_EQ(capture.train.size(), 1u);
   const Targets targets = load_targets(capture, std::nullopt, std::nullopt);
   const ShapeSet shapes;
-  const TrainerSetup setup{.config = config, .capture = capture, .targets = targets, .shapes = shapes, .layers = {}, .max_surfels = 700};
+  const TrainerSetup setup{
+      .config = config, .capture = capture, .targets = targets, .shapes = shapes, .layers = {}, .max_surfels = 700};
   Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600), {});
   std::vector<double> losses;
   for (int step = 0; step < 10; ++step) {

@@ -6,7 +6,7 @@
 #include "core/camera/view_masks.h"
 #include "core/model/layered_model.h"
 #include "core/picture/trained_scene.h"
-#include "stages/optimize/object_alone.h"
+#include "stages/optimize/surroundings.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/turntable_capture.h"
 

@@ -160,10 +160,10 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   o.shape.set = std::make_shared<const ShapeSet>(ShapeSet{{{turned, ShapeRole::Mirror, 0.0625, -1, {}},
                                                            {TriangleShape(mesh), ShapeRole::Mirror, 0.03125, 0, {}},
                                                            {box, ShapeRole::Sheet, 0.125, -1, {1, 1, 1, 1, 0, 1}}}});
-  o.shape.outlines = false;
+  o.shape.silhouettes = false;
   write_image_options(path, o);
   const ShapeOptions out = read_image_options(path).shape;
-  EXPECT_FALSE(out.outlines);
+  EXPECT_FALSE(out.silhouettes);
   ASSERT_NE(out.set, nullptr);
   ASSERT_EQ(out.set->entries.size(), 3u);
   EXPECT_EQ(read_image_options(path).panes.mirrored, 1234u);

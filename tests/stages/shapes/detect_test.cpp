@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "tests/core/stereo/silhouettes_of_rays.h"
 #include "tests/stages/shapes/rod.h"
-#include "tests/core/stereo/outlines.h"
 
 namespace vitrine {
 namespace {
@@ -25,12 +25,13 @@ ShapeSet shapes_in(MaskClass kind, const std::vector<Silhouette>& silhouettes, b
 
 template <class Meets>
 ShapeSet shapes_of(MaskClass kind, const Meets& meets, bool propagated = false) {
-  return shapes_in(kind, outlines(30, kAllAround, meets), propagated);
+  return shapes_in(kind, silhouettes_of_rays(30, kAllAround, meets), propagated);
 }
 
 TEST(DetectedShapes, ACaseIsABoxOfGlass) {
   const Vec3d half{0.2, 0.14, 0.28};
-  const ShapeSet found = shapes_of(MaskClass::Transparent, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, 0.35, eye, d); });
+  const ShapeSet found =
+      shapes_of(MaskClass::Transparent, [&](const Vec3d& eye, const Vec3d& d) { return meets_box(half, 0.35, eye, d); });
   ASSERT_EQ(found.entries.size(), 1u);
   EXPECT_EQ(found.entries[0].role, ShapeRole::Sheet);
   const auto* box = std::get_if<Box>(&found.entries[0].shape);
@@ -41,7 +42,8 @@ TEST(DetectedShapes, ACaseIsABoxOfGlass) {
 
 // Each has the other's silhouette across its own in a third of the photos.
 TEST(DetectedShapes, TwoCasesAreTwoBoxes) {
-  const Box one{Mat3d::identity(), {-0.5, -0.15, -0.2}, {-0.15, 0.15, 0.2}}, two{Mat3d::identity(), {0.1, -0.1, -0.2}, {0.4, 0.2, 0.1}};
+  const Box one{Mat3d::identity(), {-0.5, -0.15, -0.2}, {-0.15, 0.15, 0.2}},
+      two{Mat3d::identity(), {0.1, -0.1, -0.2}, {0.4, 0.2, 0.1}};
   const ShapeSet found = shapes_of(MaskClass::Transparent, [&](const Vec3d& eye, const Vec3d& d) {
     return one.crossing(eye, d).has_value() || two.crossing(eye, d).has_value();
   });
@@ -56,7 +58,8 @@ TEST(DetectedShapes, TwoCasesAreTwoBoxes) {
 
 TEST(DetectedShapes, ABallIsASurfaceOfRevolution) {
   const Vec3d centre{0.05, -0.03, 0.02};
-  const ShapeSet found = shapes_of(MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, 0.25, eye, d); });
+  const ShapeSet found =
+      shapes_of(MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) { return meets_ball(centre, 0.25, eye, d); });
   ASSERT_EQ(found.entries.size(), 1u);
   EXPECT_EQ(found.entries[0].role, ShapeRole::Mirror);
   const auto* surface = std::get_if<SurfaceOfRevolution>(&found.entries[0].shape);
@@ -114,7 +117,8 @@ TEST(DetectedShapes, PropagatedMasksHaveNoHumpsBesideASpout) {
   const auto on_ball = [](double turn) { return 0.26 * Vec3d{std::cos(turn), std::sin(turn), 0}; };
   const Rod hump{on_ball(0.15), on_ball(0.9)}, far_hump{on_ball(0.6), on_ball(0.9)};
   const ShapeSet found = shapes_of(
-      MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) { return object(eye, d) || hump.distance(eye, d) < 0.02; }, true);
+      MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) { return object(eye, d) || hump.distance(eye, d) < 0.02; },
+      true);
   ASSERT_EQ(found.entries.size(), 2u);
   const TriMesh& mesh = appendage_of(found);
   ASSERT_GT(mesh.faces.size(), 200u);
@@ -125,8 +129,8 @@ TEST(DetectedShapes, ANeighbourIsNoAppendage) {
   const Spouted object;
   const Rod post{{0.38, -0.2, -0.15}, {0.38, 0.1, -0.15}};
   constexpr double kPost = 0.03;
-  const auto silhouettes =
-      outlines(30, kAllAround, [&](const Vec3d& eye, const Vec3d& d) { return object(eye, d) || post.distance(eye, d) < kPost; });
+  const auto silhouettes = silhouettes_of_rays(
+      30, kAllAround, [&](const Vec3d& eye, const Vec3d& d) { return object(eye, d) || post.distance(eye, d) < kPost; });
   const ShapeSet found = shapes_in(MaskClass::Specular, silhouettes);
   size_t meshes = 0;
   for (const ShapeSet::Entry& entry : found.entries) {
@@ -140,14 +144,17 @@ TEST(DetectedShapes, ANeighbourIsNoAppendage) {
 
 TEST(DetectedShapes, ALumpHasNone) {
   const ShapeSet found = shapes_of(MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) {
-    return meets_ball({0.15, 0, 0}, 0.2, eye, d) || meets_ball({-0.1, 0.1, 0.1}, 0.22, eye, d) || meets_ball({0, -0.2, -0.1}, 0.15, eye, d);
+    return meets_ball({0.15, 0, 0}, 0.2, eye, d) || meets_ball({-0.1, 0.1, 0.1}, 0.22, eye, d) ||
+           meets_ball({0, -0.2, -0.1}, 0.15, eye, d);
   });
   EXPECT_TRUE(found.entries.empty());
 }
 
 TEST(MaskAgreementOfShapes, CountsPixels) {
-  const Box box{Mat3d::identity(), {-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}}, off{Mat3d::identity(), {0.25, 0.25, 0}, {0.35, 0.35, 0.1}};
-  auto silhouettes = outlines(12, kAllAround, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
+  const Box box{Mat3d::identity(), {-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}},
+      off{Mat3d::identity(), {0.25, 0.25, 0}, {0.35, 0.35, 0.1}};
+  auto silhouettes =
+      silhouettes_of_rays(12, kAllAround, [&](const Vec3d& eye, const Vec3d& d) { return box.crossing(eye, d).has_value(); });
   const ShapeSet shapes{.entries = {{box, ShapeRole::Mirror, 0.01, -1, {}}, {off, ShapeRole::Mirror, 0.01, -1, {}}}};
   const MaskAgreement right = mask_agreement(shapes, 0, silhouettes), wrong = mask_agreement(shapes, 1, silhouettes);
   EXPECT_EQ(right.inside, 1);

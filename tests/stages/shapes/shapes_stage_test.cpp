@@ -14,8 +14,8 @@
 #include "core/mesh/mesh_io.h"
 #include "core/shape/shape_file.h"
 #include "core/stereo/shapes_artifact.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 #include "tests/stages/shapes/rod.h"
-#include "tests/core/stereo/outlines.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
@@ -35,9 +35,9 @@ struct Scene {
   Scene() {
     const Vec3d ball{0.25, 0, 0};
     const test::Rod handle{{0.42, 0, 0.03}, {0.6, 0, 0.1}};
-    const auto glass =
-        outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) { return kCase.crossing(eye, d).has_value(); });
-    const auto metal = outlines(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
+    const auto glass = silhouettes_of_rays(24, 2 * std::numbers::pi,
+                                           [&](const Vec3d& eye, const Vec3d& d) { return kCase.crossing(eye, d).has_value(); });
+    const auto metal = silhouettes_of_rays(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
       return meets_ball(ball, 0.2, eye, d) || handle.distance(eye, d) < 0.035;
     });
     ColmapModel model;
@@ -53,7 +53,8 @@ struct Scene {
       gains[view.name] = {1, 1, 1};
       // Held-out photos are marked all over: whoever looks at them fails.
       const bool heldout = is_heldout(v, 8);
-      for (const auto& [kind, silhouette] : {std::pair(MaskClass::Transparent, &glass[v]), std::pair(MaskClass::Specular, &metal[v])}) {
+      for (const auto& [kind, silhouette] :
+           {std::pair(MaskClass::Transparent, &glass[v]), std::pair(MaskClass::Specular, &metal[v])}) {
         Image8 mask(view.intrinsics.width, view.intrinsics.height, 1, uint8_t(255));
         for (size_t i = 0; !heldout && i < mask.data().size(); ++i) mask.data()[i] = silhouette->value.data()[i] > 0 ? 255 : 0;
         make_folders(view_mask_path(masks(), kind, view).parent_path());

@@ -11,7 +11,7 @@ namespace vitrine {
 
 // All [h,w] of `k`, 0 or 1. `solid`: its outline, filled; `off`: what hulls have besides; `far`: what of it stands far off.
 // Returns the solid with what is far and what lies on the way from there to it.
-std::vector<uint8_t> with_what_sticks_out(const std::vector<uint8_t>& solid, const std::vector<uint8_t>& off,
-                                          const std::vector<uint8_t>& far, const Intrinsics& k);
+std::vector<uint8_t> with_appendages(const std::vector<uint8_t>& solid, const std::vector<uint8_t>& off,
+                                     const std::vector<uint8_t>& far, const Intrinsics& k);
 
 }  // namespace vitrine

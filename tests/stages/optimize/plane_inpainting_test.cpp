@@ -1,5 +1,5 @@
 // Two photos look straight down at a floor, a red part and a blue one; between and around them nobody looks.
-#include "stages/optimize/unseen.h"
+#include "stages/optimize/plane_inpainting.h"
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ struct TwoPhotos {
     }
   }
 
-  SplatLayer fill(size_t most = 100000) const { return unseen_surroundings(trained, capture, planes, background, most); }
+  SplatLayer fill(size_t most = 100000) const { return inpainted_planes(trained, capture, planes, background, most); }
 };
 
 Vec3f position(const SplatLayer& layer, size_t i) {
@@ -129,7 +129,7 @@ TEST(Unseen, GlassHidesNothing) {
       add_surfel(cased.diffuse, {kAside + x, y, -0.5}, {0, 0, 1}, 0.03, {});
       *cased.diffuse.at(Attribute::Transmission, cased.diffuse.size() - 1) = logit(0.98f);
     }
-  const auto fill = [&](const SplatLayer& shown) { return unseen_surroundings(shown, scene.capture, scene.planes, 0, 100000); };
+  const auto fill = [&](const SplatLayer& shown) { return inpainted_planes(shown, scene.capture, scene.planes, 0, 100000); };
   EXPECT_NE(fill(cased.diffuse), scene.fill()) << "or this is no test";
   EXPECT_EQ(fill(seen_through_glass(cased)), scene.fill());
   // The floor behind it in the other layer.

@@ -1,4 +1,4 @@
-#include "stages/optimize/object_alone.h"
+#include "stages/optimize/surroundings.h"
 
 #include <algorithm>
 #include <cmath>

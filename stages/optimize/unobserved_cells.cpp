@@ -1,4 +1,4 @@
-#include "stages/optimize/unseen_cells.h"
+#include "stages/optimize/unobserved_cells.h"
 
 #include <algorithm>
 #include <optional>
@@ -16,7 +16,7 @@ constexpr int kLargest = 16;  // cells along the side of a surfel that has no de
 
 }  // namespace
 
-UnseenCells::UnseenCells(const CellSurface& surface, std::span<const SeenPhoto> photos, double reach)
+UnobservedCells::UnobservedCells(const CellSurface& surface, std::span<const SeenPhoto> photos, double reach)
     : surface_(surface), cells_(size_t(surface.columns) * size_t(surface.rows)) {
   const size_t columns = size_t(surface_.columns);
   parallel_for(cells_.size(), 256, [&](size_t c) {
@@ -25,7 +25,7 @@ UnseenCells::UnseenCells(const CellSurface& surface, std::span<const SeenPhoto> 
   close_gaps(reach);
 }
 
-UnseenCells::Cell UnseenCells::looked_at(std::span<const SeenPhoto> photos, const Vec3d& place) const {
+UnobservedCells::Cell UnobservedCells::looked_at(std::span<const SeenPhoto> photos, const Vec3d& place) const {
   Cell cell;
   double weights = 0;
   for (const SeenPhoto& seen : photos) {
@@ -46,7 +46,7 @@ UnseenCells::Cell UnseenCells::looked_at(std::span<const SeenPhoto> photos, cons
 }
 
 template <class Visit>
-void UnseenCells::for_neighbours(size_t cell, const Visit& visit) const {
+void UnobservedCells::for_neighbours(size_t cell, const Visit& visit) const {
   const size_t columns = size_t(surface_.columns), x = cell % columns, y = cell / columns;
   if (x > 0)
     visit(cell - 1);
@@ -61,7 +61,7 @@ void UnseenCells::for_neighbours(size_t cell, const Visit& visit) const {
 }
 
 // Colours of unseen cells: the nearest seen cell's first, then the solution of Laplace's equation.
-void UnseenCells::close_gaps(double reach) {
+void UnobservedCells::close_gaps(double reach) {
   std::vector<size_t> front, gaps;
   for (size_t c = 0; c < cells_.size(); ++c)
     if ((cells_[c].reached = cells_[c].sight == Sight::Seen)) front.push_back(c);
@@ -89,7 +89,7 @@ void UnseenCells::close_gaps(double reach) {
     }
 }
 
-void UnseenCells::for_guessed(const std::function<void(const Vec3d&, int, const Vec3d&)>& visit) const {
+void UnobservedCells::for_guessed(const std::function<void(const Vec3d&, int, const Vec3d&)>& visit) const {
   const int columns = surface_.columns, rows = surface_.rows;
   std::vector<uint8_t> open(cells_.size());
   for (size_t c = 0; c < cells_.size(); ++c) open[c] = cells_[c].sight == Sight::Unseen && cells_[c].reached;

@@ -14,9 +14,9 @@ namespace vitrine {
 
 // Pixels that lie this near to the silhouette belong to its band: surfels of the shape, which are as large as that, blur it so
 // far.
-inline constexpr int kOutlineBand = 4;
+inline constexpr int kSilhouetteBand = 4;
 
-struct OutlinePixel {
+struct SilhouettePixel {
   uint32_t pixel = 0, entry = 0;  // of the set
   float covered = 0;              // by the shape, 0 to 1
   float z = 0;                    // z-depth of the shape: where the pixel shows it; else of the nearest part of the silhouette
@@ -29,9 +29,9 @@ struct OutlinePixel {
 };
 
 // Of the entries of role Mirror; pixels ascending. What reaches behind the camera has no silhouette.
-std::vector<OutlinePixel> outline_pixels(const ShapeSet& set, const View& view);
+std::vector<SilhouettePixel> silhouette_pixels(const ShapeSet& set, const View& view);
 
 // From dL/d covered of a crossed pixel to the parameters of its shape, added.
-void outline_vjp(const OutlinePixel& at, const Shape& shape, double grad_covered, std::span<double> grad);
+void silhouette_vjp(const SilhouettePixel& at, const Shape& shape, double grad_covered, std::span<double> grad);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "core/model/outline.h"
+#include "core/model/silhouette_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,26 +6,26 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
-#include "core/model/kernels/outline_coverage.h"
+#include "core/model/kernels/silhouette_coverage.h"
 #include "core/model/picture_window.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr double kBetween_rel = 0.01;  // of its extent: a shape reaches so far beyond its outer points, at most
-constexpr double kOutlineNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
-constexpr int kGrow = 2;               // pixels; the outline's direction is that in which the shape ends within them
-constexpr double kEdgeReach = 2;       // pixels along that direction in which the edge must lie
-constexpr double kBeside = 0.75;       // pixels to either side, between which the edge is straight
-constexpr int kHalvings = 10;          // of kEdgeReach: the edge is known to a 500th of a pixel
+constexpr double kBetween_rel = 0.01;     // of its extent: a shape reaches so far beyond its outer points, at most
+constexpr double kSilhouetteNear = 1e-3;  // z-depth; nearer to the camera nothing has a place in the picture
+constexpr int kGrow = 2;                  // pixels; the silhouette's direction is that in which the shape ends within them
+constexpr double kEdgeReach = 2;          // pixels along that direction in which the edge must lie
+constexpr double kBeside = 0.75;          // pixels to either side, between which the edge is straight
+constexpr int kHalvings = 10;             // of kEdgeReach: the edge is known to a 500th of a pixel
 
 // Around points of a surface; none where one is behind the camera or all are beside the picture.
 class Extent {
  public:
   explicit Extent(const View& view) : view_(view) {}
   void add(const Vec3d& place) {
-    const auto p = projection(place, view_, kOutlineNear);
+    const auto p = projection(place, view_, kSilhouetteNear);
     behind_ |= !p;
     if (behind_) return;
     const double at[2] = {p->x, p->y};
@@ -33,7 +33,7 @@ class Extent {
   }
   std::optional<PictureWindow> window() const {
     if (behind_) return std::nullopt;
-    const double more = kOutlineBand + kGrow + 2 + kBetween_rel * std::max(high_[0] - low_[0], high_[1] - low_[1]);
+    const double more = kSilhouetteBand + kGrow + 2 + kBetween_rel * std::max(high_[0] - low_[0], high_[1] - low_[1]);
     const auto within = [](double x, int end) { return static_cast<int>(std::clamp(x, 0.0, double(end))); };
     const Intrinsics& k = view_.intrinsics;
     const PictureWindow w{within(low_[0] - more, k.width), within(low_[1] - more, k.height), within(high_[0] + more, k.width),
@@ -68,13 +68,13 @@ std::vector<PictureWindow> merged(std::vector<PictureWindow> windows) {
   return windows;
 }
 
-class WindowOutline {
+class WindowSilhouette {
  public:
-  // `outlined`: [entry] 0 where it has no silhouette, as it reaches behind the camera; it hides what is behind it.
-  WindowOutline(const ShapeSet& set, const std::vector<uint8_t>& outlined, const View& view, const PictureWindow& window)
-      : set_(set), outlined_(outlined), view_(view), window_(window), eye_(view.centre_in_world()) {}
+  // `has_silhouette`: [entry] 0 where it has no silhouette, as it reaches behind the camera; it hides what is behind it.
+  WindowSilhouette(const ShapeSet& set, const std::vector<uint8_t>& has_silhouette, const View& view, const PictureWindow& window)
+      : set_(set), silhouetted_(has_silhouette), view_(view), window_(window), eye_(view.centre_in_world()) {}
 
-  std::vector<OutlinePixel> pixels();
+  std::vector<SilhouettePixel> pixels();
 
  private:
   using Met = ShapeSet::Hit;
@@ -91,17 +91,17 @@ class WindowOutline {
   std::optional<End> end_along(double x, double y, const Vec2d& out) const;
   bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }
   bool beside_edge(int x, int y) const;
-  std::optional<OutlinePixel> crossed(int x, int y) const;
+  std::optional<SilhouettePixel> crossed(int x, int y) const;
 
   const ShapeSet& set_;
-  const std::vector<uint8_t>& outlined_;
+  const std::vector<uint8_t>& silhouetted_;
   const View& view_;
   const PictureWindow window_;
   const Vec3d eye_;
   std::vector<std::optional<Met>> met_;  // [window] by the pixels' middles
 };
 
-bool WindowOutline::beside_edge(int x, int y) const {
+bool WindowSilhouette::beside_edge(int x, int y) const {
   const bool own = hit(x, y);
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, window_.height() - 1); ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, window_.width() - 1); ++u)
@@ -110,7 +110,7 @@ bool WindowOutline::beside_edge(int x, int y) const {
 }
 
 // How far along `out` from window coordinates (x, y) the shape ends, within kEdgeReach either way.
-std::optional<WindowOutline::End> WindowOutline::end_along(double x, double y, const Vec2d& out) const {
+std::optional<WindowSilhouette::End> WindowSilhouette::end_along(double x, double y, const Vec2d& out) const {
   const auto at_distance = [&](double d) { return met(x + d * out.x, y + d * out.y); };
   auto here = at_distance(0);
   double inside = here ? 0 : -kEdgeReach, outside = here ? kEdgeReach : 0;
@@ -127,7 +127,7 @@ std::optional<WindowOutline::End> WindowOutline::end_along(double x, double y, c
 }
 
 // The edge as a straight line through the pixel; none where the neighbourhood does not tell its direction or has no one edge.
-std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
+std::optional<SilhouettePixel> WindowSilhouette::crossed(int x, int y) const {
   Vec2d inwards{};
   for (int v = std::max(y - kGrow, 0); v <= std::min(y + kGrow, window_.height() - 1); ++v)
     for (int u = std::max(x - kGrow, 0); u <= std::min(x + kGrow, window_.width() - 1); ++u)
@@ -147,10 +147,10 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   if (!end) return std::nullopt;
   const double inside = end->distance;
   const Met& last = end->met;
-  if (!outlined_[last.entry]) return std::nullopt;
+  if (!silhouetted_[last.entry]) return std::nullopt;
   const EdgeInPixel<double> edge = edge_in_pixel(inside, out);
   if (!(edge.covered > 0) || !(edge.covered < 1)) return std::nullopt;
-  OutlinePixel p{.entry = last.entry, .covered = static_cast<float>(edge.covered), .crossed = true, .edge = last};
+  SilhouettePixel p{.entry = last.entry, .covered = static_cast<float>(edge.covered), .crossed = true, .edge = last};
   p.place = eye_ + last.t * ray(mx + inside * out.x, my + inside * out.y);
   const Vec3d in_camera = view_.cam_from_world * p.place;
   const Intrinsics& k = view_.intrinsics;
@@ -165,7 +165,7 @@ std::optional<OutlinePixel> WindowOutline::crossed(int x, int y) const {
   return p;
 }
 
-std::vector<OutlinePixel> WindowOutline::pixels() {
+std::vector<SilhouettePixel> WindowSilhouette::pixels() {
   const int width = window_.width(), height = window_.height();
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   met_.assign(count, std::nullopt);
@@ -173,7 +173,7 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
     const int y = static_cast<int>(row);
     for (int x = 0; x < width; ++x) met_[at(x, y)] = met(x + 0.5, y + 0.5);
   });
-  std::vector<std::vector<std::pair<size_t, OutlinePixel>>> rows(static_cast<size_t>(height));
+  std::vector<std::vector<std::pair<size_t, SilhouettePixel>>> rows(static_cast<size_t>(height));
   parallel_for(rows.size(), 4, [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < width; ++x)
@@ -183,25 +183,25 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
   // The band: whichever crossed pixel is nearest.
   std::vector<float> nearest(count, 1e9f);
   std::vector<uint32_t> own(count, UINT32_MAX), beside(count, UINT32_MAX);
-  std::vector<OutlinePixel> edge;
+  std::vector<SilhouettePixel> edge;
   for (const auto& row : rows)
     for (const auto& [where, p] : row) {
       own[where] = static_cast<uint32_t>(edge.size());
       edge.push_back(p);
       const int x = static_cast<int>(where) % width, y = static_cast<int>(where) / width;
-      for (int v = std::max(y - kOutlineBand, 0); v <= std::min(y + kOutlineBand, height - 1); ++v)
-        for (int u = std::max(x - kOutlineBand, 0); u <= std::min(x + kOutlineBand, width - 1); ++u) {
+      for (int v = std::max(y - kSilhouetteBand, 0); v <= std::min(y + kSilhouetteBand, height - 1); ++v)
+        for (int u = std::max(x - kSilhouetteBand, 0); u <= std::min(x + kSilhouetteBand, width - 1); ++u) {
           const auto away = static_cast<float>((u - x) * (u - x) + (v - y) * (v - y));
-          if (away >= nearest[at(u, v)] || away > float(kOutlineBand * kOutlineBand)) continue;
+          if (away >= nearest[at(u, v)] || away > float(kSilhouetteBand * kSilhouetteBand)) continue;
           nearest[at(u, v)] = away, beside[at(u, v)] = own[where];
         }
     }
-  std::vector<OutlinePixel> out;
+  std::vector<SilhouettePixel> out;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const size_t i = at(x, y);
-      if (beside[i] == UINT32_MAX || (met_[i] && !outlined_[met_[i]->entry])) continue;
-      OutlinePixel p = edge[beside[i]];
+      if (beside[i] == UINT32_MAX || (met_[i] && !silhouetted_[met_[i]->entry])) continue;
+      SilhouettePixel p = edge[beside[i]];
       if (own[i] == UINT32_MAX) p = {.entry = p.entry, .covered = met_[i] ? 1.f : 0.f, .z = p.z, .away = std::sqrt(nearest[i])};
       p.pixel = static_cast<uint32_t>((window_.top + y) * view_.intrinsics.width + window_.left + x);
       if (!p.crossed && met_[i]) {
@@ -216,23 +216,23 @@ std::vector<OutlinePixel> WindowOutline::pixels() {
 
 }  // namespace
 
-std::vector<OutlinePixel> outline_pixels(const ShapeSet& set, const View& view) {
+std::vector<SilhouettePixel> silhouette_pixels(const ShapeSet& set, const View& view) {
   std::vector<PictureWindow> windows;
-  std::vector<uint8_t> outlined(set.entries.size(), 0);
-  for (size_t k = 0; k < outlined.size(); ++k) {
+  std::vector<uint8_t> has_silhouette(set.entries.size(), 0);
+  for (size_t k = 0; k < has_silhouette.size(); ++k) {
     if (set.entries[k].role != ShapeRole::Mirror) continue;
-    if (const auto window = window_of(set.entries[k].shape, view)) windows.push_back(*window), outlined[k] = 1;
+    if (const auto window = window_of(set.entries[k].shape, view)) windows.push_back(*window), has_silhouette[k] = 1;
   }
-  std::vector<OutlinePixel> out;
+  std::vector<SilhouettePixel> out;
   for (const PictureWindow& window : merged(std::move(windows))) {
-    const std::vector<OutlinePixel> in_window = WindowOutline(set, outlined, view, window).pixels();
+    const std::vector<SilhouettePixel> in_window = WindowSilhouette(set, has_silhouette, view, window).pixels();
     out.insert(out.end(), in_window.begin(), in_window.end());
   }
-  std::ranges::sort(out, {}, &OutlinePixel::pixel);
+  std::ranges::sort(out, {}, &SilhouettePixel::pixel);
   return out;
 }
 
-void outline_vjp(const OutlinePixel& at, const Shape& shape, double grad_covered, std::span<double> grad) {
+void silhouette_vjp(const SilhouettePixel& at, const Shape& shape, double grad_covered, std::span<double> grad) {
   place_vjp(shape, at.edge, at.place, grad_covered * at.grows, grad);
 }
 

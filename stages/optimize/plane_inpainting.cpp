@@ -1,4 +1,4 @@
-#include "stages/optimize/unseen.h"
+#include "stages/optimize/plane_inpainting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@
 #include "core/scene/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"
-#include "stages/optimize/unseen_cells.h"
+#include "stages/optimize/unobserved_cells.h"
 
 namespace vitrine {
 
@@ -150,12 +150,12 @@ SplatLayer guessed_layer(std::span<const ScenePlane> planes, double background, 
   SplatLayer layer(LayerKind::Diffuse, 0, 0);
   for (const ScenePlane& plane : planes) {
     const PlanePart part(plane, cell, background, photos);
-    UnseenCells(part.cells, photos, kReach / cell).for_guessed([&](const Vec3d& centre, int side, const Vec3d& linear) {
+    UnobservedCells(part.cells, photos, kReach / cell).for_guessed([&](const Vec3d& centre, int side, const Vec3d& linear) {
       add_guess(centre - kBehind * part.normal, part.normal, kCover * cell * side, linear, layer);
     });
   }
   if (background > 0 && shows_sky(photos, background))
-    UnseenCells(sky(cell, background), photos, kReach / cell)
+    UnobservedCells(sky(cell, background), photos, kReach / cell)
         .for_guessed([&](const Vec3d& centre, int side, const Vec3d& linear) {
           add_guess(kBehindSky * centre, -normalized(centre), kBehindSky * background * kCover * cell * side, linear, layer);
         });
@@ -258,8 +258,8 @@ std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::s
   return stay;
 }
 
-SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
-                               double background, size_t most) {
+SplatLayer inpainted_planes(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
+                            double background, size_t most) {
   const std::vector<SeenPhoto> photos = seen_photos(shown, capture);
   for (double cell = kFinestCell; cell < kReach; cell *= kCoarser)
     if (SplatLayer layer = guessed_layer(planes, background, cell, photos); layer.size() <= most) {

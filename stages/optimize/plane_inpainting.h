@@ -33,7 +33,7 @@ std::vector<uint32_t> bring_out_from_behind_glass(const Capture& capture, std::s
 // where that is needed. `shown`: the surfels as they have been trained. Glass among them would hide what stands behind it, and
 // guesses would be put there.
 // `background`: distance of the sky; 0 = there is none.
-SplatLayer unseen_surroundings(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
-                               double background, size_t most);
+SplatLayer inpainted_planes(const SplatLayer& shown, const Capture& capture, std::span<const ScenePlane> planes,
+                            double background, size_t most);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// Cameras around the origin, and the outlines that they see of a thing that a ray meets or misses.
+// Cameras around the origin, and the silhouettes that they see of a thing that a ray meets or misses.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace vitrine {
 
 // From `count` places within `span_rad` of azimuth; meets(eye, unit direction).
 template <class Meets>
-std::vector<Silhouette> outlines(int count, double span_rad, const Meets& meets) {
+std::vector<Silhouette> silhouettes(int count, double span_rad, const Meets& meets) {
   std::vector<Silhouette> masks;
   for (int i = 0; i < count; ++i) {
     const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;

@@ -1,4 +1,4 @@
-#include "core/model/outline_pass.h"
+#include "core/model/silhouette_pass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +15,10 @@ constexpr double kInFront_rel = 1. / 12;  // of the tolerance of the shape: what
 constexpr double kRounded_rel = 0.01;     // of its size: a shape reaches so far beyond its bounds, at most
 constexpr double kLikeShape = 0.7;        // cosine between the normals of a surfel of the shape and of the shape
 constexpr float kCoreAlpha = 0.9f;        // a pixel shows the shape alone
-constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the outline
-constexpr int kDonorReach = 2 * kOutlineBand + kDonorSlack;
+constexpr int kDonorSlack = 2;            // pixels farther than straight inwards from the silhouette
+constexpr int kDonorReach = 2 * kSilhouetteBand + kDonorSlack;
 constexpr uint8_t kAtEdge = 1, kInside = 2;  // in_band_
-constexpr float kThinDonor = 2;    // pixels from the outline: the least for materials, where there is no pixel farther inside
+constexpr float kThinDonor = 2;    // pixels from the silhouette: the least for materials, where there is no pixel farther inside
 constexpr float kDullRest = 0.1f;  // what stands behind is shown with its diffuse colour alone: k_s and tau at most
 constexpr Aov kMaterials[] = {Aov::Color, Aov::F0, Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
 constexpr Aov kShownByRest[] = {Aov::Color,        Aov::Normal, Aov::F0,    Aov::Roughness, Aov::SpecularWeight,
@@ -72,23 +72,23 @@ bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& shap
 
 }  // namespace
 
-void OutlineImages::clear() {
+void SilhouetteImages::clear() {
   pixels.clear();
   shapes.clear();
   for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
 }
 
 // The scene without the surfels of the shapes.
-void OutlinePass::draw_rest(const SplatScene& scene, Frame& frame) {
+void SilhouettePass::draw_rest(const SplatScene& scene, Frame& frame) {
   const int width = frame.view->intrinsics.width;
   window_ = {};
-  for (const OutlinePixel& p : frame.outline.pixels)
+  for (const SilhouettePixel& p : frame.silhouette.pixels)
     window_.extend(static_cast<int>(p.pixel) % width, static_cast<int>(p.pixel) / width);
   const std::vector<Located> shapes = located(*options_.set);
   rest_.choose(scene.diffuse, window_.view(*frame.view),
                [&](size_t i) { return !shows(scene.diffuse, i, shapes, options_.polished); });
   wanted_.assign(window_.pixel_count(), 0);
-  for (const OutlinePixel& p : frame.outline.pixels) wanted_[in_window(p.pixel, width)] = 1;
+  for (const SilhouettePixel& p : frame.silhouette.pixels) wanted_[in_window(p.pixel, width)] = 1;
   const DiffuseOptions& diffuse = frame.options.diffuse;
   rest_.draw({.features = FeatureSet::Material,
               .sh_degree = diffuse.sh_degree,
@@ -97,30 +97,30 @@ void OutlinePass::draw_rest(const SplatScene& scene, Frame& frame) {
               .differentiable = true});
 }
 
-uint32_t OutlinePass::donor(const OutlinePixel& at, const Frame& frame) const {
+uint32_t SilhouettePass::donor(const SilhouettePixel& at, const Frame& frame) const {
   static const std::vector<std::pair<int, int>> around = around_by_distance();
   const int width = frame.view->intrinsics.width, height = frame.view->intrinsics.height;
   const int x = static_cast<int>(at.pixel) % width, y = static_cast<int>(at.pixel) / width;
   const std::span<const float> alpha = frame.diffuse.plane(Aov::Alpha);
   uint32_t thin = UINT32_MAX;
   const uint32_t root = options_.set->root(at.entry);
-  const float reach = float(kOutlineBand + kDonorSlack) + (at.covered == 1 ? -at.away : at.away);
+  const float reach = float(kSilhouetteBand + kDonorSlack) + (at.covered == 1 ? -at.away : at.away);
   for (const auto& [dx, dy] : around) {
     if (float(dx * dx + dy * dy) > reach * reach) break;
     const int u = x + dx, v = y + dy;
     if (u < 0 || v < 0 || u >= width || v >= height) continue;
     const auto pixel = static_cast<uint32_t>(v * width + u);
-    const uint32_t shown = frame.outline.shapes[pixel];
+    const uint32_t shown = frame.silhouette.shapes[pixel];
     const bool alike = shown != 0 && options_.set->root(shown - 1) == root;
     if (!alike || !(alpha[pixel] > kCoreAlpha) || in_band_[pixel] == kAtEdge) continue;
     if (in_band_[pixel] == 0) return pixel;
     if (thin == UINT32_MAX) thin = pixel;
   }
-  return thin;  // a thin part, all of which is near its outline
+  return thin;  // a thin part, all of which is near its silhouette
 }
 
 // Whether the two pictures side by side are what the pixel shows.
-bool OutlinePass::fits(const OutlinePixel& at, const Frame& frame) const {
+bool SilhouettePass::fits(const SilhouettePixel& at, const Frame& frame) const {
   const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
   const float alpha = rest_.picture().plane(Aov::Alpha)[w];
   if (!(alpha > options_.min_alpha)) return at.covered == 1;
@@ -132,7 +132,7 @@ bool OutlinePass::fits(const OutlinePixel& at, const Frame& frame) const {
                                      rest_.picture().plane(Aov::Transmission)[w]) <= kDullRest * alpha;
 }
 
-void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) const {
+void SilhouettePass::show(const SilhouettePixel& at, uint32_t donor, Frame& frame) const {
   const size_t pixels = frame.pixel_count();
   if (at.covered == 0) {
     const size_t w = in_window(at.pixel, frame.view->intrinsics.width);
@@ -152,16 +152,16 @@ void OutlinePass::show(const OutlinePixel& at, uint32_t donor, Frame& frame) con
   for (size_t c = 0; c < 3; ++c) frame.linear[c * pixels + at.pixel] = frame.diffuse.plane(Aov::Color)[c * pixels + at.pixel];
 }
 
-void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
+void SilhouettePass::forward(const SplatScene& scene, Frame& frame) {
   options_ = frame.options.shape;
-  OutlineImages& out = frame.outline;
+  SilhouetteImages& out = frame.silhouette;
   donors_.clear();
   out.pixels.clear();
-  if (!options_.outlines || out.shapes.empty()) return out.clear();
-  std::vector<OutlinePixel> candidates = outline_pixels(*options_.set, *frame.view);
+  if (!options_.silhouettes || out.shapes.empty()) return out.clear();
+  std::vector<SilhouettePixel> candidates = silhouette_pixels(*options_.set, *frame.view);
   in_band_.assign(frame.pixel_count(), 0);
-  for (const OutlinePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
-  for (const OutlinePixel& p : candidates)
+  for (const SilhouettePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
+  for (const SilhouettePixel& p : candidates)
     if (const uint32_t from = donor(p, frame); from != UINT32_MAX) out.pixels.push_back(p), donors_.push_back(from);
   if (out.pixels.empty()) return out.clear();
   draw_rest(scene, frame);
@@ -173,7 +173,7 @@ void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
   out.rest.assign(3 * kept, 0.f), out.grad_rest.assign(3 * kept, 0.f), out.solid.assign(3 * kept, 0.f);
   const std::span<const float> color = rest_.picture().plane(Aov::Color);
   for (size_t i = 0; i < kept; ++i) {
-    const OutlinePixel& p = out.pixels[i];
+    const SilhouettePixel& p = out.pixels[i];
     for (size_t c = 0; c < 3; ++c)
       out.rest[3 * i + c] = color[c * wanted_.size() + in_window(p.pixel, frame.view->intrinsics.width)];
     show(p, donors_[i], frame);
@@ -181,16 +181,16 @@ void OutlinePass::forward(const SplatScene& scene, Frame& frame) {
 }
 
 // What losses and later passes ask of a pixel's channels is asked of where they came from.
-void OutlinePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
-  OutlineImages& out = frame.outline;
+void SilhouettePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
+  SilhouetteImages& out = frame.silhouette;
   if (out.pixels.empty()) return;
   const size_t pixels = frame.pixel_count(), window = wanted_.size();
   const int width = frame.view->intrinsics.width;
   RasterImages& asked = frame.grad_diffuse;
   blame_.assign(frame.error_image.empty() ? 0 : window, 0.f);
-  // Backwards, as donors of thin parts are pixels of outlines themselves.
+  // Backwards, as donors of thin parts are pixels of silhouettes themselves.
   for (size_t i = out.pixels.size(); i-- > 0;) {
-    const OutlinePixel& p = out.pixels[i];
+    const SilhouettePixel& p = out.pixels[i];
     const size_t w = in_window(p.pixel, width);
     const bool own = p.covered > 0 && donors_[i] == p.pixel;  // it keeps its materials
     for (size_t c = 0; c < 3; ++c) {
@@ -225,12 +225,12 @@ void OutlinePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
   rest_.backward(blame_, grad.diffuse, frame.statistics);
 }
 
-void OutlineBlendPass::forward(const SplatScene&, Frame& frame) {
-  OutlineImages& out = frame.outline;
+void SilhouetteBlendPass::forward(const SplatScene&, Frame& frame) {
+  SilhouetteImages& out = frame.silhouette;
   const size_t pixels = frame.pixel_count();
   LayerImages& layers = frame.layers;
   for (size_t i = 0; i < out.pixels.size(); ++i) {
-    const OutlinePixel& p = out.pixels[i];
+    const SilhouettePixel& p = out.pixels[i];
     if (p.covered == 0 || p.covered == 1) continue;
     for (size_t c = 0; c < 3; ++c) {
       const size_t at = c * pixels + p.pixel;
@@ -244,12 +244,12 @@ void OutlineBlendPass::forward(const SplatScene&, Frame& frame) {
   }
 }
 
-void OutlineBlendPass::backward(const SplatScene&, Frame& frame, SplatScene&) {
-  OutlineImages& out = frame.outline;
+void SilhouetteBlendPass::backward(const SplatScene&, Frame& frame, SplatScene&) {
+  SilhouetteImages& out = frame.silhouette;
   const size_t pixels = frame.pixel_count();
   out.grad_covered.assign(out.pixels.size(), 0.f);
   for (size_t i = 0; i < out.pixels.size(); ++i) {
-    const OutlinePixel& p = out.pixels[i];
+    const SilhouettePixel& p = out.pixels[i];
     if (p.covered == 0 || p.covered == 1) continue;
     for (size_t c = 0; c < 3; ++c) {
       float& grad = frame.grad_linear[c * pixels + p.pixel];

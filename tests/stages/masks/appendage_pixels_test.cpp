@@ -1,5 +1,5 @@
 // What sticks out of a solid in a picture, a spout, and what hulls have beside its root.
-#include "stages/masks/boxes/up_to_root.h"
+#include "stages/masks/boxes/appendage_pixels.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ TEST(Marks, WhatSticksOutIsThereUpToItsRootAndNothingBesideIt) {
       off[p] = bar[p] || hump[p];
       far[p] = off[p] && r > 40;
     }
-  const std::vector<uint8_t> found = with_what_sticks_out(solid, off, far, k);
+  const std::vector<uint8_t> found = with_appendages(solid, off, far, k);
   size_t lost = 0, kept = 0, humps = 0;
   for (size_t p = 0; p < pixels; ++p) {
     if (solid[p]) {
@@ -36,8 +36,8 @@ TEST(Marks, WhatSticksOutIsThereUpToItsRootAndNothingBesideIt) {
   EXPECT_EQ(lost, 0u);
   EXPECT_GT(humps, 40u);
   EXPECT_LT(kept, humps / 4) << "of " << humps;  // the pixels next to the bar
-  EXPECT_EQ(with_what_sticks_out(solid, off, std::vector<uint8_t>(pixels), k), solid) << "nothing is far";
-  EXPECT_EQ(with_what_sticks_out(std::vector<uint8_t>(pixels), off, far, k), far) << "the solid is beside the picture";
+  EXPECT_EQ(with_appendages(solid, off, std::vector<uint8_t>(pixels), k), solid) << "nothing is far";
+  EXPECT_EQ(with_appendages(std::vector<uint8_t>(pixels), off, far, k), far) << "the solid is beside the picture";
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // Objects whose surroundings do not stand still with them.
-#include "stages/optimize/object_alone.h"
+#include "stages/optimize/surroundings.h"
 
 #include <gtest/gtest.h>
 
 #include "core/base/json.h"
 #include "core/scene/scene_io.h"
 #include "stages/optimize/optimize.h"
-#include "tests/core/stereo/outlines.h"
+#include "tests/core/stereo/silhouettes_of_rays.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
 
@@ -16,8 +16,8 @@ namespace {
 // A ball of radius 0.25 seen by 12 cameras, whose masks are right.
 struct Ball {
   Ball() {
-    for (const Silhouette& m :
-         outlines(12, 2 * std::numbers::pi, [](const Vec3d&eye, const Vec3d&d) { return meets_ball({}, 0.25, eye, d); })) {
+    for (const Silhouette& m : silhouettes_of_rays(12, 2 * std::numbers::pi,
+                                                   [](const Vec3d&eye, const Vec3d&d) { return meets_ball({}, 0.25, eye, d); })) {
       capture.train.push_back(uint32_t(capture.photos.size()));
       capture.photos.emplace_back().levels[0].view = m.view;
       auto& object = targets.photos.emplace_back()[0].masks[size_t(MaskClass::Object)];

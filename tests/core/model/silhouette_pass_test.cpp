@@ -1,5 +1,5 @@
-// Outlines of solids of revolution: how much of a pixel lies inside against counting, what moves it against differences, and the
-// two pictures that a pixel there shows side by side.
+// Silhouettes of solids of revolution: how much of a pixel lies inside against counting, what moves it against differences, and
+// the two pictures that a pixel there shows side by side.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,8 +7,8 @@
 #include "core/base/rng.h"
 #include "core/math/dual.h"
 #include "core/model/gbuffer.h"
-#include "core/model/kernels/outline_coverage.h"
-#include "core/model/outline.h"
+#include "core/model/kernels/silhouette_coverage.h"
+#include "core/model/silhouette_pixels.h"
 #include "core/shape/shape.h"
 #include "tests/core/model/exact_model.h"
 #include "tests/core/model/tiny_rooms.h"
@@ -73,14 +73,14 @@ double counted(const Shape& s, const View& v, uint32_t pixel) {
   return double(inside) / (kSide * kSide);
 }
 
-TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
+TEST(Silhouettes, PixelsAreCoveredAsCountingRaysSays) {
   const View v = outline_camera();
   const SurfaceOfRevolution s = bottle(before(v, 2));
-  const auto pixels = outline_pixels(set_of({s}), v);
+  const auto pixels = silhouette_pixels(set_of({s}), v);
   size_t crossed = 0;
   double squares = 0;
   std::vector<uint8_t> in_band(size_t(v.intrinsics.width) * size_t(v.intrinsics.height), 0);
-  for (const OutlinePixel& p : pixels) {
+  for (const SilhouettePixel& p : pixels) {
     in_band[p.pixel] = 1;
     const double truth = counted(s, v, p.pixel);
     EXPECT_NEAR(double(p.covered), truth, p.crossed ? 0.12 : 0.1) << p.pixel;
@@ -102,10 +102,10 @@ TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
     EXPECT_TRUE(truth == 0 || truth == 1) << i;
   }
   // Behind the camera and beside the picture there is none.
-  EXPECT_TRUE(outline_pixels(set_of({bottle(before(v, 0.1))}), v).empty());
-  EXPECT_TRUE(outline_pixels(set_of({bottle(before(v, 2) + Vec3d{9, 0, 0})}), v).empty());
+  EXPECT_TRUE(silhouette_pixels(set_of({bottle(before(v, 0.1))}), v).empty());
+  EXPECT_TRUE(silhouette_pixels(set_of({bottle(before(v, 2) + Vec3d{9, 0, 0})}), v).empty());
   // Nor where another solid is in the picture.
-  const auto beside_it = outline_pixels(set_of({bottle(before(v, 0.1)), s}), v);
+  const auto beside_it = silhouette_pixels(set_of({bottle(before(v, 0.1)), s}), v);
   ASSERT_EQ(beside_it.size(), pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     EXPECT_EQ(beside_it[i].pixel, pixels[i].pixel);
@@ -114,7 +114,7 @@ TEST(Outline, PixelsAreCoveredAsCountingRaysSays) {
 }
 
 // ShapePass asks the same set.
-TEST(Outline, ShapesThatOverlapAreHitWhereTheyAreNearest) {
+TEST(Silhouettes, ShapesThatOverlapAreHitWhereTheyAreNearest) {
   const View v = outline_camera();
   const SurfaceOfRevolution back = bottle(before(v, 2));
   SurfaceOfRevolution front = back;
@@ -123,7 +123,7 @@ TEST(Outline, ShapesThatOverlapAreHitWhereTheyAreNearest) {
   front.profile.push_back({0, front.profile.back().y + 0.01});
   const ShapeSet set = set_of({back, front});
   size_t inside[2] = {}, crossed[2] = {};
-  for (const OutlinePixel& p : outline_pixels(set, v)) {
+  for (const SilhouettePixel& p : silhouette_pixels(set, v)) {
     if (p.covered < 1 && !p.crossed) continue;
     ++(p.crossed ? crossed : inside)[p.entry];
     if (p.crossed) {
@@ -143,7 +143,7 @@ TEST(Outline, ShapesThatOverlapAreHitWhereTheyAreNearest) {
 }
 
 // A box and a rectangle have silhouettes as anything else.
-TEST(Outline, OfFlatShapesIsTheirEdges) {
+TEST(Silhouettes, OfFlatShapesIsTheirEdges) {
   const View v = outline_camera();
   const Vec3d at = before(v, 2);
   const Mat3d turned = rotation_matrix(normalized(Quatd{0.9, 0.3, 0.2, -0.1}));
@@ -151,7 +151,7 @@ TEST(Outline, OfFlatShapesIsTheirEdges) {
   for (const Shape& shape : {Shape(Box{turned, middle - half, middle + half}), Shape(Plane{at, turned, {0.4, 0.3}})}) {
     size_t crossed = 0;
     double squares = 0;
-    for (const OutlinePixel& p : outline_pixels(set_of({shape}), v)) {
+    for (const SilhouettePixel& p : silhouette_pixels(set_of({shape}), v)) {
       if (!p.crossed) continue;
       ++crossed;
       squares += std::pow(double(p.covered) - counted(shape, v, p.pixel), 2);
@@ -163,7 +163,7 @@ TEST(Outline, OfFlatShapesIsTheirEdges) {
     const auto weight = [](uint32_t pixel) { return 1 + std::sin(0.2 * (pixel % 48)) + 0.7 * std::cos(0.1 * (pixel / 48)); };
     const auto whole = [&](const Shape& moved_shape) {
       std::vector<double> covered(48 * 48, -1);
-      for (const OutlinePixel& p : outline_pixels(set_of({moved_shape}), v)) covered[p.pixel] = double(p.covered);
+      for (const SilhouettePixel& p : silhouette_pixels(set_of({moved_shape}), v)) covered[p.pixel] = double(p.covered);
       double sum = 0;
       for (uint32_t i = 0; i < covered.size(); ++i) {
         if (covered[i] < 0) covered[i] = counted(moved_shape, v, i) > 0.5;
@@ -172,8 +172,8 @@ TEST(Outline, OfFlatShapesIsTheirEdges) {
       return sum;
     };
     std::vector<double> g(n, 0.0), step(n, 0.0), differences;
-    for (const OutlinePixel& p : outline_pixels(set_of({shape}), v))
-      if (p.crossed) outline_vjp(p, shape, weight(p.pixel), g);
+    for (const SilhouettePixel& p : silhouette_pixels(set_of({shape}), v))
+      if (p.crossed) silhouette_vjp(p, shape, weight(p.pixel), g);
     for (size_t i = 0; i < n; ++i)
       differences.push_back(finite_difference(
           step[i], [&] { return whole(moved(shape, step)); }, 5e-3));
@@ -183,7 +183,7 @@ TEST(Outline, OfFlatShapesIsTheirEdges) {
 }
 
 // A weight that varies over the picture, times what is covered: the solid's numbers against differences.
-TEST(Outline, GradientsMatchDifferences) {
+TEST(Silhouettes, GradientsMatchDifferences) {
   constexpr uint32_t kSide = 192;
   const View v = outline_camera(kSide);
   SurfaceOfRevolution s = bottle(before(v, 2));
@@ -192,14 +192,14 @@ TEST(Outline, GradientsMatchDifferences) {
     return 1 + std::sin(5 * x) + 0.7 * std::cos(4 * y + x);
   };
   std::vector<double> g(parameter_count(s), 0.0);
-  for (const OutlinePixel& p : outline_pixels(set_of({s}), v))
-    if (p.crossed) outline_vjp(p, s, weight(p.pixel), g);
+  for (const SilhouettePixel& p : silhouette_pixels(set_of({s}), v))
+    if (p.crossed) silhouette_vjp(p, s, weight(p.pixel), g);
   std::vector<float> exact;
   std::vector<double> differences;
   // Deeper inside than the band every pixel is covered.
   const auto whole = [&] {
     std::vector<double> covered(size_t(kSide) * kSide, -1);
-    for (const OutlinePixel& p : outline_pixels(set_of({s}), v)) covered[p.pixel] = double(p.covered);
+    for (const SilhouettePixel& p : silhouette_pixels(set_of({s}), v)) covered[p.pixel] = double(p.covered);
     double out = 0;
     for (uint32_t i = 0; i < covered.size(); ++i) {
       if (covered[i] < 0)
@@ -280,7 +280,7 @@ struct BallBeforeWall {
   bool is_ball(size_t i) const { return i < of_ball; }
 };
 
-TEST(OutlinePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
+TEST(SilhouettePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
   BallBeforeWall b;
   LayeredModel model(b.options);
   Frame frame, wall;
@@ -290,11 +290,11 @@ TEST(OutlinePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
   for (const AttributeRow& r : kAttributes)
     std::copy_n(b.room.scene.diffuse.at(r.id, b.of_ball), behind.diffuse.width(r.id), behind.diffuse.at(r.id, 0));
   LayeredModel(b.options).forward(behind, b.room.view, wall);
-  ASSERT_GT(frame.outline.pixels.size(), 200u);
+  ASSERT_GT(frame.silhouette.pixels.size(), 200u);
   const size_t pixels = frame.pixel_count();
   size_t kinds[3] = {};
-  for (size_t i = 0; i < frame.outline.pixels.size(); ++i) {
-    const OutlinePixel& p = frame.outline.pixels[i];
+  for (size_t i = 0; i < frame.silhouette.pixels.size(); ++i) {
+    const SilhouettePixel& p = frame.silhouette.pixels[i];
     const auto linear = [&](const Frame& f, size_t c) { return f.linear[c * pixels + p.pixel]; };
     ++kinds[p.covered == 0 ? 0 : p.covered < 1 ? 1 : 2];
     for (size_t c = 0; c < 3; ++c) {
@@ -302,7 +302,7 @@ TEST(OutlinePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
         EXPECT_NEAR(linear(frame, c), linear(wall, c), 1e-5f) << "no blur of the ball outside of it";
       }
       if (!p.crossed) continue;
-      EXPECT_NEAR(linear(frame, c), p.covered * frame.outline.solid[3 * i + c] + (1 - p.covered) * linear(wall, c), 1e-5f);
+      EXPECT_NEAR(linear(frame, c), p.covered * frame.silhouette.solid[3 * i + c] + (1 - p.covered) * linear(wall, c), 1e-5f);
     }
     if (p.covered < 1) continue;
     const GBuffer g(frame);
@@ -315,7 +315,7 @@ TEST(OutlinePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
   // A hand in front of the ball, and a ball that is not polished: as before.
   const auto as_before = [&](const SplatScene& scene) {
     ImageOptions off = b.options;
-    off.shape.outlines = false;
+    off.shape.silhouettes = false;
     Frame with, without;
     LayeredModel(b.options).forward(scene, b.room.view, with);
     LayeredModel(off).forward(scene, b.room.view, without);
@@ -330,7 +330,7 @@ TEST(OutlinePass, PixelsShowTheSolidAndWhatIsBehindItSideBySide) {
   EXPECT_TRUE(as_before(dull));
 }
 
-TEST(OutlinePass, GradientsMatchDifferences) {
+TEST(SilhouettePass, GradientsMatchDifferences) {
   BallBeforeWall b;
   LayeredModel model(b.options);
   Frame frame;

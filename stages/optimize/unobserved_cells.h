@@ -29,10 +29,10 @@ struct CellSurface {
   std::function<Sight(double place_z, double zdepth)> sight;
 };
 
-class UnseenCells {
+class UnobservedCells {
  public:
   // `reach`: cells from the last one seen.
-  UnseenCells(const CellSurface& surface, std::span<const SeenPhoto> photos, double reach);
+  UnobservedCells(const CellSurface& surface, std::span<const SeenPhoto> photos, double reach);
 
   // Squares of cells to be guessed, as large as they come: visit(centre, cells along a side, linear colour).
   void for_guessed(const std::function<void(const Vec3d&, int, const Vec3d&)>& visit) const;

@@ -1,4 +1,4 @@
-#include "stages/masks/boxes/up_to_root.h"
+#include "stages/masks/boxes/appendage_pixels.h"
 
 #include <algorithm>
 
@@ -31,8 +31,8 @@ Nearest nearest_of(const std::vector<uint8_t>& set, const Intrinsics& k) {
 
 }  // namespace
 
-std::vector<uint8_t> with_what_sticks_out(const std::vector<uint8_t>& solid, const std::vector<uint8_t>& off,
-                                          const std::vector<uint8_t>& far, const Intrinsics& k) {
+std::vector<uint8_t> with_appendages(const std::vector<uint8_t>& solid, const std::vector<uint8_t>& off,
+                                     const std::vector<uint8_t>& far, const Intrinsics& k) {
   std::vector<uint8_t> out = solid;
   const auto any = [](const std::vector<uint8_t>& set) { return std::ranges::any_of(set, [](uint8_t v) { return v != 0; }); };
   if (!any(far)) return out;
