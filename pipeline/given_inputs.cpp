@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/inside.h"
+#include "core/camera/json_file.h"
 #include "core/camera/photo_masks.h"
 #include "core/config/photo_name_finder.h"
 #include "core/config/text.h"
@@ -48,6 +49,15 @@ void check_masks(const fs::path& masks, const Settings& settings) {
     if (source == "auto" || source == "files" || of_features) used.push_back(kind);
   }
   check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
+}
+
+// Hours before the stage reads it: whether it is a list at all.
+void check_shapes(const fs::path& given) {
+  std::error_code ec;
+  const fs::path file = fs::is_directory(given, ec) ? given / "shapes.json" : given;
+  read_json_file(file, "file of known shapes", [](const nlohmann::json& j) {
+    if (!JsonAt(j).at("shapes").value().is_array()) throw JsonMistake("/shapes", "shapes: expected a list");
+  });
 }
 
 }  // namespace
@@ -129,6 +139,7 @@ void check_given_inputs(const Planner& planner, const Settings& settings) {
       throw Error(
           ErrorKind::Input, fmt::format("input '{}' does not exist", name),
           {.where = value, .why = fmt::format("{} names it", given.origin), .hint = "check the path", .code = "MISSING_INPUT"});
+    if (name == "shapes") check_shapes(value);
     if (name != "masks") continue;
     if (is_yaml_file(value))
       check_marks(value, settings.text("input.photos"));

@@ -1,4 +1,4 @@
-// Appendages of surfaces of revolution: handles and spouts, which a fine visual hull has and the surface has not.
+// Appendages of surfaces of revolution: handles and knobs, which a fine visual hull has and the surface has not.
 #pragma once
 
 #include <span>

@@ -83,7 +83,7 @@ class ShapesRun {
   void take(const fs::path& given) {
     std::error_code ec;
     fs::path file = given;
-    if (fs::is_directory(given, ec)) file = given / (fs::exists(given / "shapes.json", ec) ? "shapes.json" : "shapes/shapes.json");
+    if (fs::is_directory(given, ec)) file = given / "shapes.json";
     found_ = read_shapes_file(file);
     given_ = true;
     if (std::ranges::all_of(kClasses, [&](MaskClass kind) { return silhouettes_[size_t(kind)].empty(); }))

@@ -11,6 +11,8 @@
 namespace vitrine {
 namespace {
 
+const ShapeSet kNoShapes;
+
 SplatLayer box_with_ball(size_t surfels) {
   SplatLayer layer(LayerKind::Diffuse, 1, surfels);
   Rng rng(2);
@@ -108,6 +110,7 @@ void layered_training_step(benchmark::State& state) {
   Trainer trainer({.config = config,
                    .capture = capture,
                    .targets = targets,
+                   .shapes = kNoShapes,
                    .layers = {.reflection = true, .transmittance = true},
                    .max_surfels = kAll},
                   box_with_ball(kDiffuse), {});
@@ -140,8 +143,9 @@ void whole_training_step(benchmark::State& state) {
   const Capture capture = box_capture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   Targets targets;  // nobody says anything about any photo
   targets.photos.resize(capture.photos.size());
-  Trainer trainer({.config = config, .capture = capture, .targets = targets, .layers = {}, .max_surfels = surfels},
-                  box_with_ball(surfels), {});
+  Trainer trainer(
+      {.config = config, .capture = capture, .targets = targets, .shapes = kNoShapes, .layers = {}, .max_surfels = surfels},
+      box_with_ball(surfels), {});
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 1)) {
     state.SkipWithError("the first step gave an impossible loss");

@@ -26,8 +26,12 @@ TEST_F(TinyRoom, ASceneMadeWithLittleMemoryIsNotServedToARunWithout) {
   const Outcome planned = room(true_poses(), training({"--dry-run"}));
   EXPECT_TRUE(planned.said("run optimize because option max_gaussians ")) << planned.text;
   ASSERT_EQ(room(true_poses(), kTraining).exit, 0);
-  EXPECT_EQ(states(),
-            (States{{"ingest", "cached"}, {"sfm", "cached"}, {"masks", "cached"}, {"normals", "cached"}, {"optimize", "ran"}}));
+  EXPECT_EQ(states(), (States{{"ingest", "cached"},
+                              {"sfm", "cached"},
+                              {"masks", "cached"},
+                              {"shapes", "cached"},
+                              {"normals", "cached"},
+                              {"optimize", "ran"}}));
   // A limit that is no hindrance is no other run.
   ASSERT_EQ(room(true_poses(), training({"--max-memory", "4GiB"})).exit, 0);
   EXPECT_EQ(states().at("optimize"), "cached");
@@ -53,8 +57,12 @@ TEST_F(TinyRoom, TrainingThatDivergesKeepsItsCheckpointAndAllBeforeIt) {
   EXPECT_EQ(message(again), message(first));
   // Sane rates: what was finished is used, training begins anew, and nothing of the wild run is left in the result.
   ASSERT_EQ(room(true_poses(), kTraining).exit, 0);
-  EXPECT_EQ(states(),
-            (States{{"ingest", "cached"}, {"sfm", "cached"}, {"masks", "cached"}, {"normals", "cached"}, {"optimize", "ran"}}));
+  EXPECT_EQ(states(), (States{{"ingest", "cached"},
+                              {"sfm", "cached"},
+                              {"masks", "cached"},
+                              {"shapes", "cached"},
+                              {"normals", "cached"},
+                              {"optimize", "ran"}}));
   EXPECT_EQ(digests(), sane);
 }
 

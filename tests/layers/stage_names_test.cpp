@@ -21,9 +21,10 @@ struct Exception {
 
 constexpr Exception kExceptions[] = {
     {"main.cpp", "inspect render relight edit export", "words of the command line, not stages"},
-    {"run_command.cpp", "masks normals", "flags --masks and --normals"},
+    {"run_command.cpp", "masks shapes normals", "flags --masks, --shapes and --normals"},
     {"inspect_command.cpp", "masks", "flag --masks"},
     {"given_inputs.cpp", "masks", "the outside input that --masks gives; advice with options of the stage that reads it"},
+    {"given_inputs.cpp", "shapes", "the outside input that --shapes gives, read before the stages run"},
     {"given_inputs.cpp", "sfm", "advice with its options, which an error about masks gives"},
     {"run_command.cpp", "decompose", "--grey-card is its option decompose.grey_card"},
     // Commands of one program each, and the results that the program reads.
@@ -40,7 +41,7 @@ constexpr Exception kExceptions[] = {
     {"preflight.cpp", "ingest", "number and sizes of the photos, in ingest/photos.json"},
     {"report_page/page.cpp", "mesh optimize", "a section of the page; the views that were held out"},
     {"report_page/regions.cpp", "normals", "pictures of the confidence"},
-    {"report_page/sections_pictures.cpp", "decompose masks mesh normals", "the pictures of the page, and a section"},
+    {"report_page/sections_pictures.cpp", "decompose masks mesh normals shapes", "the pictures of the page, and a section"},
     {"report_page/sections_run.cpp", "ingest", "copies of the photos"},
     {"report_page/verdict.cpp", "relight", "advice: the command vitrine relight"},
 };

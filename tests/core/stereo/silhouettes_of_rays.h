@@ -11,7 +11,7 @@ namespace vitrine {
 
 // From `count` places within `span_rad` of azimuth; meets(eye, unit direction).
 template <class Meets>
-std::vector<Silhouette> silhouettes(int count, double span_rad, const Meets& meets) {
+std::vector<Silhouette> silhouettes_of_rays(int count, double span_rad, const Meets& meets) {
   std::vector<Silhouette> masks;
   for (int i = 0; i < count; ++i) {
     const double azimuth = span_rad * i / count, elevation = i % 3 == 0 ? 0.9 : i % 3 == 1 ? 0.35 : -0.3;

@@ -73,7 +73,7 @@ TEST(Metals, CopperIsCopper) {
   const PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
   const Metals found = ball.metals();
   ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_TRUE(found.things[0].metal) << found.things[0].dimmer;
+  EXPECT_TRUE(found.things[0].metal) << found.things[0].lower_half;
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.things[0].reflectance[c], PolishedBall::kCopper[c], 0.04);
   EXPECT_GT(std::ranges::count(found.of_surfel, 0), std::ptrdiff_t(found.of_surfel.size() * 2 / 3));
 }
@@ -144,7 +144,7 @@ TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
   const PolishedBall ball(PolishedBall::kPaint, [](float cosine) { return schlick(Vec3f{0.04f, 0.04f, 0.04f}, cosine).value; });
   const Metals found = ball.metals();
   ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_FALSE(found.things[0].metal) << found.things[0].dimmer;
+  EXPECT_FALSE(found.things[0].metal) << found.things[0].lower_half;
   // Over the ball's belt, which many views see: what the photos show in the mean, and what is left of it.
   Vec3d gloss{};
   double count = 0;

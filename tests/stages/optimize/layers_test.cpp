@@ -5,6 +5,7 @@
 #include "core/base/parallel.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
+#include "core/shape/shape_file.h"
 #include "core/stereo/box_fit.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
