@@ -11,10 +11,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSilhouetteSide = 640;        // pixels: silhouettes tell a place to a fraction of one, and large ones fill memory
+constexpr int kSilhouetteSide = 640;  // pixels: silhouettes tell a place to a fraction of one, and large ones fill memory
 constexpr CarvingRule kRule{.dissent = 0.08, .seen_share = 0.3, .inside_share = 0.6};
-constexpr double kExplained = 2.5;          // voxels: a hull lies so far from a shape that it shows
-constexpr double kShapeCells = 128;         // spacing of points on shapes: as on a hull of that many voxels along their bounds
+constexpr double kExplained = 2.5;   // voxels: a hull lies so far from a shape that it shows
+constexpr double kShapeCells = 100;  // along shapes without a hull: the spacing of points on them
 // Appendages bend faster than what they stand out of: points in place of one.
 constexpr double kCrowd = 6;
 
@@ -38,7 +38,8 @@ Silhouette silhouette_of(const MaskHullDesc& desc, uint32_t photo) {
     for (int x = 0; x < k.width; ++x) {
       const size_t i = size_t(y) * size_t(k.width) + size_t(x);
       out.value.at(x, y) = hides && glass[i] >= 128 ? -1.f : float(mask[i]) / 255.f;
-      out.depth.at(x, y) = desc.depths[photo][size_t(y * full.height / k.height) * size_t(full.width) + size_t(x * full.width / k.width)];
+      out.depth.at(x, y) =
+          desc.depths[photo][size_t(y * full.height / k.height) * size_t(full.width) + size_t(x * full.width / k.width)];
     }
   return out;
 }
@@ -72,12 +73,13 @@ Hull mask_hull(const MaskHullDesc& desc) {
   for (uint32_t photo : desc.capture.train)
     if (Silhouette s = silhouette_of(desc, photo); !s.value.empty()) silhouettes.push_back(std::move(s));
   const ShapeSet shapes = desc.shapes.without(desc.kind == HullClass::Glass ? ShapeRole::Mirror : ShapeRole::Sheet);
-  const VisualHull carved(silhouettes, {.resolution = desc.voxels, .rule = kRule, .blur_passes = 1, .flat_faces = shapes.entries.empty()});
+  const VisualHull carved(silhouettes,
+                          {.resolution = desc.voxels, .rule = kRule, .blur_passes = 1, .flat_faces = shapes.entries.empty()});
   Hull hull;
   const Bounds3 around = bounds_of(shapes, carved);
   if (around.empty()) return hull;
   const Vec3d extent = around.high - around.low;
-  hull.spacing = static_cast<float>(std::max({extent.x, extent.y, extent.z}) / kShapeCells);
+  hull.spacing = static_cast<float>(carved.empty() ? std::max({extent.x, extent.y, extent.z}) / kShapeCells : carved.voxel());
   put_on_shapes(shapes, hull);
   if (carved.empty()) return hull;
   const std::vector<ShapePoint> surface = carved.surface();
@@ -88,9 +90,8 @@ Hull mask_hull(const MaskHullDesc& desc) {
       return length(nearest(e.shape, p).position - p) <= std::max(e.tolerance, kExplained * carved.voxel());
     });
   });
-  const auto apart = static_cast<float>(carved.voxel() / double(hull.spacing));
   for (size_t i = 0; i < surface.size(); ++i)
-    if (!explained[i]) hull.points.push_back({cast<float>(surface[i].position), cast<float>(surface[i].normal), false, apart});
+    if (!explained[i]) hull.points.push_back({cast<float>(surface[i].position), cast<float>(surface[i].normal), false});
   return hull;
 }
 
