@@ -75,9 +75,9 @@ bool Carving::inside(const Vec3d& p, double near, double slack) const {
     const float value = s.value.at(u, v);
     if (value < 0) continue;
     ++seen;
-    const bool is_inside =
-        value >= kInside || (!counts_.empty() && slack > 0 &&
-                             counts_[size_t(&s - silhouettes_.data())].any_near(u, v, int(std::ceil(slack * s.view.intrinsics.fx / q->z))));
+    const bool is_inside = value >= kInside || (!counts_.empty() && slack > 0 &&
+                                                counts_[size_t(&s - silhouettes_.data())].any_near(
+                                                    u, v, int(std::ceil(slack * s.view.intrinsics.fx / q->z))));
     if (is_inside)
       ++inside;
     else if (!hidden(s, u, v, q->z, rule_.in_front) && double(++outside) > most)

@@ -11,11 +11,11 @@
 namespace vitrine {
 
 struct CarvingRule {
-  double dissent = 0.1;       // share of the photos, of those that show a point, that may show it outside: masks have errors
-  size_t fewest_views = 3;    // photos that must show a point inside, at least
-  double seen_share = 0.35;   // of all photos that must show it inside: a hull of few photos is no hull
-  double inside_share = 0;    // of the photos with the point in their picture, those that cannot tell included
-  float in_front = 0.97f;     // an opaque surface nearer than this part of a point's depth hides it
+  double dissent = 0.1;      // share of the photos, of those that show a point, that may show it outside: masks have errors
+  size_t fewest_views = 3;   // photos that must show a point inside, at least
+  double seen_share = 0.35;  // of all photos that must show it inside: a hull of few photos is no hull
+  double inside_share = 0;   // of the photos with the point in their picture, those that cannot tell included
+  float in_front = 0.97f;    // an opaque surface nearer than this part of a point's depth hides it
 };
 
 class Carving {

@@ -24,8 +24,7 @@ bool lies_on(const ShapePoint& p, const FlatFace& face, double tolerance) {
 }
 
 size_t support(const std::vector<ShapePoint>& points, const FlatFace& face, double tolerance) {
-  return size_t(
-      std::count_if(points.begin(), points.end(), [&](const ShapePoint& p) { return lies_on(p, face, tolerance); }));
+  return size_t(std::count_if(points.begin(), points.end(), [&](const ShapePoint& p) { return lies_on(p, face, tolerance); }));
 }
 
 // Least squares over the points on the face.

@@ -9,8 +9,8 @@
 
 namespace vitrine {
 
-// Of one photo, at most `max_side` pixels large; nullopt: the class has no mask of it. Pixels of glass are unknown in the silhouettes
-// of other classes: what they mark is seen through it.
+// Of one photo, at most `max_side` pixels large; nullopt: the class has no mask of it. Pixels of glass are unknown in the
+// silhouettes of other classes: what they mark is seen through it.
 std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo, int max_side);
 
 // Some pixel shows an object.

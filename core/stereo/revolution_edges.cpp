@@ -118,16 +118,18 @@ class Edges {
 
 }  // namespace
 
-SolidOfRevolution drawn_to_edges(const SolidOfRevolution& start, std::span<const EdgePhoto> photos) {
-  if (2 * photos.size() < kEdgeFewest) return start;
+SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<const EdgePhoto> photos) {
+  const std::span<const Vec2d> side = std::span(start.profile).subspan(1, start.profile.size() - 2);  // without its flat ends
+  if (2 * photos.size() < kEdgeFewest || start.profile.size() < 4) return start;
   EdgeRadii radii;
-  const double step = (start.top() - start.low) / (kEdgeHeights - 1);
+  const double first = side.front().y, step = (side.back().y - first) / (kEdgeHeights - 1);
+  size_t j = 0;
   for (size_t i = 0; i < kEdgeHeights; ++i) {
-    const double at = double(i) * double(start.radii.size() - 1) / (kEdgeHeights - 1);
-    const size_t j = std::min(size_t(at), start.radii.size() - 2);
-    radii[i] = start.radii[j] + (at - double(j)) * (start.radii[j + 1] - start.radii[j]);
+    const double height = first + step * double(i);
+    while (j + 2 < side.size() && side[j + 1].y < height) ++j;
+    radii[i] = side[j].x + (height - side[j].y) / (side[j + 1].y - side[j].y) * (side[j + 1].x - side[j].x);
   }
-  const double middle = 0.5 * (start.low + start.top()), low = start.low - middle;  // of the axis: tilts turn about it
+  const double middle = 0.5 * (first + side.back().y), low = first - middle;  // of the axis: tilts turn about it
   const Vec3d origin = start.origin + middle * start.axis;
   AxisPlace place{origin.x, origin.y, start.axis.x / start.axis.z, start.axis.y / start.axis.z};
   const auto axis = [&](const AxisPlace& p) { return turning_axis({p[0], p[1], origin.z}, p[2], p[3]); };
@@ -149,7 +151,7 @@ SolidOfRevolution drawn_to_edges(const SolidOfRevolution& start, std::span<const
     }
   }
   const TurningAxis a = axis(place);
-  return {a.origin, a.along, low, step, {radii.begin(), radii.end()}};
+  return revolved(a.origin, a.along, low, step, radii);
 }
 
 }  // namespace vitrine

@@ -13,6 +13,6 @@ namespace vitrine {
 // `start` with the axis and the radii at which the photos together change most across its silhouette; `start` itself where fewer
 // than five photos show it. Radii move by less than a quarter of the largest one, and where the surface looks far up or down, as
 // on lids and feet, whose rims are edges as well, with those beside it.
-SolidOfRevolution drawn_to_edges(const SolidOfRevolution& start, std::span<const EdgePhoto> photos);
+SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<const EdgePhoto> photos);
 
 }  // namespace vitrine

@@ -26,8 +26,6 @@ constexpr double kFirstMove = 0.06, kLastMove = 5e-4;       // of the bounds' di
 constexpr int kRounds = 4;                                  // of contacts and radii, for one axis
 constexpr int kSmoothing = 4;                               // passes of 1 2 1 over the profile
 constexpr double kOutlier = 0.15;                           // of the largest radius: further off is an appendage, a handle
-constexpr double kNear = 6;                                 // voxels: the hull may bulge so far
-constexpr double kAlike = 0.5;                              // cosine between normals of a hull and of the solid
 constexpr double kOn = 2, kOnIt = 0.6;                      // voxels: the part of a piece of the hull that lies so near its solid
 constexpr double kTouching = 1.8;                           // voxels: cells that connect the points of a piece
 constexpr size_t kSmallestPiece = 20, kFewestPoints = 200;  // of the surface: one part in; points
@@ -169,7 +167,7 @@ double volume(const Profile& radii) {
   return sum;
 }
 
-std::optional<SolidOfRevolution> solid_for(std::span<const Silhouette> masks, const Bounds3& about) {
+std::optional<SurfaceOfRevolution> surface_for(std::span<const Silhouette> masks, const Bounds3& about) {
   const Rims rims(masks, about);
   const double size = length(about.high - about.low);
   AxisPlace place{about.centre().x, about.centre().y, 0, 0};
@@ -195,11 +193,7 @@ std::optional<SolidOfRevolution> solid_for(std::span<const Silhouette> masks, co
   }
   if (count < 4) return std::nullopt;
   const TurningAxis a = axis(place);
-  return SolidOfRevolution{a.origin,
-                           a.along,
-                           rims.height(first),
-                           rims.step(),
-                           {profile.begin() + ptrdiff_t(first), profile.begin() + ptrdiff_t(first + count)}};
+  return revolved(a.origin, a.along, rims.height(first), rims.step(), std::span(profile).subspan(first, count));
 }
 
 // Numbers of the points of each connected piece of a surface, larger than `least` points; points are a voxel apart.
@@ -222,72 +216,33 @@ std::vector<std::vector<size_t>> pieces(std::span<const ShapePoint> surface, dou
 
 }  // namespace
 
-ShapePoint SolidOfRevolution::nearest(const Vec3d& p) const {
-  const Vec3d from = p - origin;
-  const double h = dot(from, axis);
-  const Vec3d across = from - h * axis;
-  const double rho = length(across);
-  const Vec3d out = rho > 1e-12 ? across / rho : orthonormal_basis(axis, 0).u;
-  // The profile (radius, height) with its two ends on the axis.
-  const size_t n = radii.size();
-  const auto corner = [&](size_t i) -> Vec2d {
-    if (i == 0) return {0, low};
-    if (i == n + 1) return {0, top()};
-    return {radii[i - 1], low + step * double(i - 1)};
-  };
-  const auto segment_normal = [&](size_t i) -> Vec2d {  // of corners i and i + 1
-    const Vec2d a = corner(i), b = corner(i + 1);
-    const double x = b.y - a.y, y = a.x - b.x, norm = std::hypot(x, y);
-    return norm > 0 ? Vec2d{x / norm, y / norm} : Vec2d{1, 0};
-  };
-  const auto corner_normal = [&](size_t i) -> Vec2d {
-    const Vec2d a = segment_normal(i - 1), b = segment_normal(i);
-    return {a.x + b.x, a.y + b.y};
-  };
-  double best = 1e300;
-  Vec2d at{}, normal{};
-  for (size_t i = 0; i <= n; ++i) {
-    const Vec2d a = corner(i), b = corner(i + 1);
-    const double dx = b.x - a.x, dy = b.y - a.y, squared = dx * dx + dy * dy;
-    const double t = squared > 0 ? std::clamp(((rho - a.x) * dx + (h - a.y) * dy) / squared, 0.0, 1.0) : 0;
-    const Vec2d q{a.x + t * dx, a.y + t * dy};
-    const double distance = std::hypot(rho - q.x, h - q.y);
-    if (distance >= best) continue;
-    best = distance, at = q;
-    const bool side = i > 0 && i < n;
-    const Vec2d before = side && i > 1 ? corner_normal(i) : segment_normal(i);
-    const Vec2d after = side && i + 1 < n ? corner_normal(i + 1) : segment_normal(i);
-    normal = {(1 - t) * before.x + t * after.x, (1 - t) * before.y + t * after.y};
-  }
-  return {origin + at.y * axis + at.x * out, normalized(normal.x * out + normal.y * axis)};
+SurfaceOfRevolution revolved(const Vec3d& origin, const Vec3d& axis, double low, double step, std::span<const double> radii) {
+  SurfaceOfRevolution out{origin, axis, {{0, low}}};
+  for (size_t i = 0; i < radii.size(); ++i) out.profile.push_back({radii[i], low + step * double(i)});
+  out.profile.push_back({0, low + step * double(radii.size() - 1)});
+  return out;
 }
 
-std::optional<ShapePoint> SolidOfRevolution::smoothed(const ShapePoint& p, double voxel) const {
-  const ShapePoint turned = nearest(p.position);
-  if (length(turned.position - p.position) > kNear * voxel || dot(turned.normal, p.normal) < kAlike) return std::nullopt;
-  return turned;
+std::vector<uint8_t> silhouette_mask(const SurfaceOfRevolution& surface, const View& view) {
+  return mask_of_rays(view, [&](size_t, const Vec3d& eye, const Vec3d& direction) {
+    return surface.intersect({eye, direction}).has_value();
+  });
 }
 
-std::vector<SolidOfRevolution> solids_of_revolution(std::span<const Silhouette> masks, std::span<const ShapePoint> surface,
-                                                    double voxel) {
-  std::vector<SolidOfRevolution> found;
+std::vector<SurfaceOfRevolution> surfaces_of_revolution(std::span<const Silhouette> masks, std::span<const ShapePoint> surface,
+                                                        double voxel) {
+  std::vector<SurfaceOfRevolution> found;
   if (masks.size() < kFewestPhotos) return found;
   for (const std::vector<size_t>& piece : pieces(surface, voxel, std::max(kFewestPoints, surface.size() / kSmallestPiece))) {
     Bounds3 bounds;
     for (size_t i : piece) bounds.extend(surface[i].position);
-    const auto solid = solid_for(masks, bounds);
+    const auto solid = surface_for(masks, bounds);
     if (!solid) continue;
     size_t on = 0;
     for (size_t i : piece) on += length(solid->nearest(surface[i].position).position - surface[i].position) <= kOn * voxel;
     if (double(on) >= kOnIt * double(piece.size())) found.push_back(*solid);
   }
   return found;
-}
-
-std::optional<ShapePoint> on_solid(std::span<const SolidOfRevolution> solids, const ShapePoint& p, double voxel) {
-  for (const SolidOfRevolution& solid : solids)
-    if (const auto on = solid.smoothed(p, voxel)) return on;
-  return std::nullopt;
 }
 
 }  // namespace vitrine

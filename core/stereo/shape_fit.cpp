@@ -6,7 +6,7 @@ FittedShapes fit_shapes(std::span<const Silhouette> silhouettes, const VisualHul
   FittedShapes out;
   if (hull.empty()) return out;
   out.box = fit_box(silhouettes, hull.bounds());
-  if (!out.box) out.solids = solids_of_revolution(silhouettes, hull.surface(), hull.voxel());
+  if (!out.box) out.solids = surfaces_of_revolution(silhouettes, hull.surface(), hull.voxel());
   return out;
 }
 

@@ -18,10 +18,10 @@ namespace vitrine {
 struct HullDesc {
   int resolution = 128;  // voxels along the longest side of what is left
   CarvingRule rule = {};
-  int blur_passes = 3;     // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
-  bool one_piece = false;  // keep the largest connected part: cones of few photos also meet where nothing is
-  double reach = 1.2;      // half edge of the cube around the cameras' centre that is looked at
-  bool flat_faces = false;  // points and normals are those of flat faces, where the surface has such
+  int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
+  bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
+  double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
+  bool flat_faces = false;      // points and normals are those of flat faces, where the surface has such
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };
 
@@ -37,12 +37,12 @@ class VisualHull {
   VisualHull(std::span<const Silhouette> silhouettes, const HullDesc& desc);
 
   bool empty() const { return grid_.values.empty(); }
-  double one_sidedness() const { return one_sidedness_; }         // of the cameras, as seen from the hull
-  const Bounds3& bounds() const { return bounds_; }               // of what is left, without the room around it
-  size_t faces() const { return faces_.size(); }                  // flat ones
-  double voxel() const { return grid_.cell; }                     // edge
-  const VoxelGrid<uint8_t>& carved() const { return carved_; }    // 1 inside, before the blur
-  std::vector<ShapePoint> surface() const;                        // one for every voxel that it passes
+  double one_sidedness() const { return one_sidedness_; }       // of the cameras, as seen from the hull
+  const Bounds3& bounds() const { return bounds_; }             // of what is left, without the room around it
+  size_t faces() const { return faces_.size(); }                // flat ones
+  double voxel() const { return grid_.cell; }                   // edge
+  const VoxelGrid<uint8_t>& carved() const { return carved_; }  // 1 inside, before the blur
+  std::vector<ShapePoint> surface() const;                      // one for every voxel that it passes
   // First crossing of the smoothed surface, for t > 0. Thread-safe.
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 

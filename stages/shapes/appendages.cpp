@@ -42,12 +42,12 @@ class CoarseHull {
   VoxelGrid<int8_t> grid_;
 };
 
-// Which places are of appendages, up to their roots. Masks that were propagated from few marks are too wide beside an appendage: of
-// theirs only places far out count, and those on the way from there to the solid.
+// Which places are of appendages, up to their roots. Masks that were propagated from few marks are too wide beside an appendage:
+// of theirs only places far out count, and those on the way from there to the solid.
 class AppendageTest {
  public:
   // `mesh`: with normals.
-  AppendageTest(const TriMesh& mesh, std::span<const SolidOfRevolution> solids, double cell, bool propagated)
+  AppendageTest(const TriMesh& mesh, std::span<const SurfaceOfRevolution> solids, double cell, bool propagated)
       : solids_(solids), cell_(cell), propagated_(propagated) {
     if (!propagated) return;
     std::vector<Above> above(mesh.positions.size());
@@ -60,7 +60,7 @@ class AppendageTest {
     }
   }
   bool operator()(const Vec3d& p, const Vec3d& normal) const {
-    for (const SolidOfRevolution& solid : solids_) {
+    for (const SurfaceOfRevolution& solid : solids_) {
       const ShapePoint on = solid.nearest(p);
       const double height = dot(p - on.position, on.normal);
       if (height < kSunk * cell_ || (height < kBulge * cell_ && dot(on.normal, normal) > kLikeTheSolid)) return false;
@@ -83,9 +83,9 @@ class AppendageTest {
   };
   Above nearest(const Vec3d& p) const {
     Above out;
-    for (const SolidOfRevolution& solid : solids_) {
+    for (const SurfaceOfRevolution& solid : solids_) {
       const ShapePoint on = solid.nearest(p);
-      const double height = dot(p - on.position, on.normal), radius = std::ranges::max(solid.radii);
+      const double height = dot(p - on.position, on.normal), radius = solid.largest_radius();
       const bool far = out.far && height > kFarOut_rel * radius;
       if (height < out.height) out = {height, radius, on};
       out.far = far;
@@ -100,7 +100,7 @@ class AppendageTest {
     return best && distance + height <= kRootWay * best->height + kThinning * cell_;
   }
 
-  const std::span<const SolidOfRevolution> solids_;
+  const std::span<const SurfaceOfRevolution> solids_;
   const double cell_;
   const bool propagated_;
   std::vector<Far> far_;
@@ -119,7 +119,7 @@ TriMesh far_out(const TriMesh& mesh, const AppendageTest& is_appendage) {
 
 }  // namespace
 
-TriMesh appendages(const MaskedObject& object, std::span<const SolidOfRevolution> solids, const CarvingRule& rule,
+TriMesh appendages(const MaskedObject& object, std::span<const SurfaceOfRevolution> solids, const CarvingRule& rule,
                    bool propagated) {
   const Bounds3& bounds = object.hull.bounds();
   const Vec3d extent = bounds.high - bounds.low;

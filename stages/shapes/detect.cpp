@@ -58,8 +58,8 @@ ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bo
     out.entries.push_back({fits.box->box, role, kOnBox_rel * fits.box->box.longest_side(), -1, {}});
     return out;
   }
-  for (const SolidOfRevolution& solid : fits.solids) {
-    SurfaceOfRevolution surface = with_equal_segments(surface_of_revolution(solid), kProfileSegments);
+  for (const SurfaceOfRevolution& solid : fits.solids) {
+    SurfaceOfRevolution surface = with_equal_segments(solid, kProfileSegments);
     const double tolerance = kOnSolid_rel * surface.largest_radius();
     out.entries.push_back({std::move(surface), role, tolerance, -1, {}});
   }
@@ -82,8 +82,9 @@ MaskAgreement mask_agreement(const ShapeSet& set, size_t entry, const std::vecto
     view.intrinsics = s.view.intrinsics.limited_to(kLookedAt);
     const Intrinsics& k = view.intrinsics;
     const auto shown = mask_of_rays(view, [&](size_t, const Vec3d& eye, const Vec3d& direction) {
-      return std::ranges::any_of(own.entries,
-                                 [&](const ShapeSet::Entry& e) { return intersect(e.shape, {eye, direction}).has_value(); });
+      return std::ranges::any_of(own.entries, [&](const ShapeSet::Entry& e) {
+        return intersect(e.shape, {eye, direction}).has_value();
+      });
     });
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {

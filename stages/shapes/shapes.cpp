@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<MaskClass, 2> kClasses{MaskClass::Transparent, MaskClass::Specular};
-constexpr double kDoubtful = 0.5;      // of a given shape's pixels: fewer in the masks, and the photos doubt it
+constexpr double kDoubtful = 0.5;        // of a given shape's pixels: fewer in the masks, and the photos doubt it
 constexpr double kFacetEdge_rel = 0.02;  // of a shape's size: edges of shapes.ply
 
 MaskClass class_of(ShapeRole role) { return role == ShapeRole::Sheet ? MaskClass::Transparent : MaskClass::Specular; }
@@ -150,11 +150,11 @@ class ShapesRun {
     context_.metric("objects", static_cast<double>(objects_));
     std::string summary;
     for (const auto& [kind, count] : kinds) summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count, kind);
-    context_.summary(!summary.empty()               ? fmt::format("{}{}, {:.0f} % inside the masks", summary, given_ ? " (given)" : "", 100 * least)
-                     : config_.source == "none"     ? "shapes are off"
-                     : std::ranges::any_of(silhouettes_, [](const auto& s) { return !s.empty(); })
-                         ? "no object has a simple shape"
-                         : "no glass or metal is marked");
+    context_.summary(
+        !summary.empty() ? fmt::format("{}{}, {:.0f} % inside the masks", summary, given_ ? " (given)" : "", 100 * least)
+        : config_.source == "none"                                                    ? "shapes are off"
+        : std::ranges::any_of(silhouettes_, [](const auto& s) { return !s.empty(); }) ? "no object has a simple shape"
+                                                                                      : "no glass or metal is marked");
   }
 
   const ShapesConfig& config_;

@@ -60,23 +60,23 @@ bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
 }
 
 // Where marks are tight they show lids, too, which GrabCut takes for background.
-std::vector<SolidOfRevolution> solids_of_hull(const VisualHull& marked, const std::vector<View>& views) {
+std::vector<SurfaceOfRevolution> solids_of_hull(const VisualHull& marked, const std::vector<View>& views) {
   std::vector<Silhouette> seen;
   const std::vector<std::vector<uint8_t>> inside = silhouettes_of(marked, views);
   for (size_t v = 0; v < views.size(); ++v) seen.push_back(silhouette(views[v], inside[v]));
-  return solids_of_revolution(seen, marked.surface(), marked.voxel());
+  return surfaces_of_revolution(seen, marked.surface(), marked.voxel());
 }
 
 // Surfaces of revolution: GrabCut takes away bright lids and, photo by photo, appendages, and leaves the outline where what the
 // metal mirrors looks like what is behind it. The body is the solid of revolution that the outlines of all photos agree about,
 // put on the photos' edges; what sticks out of it is as in the hull of the votes or, where the marks are tight, of the marks, and
 // what these have along its outline alone is no part of the thing.
-void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, const VisualHull* marked,
+void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, const VisualHull* marked,
           const std::vector<View>& views, std::vector<std::vector<uint8_t>>& inside) {
   parallel_for(views.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
     std::vector<uint8_t> turned(inside[v].size(), 0);
-    for (const SolidOfRevolution& solid : solids) {
+    for (const SurfaceOfRevolution& solid : solids) {
       const std::vector<uint8_t> outline = silhouette_mask(solid, views[v]);
       for (size_t i = 0; i < turned.size(); ++i) turned[i] |= outline[i];
     }
@@ -90,9 +90,9 @@ void turn(std::span<const SolidOfRevolution> solids, const VisualHull& voted, co
         if (!hit) continue;
         const Vec3d place = eye + hit->t * direction;
         double distance = 1e300, radius = 0;
-        for (const SolidOfRevolution& solid : solids) {
+        for (const SurfaceOfRevolution& solid : solids) {
           const double d = length(solid.nearest(place).position - place);
-          if (d < distance) distance = d, radius = std::ranges::max(solid.radii);
+          if (d < distance) distance = d, radius = solid.largest_radius();
         }
         if (hull == &voted || distance > voted.voxel()) off[pixel] = 1;
         if (distance > kSticksOut * radius) far[pixel] = 1;
@@ -173,10 +173,10 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
       out.summary.voted = true;
       out.summary.solids = fits.solids.size();
       if (out.summary.solids > 0) {
-        std::vector<SolidOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SolidOfRevolution>{};
+        std::vector<SurfaceOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SurfaceOfRevolution>{};
         if (solids.empty()) solids = fits.solids;
         const std::vector<EdgePhoto> edges = edge_photos(capture, 2 * config.max_side);
-        for (SolidOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
+        for (SurfaceOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
         turn(solids, second, tight ? &hull : nullptr, views, out.inside);
       }
     }

@@ -21,7 +21,9 @@ namespace {
 class PolishedVase : public testing::Test {
  protected:
   void SetUp() override {
-    for (int i = 0; i <= 40; ++i) vase.radii.push_back(0.16 + 0.04 * std::cos(9 * (vase.low + vase.step * i)));
+    std::vector<double> radii;
+    for (int i = 0; i <= 40; ++i) radii.push_back(0.16 + 0.04 * std::cos(9 * (-0.2 + 0.01 * i)));
+    vase = revolved({0.02, 0, 0}, {0, 0, 1}, -0.2, 0.01, radii);
     views = orbit::views(12, {10, 40}, 1.4, 160);
     sfm = folder.path() / "sfm", masks = folder.path() / "masks";
     make_folders(sfm / "linear");
@@ -31,7 +33,7 @@ class PolishedVase : public testing::Test {
       Image8 mask(k.width, k.height, 1);
       ImageF photo(k.width, k.height, 3, 0.1f);
       each_ray(view, [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
-        const auto t = vase.entry(eye, ray);
+        const auto t = entry(eye, ray);
         if (!t) return;
         mask.at(x, y) = 255;
         const Vec3d d = normalized(ray), n = vase.nearest(eye + *t * ray).normal, r = d - 2 * dot(d, n) * n;
@@ -41,7 +43,11 @@ class PolishedVase : public testing::Test {
       write_exr_rgb(linear_image_path(sfm, view), photo);
     }
   }
-  ShapeSet found() const { return {{{surface_of_revolution(vase), ShapeRole::Mirror, 0.01, -1, {}}}}; }
+  std::optional<double> entry(const Vec3d& eye, const Vec3d& ray) const {
+    const auto hit = vase.intersect({eye, ray});
+    return hit ? std::optional(hit->t) : std::nullopt;
+  }
+  ShapeSet found() const { return {{{vase, ShapeRole::Mirror, 0.01, -1, {}}}}; }
   template <class F>
   static void each_ray(const View& view, const F& f) {
     const Vec3d eye = view.centre_in_world();
@@ -56,7 +62,7 @@ class PolishedVase : public testing::Test {
 
   TemporaryFolder folder;
   fs::path sfm, masks;
-  SolidOfRevolution vase{{0.02, 0, 0}, {0, 0, 1}, -0.2, 0.01, {}};
+  SurfaceOfRevolution vase;
   std::vector<View> views;
 };
 
@@ -70,7 +76,7 @@ TEST_F(PolishedVase, IsTheSolidThatWasFoundInItsSilhouettes) {
     shape.put(v, frame, 0.01);
     each_ray(views[v], [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
       const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
-      const auto t = vase.entry(eye, ray);
+      const auto t = entry(eye, ray);
       if (!(z > 0) || !t) return;
       const ShapePoint truth = vase.nearest(eye + *t * ray);
       if (std::abs(truth.normal.z) < 0.5)
@@ -86,7 +92,7 @@ TEST_F(PolishedVase, IsTheSolidThatWasFoundInItsSilhouettes) {
 
 // Silhouettes say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
-  SurfaceOfRevolution learnt = surface_of_revolution(vase);
+  SurfaceOfRevolution learnt = vase;
   for (Vec2d& p : learnt.profile) p.x *= 1.02;
   const ShapeSet known{{{learnt, ShapeRole::Mirror, 0.01, -1, {}}}};
   const MirrorShape shape({sfm, masks, views, views, &known, {}, [&](size_t i) { return nothing_learnt(views[i]); }});
@@ -138,7 +144,7 @@ TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
 
 // A fin that training learnt stands out of the vase: it has its depth where it is in front, and its normals.
 TEST_F(PolishedVase, HasWhatTrainingLearntStandsOutOfIt) {
-  const SurfaceOfRevolution learnt = surface_of_revolution(vase);
+  const SurfaceOfRevolution learnt = vase;
   const View& view = views[0];
   const Vec3d towards = normalized(Vec3d{view.centre_in_world().x, view.centre_in_world().y, 0}),
               side = cross(Vec3d{0, 0, 1}, towards);
