@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/log.h"
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "core/shape/surface_samples.h"
 #include "core/stereo/visual_hull.h"
 
@@ -14,6 +16,7 @@ namespace {
 constexpr int kSilhouetteSide = 640;  // pixels: silhouettes tell a place to a fraction of one, and large ones fill memory
 constexpr CarvingRule kRule{.dissent = 0.08, .seen_share = 0.3, .inside_share = 0.6};
 constexpr double kExplained = 2.5;   // voxels: a hull lies so far from a shape that it shows
+constexpr double kBeside = 0.2;      // of the photos that show a point inside the mask: so many show it beside all shapes
 constexpr double kShapeCells = 100;  // along shapes without a hull: the spacing of points on them
 // Appendages bend faster than what they stand out of: points in place of one.
 constexpr double kCrowd = 6;
@@ -66,6 +69,48 @@ void put_on_shapes(const ShapeSet& shapes, Hull& hull) {
   }
 }
 
+// [point] near a shape.
+std::vector<uint8_t> near_shapes(const ShapeSet& shapes, const VisualHull& hull, const std::vector<ShapePoint>& surface) {
+  std::vector<uint8_t> out(surface.size());
+  parallel_for(surface.size(), 256, [&](size_t i) {
+    const Vec3d& p = surface[i].position;
+    out[i] = std::ranges::any_of(shapes.entries, [&](const ShapeSet::Entry& e) {
+      return length(nearest(e.shape, p).position - p) <= std::max(e.tolerance, kExplained * hull.voxel());
+    });
+  });
+  return out;
+}
+
+// Whether photos show the point inside the mask and beside the silhouettes of all shapes. A hull bulges between the cones of few
+// photos, and behind opaque surfaces; what bulges so lies in the silhouettes of the shape.
+bool shown_beside(const ShapeSet& shapes, const std::vector<Silhouette>& silhouettes, const Vec3d& p) {
+  size_t inside = 0, beside = 0;
+  for (const Silhouette& s : silhouettes) {
+    const auto q = image_point(p, s.view);
+    if (!q || s.value.at(int(q->x), int(q->y)) < 0.5f) continue;
+    const Vec3d eye = s.view.centre_in_world();
+    ++inside;
+    beside += std::ranges::none_of(shapes.entries, [&](const ShapeSet::Entry& e) {
+      return intersect(e.shape, {eye, p - eye}).has_value();
+    });
+  }
+  return beside >= kRule.fewest_views && double(beside) >= kBeside * double(inside);
+}
+
+// Points of the hull's surface that no shape explains.
+std::vector<ShapePoint> beside_shapes(const ShapeSet& shapes, const VisualHull& hull,
+                                      const std::vector<Silhouette>& silhouettes) {
+  const std::vector<ShapePoint> surface = hull.surface();
+  if (shapes.entries.empty()) return surface;
+  std::vector<uint8_t> keep = near_shapes(shapes, hull, surface);
+  parallel_for(surface.size(), 64,
+               [&](size_t i) { keep[i] = !keep[i] && shown_beside(shapes, silhouettes, surface[i].position); });
+  std::vector<ShapePoint> out;
+  for (size_t i = 0; i < surface.size(); ++i)
+    if (keep[i]) out.push_back(surface[i]);
+  return out;
+}
+
 }  // namespace
 
 Hull mask_hull(const MaskHullDesc& desc) {
@@ -81,17 +126,12 @@ Hull mask_hull(const MaskHullDesc& desc) {
   const Vec3d extent = around.high - around.low;
   hull.spacing = static_cast<float>(carved.empty() ? std::max({extent.x, extent.y, extent.z}) / kShapeCells : carved.voxel());
   put_on_shapes(shapes, hull);
+  const size_t on_shapes = hull.points.size();
   if (carved.empty()) return hull;
-  const std::vector<ShapePoint> surface = carved.surface();
-  std::vector<uint8_t> explained(surface.size());
-  parallel_for(surface.size(), 256, [&](size_t i) {
-    const Vec3d& p = surface[i].position;
-    explained[i] = std::ranges::any_of(shapes.entries, [&](const ShapeSet::Entry& e) {
-      return length(nearest(e.shape, p).position - p) <= std::max(e.tolerance, kExplained * carved.voxel());
-    });
-  });
-  for (size_t i = 0; i < surface.size(); ++i)
-    if (!explained[i]) hull.points.push_back({cast<float>(surface[i].position), cast<float>(surface[i].normal), false});
+  for (const ShapePoint& p : beside_shapes(shapes, carved, silhouettes))
+    hull.points.push_back({cast<float>(p.position), cast<float>(p.normal), false});
+  log_info("{} {}: {} points of shapes, {} elsewhere on its hull", name(mask_class(desc.kind)), shapes.entries.size(), on_shapes,
+           hull.points.size() - on_shapes);
   return hull;
 }
 

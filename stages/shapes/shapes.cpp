@@ -36,12 +36,10 @@ class ShapesRun {
   void run() {
     read_masks();
     const auto given = context_.optional_input("shapes");
-    if (config_.source == "none") {
-    } else if (given && config_.source != "fitted") {
+    if (given && config_.source == "auto")
       take(*given);
-    } else {
+    else if (config_.source != "none")
       fit();
-    }
     measure();
     write();
   }
