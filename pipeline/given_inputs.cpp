@@ -51,7 +51,7 @@ void check_masks(const fs::path& masks, const Settings& settings) {
   check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
 }
 
-// Hours before the stage reads it: whether it is a list at all.
+// Refuses a file that is no list of shapes before any stage runs; the shapes stage reads its entries.
 void check_shapes(const fs::path& given) {
   std::error_code ec;
   const fs::path file = fs::is_directory(given, ec) ? given / "shapes.json" : given;

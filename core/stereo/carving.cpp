@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/camera/projection.h"
 #include "core/math/quantile.h"
 
@@ -60,6 +61,11 @@ Carving::Carving(std::span<const Silhouette> silhouettes, const CarvingRule& rul
     for (const Silhouette& s : silhouettes) counts_.emplace_back(s.value);
 }
 
+bool Carving::near_inside(size_t index, int u, int v, double slope) const {
+  VITRINE_CHECK(index < counts_.size(), "carving with a slack needs silhouettes that may be widened");
+  return counts_[index].any_near(u, v, int(std::ceil(slope * silhouettes_[index].view.intrinsics.fx)));
+}
+
 bool Carving::enough(size_t seen, size_t inside) const {
   return inside >= rule_.fewest_views && inside >= size_t(rule_.seen_share * double(silhouettes_.size())) &&
          double(inside) >= rule_.inside_share * double(seen);
@@ -75,10 +81,7 @@ bool Carving::inside(const Vec3d& p, double near, double slack) const {
     const float value = s.value.at(u, v);
     if (value < 0) continue;
     ++seen;
-    const bool is_inside = value >= kInside || (!counts_.empty() && slack > 0 &&
-                                                counts_[size_t(&s - silhouettes_.data())].any_near(
-                                                    u, v, int(std::ceil(slack * s.view.intrinsics.fx / q->z))));
-    if (is_inside)
+    if (value >= kInside || (slack > 0 && near_inside(size_t(&s - silhouettes_.data()), u, v, slack / q->z)))
       ++inside;
     else if (!hidden(s, u, v, q->z, rule_.in_front) && double(++outside) > most)
       return false;

@@ -41,6 +41,7 @@ class Carving {
     int width_, height_;
     std::vector<uint32_t> sums_;
   };
+  bool near_inside(size_t silhouette, int u, int v, double slope) const;  // slope: slack over depth
   bool enough(size_t seen, size_t inside) const;
 
   std::span<const Silhouette> silhouettes_;

@@ -13,16 +13,16 @@ constexpr float kHalf = 0.5f;
 
 }  // namespace
 
-std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo, int max_side) {
+std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo,
+                                          const Intrinsics& size) {
   const auto mask = read_view_mask(masks, kind, photo);
   if (!mask) return std::nullopt;
   Silhouette out{photo, {}};
-  Intrinsics& k = out.view.intrinsics;
-  k = photo.intrinsics.limited_to(max_side);
-  out.value = resized(*mask, k.width, k.height);
+  out.view.intrinsics = size;
+  out.value = resized(*mask, size.width, size.height);
   if (kind == MaskClass::Transparent) return out;
   if (const auto glass = read_view_mask(masks, MaskClass::Transparent, photo)) {
-    const ImageF in_front = resized(*glass, k.width, k.height);
+    const ImageF in_front = resized(*glass, size.width, size.height);
     for (size_t i = 0; i < out.value.data().size(); ++i)
       if (in_front.data()[i] >= kHalf) out.value.data()[i] = -1;
   }

@@ -9,9 +9,10 @@
 
 namespace vitrine {
 
-// Of one photo, at most `max_side` pixels large; nullopt: the class has no mask of it. Pixels of glass are unknown in the
-// silhouettes of other classes: what they mark is seen through it.
-std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo, int max_side);
+// Of one photo, `size` pixels large; nullopt: the class has no mask of it. Pixels of glass are unknown in the silhouettes of
+// other classes: what they mark is seen through it.
+std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo,
+                                          const Intrinsics& size);
 
 // Some pixel shows an object.
 bool marks_something(const Silhouette& silhouette);

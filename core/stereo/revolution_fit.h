@@ -1,6 +1,6 @@
-// Surfaces of revolution whose silhouettes the masks are: vases, bottles and bowls are turned about an axis, and the curve
-// that is turned follows from the silhouettes of all photos at once, with normals as smooth as it is. A visual hull of the same
-// masks is made of voxels and bulges between the cones. Appendages and handles are no part of it.
+// Surfaces of revolution whose silhouettes the masks are. The profile curve about the axis follows from the silhouettes of all
+// photos at once, with normals as smooth as it is. A visual hull of the same masks is made of voxels and bulges between the
+// cones. Appendages and handles are no part of it.
 #pragma once
 
 #include <cstdint>

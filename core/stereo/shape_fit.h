@@ -14,7 +14,6 @@ namespace vitrine {
 struct FittedShapes {
   std::optional<BoxFit> box;                // else:
   std::vector<SurfaceOfRevolution> solids;  // one for each connected piece of the hull that is one
-  bool any() const { return box.has_value() || !solids.empty(); }
 };
 FittedShapes fit_shapes(std::span<const Silhouette> silhouettes, const VisualHull& hull);
 

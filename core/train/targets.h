@@ -31,7 +31,7 @@ struct Targets {
   std::vector<std::array<TargetLevel, kLevels>> photos;  // in the order of Capture::photos
   std::array<bool, kMaskClassCount> has{};               // some photo has some of the class
   std::array<bool, kMaskClassCount> guessed{};           // proposed by the masks stage itself, which is not sure
-  std::array<bool, kMaskClassCount> propagated{};  // from few marks or none, edges may be off by pixels
+  std::array<bool, kMaskClassCount> propagated{};        // from few marks or none, edges may be off by pixels
   bool has_normals = false;
   size_t memory_bytes = 0;
   std::vector<TargetProblem> warnings;

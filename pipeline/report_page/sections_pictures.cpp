@@ -145,7 +145,8 @@ std::string layers_section(const Material& m) {
                         image(*masks, "Contact sheet of the masks of glass and gloss"));
   if (const auto shapes = picture_of_file(m.project / "shapes/contact_sheet.png", kLargePicture))
     body += fmt::format(
-        "<details><summary>Known shapes of glass and metal (shapes/shapes.json; correct it and give it with --shapes)</summary>{}</details>",
+        "<details><summary>Known shapes of glass and metal (shapes/shapes.json; correct it and give it with "
+        "--shapes)</summary>{}</details>",
         image(*shapes, "Photos with the silhouettes of the known shapes"));
   return section("layers", "Layers", "What the picture is made of: the matt surface, what it reflects, what is seen through it.",
                  body);

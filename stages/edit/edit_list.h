@@ -23,7 +23,7 @@ namespace vitrine {
 // A region of a photo: what lies in it, near or far.
 struct EditMark {
   size_t view = 0;
-  std::vector<Vec2d> silhouette;  // pixels of the undistorted photo
+  std::vector<Vec2d> polygon;  // pixels of the undistorted photo
 };
 
 // All that is given must hold. Nothing given: everything.

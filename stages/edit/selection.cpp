@@ -27,10 +27,10 @@ constexpr size_t kNamedComponents = 5;  // in the error that another does not ex
 constexpr size_t kGrain = 256;
 
 // Even-odd rule.
-bool inside_silhouette(const std::vector<Vec2d>& silhouette, const Vec2d& p) {
+bool inside_polygon(const std::vector<Vec2d>& polygon, const Vec2d& p) {
   bool inside = false;
-  for (size_t i = 0, j = silhouette.size() - 1; i < silhouette.size(); j = i++) {
-    const Vec2d &a = silhouette[i], &b = silhouette[j];
+  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec2d &a = polygon[i], &b = polygon[j];
     if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) inside = !inside;
   }
   return inside;
@@ -110,7 +110,7 @@ Parts SceneSelector::select(const Selector& selector, const std::string& where) 
         if (!(p[c] >= selector.box->low[c] && p[c] <= selector.box->high[c])) return false;
     return std::ranges::all_of(selector.marks, [&](const EditMark& mark) {
       const auto px = image_point(p, views_[mark.view]);
-      return px && inside_silhouette(mark.silhouette, {px->x, px->y});
+      return px && inside_polygon(mark.polygon, {px->x, px->y});
     });
   });
   const auto both = [](uint8_t a, uint8_t b) { return uint8_t(a && b); };

@@ -8,12 +8,12 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/projection.h"
-#include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/resample.h"
 #include "core/math/median.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/stereo/mask_silhouette.h"
 #include "core/stereo/visible_paint.h"
 
 namespace vitrine {
@@ -35,20 +35,7 @@ constexpr double kOnShape = 2.5;                  // voxels: a blurred hull lies
 constexpr int kMarksMargin = 2;                   // pixels of the masks: silhouettes may be too narrow by that
 constexpr double kSteep = 0.7, kSteepest = 0.97;  // of a normal along the axis: no silhouette shows the tops of lids, and a
                                                   // smooth hull guesses better; from one to the other
-constexpr double kTurnedAlike = 0.7;  // cosine between both normals, at least
-
-ImageF marks_of(const std::filesystem::path& masks, const View& photo, const Intrinsics& k) {
-  const auto specular = read_view_mask(masks, MaskClass::Specular, photo);
-  if (!specular) return {};
-  ImageF out = resized(*specular, k.width, k.height);
-  for (float& v : out.data()) v = v > kHalf ? 1.f : 0.f;
-  if (const auto glass = read_view_mask(masks, MaskClass::Transparent, photo)) {
-    const ImageF g = resized(*glass, k.width, k.height);
-    for (size_t i = 0; i < g.data().size(); ++i)
-      if (g.data()[i] > kHalf) out.data()[i] = -1;
-  }
-  return out;
-}
+constexpr double kTurnedAlike = 0.7;              // cosine between both normals, at least
 
 }  // namespace
 
@@ -62,23 +49,25 @@ bool MirrorShape::Part::metal() const { return lower_half < kNoPaint; }
 
 MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   std::vector<Silhouette> silhouettes;
+  std::vector<size_t> view_of;  // [silhouette]
   const int side = mirror_mask_side(desc.views.size());
   bool any = false;
   for (size_t i = 0; i < desc.views.size(); ++i) {
     throw_if_interrupted();
     const auto photo = std::ranges::find(desc.photos, desc.views[i].name, &View::name);
     VITRINE_CHECK(photo != desc.photos.end(), "no photo is called {}", desc.views[i].name);
-    marks_.push_back(marks_of(desc.masks, *photo, desc.views[i].intrinsics.limited_to(side)));
-    any = any || std::ranges::find(marks_[i].data(), 1.f) != marks_[i].data().end();
+    auto marks = mask_silhouette(desc.masks, MaskClass::Specular, *photo, desc.views[i].intrinsics.limited_to(side));
+    marks_.push_back(marks ? marks->value : ImageF());
+    any = any || (marks && marks_something(*marks));
+    if (marks) silhouettes.push_back(std::move(*marks)), view_of.push_back(i);
   }
   if (!any) return;
-  for (size_t i = 0; i < desc.views.size(); ++i) {
+  for (size_t s = 0; s < silhouettes.size(); ++s) {
     throw_if_interrupted();
-    const ImageF& marks = marks_[i];
-    if (marks.empty()) continue;
-    Silhouette& silhouette = silhouettes.emplace_back(Silhouette{desc.views[i], marks, ImageF(marks.width(), marks.height(), 1)});
-    silhouette.view.intrinsics = desc.views[i].intrinsics.limited_to(side);
-    const RgbdFrame frame = desc.frame_of(i);
+    Silhouette& silhouette = silhouettes[s];
+    const ImageF& marks = silhouette.value;
+    silhouette.depth = ImageF(marks.width(), marks.height(), 1);
+    const RgbdFrame frame = desc.frame_of(view_of[s]);
     const int width = frame.intrinsics.width, height = frame.intrinsics.height;
     for (int y = 0; y < marks.height(); ++y)
       for (int x = 0; x < marks.width(); ++x)

@@ -62,7 +62,7 @@ class MirrorShape {
   std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
   bool near_marks(const ImageF& marks, int x, int y) const;
 
-  std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: 1 mirror, 0 not, -1 glass; empty: unmarked
+  std::vector<ImageF> marks_;  // [view] at most mirror_mask_side large: coverage by mirrors, -1 glass; empty: unmarked
   std::optional<VisualHull> hull_;
   ShapeSet shapes_;      // of metal, of role Mirror
   bool learnt_ = false;  // by training: the tops of lids as well, which no silhouette shows

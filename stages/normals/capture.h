@@ -16,7 +16,7 @@ struct NormalCapture {
   std::filesystem::path sfm;
   std::optional<std::filesystem::path> masks;
   ViewSet set;
-  ShapeSet shapes;  // of glass and metal; found before
+  ShapeSet shapes;                // of glass and metal; found before
   std::vector<uint32_t> helpers;  // photos that others may be matched with: not those kept for the evaluation
 
   // The photo, display-referred, at a size of the caller's. [h,w,3]

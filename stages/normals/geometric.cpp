@@ -123,9 +123,11 @@ ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricRepo
   ClassSurface out{.kind = kind, .role = kind == MaskClass::Transparent ? ShapeRole::Sheet : ShapeRole::Mirror, .hull = {}};
   out.shaped = desc.capture.shapes.has(out.role);
   std::vector<Silhouette> masks;
-  for (uint32_t v : desc.capture.helpers)
-    if (auto s = mask_silhouette(*desc.capture.masks, kind, desc.capture.set.views[v], 2 * desc.config.max_side))
+  for (uint32_t v : desc.capture.helpers) {
+    const View& photo = desc.capture.set.views[v];
+    if (auto s = mask_silhouette(*desc.capture.masks, kind, photo, photo.intrinsics.limited_to(2 * desc.config.max_side)))
       masks.push_back(std::move(*s));
+  }
   // Where glass is all that there is of gloss, nobody asks for a hull of the rest.
   if (kind == MaskClass::Specular && std::ranges::none_of(masks, marks_something)) masks.clear();
   out.hull = VisualHull(masks, {.resolution = desc.config.hull_resolution,
@@ -140,7 +142,7 @@ ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricRepo
 // perhaps.
 void put_surface(const GeometricDesc& desc, const ClassSurface& of, const View& view, size_t index, NormalMap& map) {
   const Intrinsics& k = view.intrinsics;
-  const auto mask = mask_silhouette(*desc.capture.masks, of.kind, desc.capture.set.views[index], desc.config.max_side);
+  const auto mask = mask_silhouette(*desc.capture.masks, of.kind, desc.capture.set.views[index], k);
   if (!mask) return;
   const Vec3d centre = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)

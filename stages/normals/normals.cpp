@@ -62,8 +62,11 @@ class NormalsRun {
       if (!maps[v].empty()) write(v, std::move(maps[v]));
     report_["hull"] = Json::object();
     for (const HullReport& hull : g.hulls) {
-      report_["hull"][name(hull.of)] = {
-          {"used", hull.found}, {"masks", hull.masks}, {"shapes", hull.shaped}, {"faces", hull.faces}, {"one_sidedness", hull.one_sidedness}};
+      report_["hull"][name(hull.of)] = {{"used", hull.found},
+                                        {"masks", hull.masks},
+                                        {"shapes", hull.shaped},
+                                        {"faces", hull.faces},
+                                        {"one_sidedness", hull.one_sidedness}};
       if (!hull.found)
         context_.warning("NO_HULL",
                          fmt::format("the {} masks leave no common volume, or the photos see it from one side only: its "

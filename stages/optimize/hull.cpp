@@ -127,7 +127,6 @@ Hull mask_hull(const MaskHullDesc& desc) {
   hull.spacing = static_cast<float>(carved.empty() ? std::max({extent.x, extent.y, extent.z}) / kShapeCells : carved.voxel());
   put_on_shapes(shapes, hull);
   const size_t on_shapes = hull.points.size();
-  if (carved.empty()) return hull;
   for (const ShapePoint& p : beside_shapes(shapes, carved, silhouettes))
     hull.points.push_back({cast<float>(p.position), cast<float>(p.normal), false});
   log_info("{} {}: {} points of shapes, {} elsewhere on its hull", name(mask_class(desc.kind)), shapes.entries.size(), on_shapes,

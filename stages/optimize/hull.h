@@ -1,6 +1,6 @@
-// Where the surface of glass and of polished metal is, as far as photos tell: on known shapes, and elsewhere on the visual hull of
-// the masks (core/stereo/visual_hull), with the depths of opaque surfaces in front. Neither has a texture that stays on it; the
-// silhouette tells its place.
+// Where the surface of glass and of polished metal is, as far as photos tell: on known shapes, and elsewhere on the visual hull
+// of the masks (core/stereo/visual_hull), with the depths of opaque surfaces in front. Neither has a texture that stays on it;
+// the silhouette tells its place.
 #pragma once
 
 #include <span>

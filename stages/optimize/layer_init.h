@@ -22,7 +22,7 @@ struct LayerInitDesc {
   const Capture& capture;
   const Targets& targets;
   const ShapeSet& shapes;  // of glass and metal, found before
-  int sh_degree = 0;  // that the diffuse layer is rendered with
+  int sh_degree = 0;       // that the diffuse layer is rendered with
 };
 
 // Of every diffuse surfel, over all training photos that have the mask.

@@ -9,9 +9,9 @@
 
 namespace vitrine {
 
-// The parts of the object's hull that reach at least 0.3 of a solid's largest radius out of all solids, with their roots, as far as
-// photos look at them; at most 8000 faces, normals per vertex. `propagated`: the masks are not drawn to a pixel, but propagated from
-// marks of few photos.
+// The parts of the object's hull that reach at least 0.3 of a solid's largest radius out of all solids, with their roots, as far
+// as photos look at them; at most 8000 faces, normals per vertex. `propagated`: the masks are not drawn to a pixel, but
+// propagated from marks of few photos.
 TriMesh appendages(const MaskedObject& object, std::span<const SurfaceOfRevolution> solids, const CarvingRule& rule,
                    bool propagated);
 

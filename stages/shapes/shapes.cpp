@@ -52,7 +52,9 @@ class ShapesRun {
       for (uint32_t v = 0; v < set_.views.size(); ++v) {
         throw_if_interrupted();
         if (is_heldout(v, config_.holdout_every)) continue;
-        if (auto s = mask_silhouette(*masks_, kind, set_.views[v], config_.max_side)) silhouettes.push_back(std::move(*s));
+        const View& view = set_.views[v];
+        if (auto s = mask_silhouette(*masks_, kind, view, view.intrinsics.limited_to(config_.max_side)))
+          silhouettes.push_back(std::move(*s));
       }
       // Where glass is all that there is of gloss, the rest has no hull.
       if (std::ranges::none_of(silhouettes, marks_something)) silhouettes.clear();

@@ -1,5 +1,5 @@
-// What sticks out of a solid in a picture, an appendage, and where it ends: hulls of few marks have it up to its root, and too
-// much along the solid's outline beside it.
+// The pixels of appendages of a surface of revolution. Hulls of few marks have an appendage up to its root, and are too wide
+// along the silhouette of the body beside it.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace vitrine {
 
-// All [h,w] of `k`, 0 or 1. `solid`: its outline, filled; `off`: what hulls have besides; `far`: what of it stands far off.
-// Returns the solid with what is far and what lies on the way from there to it.
+// All [h,w] of `k`, 0 or 1. `solid`: the silhouette of the body; `off`: pixels of the hulls beside it; `far`: those of them whose
+// surface is far from the body. Returns the body with the far pixels and those on the way from there to it.
 std::vector<uint8_t> with_appendages(const std::vector<uint8_t>& solid, const std::vector<uint8_t>& off,
                                      const std::vector<uint8_t>& far, const Intrinsics& k);
 

@@ -21,7 +21,7 @@ struct Proposal {
   std::vector<std::vector<int>> things;    // [view][h,w] which thing is seen there, or -1
   std::vector<std::vector<uint8_t>> told;  // [view][h,w] enough views saw the point to judge it
   std::vector<Intrinsics> sizes;           // [view]
-  std::vector<DisplayCase> cases;  // where there is one, nothing is voted on
+  std::vector<DisplayCase> cases;          // where there is one, nothing is voted on
   HullVote vote;
   std::vector<std::vector<uint8_t>> in_case;  // [view][h,w] the glass of one of them is seen there
   double fit_l1 = 0;
@@ -35,7 +35,9 @@ class ProposedSource final : public MaskSource {
   ProposedSource(std::shared_ptr<const Proposal> proposal, MaskClass kind) : proposal_(std::move(proposal)), kind_(kind) {}
   std::string_view name() const override { return "proposed"; }
   std::optional<SoftMask> at(size_t view) const override;
-  bool guessed() const override { return proposal_->cases.empty(); }  // boxes that stand on their edges are as good as a user's marks
+  bool guessed() const override {
+    return proposal_->cases.empty();
+  }  // boxes that stand on their edges are as good as a user's marks
   bool propagated() const override { return true; }
   void report(nlohmann::ordered_json& j) const override;
 

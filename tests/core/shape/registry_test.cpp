@@ -111,7 +111,8 @@ TEST_P(Shapes, SamplesLieOnItEvenly) {
   const TriMesh mesh = tessellated(shape, spacing);
   std::vector<Vec3d> fine;
   for (const auto& f : mesh.faces) {
-    const Vec3d a = cast<double>(mesh.positions[f[0]]), b = cast<double>(mesh.positions[f[1]]), c = cast<double>(mesh.positions[f[2]]);
+    const Vec3d a = cast<double>(mesh.positions[f[0]]), b = cast<double>(mesh.positions[f[1]]),
+                c = cast<double>(mesh.positions[f[2]]);
     const Vec3d across = cross(b - a, c - a);
     area += 0.5 * length(across);
     const Vec3d middle = (1. / 3) * (a + b + c);

@@ -8,7 +8,6 @@
 #include "core/light/environment.h"
 #include "core/math/spherical_harmonics.h"
 #include "stages/decompose/light_solver.h"
-#include "tests/support/tiny_capture.h"
 #include "tests/support/error_of.h"
 #include "tests/support/tiny_capture.h"
 

@@ -48,9 +48,9 @@ TEST(EditList, EveryKeyIsRead) {
   EXPECT_EQ(s.box->high, (Vec3d{1, 2, 3}));
   ASSERT_EQ(s.marks.size(), 2u);
   EXPECT_EQ(s.marks[0].view, 0u);
-  EXPECT_EQ(s.marks[0].silhouette[2].x, 30);
-  EXPECT_EQ(s.marks[0].silhouette[2].y, 40);
-  EXPECT_EQ(s.marks[1].silhouette[1].x, 400) << "scaled to the photo";
+  EXPECT_EQ(s.marks[0].polygon[2].x, 30);
+  EXPECT_EQ(s.marks[0].polygon[2].y, 40);
+  EXPECT_EQ(s.marks[1].polygon[1].x, 400) << "scaled to the photo";
   EXPECT_EQ(s.component, 2u);
   EXPECT_EQ(s.except.at(0).kind, MaskClass::Transparent);
   EXPECT_EQ(edits[0].set.tint, (Vec3f{0.5f, 0.5f, 0.5f}));

@@ -82,8 +82,8 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   EXPECT_GT(after[1], before[1] + 0.3) << ::testing::PrintToString(before) << " -> " << ::testing::PrintToString(after);
 }
 
-// The ball as silhouettes tell it, a pixel off here and there: it follows what it mirrors, and is remembered by checkpoints and by
-// the description of the scene.
+// The ball as silhouettes tell it, a pixel off here and there: it follows what it mirrors, and is remembered by checkpoints and
+// by the description of the scene.
 TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   const TemporaryFolder folder("solid-test");
   const fs::path sfm = folder.path() / "sfm";

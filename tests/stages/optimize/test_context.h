@@ -37,7 +37,9 @@ class TestContext final : public StageContext {
     EXPECT_EQ(name, "sfm");
     return sfm_;
   }
-  std::optional<fs::path> optional_input(std::string_view name) const override { return name == "masks" ? masks : name == "shapes" ? shapes : std::nullopt; }
+  std::optional<fs::path> optional_input(std::string_view name) const override {
+    return name == "masks" ? masks : name == "shapes" ? shapes : std::nullopt;
+  }
   const fs::path& output() const override { return output_; }
   const fs::path& scratch() const override { return scratch_; }
   int threads() const override { return thread_count; }

@@ -6,7 +6,6 @@
 #include "core/math/color.h"
 #include "core/picture/decomposed_materials.h"
 #include "stages/relight/turntable.h"
-#include "tests/support/tiny_capture.h"
 #include "tests/core/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
