@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
+#include "core/model/opened_scene.h"
+#include "core/model/sheet_pass.h"
 
 namespace vitrine {
 
@@ -15,12 +17,15 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;
-  const bool layered = scene.reflection.size() + scene.transmittance.size() > 0;
+  opened_ = draws_sheets(frame.options);
+  const bool layered = scene.reflection.size() + scene.transmittance.size() > 0 || opened_;
   desc.features = layered || options.materials ? FeatureSet::Material : FeatureSet::Surface;
-  desc.sh_degree = std::min(options.sh_degree, scene.diffuse.sh_degree());
+  if (opened_) without_glass_with_materials(scene, opened_degrees(scene, frame.options), frame.opened);
+  const SplatLayer& drawn = opened_ ? frame.opened.surfels : scene.diffuse;
+  desc.sh_degree = opened_ ? drawn.sh_degree() : std::min(options.sh_degree, drawn.sh_degree());
   desc.distortion = options.distortion;
   desc.near_z = options.near_z;
-  renderer_->forward(scene.diffuse, desc, frame.diffuse);
+  renderer_->forward(drawn, desc, frame.diffuse);
   const auto color = frame.diffuse.plane(Aov::Color);
   frame.linear.resize(color.size());
   parallel_chunks(color.size(), kDiffuseGrain, [&](size_t, size_t begin, size_t end) {
@@ -29,12 +34,29 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   frame.grad_diffuse.reset(desc);
 }
 
-void DiffusePass::backward(const SplatScene&, Frame& frame, SplatScene& grad) {
+void DiffusePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   const auto grad_color = frame.grad_diffuse.plane(Aov::Color);
   parallel_chunks(grad_color.size(), kDiffuseGrain, [&](size_t, size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) grad_color[i] += frame.grad_linear[i];
   });
+  if (opened_) return backward_of_opened(scene, frame, grad);
   renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad.diffuse, &frame.statistics);
+}
+
+void DiffusePass::backward_of_opened(const SplatScene& scene, Frame& frame, SplatScene& grad) {
+  const SplatLayer& drawn = frame.opened.surfels;
+  if (grad_.size() != drawn.size() || grad_.sh_degree() != drawn.sh_degree())
+    grad_ = drawn.zeros_like();
+  else
+    grad_.fill(0.f);
+  statistics_.reset(drawn.size());
+  renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad_, &statistics_);
+  SurfelStatistics* of_transmittance = nullptr;
+  if (scene.transmittance.size() > 0) {
+    of_transmittance = &frame.transmission.statistics;
+    if (of_transmittance->weight.size() != scene.transmittance.size()) of_transmittance->reset(scene.transmittance.size());
+  }
+  give_back(frame.opened, opened_degrees(scene, frame.options), {grad_, statistics_}, grad, frame.statistics, of_transmittance);
 }
 
 }  // namespace vitrine

@@ -36,6 +36,15 @@ struct BehindGlass {
   void clear();
 };
 
+// Known sheets of glass that stand before what the surfels show (SheetPass). Empty without one in the picture.
+struct SheetImages {
+  std::vector<uint32_t> entry;                     // [h,w] 1 + the entry that the pixel looks through first, 0: none
+  std::vector<float> coverage;                     // [h,w] of the pixel
+  std::vector<float> behind_alpha, behind_median;  // [h,w] the channels Alpha and MedianZ of the surfels alone
+  bool empty() const { return entry.empty(); }
+  void clear();
+};
+
 // What the two panes of a case mirror by which a pixel's ray enters and leaves it (PanePass). Empty without a case in the
 // picture.
 struct PaneImages {
@@ -75,6 +84,7 @@ struct Frame {
   RasterImages diffuse;                    // channels of the diffuse pass
   ShadedPixels shaded;                     // pixels that send rays
   SecondaryRays reflection, transmission;  // their rays through the two other layers
+  SheetImages sheets;
   PaneImages panes;
   SilhouetteImages silhouette;
   OpenedScene opened;

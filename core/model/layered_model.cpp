@@ -5,6 +5,8 @@
 #include "core/model/display_pass.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
+#include "core/model/sheet_pass.h"
+#include "core/model/shell_pass.h"
 #include "core/model/silhouette_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/model/thin_glass_pass.h"
@@ -17,9 +19,11 @@ LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
   emplace<DiffusePass>(backend);
   shape_ = emplace<ShapePass>();
   emplace<SilhouettePass>(backend);
+  emplace<SheetPass>();
   emplace<SurfacePass>();
   emplace<ThinGlassPass>(backend);
   emplace<PanePass>(backend);
+  emplace<ShellPass>(options.reflection.backend);
   emplace<ReflectionPass>(options.reflection.backend);
   emplace<TransmissionPass>(options.transmission.backend);
   emplace<CompositePass>();

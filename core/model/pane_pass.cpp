@@ -69,18 +69,17 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       if (!s.asks[i].transmission) continue;
       const uint32_t pixel = s.pixels[i];
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
-      const Vec3d place = eye + double(g.zdepth[pixel]) / double(g.alpha[pixel]) * per_z;
-      const auto hit = set.first_hit({eye, per_z}, ShapeRole::Sheet, [&](const ShapeSet::Hit& h) {
-        const ShapeSet::Entry& e = set.entries[h.entry];
-        return first_pane_[h.entry] < first_pane_[h.entry + 1] && length(nearest(e.shape, place).position - place) <= e.tolerance;
-      });
+      if (frame.sheets.entry[pixel] == 0) continue;
+      const uint32_t entry = frame.sheets.entry[pixel] - 1;
+      if (first_pane_[entry] == first_pane_[entry + 1]) continue;
+      const auto hit = intersect(set.entries[entry].shape, {eye, per_z});
       if (!hit) continue;
-      pane_of_[Near][pixel] = first_pane_[hit->entry] + hit->element;
+      pane_of_[Near][pixel] = first_pane_[entry] + hit->element;
       out.shown[pixel] = 1;
       // Out of a convex sheet by the first facet that looks away.
       double leaves_at = 1e300, rise = 0;
       uint32_t by = kNoPane;
-      for (uint32_t k = first_pane_[hit->entry]; k < first_pane_[hit->entry + 1]; ++k) {
+      for (uint32_t k = first_pane_[entry]; k < first_pane_[entry + 1]; ++k) {
         const Facet& f = panes_[k].plane;
         const double away = dot(f.normal, per_z), t = (f.offset - dot(f.normal, eye)) / away;
         if (away > 0 && t < leaves_at) leaves_at = t, rise = away, by = k;
@@ -137,7 +136,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
 void PanePass::forward(const SplatScene&, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
-  if (!knows(frame.options.shape.set.get(), ShapeRole::Sheet) || frame.behind.radiance.empty()) return;
+  if (frame.sheets.empty() || frame.behind.radiance.empty()) return;
   out.start(frame.pixel_count());
   list_panes(*frame.options.shape.set);
   find_panes(frame, out);

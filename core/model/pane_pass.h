@@ -8,7 +8,7 @@
 // (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on the sample scene; the far
 // pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
-// Pixels take part that ask for a transmission and show a sheet where it is, the nearest of those. No gradient goes through the
+// Pixels take part that ask for a transmission and look through a sheet first (SheetPass). No gradient goes through the
 // mirrored pictures. Nothing to do without a sheet or where ThinGlassPass, whose surfels are mirrored, had nothing to show.
 #pragma once
 
@@ -30,8 +30,8 @@ class PanePass final : public Pass {
   explicit PanePass(Backend backend) : window_picture_(backend) {}
   std::string_view name() const override { return "panes"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::TransmissionAskers, FramePart::OpenedScene,
-                      FramePart::BehindGlass},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers,
+                      FramePart::OpenedScene, FramePart::BehindGlass},
             .writes = {FramePart::Panes},
             .adds = {FramePart::ReflectionAskers}};
   }

@@ -18,6 +18,7 @@ enum class FramePart : unsigned char {
   Linear,               // Frame::linear
   ShownShapes,          // Frame::silhouette.shapes
   Silhouettes,          // the rest of Frame::silhouette
+  Sheets,               // Frame::sheets
   Surfaces,             // Frame::shaded, but for the two below
   ReflectionAskers,     // ShadedPixels::asks
   TransmissionAskers,   // likewise

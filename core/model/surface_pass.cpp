@@ -25,7 +25,7 @@ constexpr uint32_t tile_y(uint32_t i) { return tile_x(i >> 1); }
 void SurfacePass::select(const SplatScene& scene, Frame& frame) {
   const SurfaceOptions& options = frame.options.surface;
   const GBuffer g(frame);
-  const bool reflects = scene.reflection.size() > 0, transmits = scene.transmittance.size() > 0;
+  const bool reflects = scene.reflection.size() > 0, transmits = scene.transmittance.size() > 0 || !frame.sheets.empty();
   const auto inside = [&](std::span<const float> mask, uint32_t pixel) {
     return !mask.empty() && mask[pixel] > options.mask_threshold;
   };
@@ -59,7 +59,7 @@ void SurfacePass::select(const SplatScene& scene, Frame& frame) {
 void SurfacePass::forward(const SplatScene& scene, Frame& frame) {
   ShadedPixels& s = frame.shaded;
   s.clear();
-  if (scene.reflection.size() + scene.transmittance.size() == 0) return;
+  if (scene.reflection.size() + scene.transmittance.size() == 0 && frame.sheets.empty()) return;
   const SurfaceOptions& options = frame.options.surface;
   select(scene, frame);
   const size_t asking = s.pixels.size();

@@ -17,7 +17,7 @@ class SurfacePass final : public Pass {
  public:
   std::string_view name() const override { return "surface"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Sheets},
             .writes = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers}};
   }
 

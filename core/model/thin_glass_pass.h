@@ -8,7 +8,8 @@
 // there (a test of core/trace says so), several times as fast, and filters what is smaller than a pixel. Things in the room so
 // stay one set of surfels, whether a photo sees them directly or through the glass; the transmittance layer has what is seen
 // through it only. Every pixel that asks for it has its own C_t, whichever pixels of a group send rays; the others cost nothing.
-// Does nothing unless TransmissionOptions::glass is Glass::Thin and the layer is there. Where glass is thick
+// Where known sheets stand for the glass (SheetPass), that picture is the one that DiffusePass has drawn already. Does nothing
+// unless TransmissionOptions::glass is Glass::Thin and there is a layer or a sheet. Where glass is thick
 // (TransmissionOptions::thick), rays bent by it take the place of the straight ones (BentRays).
 #pragma once
 
@@ -20,26 +21,25 @@
 
 namespace vitrine {
 
-// Surfels of a diffuse layer that are no glass, ascending.
-std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
-// The scene without its glass, with spherical harmonics up to the degrees given (beyond: 0). Reuses the memory of `opened`.
-void without_glass(const SplatScene& scene, int diffuse_degree, int layer_degree, OpenedScene& opened);
-
 class ThinGlassPass final : public Pass {
  public:
   // `backend`: of the rasteriser.
   explicit ThinGlassPass(Backend backend) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "thin_glass"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::TransmissionAskers},
-            .writes = {FramePart::OpenedScene, FramePart::BehindGlass}};
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers},
+            .writes = {FramePart::BehindGlass},
+            .adds = {FramePart::OpenedScene}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 
  private:
+  void take_drawn(Frame& frame) const;
+
   std::unique_ptr<Renderer> renderer_;
+  bool drawn_ = false;           // the picture is that of DiffusePass
   SplatLayer grad_;              // of the opened scene
   std::vector<uint8_t> wanted_;  // [h,w] pixels that ask for what stands behind them
   RasterImages picture_, gradients_;

@@ -6,7 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/model/thin_glass_pass.h"
+#include "core/model/opened_scene.h"
 
 namespace vitrine {
 

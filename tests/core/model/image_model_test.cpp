@@ -11,6 +11,7 @@
 #include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
 #include "core/model/shape_pass.h"
+#include "core/model/sheet_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/scene/activation.h"
 
@@ -100,6 +101,7 @@ TEST(ImageModel, RefusesPassesInAWrongOrder) {
             "pass 'display' reads 'linear radiance', which no pass before it writes");
   EXPECT_EQ(refusal([](ImageModel& m) {
               m.emplace<DiffusePass>();
+              m.emplace<SheetPass>();
               m.emplace<SurfacePass>();
               m.emplace<ShapePass>();
             }),
