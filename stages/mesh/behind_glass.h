@@ -1,5 +1,5 @@
 // What stands behind glass. The fused depth is that of the first surface, so mesh.ply ends at the panes; what is in a case is in
-// this second mesh. Where a training view shows glass, the depth of everything but the glass (core/model/thin_glass_pass.h) is
+// this second mesh. Where a training view shows glass, the depth of everything but the glass (core/model/opened_scene.h) is
 // fused inside the boxes of the mesh's glass parts; faces that mesh.ply has already (a table that also goes on outside) and those
 // that lie on the panes themselves are left out.
 #pragma once

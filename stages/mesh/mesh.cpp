@@ -16,7 +16,7 @@
 #include "core/mesh/mesh_report.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/mesh/repair_cgal.h"
-#include "core/model/thin_glass_pass.h"
+#include "core/model/opened_scene.h"
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
 #include "core/stereo/shapes_artifact.h"
@@ -149,7 +149,7 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
 void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views, const TriMesh& mesh,
                         FusionDesc fusion, RenderedDepth& shell, StageContext& context, Json& report) {
   OpenedScene content;
-  without_glass(scene.surfels, scene.image.diffuse.sh_degree, scene.image.transmission.sh_degree, content);
+  without_glass(scene.surfels, opened_degrees(scene.surfels, scene.image), content);
   RenderedDepth inside(config, content.surfels, scene.image.diffuse.near_z, views);
   const TriMesh behind =
       behind_glass({.mesh = mesh,

@@ -306,6 +306,18 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   return counts;
 }
 
+bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes) {
+  return config.shading.glass == "thin" && config.shading.panes && shapes.has(ShapeRole::Sheet);
+}
+
+ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene) {
+  const Survey found = survey(desc, scene, {});
+  ShapeSet sheets = desc.shapes.without(ShapeRole::Mirror);
+  for (ShapeSet::Entry& sheet : sheets.entries)
+    sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
+  return sheets;
+}
+
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
   const TransmittancePhase& phase = desc.config.phases.transmittance;
   const auto seed = static_cast<uint64_t>(desc.config.seed);

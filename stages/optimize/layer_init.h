@@ -42,4 +42,10 @@ struct HullCounts {
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 
+// Sheets of glass that are drawn from their shapes (core/model/sheet_pass.h) need no surfels while the scene is trained: what is
+// seen through them stays in the diffuse layer until the end, when begin_transmittance() gives other programs what they expect.
+bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
+// The sheets, with the faces that are panes; the scene stays as it is.
+ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene);
+
 }  // namespace vitrine

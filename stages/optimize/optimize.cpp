@@ -182,6 +182,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   if (!trainer) trainer = trainer_from_start(setup, depth.get());
   depth.forget();
   train(config, capture, *trainer, checkpoint, previews, context);
+  trainer->finish();
 
   RunReport report{.max_surfels = max_surfels, .heldout = {}};
   report.heldout = measure(*trainer, setup, capture.heldout);

@@ -10,7 +10,7 @@
 #include "core/math/orthonormal_basis.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
-#include "core/model/thin_glass_pass.h"
+#include "core/model/opened_scene.h"
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"

@@ -37,6 +37,7 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       scene_{.diffuse = std::move(initial)},
       planes_(std::move(planes)),
       background_(background),
+      sheets_(trains_sheets(setup.config, setup.shapes) && setup.layers.transmittance),
       initial_surfels_(scene_.diffuse.size()) {
   // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
   densify_behind_glass_.idle_weight = 0;
@@ -51,14 +52,15 @@ size_t Trainer::diffuse_cap() const {
   const size_t all = cap(LayerKind::Diffuse);
   size_t room = 0;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance})
-    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)])
+    if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)] && !(sheets_ && kind == LayerKind::Transmittance))
       room += std::min(static_cast<size_t>(config().phases.most_hull_points(kind)), all / 10);
   return all - room;
 }
 
 size_t Trainer::cap(const TrainerSetup& setup, LayerKind kind) {
   const auto part = [&](LayerKind k) {
-    return setup.layers.has(k) ? static_cast<size_t>(setup.config.phases.of(k).share * double(setup.max_surfels)) : 0;
+    if (!setup.layers.has(k) || (k == LayerKind::Transmittance && trains_sheets(setup.config, setup.shapes))) return size_t{0};
+    return static_cast<size_t>(setup.config.phases.of(k).share * double(setup.max_surfels));
   };
   if (kind != LayerKind::Diffuse) return part(kind);
   return setup.max_surfels - part(LayerKind::Reflection) - part(LayerKind::Transmittance);
@@ -235,19 +237,41 @@ void Trainer::move_surfels() {
   }
 }
 
+LayerInitDesc Trainer::init_desc() const {
+  return {.config = config(),
+          .capture = setup_.capture,
+          .targets = setup_.targets,
+          .shapes = setup_.shapes,
+          .sh_degree = sh_degree()};
+}
+
+void Trainer::begin_sheets() {
+  ShapeSet sheets = known_sheets(init_desc(), scene_);
+  log_info("step {}: {} sheets of glass begin", step_, sheets.entries.size());
+  shapes_.add(std::move(sheets));
+}
+
+void Trainer::finish() {
+  if (!sheets_ || glass_surfels_ > 0) return;
+  const HullCounts counts = begin_transmittance(init_desc(), SIZE_MAX, SIZE_MAX, scene_);
+  glass_surfels_ = counts.hull;
+  log_info("{} surfels carry the glass; {} that are seen through it alone are the transmittance layer", counts.hull,
+           counts.moved);
+}
+
 // A layer begins with what the diffuse layer knows at that moment.
 void Trainer::begin_phases() {
   const PhaseClock clock = this->clock();
-  const LayerInitDesc desc{.config = config(),
-                           .capture = setup_.capture,
-                           .targets = setup_.targets,
-                           .shapes = setup_.shapes,
-                           .sh_degree = sh_degree()};
+  const LayerInitDesc desc = init_desc();
   bool changed = false;
   for (LayerKind kind : {LayerKind::Reflection, LayerKind::Transmittance}) {
     uint8_t& begun = begun_[static_cast<size_t>(kind)];
     if (begun || !clock.begun(kind)) continue;
     begun = 1;
+    if (sheets_ && kind == LayerKind::Transmittance) {
+      begin_sheets();
+      continue;
+    }
     changed = true;
     const auto begin = kind == LayerKind::Reflection ? begin_reflection : begin_transmittance;
     const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
@@ -273,7 +297,7 @@ void Trainer::fill_unseen() {
     if (setup_.layers.has(kind) && !begun_[static_cast<size_t>(kind)]) return;
   filled_ = 1;
   const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
-  if (thin_glass) fill_beside_glass();
+  if (thin_glass && !sheets_) fill_beside_glass();
   const SplatLayer unseen = inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
                                              background_, size_t(kMostUnseen * double(setup_.max_surfels)));
   scene_.diffuse = joined(scene_.diffuse, unseen);
@@ -313,18 +337,18 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = clock().image_options(config().shading, backend_of(config()), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.shape.set = shapes_.set();
-  if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_;
+  if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
   return options;
 }
 
-// Masks ask for rays; those of glass only when there is a layer behind it.
+// Masks ask for rays; those of glass only when there is a layer behind it. Sheets ask by themselves.
 void Trainer::point_at_masks() {
   frame_.seed = static_cast<uint64_t>(config().seed);
   frame_.step = step_;
   frame_.specular_mask = target_images_.mask(MaskClass::Specular);
   frame_.transparent_mask = {};
   const auto transparent = target_images_.mask(MaskClass::Transparent);
-  if (begun_[static_cast<size_t>(LayerKind::Transmittance)]) {
+  if (begun_[static_cast<size_t>(LayerKind::Transmittance)] && !sheets_) {
     frame_.transparent_mask = transparent;
   } else if (!transparent.empty() && !frame_.specular_mask.empty()) {
     gloss_.assign(frame_.specular_mask.begin(), frame_.specular_mask.end());

@@ -14,6 +14,7 @@
 #include "core/train/layer_training.h"
 #include "core/train/shape_training.h"
 #include "core/train/targets.h"
+#include "stages/optimize/layer_init.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
@@ -66,6 +67,10 @@ class Trainer {
   // Of the passes at this moment.
   ImageOptions image_options() const;
 
+  // After the last step: glass that was trained without surfels gets those that other stages and programs read, and what is seen
+  // through it alone becomes the transmittance layer. Pictures stay the same.
+  void finish();
+
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
 
@@ -80,7 +85,9 @@ class Trainer {
   int sh_degree() const { return fraction() < config().sh_from ? 0 : config().sh_degree; }
   size_t diffuse_cap() const;
   void point_at_masks();
+  LayerInitDesc init_desc() const;
   void begin_phases();
+  void begin_sheets();
   void fill_unseen();
   void fill_beside_glass();
   double descend(uint32_t photo);
@@ -102,6 +109,8 @@ class Trainer {
   ShapeTraining shapes_;      // that mirror, and sheets of glass
   KnownSurface known_gloss_;  // of what reflects
   uint8_t filled_ = 0;        // what no photo shows
+  bool sheets_;               // glass is drawn from its shapes
+  size_t glass_surfels_ = 0;  // that carry it, after finish(): the last ones of the diffuse layer
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
   uint64_t step_ = 0;
   uint32_t bad_streak_ = 0;  // steps in a row with many broken gradients, or without a surfel

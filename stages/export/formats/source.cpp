@@ -7,7 +7,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/model/kernels/layer_blend.h"
-#include "core/model/thin_glass_pass.h"
+#include "core/model/opened_scene.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/scene/activation.h"
 #include "stages/export/bake/preview_fit.h"
@@ -164,7 +164,7 @@ const SurfaceSampler& ExportSource::sampler() {
     sampler_.emplace(surface);
     return *sampler_;
   }
-  without_glass(scene().surfels, scene().image.diffuse.sh_degree, scene().image.transmission.sh_degree, content_);
+  without_glass(scene().surfels, opened_degrees(scene().surfels, scene().image), content_);
   content_materials_ = content_materials(materials(), content_.opaque, content_.surfels.size());
   const MaterialSource content{
       .surfels = &content_.surfels, .materials = content_materials_, .with_albedo = has_albedo() ? content_.opaque.size() : 0};
