@@ -5,7 +5,9 @@
 
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
+#include "core/model/opened_scene.h"
 #include "core/model/picture_window.h"
+#include "core/model/sheet_pass.h"
 
 namespace vitrine {
 
@@ -50,9 +52,8 @@ void PanePass::list_panes(const ShapeSet& set) {
   panes_.clear();
   first_pane_.assign(1, 0);
   for (const ShapeSet::Entry& e : set.entries) {
-    if (e.role == ShapeRole::Sheet)
-      for (const Facet& f : facets(e.shape))
-        panes_.push_back({f, e.is_clear(panes_.size() - first_pane_.back()), kAtPane_rel * e.tolerance});
+    for (const Facet& f : facets(e.shape))
+      panes_.push_back({f, e.is_clear(panes_.size() - first_pane_.back()), kAtPane_rel * e.tolerance});
     first_pane_.push_back(static_cast<uint32_t>(panes_.size()));
   }
 }
@@ -62,7 +63,6 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
   const ShapeSet& set = *frame.options.shape.set;
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
-  for (auto& panes : pane_of_) panes.assign(g.pixels, kNoPane);
   const Vec3d eye = frame.view->centre_in_world();
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
@@ -90,6 +90,28 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       pane_of_[Far][pixel] = by;
       out.far_share[pixel] = 1;
       out.far_cosine[pixel] = static_cast<float>(rise / length(per_z));
+    }
+  });
+}
+
+// By which facets opaque pixels mirror.
+void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
+  const ShapeSet& set = *frame.options.shape.set;
+  const std::vector<uint32_t>& shown = frame.silhouette.shapes;
+  if (shown.empty()) return;
+  const GBuffer g(frame);
+  const ShadedPixels& s = frame.shaded;
+  const Vec3d eye = frame.view->centre_in_world();
+  parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) {
+      const uint32_t pixel = s.pixels[i];
+      if (shown[pixel] == 0 || out.shown[pixel] || (!frame.sheets.empty() && frame.sheets.entry[pixel] != 0)) continue;
+      const uint32_t entry = shown[pixel] - 1;
+      if (first_pane_[entry] == first_pane_[entry + 1]) continue;
+      const auto hit = intersect(set.entries[entry].shape, {eye, cast<double>(g.ray(pixel).direction_per_z)});
+      if (!hit) continue;
+      pane_of_[Near][pixel] = first_pane_[entry] + hit->element;
+      out.shown[pixel] = 1;
     }
   });
 }
@@ -133,14 +155,20 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   }
 }
 
-void PanePass::forward(const SplatScene&, Frame& frame) {
+void PanePass::forward(const SplatScene& scene, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
-  if (frame.sheets.empty() || frame.behind.radiance.empty()) return;
-  out.start(frame.pixel_count());
+  if (frame.options.shape.set == nullptr) return;
   list_panes(*frame.options.shape.set);
-  find_panes(frame, out);
+  if (panes_.empty()) return;
+  out.start(frame.pixel_count());
+  for (auto& panes : pane_of_) panes.assign(frame.pixel_count(), kNoPane);
+  const bool opened =
+      draws_sheets(frame.options) || !frame.behind.radiance.empty();  // passes before have the scene without glass
+  if (!frame.sheets.empty() && !frame.behind.radiance.empty()) find_panes(frame, out);
+  find_mirrors(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
+  if (!opened) without_glass(scene, opened_degrees(scene, frame.options), frame.opened);
   for (uint32_t pane = 0; pane < panes_.size(); ++pane)
     for (const Side side : {Near, Far}) mirror(frame, pane, side, out);
   // They mirror before there is a reflection layer, too.

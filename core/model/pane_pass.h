@@ -1,15 +1,16 @@
-// Reflections in flat panes of clear glass: the facets of known shapes of role Sheet, a display case (a box) or a single pane (a
-// plane). A picture in a flat mirror is the picture that a camera behind the mirror takes: the scene is rasterised from there,
-// pane by pane, without the glass. Two panes count in a pixel, the one that its ray enters by and, where it gets past everything
-// inside a closed sheet, the one it leaves by:
+// Reflections in flat panes of clear glass, the facets of known shapes of role Sheet, a display case (a box) or a single pane (a
+// plane), and in flat mirrors. A picture in a flat mirror is the picture that a camera behind the mirror takes: the scene is
+// rasterised from there, pane by pane, without the glass. Two panes count in a pixel, the one that its ray enters by and, where
+// it gets past everything inside a closed sheet, the one it leaves by:
 //
 //   near pane   mirrors what lies outside of it          far pane   mirrors what lies on its inner side
 //
 // (What a ray meets third, or what the near pane takes from the far one's picture, is worth 43 dB on the sample scene; the far
 // pane 31, both 20.) A mirror shows the room as the layers have it: room that photos show directly is learnt there, not
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
-// Pixels take part that ask for a transmission and look through a sheet first (SheetPass). No gradient goes through the
-// mirrored pictures. Nothing to do without a sheet or where ThinGlassPass, whose surfels are mirrored, had nothing to show.
+// Flat mirrors, the facets of known shapes that are opaque, show the scene the same way, with a near pane alone.
+// Pixels take part that ask for a transmission and look through a sheet first (SheetPass), or show a mirror (ShapePass). No
+// gradient goes through the mirrored pictures. Nothing to do without a facet.
 #pragma once
 
 #include <array>
@@ -30,10 +31,10 @@ class PanePass final : public Pass {
   explicit PanePass(Backend backend) : window_picture_(backend) {}
   std::string_view name() const override { return "panes"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers,
-                      FramePart::OpenedScene, FramePart::BehindGlass},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::ShownShapes,
+                      FramePart::TransmissionAskers, FramePart::BehindGlass},
             .writes = {FramePart::Panes},
-            .adds = {FramePart::ReflectionAskers}};
+            .adds = {FramePart::ReflectionAskers, FramePart::OpenedScene}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;
@@ -47,11 +48,12 @@ class PanePass final : public Pass {
   };
   void list_panes(const ShapeSet& set);
   void find_panes(const Frame& frame, PaneImages& out);
+  void find_mirrors(const Frame& frame, PaneImages& out);
   // The two panes that a pixel's ray passes.
   enum Side : unsigned char { Near, Far };
   void mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& out);
 
-  std::vector<Pane> panes_;                       // the facets of all sheets
+  std::vector<Pane> panes_;                       // the facets of all shapes
   std::vector<uint32_t> first_pane_;              // [entry + 1]
   std::array<std::vector<uint32_t>, 2> pane_of_;  // [side] [h,w] index of panes_, or kNoPane
   WindowPicture window_picture_;

@@ -28,7 +28,7 @@ class SheetRays {
     for (const Bounds3& b : reach_)
       if (!b.empty()) all_.extend(b.low), all_.extend(b.high);
   }
-  // Along (x, y) of the picture, not behind z-depth `z` by more than the sheet's tolerance.
+  // Along (x, y) of the picture, before z-depth `z` by more than the sheet's tolerance.
   std::optional<ShapeSet::Hit> first(double x, double y, double z) const {
     const Vec3d per_z = transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(x, y));
     const Ray ray{eye_, per_z};
@@ -36,7 +36,7 @@ class SheetRays {
     const double speed = length(per_z);
     return set_.first_hit(ray, ShapeRole::Sheet, [&](const ShapeSet::Hit& h) {
       const ShapeSet::Entry& e = set_.entries[h.entry];
-      return e.is_clear(h.element) && (h.t - z) * speed <= e.tolerance;
+      return e.is_clear(h.element) && (z - h.t) * speed > e.tolerance;
     });
   }
 

@@ -8,6 +8,7 @@
 #include "core/model/image_model.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
+#include "core/model/shape_pass.h"
 #include "core/model/sheet_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/model/thin_glass_pass.h"
@@ -99,6 +100,7 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   // A loss that is linear in the radiance: there is no display.
   ImageModel model(options);
   model.emplace<DiffusePass>(options.diffuse.backend);
+  model.emplace<ShapePass>();
   model.emplace<SheetPass>();
   model.emplace<SurfacePass>();
   model.emplace<ThinGlassPass>(options.diffuse.backend);

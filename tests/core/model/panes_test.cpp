@@ -227,6 +227,34 @@ TEST(Panes, OfSheetsThatOverlapAreThoseOfTheNearest) {
   EXPECT_GT(of_the_case, 100u);
 }
 
+// A flat mirror shows what a sheet at its place mirrors, and nothing stands behind it.
+TEST(Panes, AFlatMirrorShowsTheScene) {
+  Showcase s;
+  const Plane plane{{0, -kHalf, 0}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {kHalf, kHalf}};
+  s.set->entries = {{plane, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
+  Frame sheet, mirror;
+  LayeredModel(s.options()).forward(s.scene, s.view, sheet);
+  s.set->entries[0].role = ShapeRole::Mirror;
+  for (double x = -0.45; x < 0.5; x += 0.1)
+    for (double z = -0.45; z < 0.5; z += 0.1) {
+      const size_t i = add_surfel(s.scene.diffuse, {{x, -kHalf, z}, {0, -1, 0}, 0.08, 0.97, {0, 0, 0}}, 1);
+      *s.scene.diffuse.at(Attribute::SpecularWeight, i) = logit(0.9f);
+      *s.scene.diffuse.at(Attribute::Transmission, i) = logit(1e-4f);
+    }
+  LayeredModel(s.options()).forward(s.scene, s.view, mirror);
+  ASSERT_FALSE(mirror.panes.empty());
+  size_t both = 0;
+  const size_t pixels = mirror.pixel_count();
+  for (size_t i = 0; i < pixels; ++i) {
+    if (sheet.panes.shown[i] == 0 || mirror.panes.shown[i] == 0) continue;
+    for (size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(mirror.panes.near_color[c * pixels + i], sheet.panes.near_color[c * pixels + i], 2e-3);
+    EXPECT_EQ(mirror.panes.far_share[i], 0);
+    ++both;
+  }
+  EXPECT_GT(both, 100u);
+}
+
 TEST(Panes, AddUpToThePixelAsWritten) {
   const Showcase s;
   ImageOptions options = s.options();
