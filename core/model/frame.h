@@ -39,6 +39,7 @@ struct BehindGlass {
 // Known sheets of glass that stand before what the surfels show (SheetPass). Empty without one in the picture.
 struct SheetImages {
   std::vector<uint32_t> entry;                     // [h,w] 1 + the entry that the pixel looks through first, 0: none
+  std::vector<uint32_t> element;                   // [h,w] which part of it (ShapeHit)
   std::vector<float> coverage;                     // [h,w] of the pixel
   std::vector<float> behind_alpha, behind_median;  // [h,w] the channels Alpha and MedianZ of the surfels alone
   bool empty() const { return entry.empty(); }

@@ -17,9 +17,9 @@ namespace vitrine {
 LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
   const Backend backend = options.diffuse.backend;
   emplace<DiffusePass>(backend);
+  emplace<SheetPass>();
   shape_ = emplace<ShapePass>();
   emplace<SilhouettePass>(backend);
-  emplace<SheetPass>();
   emplace<SurfacePass>();
   emplace<ThinGlassPass>(backend);
   emplace<PanePass>(backend);

@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kNoPane = UINT32_MAX;
 constexpr size_t kPaneGrain = 1024;
 constexpr double kAtPane_rel = 0.4;    // of the tolerance of the sheet (Pane::at_pane)
-constexpr double kOnePane_rel = 1e-6;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
+constexpr double kOnePane_rel = 1e-5;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
 constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind the mirror; the pane cuts, not the camera
 
 }  // namespace
@@ -60,7 +60,6 @@ void PanePass::list_panes(const ShapeSet& set) {
 
 // By which panes the rays of the pixels enter and leave, those that get past everything in the case.
 void PanePass::find_panes(const Frame& frame, PaneImages& out) {
-  const ShapeSet& set = *frame.options.shape.set;
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
   const Vec3d eye = frame.view->centre_in_world();
@@ -72,9 +71,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       if (frame.sheets.entry[pixel] == 0) continue;
       const uint32_t entry = frame.sheets.entry[pixel] - 1;
       if (first_pane_[entry] == first_pane_[entry + 1]) continue;
-      const auto hit = intersect(set.entries[entry].shape, {eye, per_z});
-      if (!hit) continue;
-      pane_of_[Near][pixel] = first_pane_[entry] + hit->element;
+      pane_of_[Near][pixel] = first_pane_[entry] + frame.sheets.element[pixel];
       out.shown[pixel] = 1;
       // Out of a convex sheet by the first facet that looks away.
       double leaves_at = 1e300, rise = 0;
@@ -84,7 +81,8 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
         const double away = dot(f.normal, per_z), t = (f.offset - dot(f.normal, eye)) / away;
         if (away > 0 && t < leaves_at) leaves_at = t, rise = away, by = k;
       }
-      if (by == kNoPane || !panes_[by].clear || leaves_at < (1 + kOnePane_rel) * hit->t) continue;
+      if (by == kNoPane || !panes_[by].clear || leaves_at < (1 + kOnePane_rel) * double(g.zdepth[pixel] / g.alpha[pixel]))
+        continue;
       const bool past = (double(frame.behind.median_z[pixel]) - leaves_at) * rise > panes_[by].at_pane;
       if (!past && !(frame.behind.inner_transmittance[pixel] > 0.5f)) continue;
       pane_of_[Far][pixel] = by;

@@ -14,10 +14,17 @@ namespace {
 constexpr size_t kSheetRows = 8;
 constexpr float kSheetSpecular = 0.002f;  // k_s: above clear_gate's threshold, and nothing beside Fresnel's law
 constexpr float kSheetRoughness = 0.05f;
-constexpr float kBehindAlpha = 0.5f;  // of the surfels: below, nothing stands in front of a sheet
+constexpr float kFrameSpecular = 0.1f;  // k_s of metal
+constexpr float kBehindAlpha = 0.5f;    // of the surfels: below, nothing stands in front of a sheet
 constexpr std::array<std::array<double, 2>, 4> kQuarters{{{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}};
 constexpr Aov kOverwritten[] = {Aov::Normal,    Aov::ZDepth,         Aov::MedianZ,     Aov::F0,
                                 Aov::Roughness, Aov::SpecularWeight, Aov::Transmission};
+
+// What the surfels show in a pixel.
+struct Shown {
+  double z;      // z-depth; infinite where they show next to nothing
+  bool mirrors;  // metal: at a sheet, its frame
+};
 
 // Rays of one picture to the sheets of a scene.
 class SheetRays {
@@ -28,15 +35,15 @@ class SheetRays {
     for (const Bounds3& b : reach_)
       if (!b.empty()) all_.extend(b.low), all_.extend(b.high);
   }
-  // Along (x, y) of the picture, before z-depth `z` by more than the sheet's tolerance.
-  std::optional<ShapeSet::Hit> first(double x, double y, double z) const {
+  // Along (x, y) of the picture, before what the surfels show.
+  std::optional<ShapeSet::Hit> first(double x, double y, const Shown& shown) const {
     const Vec3d per_z = transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(x, y));
     const Ray ray{eye_, per_z};
     if (!may_meet(all_, ray)) return std::nullopt;
     const double speed = length(per_z);
     return set_.first_hit(ray, ShapeRole::Sheet, [&](const ShapeSet::Hit& h) {
       const ShapeSet::Entry& e = set_.entries[h.entry];
-      return e.is_clear(h.element) && (z - h.t) * speed > e.tolerance;
+      return e.is_clear(h.element) && (shown.z - h.t) * speed > (shown.mirrors ? e.tolerance : -e.tolerance);
     });
   }
 
@@ -57,16 +64,16 @@ class SheetRays {
   Bounds3 all_;
 };
 
-// z-depth of what the surfels show in a pixel; infinite where they show next to nothing.
-double depth_behind(const Frame& frame, size_t pixel) {
+Shown shown_by_surfels(const Frame& frame, bool reflects, size_t pixel) {
   const float z = frame.diffuse.plane(Aov::MedianZ)[pixel];
-  return frame.diffuse.plane(Aov::Alpha)[pixel] > kBehindAlpha && z > 0 ? double(z) : INFINITY;
+  const bool shows = frame.diffuse.plane(Aov::Alpha)[pixel] > kBehindAlpha && z > 0;
+  return {shows ? double(z) : INFINITY, reflects && frame.diffuse.plane(Aov::SpecularWeight)[pixel] > kFrameSpecular};
 }
 
 }  // namespace
 
 void SheetImages::clear() {
-  entry.clear();
+  entry.clear(), element.clear();
   for (auto* plane : {&coverage, &behind_alpha, &behind_median}) plane->clear();
 }
 
@@ -75,7 +82,7 @@ bool draws_sheets(const ImageOptions& options) {
 }
 
 // What the middles of all pixels look at.
-void SheetPass::look(const Frame& frame) {
+void SheetPass::look(const Frame& frame, bool reflects) {
   const SheetRays rays(frame);
   const auto width = static_cast<size_t>(frame.view->intrinsics.width),
              height = static_cast<size_t>(frame.view->intrinsics.height);
@@ -84,22 +91,23 @@ void SheetPass::look(const Frame& frame) {
     for (size_t y = band * kSheetRows; y < std::min((band + 1) * kSheetRows, height); ++y)
       for (size_t x = 0; x < width; ++x) {
         const size_t pixel = y * width + x;
-        const auto hit = rays.first(double(x) + 0.5, double(y) + 0.5, depth_behind(frame, pixel));
-        if (hit) middles_[pixel] = {hit->entry + 1, static_cast<float>(hit->t), cast<float>(hit->normal)};
+        const auto hit = rays.first(double(x) + 0.5, double(y) + 0.5, shown_by_surfels(frame, reflects, pixel));
+        if (hit) middles_[pixel] = {hit->entry + 1, hit->element, static_cast<float>(hit->t), cast<float>(hit->normal)};
       }
   });
 }
 
-void SheetPass::forward(const SplatScene&, Frame& frame) {
+void SheetPass::forward(const SplatScene& scene, Frame& frame) {
   SheetImages& out = frame.sheets;
   out.clear();
   if (!draws_sheets(frame.options)) return;
-  look(frame);
+  const bool reflects = scene.reflection.size() > 0;
+  look(frame, reflects);
   const auto width = static_cast<size_t>(frame.view->intrinsics.width),
              height = static_cast<size_t>(frame.view->intrinsics.height);
   const size_t pixels = frame.pixel_count();
   if (std::ranges::none_of(middles_, [](const Seen& s) { return s.entry != 0; })) return;
-  out.entry.assign(pixels, 0);
+  out.entry.assign(pixels, 0), out.element.assign(pixels, 0);
   out.coverage.assign(pixels, 0.f);
   const auto alpha = frame.diffuse.plane(Aov::Alpha), median = frame.diffuse.plane(Aov::MedianZ);
   out.behind_alpha.assign(alpha.begin(), alpha.end());
@@ -120,17 +128,17 @@ void SheetPass::forward(const SplatScene&, Frame& frame) {
         Seen seen = middles_[pixel];
         float coverage = seen.entry != 0;
         if (at_silhouette(x, y)) {
-          const double z = depth_behind(frame, pixel);
+          const Shown shown = shown_by_surfels(frame, reflects, pixel);
           coverage = 0;
           for (const auto& [dx, dy] : kQuarters) {
-            const auto hit = rays.first(double(x) + dx, double(y) + dy, z);
+            const auto hit = rays.first(double(x) + dx, double(y) + dy, shown);
             if (!hit) continue;
             coverage += 1.f / kQuarters.size();
-            if (seen.entry == 0) seen = {hit->entry + 1, static_cast<float>(hit->t), cast<float>(hit->normal)};
+            if (seen.entry == 0) seen = {hit->entry + 1, hit->element, static_cast<float>(hit->t), cast<float>(hit->normal)};
           }
         }
         if (!(coverage > 0)) continue;
-        out.entry[pixel] = seen.entry;
+        out.entry[pixel] = seen.entry, out.element[pixel] = seen.element;
         out.coverage[pixel] = coverage;
         const float a = std::max(channels.plane(Aov::Alpha)[pixel], coverage);
         channels.plane(Aov::Alpha)[pixel] = a;

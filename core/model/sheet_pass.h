@@ -1,8 +1,8 @@
 // Known sheets of clear glass (core/shape, role Sheet) stand over the picture as surfaces of their own: no surfel shows them. A
 // pixel that looks at a pane in front of what the surfels show takes normal, depth and materials from the sheet, and later passes
-// shade it as they shade any glass (what the surfels show at the sheet, nearer than its tolerance, is a frame or a label, no
-// glass): C_t is what the surfels show there, dimmed and mirrored over by the Fresnel law of a sheet (README 2, 4). So glass
-// takes no surfel of the budget, its silhouette is sharp, and its normals are those of the shape.
+// shade it as they shade any glass (metal that the surfels show at the sheet is its frame, no glass): C_t is what the surfels
+// show there, dimmed and mirrored over by the Fresnel law of a sheet (README 2, 4). So glass takes no surfel of the budget, its
+// silhouette is sharp, and its normals are those of the shape.
 //
 // Coverage: pixels that the silhouette of a sheet crosses are covered by the share of their four quarters whose middles meet it;
 // tau is that share. Where nothing is known of glass (no shape), nothing is drawn, and what is seen through it stays as it is.
@@ -31,11 +31,12 @@ class SheetPass final : public Pass {
 
  private:
   struct Seen {
-    uint32_t entry = 0;  // 1 + index; 0: none
+    uint32_t entry = 0;    // 1 + index; 0: none
+    uint32_t element = 0;  // of the shape
     float z = 0;
     Vec3f normal{};
   };
-  void look(const Frame& frame);
+  void look(const Frame& frame, bool reflects);
 
   std::vector<Seen> middles_;  // [h,w] at the pixel's middle
 };

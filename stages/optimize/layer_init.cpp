@@ -322,7 +322,7 @@ HullCounts begin_sheets(const LayerInitDesc& desc, SplatScene& scene) {
     const float* m = diffuse.at(Attribute::Mean, i);
     const Vec3d p{m[0], m[1], m[2]};
     on_sheet[i] =
-        found.evidence[0].share(i) >= kMostlyInside && std::ranges::any_of(counts.shapes.entries, [&](const ShapeSet::Entry& e) {
+        found.evidence[0].share(i) >= kBehindGlass && std::ranges::any_of(counts.shapes.entries, [&](const ShapeSet::Entry& e) {
           return length(nearest(e.shape, p).position - p) <= e.tolerance;
         });
   });
