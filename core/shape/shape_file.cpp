@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/json.h"
 #include "core/base/json_cause.h"
@@ -15,7 +16,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::array<const char*, 2> kRoles{"mirror", "sheet"};
+constexpr std::array<const char*, 3> kRoles{"mirror", "sheet", "coat"};  // [ShapeRole]
 
 std::filesystem::path mesh_path(const std::filesystem::path& folder, size_t entry) {
   return folder / fmt::format("shape_{}.ply", entry);
@@ -26,12 +27,18 @@ ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, c
   const auto unusable = [&](const std::string& why) { return ShapeMistake(index, why); };
   const ShapeKind* kind = find_shape_kind(json.at("kind").get<std::string>());
   if (!kind) throw unusable("there is no such kind");
-  const auto role = std::ranges::find(kRoles, json.at("role").get<std::string>());
-  if (role == kRoles.end()) throw unusable("there is no such role");
+  const auto word = json.at("role").get<std::string>();
+  const auto role = std::ranges::find(kRoles, word);
+  if (role == kRoles.end())
+    throw unusable(fmt::format("there is no role \"{}\"; the roles are {}", word, fmt::join(kRoles, ", ")));
   const std::optional<Shape> shape = kind->read(json, json.contains("mesh") ? mesh(index) : TriMesh{});
   if (!shape) throw unusable(fmt::format("its numbers are no {}", kind->name));
-  ShapeSet::Entry entry{*shape, static_cast<ShapeRole>(role - kRoles.begin()), json.at("tolerance").get<double>(),
-                        json.value("parent", -1), json.value("clear", std::vector<uint8_t>())};
+  ShapeSet::Entry entry{*shape,
+                        static_cast<ShapeRole>(role - kRoles.begin()),
+                        json.at("tolerance").get<double>(),
+                        json.value("parent", -1),
+                        json.value("clear", std::vector<uint8_t>()),
+                        json.value("exact", true)};
   if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
   // Parents stand before their appendages: no circles.
   if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
@@ -53,6 +60,7 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& keep_me
         {"kind", kind.name}, {"role", kRoles[static_cast<size_t>(entry.role)]}, {"tolerance", entry.tolerance}};
     if (entry.parent >= 0) json["parent"] = entry.parent;
     if (!entry.clear.empty()) json["clear"] = entry.clear;
+    if (!entry.exact) json["exact"] = false;
     if (const TriMesh* mesh = kind.mesh(entry.shape)) {
       json["mesh"] = mesh_path({}, i).string();
       keep_mesh(i, *mesh);

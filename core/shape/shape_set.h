@@ -13,6 +13,7 @@ namespace vitrine {
 enum class ShapeRole : unsigned char {
   Mirror,  // an opaque surface that mirrors
   Sheet,   // thin clear glass: its facets are panes
+  Coat,    // a clear layer over paint, which its surfels show
 };
 
 struct ShapeSet {
@@ -22,6 +23,7 @@ struct ShapeSet {
     double tolerance = 0;        // how far from it surfels that show it lie, scene units, > 0
     int parent = -1;             // of an appendage, a handle: the entry that it stands out of, before it and of the same role
     std::vector<uint8_t> clear;  // [facet] of a sheet: 0 where it stands on something or is a frame; empty: all are panes
+    bool exact = true;           // of a coat: its normals are better than those of surfels; false: a visual hull
     bool is_clear(size_t facet) const { return facet >= clear.size() || clear[facet] != 0; }
   };
   std::vector<Entry> entries;

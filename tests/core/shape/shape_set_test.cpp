@@ -68,12 +68,16 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
   for (const ShapeKind& kind : shape_kinds()) set.entries.push_back({kind.sample(rng), ShapeRole::Mirror, 0.25, -1, {}});
   set.entries.back().parent = 1;
   set.entries[0].role = ShapeRole::Sheet, set.entries[0].clear = {1, 0};
+  set.entries[2].role = ShapeRole::Coat, set.entries[2].exact = false;
   const std::string text = write_shapes(set, folder.path()).dump();
   const ShapeSet back = read_shapes(nlohmann::json::parse(text), folder.path());
   ASSERT_EQ(back.entries.size(), set.entries.size());
   EXPECT_EQ(write_shapes(back, folder.path()).dump(), text);
   EXPECT_FALSE(back.entries[0].is_clear(1));
   EXPECT_EQ(back.entries.back().parent, 1);
+  EXPECT_EQ(back.entries[2].role, ShapeRole::Coat);
+  EXPECT_FALSE(back.entries[2].exact);
+  EXPECT_TRUE(back.entries[1].exact);
   const auto refused = [&](size_t entry, const char* key, const nlohmann::json& value) {
     nlohmann::json json = nlohmann::json::parse(text);
     json[entry][key] = value;
@@ -85,7 +89,7 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
     return std::string();
   };
   EXPECT_EQ(refused(1, "kind", "torus"), "shape 1: there is no such kind");
-  EXPECT_EQ(refused(1, "role", "door"), "shape 1: there is no such role");
+  EXPECT_EQ(refused(1, "role", "door"), "shape 1: there is no role \"door\"; the roles are mirror, sheet, coat");
   EXPECT_EQ(refused(1, "tolerance", 0), "shape 1: its tolerance is not positive");
   EXPECT_EQ(refused(1, "parent", 1), "shape 1: its parent is unknown");
   EXPECT_EQ(refused(1, "parent", 0), "shape 1: its parent has another role");
