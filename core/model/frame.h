@@ -67,6 +67,22 @@ struct SilhouetteImages {
   void clear();
 };
 
+// Pixels that show a coat (ShapePass): the channels stay those of the paint, reflections take the surface of the shape. Empty
+// without.
+enum class CoatPixel : unsigned char {
+  None,
+  OfSurfels,  // the surfels tell position and normal of the coat as well
+  OfShape,    // the shape does
+};
+struct CoatImages {
+  std::vector<CoatPixel> shown;  // [h,w]
+  std::vector<float> normal, z;  // [3,h,w] unit, [h,w] z-depth, where the shape tells them
+  bool shows(uint32_t pixel) const { return !shown.empty() && shown[pixel] != CoatPixel::None; }
+  bool of_shape(uint32_t pixel) const { return !shown.empty() && shown[pixel] == CoatPixel::OfShape; }
+  void clear();
+  void start(size_t pixels);
+};
+
 // Everything but the glass in one layer (ThinGlassPass): the opaque surfels of the diffuse layer, then the transmittance layer.
 struct OpenedScene {
   SplatLayer surfels;
@@ -88,6 +104,7 @@ struct Frame {
   SheetImages sheets;
   PaneImages panes;
   SilhouetteImages silhouette;
+  CoatImages coats;
   OpenedScene opened;
   BehindGlass behind;
   std::vector<float> linear;  // [3,h,w] radiance towards the camera, before the view's gain

@@ -24,7 +24,8 @@ class GBuffer {
         specular(frame.diffuse.plane(Aov::SpecularWeight)),
         transmission(frame.diffuse.plane(Aov::Transmission)),
         zdepth(frame.diffuse.plane(Aov::ZDepth)),
-        alpha(frame.diffuse.plane(Aov::Alpha)) {
+        alpha(frame.diffuse.plane(Aov::Alpha)),
+        coats_(frame.coats) {
     const Intrinsics& k = frame.view->intrinsics;
     const Mat3d& r = frame.view->cam_from_world.rotation;
     eye_ = cast<float>(frame.view->centre_in_world());
@@ -41,24 +42,30 @@ class GBuffer {
     const Vec3f d = corner_ + float(pixel % w) * per_x_ + float(pixel / w) * per_y_;
     return {eye_, d, -normalized(d)};
   }
+  // The normal of what mirrors, times alpha: on a coat that of its shape.
+  Vec3f surface_normal(uint32_t pixel) const {
+    return coats_.of_shape(pixel) ? alpha[pixel] * rgb(coats_.normal, pixel) : rgb(normal, pixel);
+  }
   PixelSums<float> sums(uint32_t pixel) const {
-    return {rgb(normal, pixel), rgb(f0, pixel), roughness[pixel], zdepth[pixel], alpha[pixel]};
+    const float z = coats_.of_shape(pixel) ? alpha[pixel] * coats_.z[pixel] : zdepth[pixel];
+    return {surface_normal(pixel), rgb(f0, pixel), roughness[pixel], z, alpha[pixel]};
   }
   // A normal that the eye can see from the front: without one there is neither a mirror nor a way through.
   bool has_surface(uint32_t pixel) const {
-    const Vec3f n = rgb(normal, pixel);
+    const Vec3f n = surface_normal(pixel);
     const float l = length(n);
     return l > kShortestNormal && dot(n, ray(pixel).view) > float(kMinCosine) * l;
   }
   // What the blend needs of any pixel.
   BlendMaterial<float> material(uint32_t pixel) const {
-    const Vec3f n = rgb(normal, pixel);
-    return {(1.f / alpha[pixel]) * rgb(f0, pixel), specular[pixel], transmission[pixel], dot(normalized(n), ray(pixel).view),
-            normal_agreement(n, alpha[pixel])};
+    const Vec3f n = surface_normal(pixel);
+    return {(1.f / alpha[pixel]) * rgb(f0, pixel), specular[pixel],    transmission[pixel], dot(normalized(n), ray(pixel).view),
+            normal_agreement(n, alpha[pixel]),     coats_.shows(pixel)};
   }
 
  private:
   static constexpr float kShortestNormal = 0.05f;  // opposite normals that cancel leave no direction
+  const CoatImages& coats_;
   Vec3f eye_, per_x_, per_y_, corner_;
 };
 

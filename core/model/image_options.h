@@ -23,8 +23,8 @@ struct DiffuseOptions {
   bool materials = false;   // blend f0, roughness, k_s, tau even while there is no other layer (a loss looks at them)
 };
 
-// Known shapes: surfaces that specular pixels show (ShapePass, role Mirror), and panes that are flat mirrors (PanePass, role
-// Sheet). nullptr: none is known.
+// Known shapes: surfaces that specular pixels show (ShapePass, roles Mirror and Coat), and panes that are flat mirrors (PanePass,
+// role Sheet). nullptr: none is known.
 struct ShapeOptions {
   std::shared_ptr<const ShapeSet> set = nullptr;
   float min_alpha = 0.5f;   // no surface below

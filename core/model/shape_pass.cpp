@@ -12,15 +12,44 @@ namespace {
 // Tolerances that a pixel may show behind a shape: the far side of it, through gaps of the near side. Farther off is another
 // thing, seen where the shape is gone.
 constexpr double kBehind = 2.2 / 0.06;
+// The same of a coat: paint has no gaps, but a hull fills its hollows.
+constexpr double kBehindCoat = 4;
 constexpr size_t kRows = 8;
 
+// Where surfels of the coats lie at all.
+std::vector<Bounds3> coat_bounds(const ShapeSet& set) {
+  std::vector<Bounds3> out;
+  for (const ShapeSet::Entry& e : set.entries) {
+    if (e.role != ShapeRole::Coat) continue;
+    const double more = kBehindCoat * e.tolerance;
+    Bounds3 b = bounds(e.shape);
+    b.low -= Vec3d{more, more, more}, b.high += Vec3d{more, more, more};
+    out.push_back(b);
+  }
+  return out;
+}
+
 }  // namespace
+
+void CoatImages::clear() { shown.clear(), normal.clear(), z.clear(); }
+
+void CoatImages::start(size_t pixels) {
+  shown.assign(pixels, CoatPixel::None);
+  normal.assign(3 * pixels, 0.f);
+  z.assign(pixels, 0.f);
+}
 
 void ShapePass::forward(const SplatScene& scene, Frame& frame) {
   options_ = frame.options.shape;
   bands_.clear();
   frame.silhouette.shapes.clear();
-  if (!knows(options_.set.get(), ShapeRole::Mirror) || scene.reflection.size() == 0) return;
+  frame.coats.clear();
+  if (scene.reflection.size() == 0) return;
+  if (knows(options_.set.get(), ShapeRole::Mirror)) show_mirrors(frame);
+  if (knows(options_.set.get(), ShapeRole::Coat)) show_coats(frame);
+}
+
+void ShapePass::show_mirrors(Frame& frame) {
   const ShapeSet& set = *options_.set;
   const GBuffer g(frame);
   const auto width = static_cast<size_t>(g.width);
@@ -45,6 +74,37 @@ void ShapePass::forward(const SplatScene& scene, Frame& frame) {
       zdepth[pixel] = alpha * static_cast<float>(hit->t);
       frame.silhouette.shapes[pixel] = hit->entry + 1;
       bands_[band].push_back({pixel, *hit});
+    }
+  });
+}
+
+void ShapePass::show_coats(Frame& frame) const {
+  const ShapeSet& set = *options_.set;
+  const std::vector<Bounds3> reach = coat_bounds(set);
+  const GBuffer g(frame);
+  const auto width = static_cast<size_t>(g.width);
+  const Vec3d eye = frame.view->centre_in_world();
+  CoatImages& coats = frame.coats;
+  coats.start(g.pixels);
+  parallel_for(static_cast<size_t>(g.height), kRows, [&](size_t row) {
+    for (size_t i = row * width; i < (row + 1) * width; ++i) {
+      const auto pixel = static_cast<uint32_t>(i);
+      const float alpha = g.alpha[pixel];
+      if (!(alpha > options_.min_alpha) || (!frame.silhouette.shapes.empty() && frame.silhouette.shapes[pixel] != 0)) continue;
+      const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
+      const double z = double(g.zdepth[pixel]) / double(alpha), speed = length(per_z);
+      const Vec3d place = eye + z * per_z;
+      if (std::ranges::none_of(reach, [&](const Bounds3& b) { return b.contains(place); })) continue;
+      const auto hit = set.first_hit({eye, per_z}, ShapeRole::Coat, [&](const ShapeSet::Hit& h) {
+        const double in_front = (h.t - z) * speed, tolerance = set.entries[h.entry].tolerance;
+        return in_front <= tolerance && in_front >= -kBehindCoat * tolerance && dot(h.normal, per_z) < 0;
+      });
+      if (!hit) continue;
+      const bool exact = set.entries[hit->entry].exact;
+      coats.shown[pixel] = exact ? CoatPixel::OfShape : CoatPixel::OfSurfels;
+      if (!exact) continue;
+      for (size_t c = 0; c < 3; ++c) coats.normal[c * g.pixels + pixel] = static_cast<float>(hit->normal[c]);
+      coats.z[pixel] = static_cast<float>(hit->t);
     }
   });
 }

@@ -42,9 +42,9 @@ void SurfacePass::select(const SplatScene& scene, Frame& frame) {
         const uint32_t pixel = y * width + x;
         if (!(g.alpha[pixel] > options.min_alpha)) continue;
         const bool glass = inside(frame.transparent_mask, pixel);
-        const LayersPresent asks{
-            .reflection = reflects && (glass || g.specular[pixel] > float(kMinSpecular) || inside(frame.specular_mask, pixel)),
-            .transmission = transmits && (glass || g.transmission[pixel] > float(kMinSpecular))};
+        const LayersPresent asks{.reflection = reflects && (glass || g.specular[pixel] > float(kMinSpecular) ||
+                                                            inside(frame.specular_mask, pixel) || frame.coats.shows(pixel)),
+                                 .transmission = transmits && (glass || g.transmission[pixel] > float(kMinSpecular))};
         if ((asks.reflection || asks.transmission) && g.has_surface(pixel)) askers.push_back({pixel, asks});
       }
   });
@@ -109,6 +109,7 @@ void SurfacePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       if (!options.depth_gradient) grad.position = {};
       if (const float l = length(grad.normal); l > longest) grad.normal *= longest / l;
       const uint32_t pixel = s.chosen_pixel(i);
+      if (frame.coats.shows(pixel)) grad = {.roughness = grad.roughness};
       const PixelSums<float> sums = surface_point_vjp(g.sums(pixel), s.rays[i], grad);
       for (size_t c = 0; c < 3; ++c) {
         out.plane(Aov::Normal)[c * pixels + pixel] += sums.normal[c];

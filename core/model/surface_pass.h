@@ -7,6 +7,9 @@
 //   The others show the same radiance under their own materials, and pass no gradient; the chosen one's gradient counts for the
 // whole group. Every pixel is chosen with probability 1/size, hence the expected gradient of a loss that is a sum over pixels is
 // the gradient with all rays traced.
+//   Pixels of a coat ask for a reflection whatever their k_s. Its rays neither move nor turn the surfels of the paint, and f0
+//   stays
+// that of the clear layer.
 #pragma once
 
 #include "core/model/pass.h"

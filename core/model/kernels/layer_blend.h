@@ -4,7 +4,7 @@
 // layered has the form of Na et al. 2026 ("GLINT"), without G; sets of their own for what is reflected and what is transmitted
 // are those of Zeng et al. 2026 ("RT-GS"); algorithms 3.3. F is the Fresnel term at the view angle, tau being how far the surface
 // is a clear sheet (fresnel.h).
-//   G = g + (1 - g) tau h    g = 1 - (1 - x)^2, h = smoothstep(0, 0.001, k_s)
+//   G = g + (1 - g) tau h    g = 1 - (1 - x)^2, h = smoothstep(0, 0.001, k_s)    g = 1 on a coat (ShapeRole::Coat)
 // g fades Fresnel out where a surface has no specular weight, so that an opaque pixel stays exactly its diffuse colour:
 // x = clamp((k_s - t)/(s - t), 0, 1), zero at the threshold t below which a pixel sends no rays. What is clear mirrors by
 // Fresnel's law however little its k_s, and nothing at k_s = 0, for whoever wants such glass.
@@ -31,6 +31,7 @@ template <class T>
 struct BlendMaterial {  // or its gradient
   Vec3<T> f0{};
   T specular{}, transmission{}, cosine{}, agreement{1};  // k_s, tau, n.v, a
+  bool coat = false;                                     // Fresnel counts in full whatever k_s; no gradient
 };
 
 template <class T>
@@ -70,7 +71,8 @@ LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, Layer
   LayerWeights<T> w;
   const T tau = present.transmission ? m.transmission : T(0), one(1);
   const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
-  const T opaque_gate = fresnel_gate(m.specular), gate = opaque_gate + (one - opaque_gate) * tau * clear_gate(m.specular);
+  const T opaque_gate = m.coat ? one : fresnel_gate(m.specular);
+  const T gate = opaque_gate + (one - opaque_gate) * tau * clear_gate(m.specular);
   for (size_t c = 0; c < 3; ++c) {
     if (blend == LayerBlend::RtrGs) {
       const T k_s = m.agreement * m.specular;
@@ -94,9 +96,10 @@ BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, 
   out.agreement = T(0);
   const T tau = present.transmission ? m.transmission : T(0), one(1), a = m.agreement;
   const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
-  const T opaque_gate = fresnel_gate(m.specular), closed = one - opaque_gate, clear = clear_gate(m.specular);
+  const T opaque_gate = m.coat ? one : fresnel_gate(m.specular), opaque_slope = m.coat ? T(0) : fresnel_gate_slope(m.specular);
+  const T closed = one - opaque_gate, clear = clear_gate(m.specular);
   const T gate = opaque_gate + closed * tau * clear;
-  const T gate_slope = fresnel_gate_slope(m.specular) * (one - tau * clear) + closed * tau * clear_gate_slope(m.specular);
+  const T gate_slope = opaque_slope * (one - tau * clear) + closed * tau * clear_gate_slope(m.specular);
   Vec3<T> grad_f{};
   T grad_tau(0);
   for (size_t c = 0; c < 3; ++c) {

@@ -210,14 +210,16 @@ TEST_P(Blend, MatchesDualNumbers) {
   const LayersPresent present{reflection, transmission};
   for (uint64_t seed = 0; seed < 40; ++seed) {
     Draw draw(seed);
-    const BlendMaterial<double> m{draw.color(),
-                                  seed % 3 == 0   ? 0.05 * draw.unit()
-                                  : seed % 5 == 0 ? 0.001 * draw.unit()
-                                                  : draw.unit(),
-                                  draw.unit(), draw.unit(), draw.unit()};
+    BlendMaterial<double> m{draw.color(),
+                            seed % 3 == 0   ? 0.05 * draw.unit()
+                            : seed % 5 == 0 ? 0.001 * draw.unit()
+                                            : draw.unit(),
+                            draw.unit(), draw.unit(), draw.unit()};
     const LayerWeights<double> g{draw.vec(), draw.vec(), draw.vec()};
-    const BlendMaterial<D<7>> dual{variables<7>(m.f0, 0), D<7>::variable(m.specular, 3), D<7>::variable(m.transmission, 4),
-                                   D<7>::variable(m.cosine, 5), D<7>::variable(m.agreement, 6)};
+    m.coat = seed % 4 == 3;
+    BlendMaterial<D<7>> dual{variables<7>(m.f0, 0), D<7>::variable(m.specular, 3), D<7>::variable(m.transmission, 4),
+                             D<7>::variable(m.cosine, 5), D<7>::variable(m.agreement, 6)};
+    dual.coat = m.coat;
     const auto w = layer_weights(blend, dual, present);
     const auto exact = dot(w.diffuse, constants<7>(g.diffuse)) + dot(w.reflection, constants<7>(g.reflection)) +
                        dot(w.transmission, constants<7>(g.transmission));
@@ -244,6 +246,16 @@ TEST(LayerBlend, WeightsNeverAmplify) {
       }
     }
   }
+}
+
+TEST(LayerBlend, ACoatReflectsByFresnelsLawWithoutSpecularWeight) {
+  BlendMaterial<double> coat{{0.04, 0.04, 0.04}, 0, 0, 0.3};
+  coat.coat = true;
+  const LayerWeights<double> w = layer_weights(LayerBlend::Layered, coat, {true, true});
+  EXPECT_NEAR(w.reflection.x, 0.04 + 0.96 * std::pow(0.7, 5), 1e-12);
+  EXPECT_NEAR(w.diffuse.x + w.reflection.x, 1, 1e-12);
+  const BlendMaterial<double> grad = layer_weights_vjp(LayerBlend::Layered, coat, {true, true}, {.reflection = {1, 0, 0}});
+  EXPECT_GT(grad.specular, 0.5) << "it can grow from nothing";
 }
 
 // What the text of the issue asks of the layered blend: an opaque pixel without specular weight keeps its colour, at any angle,

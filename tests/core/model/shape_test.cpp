@@ -79,6 +79,47 @@ TEST(ShapePass, PolishedPixelsHaveThePlaceAndTheNormalOfTheSolid) {
   }
 }
 
+// Paint keeps its channels and its surfels where they are; the shape turns the reflection.
+TEST(ShapePass, ACoatMirrorsWithTheShapeAndKeepsThePaint) {
+  BallRoom r;
+  r.set->entries[0].role = ShapeRole::Coat;
+  SplatLayer& paint = r.room.scene.diffuse;
+  for (size_t i = 0; i < paint.size(); ++i)
+    *paint.at(Attribute::SpecularWeight, i) = *paint.at(Attribute::Transmission, i) = logit(1e-4f);
+  LayeredModel model(r.options);
+  Frame frame, without;
+  ImageOptions none = r.options;
+  none.shape.set = nullptr;
+  LayeredModel(none).forward(r.room.scene, r.room.view, without);
+  EXPECT_EQ(without.shaded.groups(), 0u) << "so little k_s sends no rays";
+  const auto run = [&](bool exact) {
+    r.set->entries[0].exact = exact;
+    model.forward(r.room.scene, r.room.view, frame);
+    EXPECT_EQ(frame.shaded.groups(), frame.pixel_count());
+    for (Aov a : {Aov::Normal, Aov::ZDepth, Aov::Color})
+      EXPECT_TRUE(std::ranges::equal(frame.diffuse.plane(a), without.diffuse.plane(a)));
+    EXPECT_NE(frame.srgb, without.srgb) << "Fresnel acts";
+    frame.grad_srgb.assign(frame.srgb.size(), 1.f);
+    SplatScene grad = r.room.scene.zeros_like();
+    model.backward(r.room.scene, frame, grad);
+    for (const float g : grad.diffuse.values(Attribute::F0)) EXPECT_EQ(g, 0) << "f0 is that of the clear layer";
+    EXPECT_TRUE(std::ranges::any_of(grad.diffuse.values(Attribute::SpecularWeight), [](float g) { return g != 0; }));
+    EXPECT_TRUE(std::ranges::any_of(grad.reflection.values(Attribute::ShDc), [](float g) { return g != 0; }));
+  };
+  run(true);
+  for (const SurfacePoint<float>& p : frame.shaded.points) {
+    const Vec3d out = cast<double>(p.position) - r.centre;
+    EXPECT_NEAR(length(out), 4, 0.02) << "chords";
+    EXPECT_GT(dot(normalized(out), cast<double>(p.normal)), 0.9999);
+  }
+  run(false);
+  const GBuffer g(frame);
+  for (size_t i = 0; i < frame.shaded.groups(); ++i) {
+    const Vec3f own = normalized(g.rgb(g.normal, frame.shaded.chosen_pixel(i)));
+    EXPECT_GT(dot(own, frame.shaded.points[i].normal), 0.9999f) << "a hull does not turn it";
+  }
+}
+
 // Surfels that do not close let the far side of the solid through, which cannot be seen.
 TEST(ShapePass, GapsOfTheNearSideShowTheSolid) {
   BallRoom r;
