@@ -22,6 +22,7 @@ struct LossTargets {
   std::span<const float> ignore = {};             // no loss looks at these pixels
   std::span<const float> normals = {};            // [3,h,w] unit, camera frame (a wall facing the camera is 0,0,-1); 0 = unknown
   std::span<const float> normal_confidence = {};  // [h,w] in [0,1], or empty: 1 wherever a normal is known
+  std::span<const float> coat = {};               // reflects, but keeps its paint; not in `specular`
 };
 
 // Secondary rays of one kind that were traced for the view, in any order; one value per ray. Distances along the unit

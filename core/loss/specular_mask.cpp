@@ -1,7 +1,8 @@
 // Specular weight against the mask of what reflects (algorithms 5.4), K the blended specular weight, M the mask:
 //   L = sum_p v (1 - T) [(1 - M) K + b M max(0, K0 - K)] / sum_p v,   v = 1 - ignore
 // Outside the mask nothing may reflect; inside K must reach K0, and how far beyond it goes is left to the photos. Pixels of the
-// transparent mask T have no say: glass reflects by Fresnel's law however small its K, and one of K0 would be a mirror.
+// transparent mask T and those of a coat have no say: they reflect by Fresnel's law however small their K, and one of K0 would be
+// a mirror.
 #include <algorithm>
 
 #include "core/base/error.h"
@@ -28,10 +29,12 @@ class SpecularMaskLoss final : public Loss {
     if (mask.total() <= 0) return 0;
     const auto grad = gradient.raster->plane(Aov::SpecularWeight);
     const std::span<const float> glass = input.targets.transparent;
+    const std::span<const float> coat = input.targets.coat;
     VITRINE_CHECK(glass.empty() || glass.size() == weight.size(), "a transparent mask of {} pixels", glass.size());
+    VITRINE_CHECK(coat.empty() || coat.size() == weight.size(), "a mask of coats of {} pixels", coat.size());
     const float step = static_cast<float>(scale / mask.total());
     return mask.sum_over_pixels(row_sums_, [&](size_t i, float m, float valid) {
-      const float v = glass.empty() ? valid : valid * (1 - glass[i]);
+      const float v = valid * (glass.empty() ? 1 : 1 - glass[i]) * (coat.empty() ? 1 : 1 - coat[i]);
       const float missing = std::max(0.f, inside_target_ - weight[i]);
       grad[i] += step * v * (1 - m - (missing > 0 ? inside_share_ * m : 0.f));
       return v * ((1 - m) * weight[i] + inside_share_ * m * missing);

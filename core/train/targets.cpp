@@ -186,6 +186,7 @@ void decode(const TargetLevel& level, TargetImages& images) {
     });
   };
   for (size_t m = 0; m < level.masks.size(); ++m) scaled(level.masks[m], 1.f / 255.f, images.masks[m]);
+  scaled(level.coat, 1.f / 255.f, images.coat);
   scaled(level.normals, 1.f / kFullScale, images.normals);
   scaled(level.confidence, 1.f / 255.f, images.confidence);
 }
@@ -196,7 +197,8 @@ LossTargets TargetImages::spans() const {
           .object = mask(MaskClass::Object),
           .ignore = mask(MaskClass::Ignore),
           .normals = normals,
-          .normal_confidence = confidence};
+          .normal_confidence = confidence,
+          .coat = coat};
 }
 
 }  // namespace vitrine

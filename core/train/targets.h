@@ -18,6 +18,7 @@ namespace vitrine {
 // Empty vectors: nobody said anything about this photo.
 struct TargetLevel {
   std::array<std::vector<uint8_t>, kMaskClassCount> masks;  // [h,w], 255 = belongs to the class
+  std::vector<uint8_t> coat;                                // [h,w] of the specular mask, from which it was taken
   std::vector<int16_t> normals;                             // [3,h,w], 32767 = 1; 0 0 0 = unknown
   std::vector<uint8_t> confidence;                          // [h,w]
   bool operator==(const TargetLevel&) const = default;
@@ -50,7 +51,7 @@ Targets load_targets(const Capture& capture, const std::optional<std::filesystem
 // One level as the losses want it.
 struct TargetImages {
   std::array<std::vector<float>, kMaskClassCount> masks;  // [h,w]
-  std::vector<float> normals, confidence;
+  std::vector<float> coat, normals, confidence;
   LossTargets spans() const;
   std::span<const float> mask(MaskClass m) const { return masks[static_cast<size_t>(m)]; }
 };

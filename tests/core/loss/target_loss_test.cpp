@@ -173,6 +173,21 @@ TEST(Targets, TheSpecularMaskHasNoSayOnGlass) {
   EXPECT_EQ(loss->evaluate(frame.input(), 1, g), with_glass);
 }
 
+// A coat reflects by Fresnel's law: neither is it pulled to the specular weight of a mirror nor to zero.
+TEST(Targets, TheSpecularMaskHasNoSayOnACoat) {
+  TestFrame frame(10, 8, false);
+  frame.transparent.clear();
+  std::vector<float> coat(80, 0.f);
+  std::fill(coat.begin(), coat.begin() + 40, 1.f);
+  LossInput input = frame.input();
+  input.targets.coat = coat;
+  LossGradient g = frame.gradient();
+  make("specular_mask")->evaluate(input, 1, g);
+  const auto grad = frame.grad_raster.plane(Aov::SpecularWeight);
+  for (size_t i = 0; i < 40; ++i) ASSERT_EQ(grad[i], 0) << i;
+  EXPECT_TRUE(std::any_of(grad.begin() + 40, grad.end(), [](float v) { return v != 0; }));
+}
+
 // Ignored pixels have no say, and do not thin the others out.
 TEST(Targets, IgnoredPixelsHaveNoSay) {
   for (const char* name : {"specular_mask", "transmission_mask", "object_mask"}) {
