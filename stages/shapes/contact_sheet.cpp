@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kGap = 4, kMargin = 6, kTextScale = 2, kCellWidth = 480, kColumns = 2;
 constexpr size_t kPhotos = 8;
-constexpr std::array<uint8_t, 3> kSheetColor{0, 178, 255}, kMirrorColor{255, 115, 0};
+constexpr std::array<uint8_t, 3> kRoleColors[]{{255, 115, 0}, {0, 178, 255}, {90, 220, 60}};  // [ShapeRole]
 
 // A pixel whose neighbour to the right or below belongs to another entry.
 void draw_silhouettes(const ShapeSet& shapes, const View& view, Image8& picture) {
@@ -40,7 +40,7 @@ void draw_silhouettes(const ShapeSet& shapes, const View& view, Image8& picture)
       const int other = at(x + 1, y) != here ? at(x + 1, y) : at(x, y + 1);
       if (other == here) continue;
       const auto role = shapes.entries[size_t(std::max(here, other))].role;
-      const auto& color = role == ShapeRole::Sheet ? kSheetColor : kMirrorColor;
+      const auto& color = kRoleColors[static_cast<size_t>(role)];
       for (int dy = 0; dy < 2; ++dy)
         for (int dx = 0; dx < 2; ++dx)
           for (int c = 0; c < 3; ++c)
@@ -69,7 +69,7 @@ void write_contact_sheet(const fs::path& file, const fs::path& sfm, const ViewSe
   for (const Image8& cell : cells) width = std::max(width, cell.width()), height = std::max(height, cell.height());
   const int bar = kGlyphHeight * kTextScale + 2 * kMargin, rows = int(count + kColumns - 1) / kColumns;
   Image8 sheet(kColumns * (width + kGap) + kGap, bar + rows * (height + bar), 3, uint8_t(24));
-  draw_text(sheet, kGap, kMargin, "BLUE GLASS, ORANGE MIRROR", kTextScale, 200);
+  draw_text(sheet, kGap, kMargin, "BLUE GLASS, ORANGE MIRROR, GREEN COAT", kTextScale, 200);
   for (size_t i = 0; i < count; ++i) {
     const int left = kGap + int(i % kColumns) * (width + kGap), top = bar + int(i / kColumns) * (height + bar);
     for (int y = 0; y < cells[i].height(); ++y)

@@ -8,7 +8,7 @@
 
 namespace vitrine {
 
-// Sheets blue, mirrors orange.
+// Sheets blue, mirrors orange, coats green.
 void write_contact_sheet(const std::filesystem::path& file, const std::filesystem::path& sfm, const ViewSet& views,
                          const ShapeSet& shapes);
 

@@ -6,7 +6,8 @@ namespace vitrine {
 
 StageCost shapes_cost(const CostTerms& t) {
   const double masks = t.photos() * t.mpx(t.limited("shapes.max_side", ingested_side(t)));
-  return stage_cost(0.05 * t.photos() + 1.5 * masks, 0.8, 80 + 16 * masks, 5);
+  const double reading = 0.08 * ingested_mpx(t);  // photos, for coats
+  return stage_cost(0.05 * t.photos() + 1.5 * masks + reading, 0.8, 80 + 16 * masks, 5);
 }
 
 StageReport shapes_report() {

@@ -52,25 +52,34 @@ TriMesh surface_of(const VoxelGrid<float>& grid) {
   });
   TriMesh mesh = iso_surface(volume);
   taubin_smooth(mesh, {.iterations = kFineSmoothing});
+  mesh.normals = vertex_normals(mesh);
   return mesh;
+}
+
+// `occupancy`: of a place, 0 to 1.
+TriMesh soft_surface(const Bounds3& bounds, double cell, const std::function<float(const Vec3d&)>& occupancy) {
+  VoxelGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
+  for (size_t c = 0; c < 3; ++c) grid.size[c] = int(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
+  grid.values.assign(grid.count(), 0.f);
+  grid.each([&](int x, int y, int z) { grid.values[grid.index(x, y, z)] = occupancy(grid.centre(x, y, z)); });
+  soften(grid);
+  return surface_of(grid);
 }
 
 }  // namespace
 
 TriMesh fine_hull(const Carving& carving, const Bounds3& bounds, double cell, const std::function<int(const Vec3d&)>& known) {
-  VoxelGrid<float> grid{bounds.low - kSoftPadding * cell * Vec3d{1, 1, 1}, cell, {}, {}};
-  for (size_t c = 0; c < 3; ++c) grid.size[c] = int(std::ceil((bounds.high[c] - bounds.low[c]) / cell)) + 2 * kSoftPadding;
-  grid.values.assign(grid.count(), 0.f);
-  grid.each([&](int x, int y, int z) {
+  return soft_surface(bounds, cell, [&](const Vec3d& p) {
     thread_local std::vector<float> scratch;
-    const Vec3d p = grid.centre(x, y, z);
     const int told = known(p);
-    grid.values[grid.index(x, y, z)] = told >= 0 ? float(told) : carving.occupancy(p, scratch);
+    return told >= 0 ? float(told) : carving.occupancy(p, scratch);
   });
-  soften(grid);
-  TriMesh mesh = surface_of(grid);
-  mesh.normals = vertex_normals(mesh);
-  return mesh;
+}
+
+TriMesh hull_mesh(const VisualHull& hull) {
+  if (hull.empty()) return {};
+  const VoxelGrid<uint8_t>& carved = hull.carved();
+  return soft_surface(hull.bounds(), carved.cell, [&](const Vec3d& p) { return carved.at(p) != 0 ? 1.f : 0.f; });
 }
 
 }  // namespace vitrine

@@ -8,11 +8,15 @@
 #include "core/math/rigid.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/stereo/carving.h"
+#include "core/stereo/visual_hull.h"
 
 namespace vitrine {
 
 // Smoothed, with normals. `known`: what the whole hull says about a place that is not near its surface: 1 inside, 0 outside; -1
 // near.
 TriMesh fine_hull(const Carving& carving, const Bounds3& bounds, double cell, const std::function<int(const Vec3d&)>& known);
+
+// The carved cells of a hull as a mesh, likewise smoothed; empty if the hull is.
+TriMesh hull_mesh(const VisualHull& hull);
 
 }  // namespace vitrine

@@ -13,6 +13,7 @@
 #include "core/shape/shape_file.h"
 #include "core/stereo/mask_silhouette.h"
 #include "core/stereo/shapes_artifact.h"
+#include "stages/shapes/coats.h"
 #include "stages/shapes/contact_sheet.h"
 #include "stages/shapes/detect.h"
 
@@ -40,6 +41,7 @@ class ShapesRun {
       take(*given);
     else if (config_.source != "none")
       fit();
+    judge_paint();
     measure();
     write();
   }
@@ -72,11 +74,48 @@ class ShapesRun {
       const std::vector<MaskedObject> objects = masked_objects(kind, silhouettes, hull);
       for (const MaskedObject& object : objects) {
         throw_if_interrupted();
+        const auto first = static_cast<uint32_t>(found_.entries.size());
         found_.append(detected_shapes(object, hull.rule, propagated));
         ++objects_;
+        if (kind == MaskClass::Specular && found_.entries.size() == first) keep_hull_of_paint(object);
       }
       done += 0.3;
       context_.progress({.fraction = done, .text = fmt::format("{}: {} objects", name(kind), objects.size()), .values = {}});
+    }
+  }
+
+  // An object without a shape.
+  void keep_hull_of_paint(const MaskedObject& object) {
+    const auto figure = coat_test().view_dependence_of(object);
+    const Vec3d centre = 0.5 * (object.hull.bounds().low + object.hull.bounds().high);
+    log_info("an object without a shape at ({:.2f}, {:.2f}, {:.2f}): {}", centre.x, centre.y, centre.z,
+             figure ? fmt::format("view dependence {:.3f}", *figure) : "too few photos see its surface");
+    if (is_paint(figure)) found_.append(hull_coat(object));
+  }
+
+  bool is_paint(const std::optional<double>& view_dependence) const {
+    return view_dependence && *view_dependence < config_.coat_below;
+  }
+
+  const CoatTest& coat_test() {
+    if (!coat_test_) coat_test_.emplace(context_.input("sfm"), silhouettes_[size_t(MaskClass::Specular)]);
+    return *coat_test_;
+  }
+
+  // The role of opaque shapes: paint under a coat, or metal. A given role stays.
+  void judge_paint() {
+    view_dependence_.resize(found_.entries.size());
+    if (silhouettes_[size_t(MaskClass::Specular)].empty()) return;
+    for (uint32_t i = 0; i < found_.entries.size(); ++i) {
+      ShapeSet::Entry& entry = found_.entries[i];
+      if (entry.role == ShapeRole::Sheet) continue;
+      if (entry.parent >= 0) {
+        entry.role = found_.entries[size_t(entry.parent)].role;
+        continue;
+      }
+      throw_if_interrupted();
+      view_dependence_[i] = coat_test().view_dependence_of(found_, i);
+      if (!given_ && entry.exact) entry.role = is_paint(view_dependence_[i]) ? ShapeRole::Coat : ShapeRole::Mirror;
     }
   }
 
@@ -111,7 +150,8 @@ class ShapesRun {
     make_folders(folder);
     Json shapes = write_shapes(found_, folder);
     for (size_t i = 0; i < agreements_.size(); ++i) {
-      shapes[i]["source"] = given_ ? "given" : "fitted";
+      shapes[i]["source"] = given_ ? "given" : found_.entries[i].exact ? "fitted" : "hull";
+      if (view_dependence_[i]) shapes[i]["view_dependence"] = *view_dependence_[i];
       if (!agreements_[i]) continue;
       shapes[i]["inside_masks"] = agreements_[i]->inside;
       shapes[i]["masks_covered"] = agreements_[i]->covered;
@@ -138,23 +178,27 @@ class ShapesRun {
 
   void report() {
     std::map<std::string, size_t> kinds;
-    size_t roots = 0;
+    size_t roots = 0, coats = 0;
     double least = 1;
     for (size_t i = 0; i < found_.entries.size(); ++i) {
       if (found_.entries[i].parent >= 0) continue;
       ++kinds[std::string(kind_of(found_.entries[i].shape).name)];
       ++roots;
+      coats += found_.entries[i].role == ShapeRole::Coat;
       if (agreements_[i]) least = std::min(least, agreements_[i]->inside);
     }
     context_.metric("shapes", static_cast<double>(roots));
     context_.metric("objects", static_cast<double>(objects_));
+    context_.metric("coats", static_cast<double>(coats));
     std::string summary;
     for (const auto& [kind, count] : kinds) summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count, kind);
-    context_.summary(
-        !summary.empty() ? fmt::format("{}{}, {:.0f} % inside the masks", summary, given_ ? " (given)" : "", 100 * least)
-        : config_.source == "none"                                                    ? "shapes are off"
-        : std::ranges::any_of(silhouettes_, [](const auto& s) { return !s.empty(); }) ? "no object has a simple shape"
-                                                                                      : "no glass or metal is marked");
+    context_.summary(!summary.empty()           ? fmt::format("{}{}{}, {:.0f} % inside the masks", summary,
+                                                    coats > 0 ? fmt::format(", {} of them coats", coats) : "",
+                                                    given_ ? " (given)" : "", 100 * least)
+                     : config_.source == "none" ? "shapes are off"
+                     : std::ranges::any_of(silhouettes_, [](const auto& s) { return !s.empty(); })
+                         ? "no object has a simple shape"
+                         : "no glass or metal is marked");
   }
 
   const ShapesConfig& config_;
@@ -165,6 +209,8 @@ class ShapesRun {
   ShapeSet found_;
   bool given_ = false;
   size_t objects_ = 0;
+  std::optional<CoatTest> coat_test_;
+  std::vector<std::optional<double>> view_dependence_;    // [entry] of opaque ones without a parent
   std::vector<std::optional<MaskAgreement>> agreements_;  // [entry] of those without a parent
 };
 
@@ -187,6 +233,9 @@ void describe(Describer& d, ShapesConfig& c) {
   d.option("resolution", c.resolution, "Voxels along the longest side of the visual hull.").range(16, 512);
   d.option("dissent", c.dissent, "Share of the photos that may see a point outside the object before it is cut away.")
       .range(0, 0.5);
+  d.option("coat_below", c.coat_below,
+           "An object of the specular masks whose view dependence is less has the role coat: it keeps its paint; 0: none has.")
+      .range(0, 10);
   d.option("holdout_every", c.holdout_every,
            "Every how many photos one is kept for the evaluation and not looked at; as optimize.holdout_every.")
       .range(0, 100000);
@@ -196,7 +245,7 @@ void run_shapes(const ShapesConfig& config, StageContext& context) { ShapesRun(c
 
 Stage shapes_stage() {
   StageInfo info{.name = "shapes",
-                 .version = 1,
+                 .version = 2,
                  .summary = "boxes and surfaces of revolution that glass and metal have",
                  .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                             {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},

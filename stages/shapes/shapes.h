@@ -16,6 +16,7 @@ struct ShapesConfig {
   int max_side = 480;
   int resolution = 128;
   double dissent = 0.1;
+  double coat_below = 0.25;
   int holdout_every = 8;
 };
 void describe(Describer& d, ShapesConfig& c);

@@ -5,17 +5,12 @@
 
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_masks.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
 #include "core/mesh/mesh_io.h"
 #include "core/shape/shape_file.h"
 #include "core/stereo/shapes_artifact.h"
 #include "tests/core/stereo/silhouettes_of_rays.h"
 #include "tests/stages/shapes/rod.h"
+#include "tests/stages/shapes/written_capture.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
@@ -40,31 +35,10 @@ struct Scene {
     const auto metal = silhouettes_of_rays(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
       return meets_ball(ball, 0.2, eye, d) || handle.distance(eye, d) < 0.035;
     });
-    ColmapModel model;
-    Gains gains;
-    model.cameras.push_back(colmap_pinhole(1, glass[0].view.intrinsics));
-    for (uint32_t v = 0; v < glass.size(); ++v) {
-      View view = glass[v].view;
-      view.name = fmt::format("v{:02}.jpg", v);
-      model.images.push_back(
-          {v + 1, quaternion(view.cam_from_world.rotation), view.cam_from_world.translation, 1, view.name, {}});
-      make_folders(linear_image_path(sfm(), view).parent_path());
-      write_exr_rgb(linear_image_path(sfm(), view), ImageF(view.intrinsics.width, view.intrinsics.height, 3, 0.3f));
-      gains[view.name] = {1, 1, 1};
-      // Held-out photos are marked all over: whoever looks at them fails.
-      const bool heldout = is_heldout(v, 8);
-      for (const auto& [kind, silhouette] :
-           {std::pair(MaskClass::Transparent, &glass[v]), std::pair(MaskClass::Specular, &metal[v])}) {
-        Image8 mask(view.intrinsics.width, view.intrinsics.height, 1, uint8_t(255));
-        for (size_t i = 0; !heldout && i < mask.data().size(); ++i) mask.data()[i] = silhouette->value.data()[i] > 0 ? 255 : 0;
-        make_folders(view_mask_path(masks(), kind, view).parent_path());
-        write_ldr(view_mask_path(masks(), kind, view), mask);
-      }
-    }
-    write_colmap_model(sfm() / "sparse/0", model, ColmapFormat::Binary);
-    make_folders(sfm() / "sfm");
-    write_gains(sfm() / "sfm/gains.json", gains);
-    write_scene_info(sfm() / "scene.json", {});
+    const auto views = test::write_sfm(
+        sfm(), glass, [](const View& view) { return ImageF(view.intrinsics.width, view.intrinsics.height, 3, 0.3f); });
+    test::write_masks(masks(), MaskClass::Transparent, views, glass);
+    test::write_masks(masks(), MaskClass::Specular, views, metal);
   }
 };
 
