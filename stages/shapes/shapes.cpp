@@ -125,9 +125,13 @@ class ShapesRun {
     if (fs::is_directory(given, ec)) file = given / "shapes.json";
     found_ = read_shapes_file(file);
     given_ = true;
-    if (std::ranges::all_of(kClasses, [&](MaskClass kind) { return silhouettes_[size_t(kind)].empty(); }))
-      context_.warning("SHAPES_WITHOUT_MASKS",
-                       "shapes are given, but no mask marks glass or mirrors: what is trained does not change (--masks)");
+    for (const MaskClass kind : kClasses) {
+      const bool any = std::ranges::any_of(found_.entries, [&](const auto& e) { return class_of(e.role) == kind; });
+      if (any && silhouettes_[size_t(kind)].empty())
+        context_.warning("SHAPES_WITHOUT_MASKS",
+                         fmt::format("shapes of {} are given, but no {} mask marks anything: nothing trains on them (--masks)",
+                                     kind == MaskClass::Transparent ? "glass" : "mirrors and coats", name(kind)));
+    }
   }
 
   void measure() {

@@ -123,6 +123,23 @@ TEST(ShapesStage, SaysWhenPhotosDoubtAGivenShape) {
   EXPECT_EQ(read_shapes_artifact(unmarked->output()).entries.size(), 1u);
 }
 
+// Sheets were used without a word where only metal is marked.
+TEST(ShapesStage, SaysWhichClassOfGivenShapesHasNoMasks) {
+  TemporaryFolder mine, metal_alone;
+  fs::create_directories(metal_alone.path() / "masks");
+  fs::copy(scene().masks() / "masks" / "specular", metal_alone.path() / "masks" / "specular", fs::copy_options::recursive);
+  const auto warned = [&](ShapeRole role) {
+    const ShapeSet given{.entries = {{kCase, role, 0.01, -1, {}}}};
+    write_file(mine.path() / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(given, mine.path())}}.dump());
+    const auto context = run({{"masks", metal_alone.path()}, {"shapes", mine.path() / "shapes.json"}});
+    const auto found = context->warnings.find("SHAPES_WITHOUT_MASKS");
+    return found == context->warnings.end() ? std::string() : found->second;
+  };
+  EXPECT_NE(warned(ShapeRole::Sheet).find("shapes of glass are given, but no transparent mask"), std::string::npos);
+  EXPECT_EQ(warned(ShapeRole::Mirror), "");
+  EXPECT_EQ(warned(ShapeRole::Coat), "");
+}
+
 TEST(ShapesStage, NamesThePlaceOfAMistake) {
   TemporaryFolder mine;
   const fs::path file = mine.path() / "shapes.json";
