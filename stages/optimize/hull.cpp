@@ -34,13 +34,15 @@ Silhouette silhouette_of(const MaskHullDesc& desc, uint32_t photo) {
   if (mask.empty()) return out;
   const auto& glass = masks[size_t(MaskClass::Transparent)];
   const bool hides = desc.kind == HullClass::Gloss && !glass.empty();
+  const auto& coat = desc.targets.photos[photo][level].coat;  // in front of what mirrors, perhaps
+  const bool coated = desc.kind == HullClass::Gloss && !coat.empty();
   const Intrinsics &k = out.view.intrinsics, &full = levels[desc.level].view.intrinsics;
   out.value = ImageF(k.width, k.height, 1);
   out.depth = ImageF(k.width, k.height, 1);
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       const size_t i = size_t(y) * size_t(k.width) + size_t(x);
-      out.value.at(x, y) = hides && glass[i] >= 128 ? -1.f : float(mask[i]) / 255.f;
+      out.value.at(x, y) = (hides && glass[i] >= 128) || (coated && coat[i] >= 128) ? -1.f : float(mask[i]) / 255.f;
       out.depth.at(x, y) =
           desc.depths[photo][size_t(y * full.height / k.height) * size_t(full.width) + size_t(x * full.width / k.width)];
     }
@@ -117,7 +119,8 @@ Hull mask_hull(const MaskHullDesc& desc) {
   std::vector<Silhouette> silhouettes;
   for (uint32_t photo : desc.capture.train)
     if (Silhouette s = silhouette_of(desc, photo); !s.value.empty()) silhouettes.push_back(std::move(s));
-  const ShapeSet shapes = desc.shapes.without(desc.kind == HullClass::Glass ? ShapeRole::Mirror : ShapeRole::Sheet);
+  const ShapeSet shapes =
+      desc.shapes.without(ShapeRole::Coat).without(desc.kind == HullClass::Glass ? ShapeRole::Mirror : ShapeRole::Sheet);
   const VisualHull carved(silhouettes,
                           {.resolution = desc.voxels, .rule = kRule, .blur_passes = 1, .flat_faces = shapes.entries.empty()});
   Hull hull;

@@ -51,13 +51,20 @@ void set(SplatLayer& layer, Attribute a, size_t i, double value) {
 
 bool is_glass(const SplatLayer& layer, size_t i) { return *layer.at(Attribute::Transmission, i) > 0; }  // tau above one half
 
+// The images that a survey sums up.
+enum class Surveyed { Specular, Transparent, Coat };
+const std::vector<uint8_t>& surveyed(const TargetLevel& level, Surveyed what) {
+  if (what == Surveyed::Coat) return level.coat;
+  return level.masks[size_t(what == Surveyed::Specular ? MaskClass::Specular : MaskClass::Transparent)];
+}
+
 // Sums over the training photos, for each of `masks`; per-photo depths come for free.
 struct Survey {
   std::vector<MaskEvidence> evidence;      // [mask]
   std::vector<std::vector<float>> depths;  // [photo] empty where held out
 };
 
-Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializer_list<MaskClass> masks) {
+Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializer_list<Surveyed> masks) {
   const size_t n = scene.diffuse.size();
   Survey found{{masks.size(), {std::vector<float>(n, 0.f), std::vector<float>(n, 0.f)}}, {}};
   found.depths.resize(desc.capture.photos.size());
@@ -74,7 +81,7 @@ Survey survey(const LayerInitDesc& desc, const SplatScene& scene, std::initializ
     found.depths[photo].resize(pixels);
     for (size_t i = 0; i < pixels; ++i) found.depths[photo][i] = alpha[i] > 0.5f ? surface_depth(z[i], alpha[i], median[i]) : 0;
     for (size_t m = 0; m < masks.size(); ++m) {
-      const auto& inside = desc.targets.photos[photo][kEvidenceLevel].masks[static_cast<size_t>(masks.begin()[m])];
+      const auto& inside = surveyed(desc.targets.photos[photo][kEvidenceLevel], masks.begin()[m]);
       if (inside.empty()) continue;
       frame.error_image.resize(pixels);
       for (size_t i = 0; i < pixels; ++i) frame.error_image[i] = float(inside[i]) / 255.f;
@@ -240,8 +247,8 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const ReflectionPhase& phase = desc.config.phases.reflection;
   const auto seed = static_cast<uint64_t>(desc.config.seed);
   SplatLayer& diffuse = scene.diffuse;
-  const Survey found = survey(desc, scene, {MaskClass::Specular, MaskClass::Transparent});
-  const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1];
+  const Survey found = survey(desc, scene, {Surveyed::Specular, Surveyed::Transparent, Surveyed::Coat});
+  const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1], &coat = found.evidence[2];
   // Masks of any class say what reflects; without one everything may.
   const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
   Hull hull;
@@ -265,14 +272,15 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
     const float* mean = diffuse.at(Attribute::Mean, i);
     const bool far_off = !around.empty() && !around.contains(Vec3f{mean[0], mean[1], mean[2]});
     const float gloss = !masked ? 1.f : far_off ? 0.f : std::max(share - transparent.share(i), 0.f);
-    const auto mixed = [&](Attribute a, double outside, double inside) {
-      set(diffuse, a, i, outside + gloss * (inside - outside));
+    const float painted = masked ? coat.share(i) : 0.f;
+    const auto mixed = [&](Attribute a, double outside, double inside, double under_coat) {
+      set(diffuse, a, i, outside + gloss * (inside - outside) + painted * (under_coat - outside));
     };
     if (!is_glass(diffuse, i)) {  // glass that was placed before has its materials
-      mixed(Attribute::SpecularWeight, kDull, phase.specular_weight);
-      mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0);
+      mixed(Attribute::SpecularWeight, kDull, phase.specular_weight, phase.coat_specular_weight);
+      mixed(Attribute::F0, row(Attribute::F0).initial, phase.f0, phase.coat_f0);
     }
-    if (!masked || share < kMostlyInside) dull.push_back(index);
+    if (!masked || share + painted < kMostlyInside) dull.push_back(index);
     (hull.points.empty() || gloss < kBehindGlass ? stay : gone).push_back(index);
   }
   const auto count = std::min(static_cast<size_t>(phase.initial_surfels), static_cast<size_t>(kInitialLayerShare * double(cap)));
@@ -281,6 +289,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   append_shell(far, mean_color(diffuse, dull), seed, scene.reflection);
 
   HullCounts counts;
+  counts.shapes = desc.shapes.without(ShapeRole::Sheet).without(ShapeRole::Mirror);  // coats keep their surfels
   if (hull.points.empty()) return counts;
   // What the diffuse layer has there are pictures in the mirror, at their depths.
   counts.moved = gone.size();
@@ -337,7 +346,7 @@ HullCounts begin_sheets(const LayerInitDesc& desc, SplatScene& scene) {
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
   const TransmittancePhase& phase = desc.config.phases.transmittance;
   const auto seed = static_cast<uint64_t>(desc.config.seed);
-  const Survey found = survey(desc, scene, {MaskClass::Transparent});
+  const Survey found = survey(desc, scene, {Surveyed::Transparent});
   const MaskEvidence& seen = found.evidence[0];
   const Hull hull = mask_hull({.kind = HullClass::Glass,
                                .capture = desc.capture,
@@ -359,7 +368,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
-    if (closed) counts.shapes = desc.shapes.without(ShapeRole::Mirror);
+    if (closed) counts.shapes = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
     for (ShapeSet::Entry& sheet : counts.shapes.entries)
       sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
     return counts;

@@ -2,7 +2,7 @@
 //   Which surfels a mask means is measured by rendering: the mean of the mask over the pixels of all training photos, weighted as
 //   the surfel is blended there.
 //   reflection     materials of the diffuse layer; copies of it, because mirrors show what is around, and a shell of far surfels;
-//                  mirrors themselves are put on the hull of their masks
+//                  mirrors themselves are put on the hull of their masks; the paint of a coat stays as it is
 //   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
 #pragma once
 

@@ -13,6 +13,7 @@
 #include "core/stereo/shapes_artifact.h"
 #include "core/train/capture.h"
 #include "core/train/checkpoint.h"
+#include "core/train/coat_masks.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/outputs.h"
@@ -161,6 +162,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
       chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
   if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
     log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
+  separate_coats(capture, shapes, targets);
   LazyDepth depth(config, capture, context);
   const Surroundings surroundings = surroundings_to_train(
       config.surroundings, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);

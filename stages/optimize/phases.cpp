@@ -42,6 +42,11 @@ void describe(Describer& d, ReflectionPhase& c) {
   d.option("known_hull_points", c.known_hull_points,
            "hull_points if the shape of something that reflects is known; with hull_points 0 none are placed either way.")
       .range(0, 10000000);
+  d.option(
+       "coat_specular_weight", c.coat_specular_weight,
+       "specular_weight of paint under a clear coat (shapes of role coat), to start from; it reflects by Fresnel's law besides.")
+      .range(0.001, 0.999);
+  d.option("coat_f0", c.coat_f0, "f0 of a clear coat: it stays.").range(0.001, 0.999);
   d.option("known_f0", c.known_f0, "f0 where the shape of what reflects is known.").range(0.001, 0.999);
   d.option(
        "known_factor", c.known_factor,

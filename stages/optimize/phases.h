@@ -43,6 +43,7 @@ struct ReflectionPhase : LayerPhase {
   double specular_weight = 0.3, f0 = 0.3;  // inside the specular mask, to start from
   // Where the shape of what reflects is known: it begins as a mirror, and keeps its shape as far as it is one.
   double known_specular_weight = 0.9, known_f0 = 0.8, known_factor = 0.02;
+  double coat_specular_weight = 0.03, coat_f0 = 0.04;  // of paint under a coat, to start from; Fresnel acts whatever k_s
   int known_hull_points = 3000;  // in place of hull_points: opaque surfels, which only help where they stand right
   double roughness_from = 0.4;
   double surface_from = 0.36;      // rays turn and move surfaces

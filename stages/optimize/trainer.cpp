@@ -280,7 +280,7 @@ void Trainer::begin_phases() {
     if (kind == LayerKind::Reflection && !counts.known_points.empty())
       known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
     ShapeSet known = counts.shapes;
-    if (!config().shading.shapes) known = known.without(ShapeRole::Mirror);
+    if (!config().shading.shapes) known = known.without(ShapeRole::Mirror).without(ShapeRole::Coat);
     if (!config().shading.panes) known = known.without(ShapeRole::Sheet);
     shapes_.add(std::move(known));
     training(kind).restart(scene_.layer(kind));
@@ -355,6 +355,10 @@ void Trainer::point_at_masks() {
     for (size_t i = 0; i < gloss_.size(); ++i) gloss_[i] *= 1 - transparent[i];
     frame_.specular_mask = gloss_;
   }
+  if (target_images_.coat.empty()) return;
+  if (gloss_.data() != frame_.specular_mask.data()) gloss_.assign(frame_.specular_mask.begin(), frame_.specular_mask.end());
+  for (size_t i = 0; i < gloss_.size(); ++i) gloss_[i] = std::max(gloss_[i], target_images_.coat[i]);
+  frame_.specular_mask = gloss_;
 }
 
 void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {

@@ -3,6 +3,7 @@
 
 #include "core/scene/activation.h"
 #include "core/stereo/box_fit.h"
+#include "core/train/coat_masks.h"
 #include "stages/optimize/layer_init.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
@@ -60,6 +61,103 @@ TEST_F(GlassAlone, KeepsItsReflectanceWhenReflectionBegins) {
     ASSERT_NEAR(value(Attribute::F0, i), config_.phases.transmittance.f0, 1e-4) << i;
   }
   EXPECT_GT(glass, 50u);
+}
+
+// The tiny scene with masks of its ball, which is painted. Shapes as the shapes stage finds them.
+class PaintedBall : public ::testing::Test {
+ protected:
+  PaintedBall() : folder_("painted-ball-test") {
+    const fs::path sfm = folder_.path() / "sfm", masks = folder_.path() / "found";
+    testing::write_tiny_sfm(sfm, 18, 48, 36);
+    SurfaceOfRevolution ball{{0, 0, 0}, {0, 0, 1}, {}};
+    for (int i = 0; i <= 24; ++i) {
+      const double polar = std::numbers::pi * i / 24;
+      ball.profile.push_back({kRadius * std::sin(polar), -kRadius * std::cos(polar)});
+    }
+    shapes_.entries.push_back({ball, ShapeRole::Coat, 0.06 * kRadius, -1, {}});
+    for (const View& view : testing::ring_of_views(18, 48, 36)) {
+      const std::vector<uint8_t> inside = mask_of_rays(view, [&](size_t, const Vec3d& eye, const Vec3d& direction) {
+        return ball.intersect({eye, direction}).has_value();
+      });
+      Image8 mask(48, 36, 1);
+      for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
+      write_ldr(masks / "masks/specular" / (view.stem() + ".png"), mask);
+    }
+    capture_ = load_capture(sfm, config_.resolution.max_side, config_.holdout_every);
+    targets_ = load_targets(capture_, masks, {});
+    scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
+  }
+  HullCounts begin() {
+    separate_coats(capture_, shapes_, targets_);
+    return begin_reflection({.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0}, 200,
+                            1000, scene_);
+  }
+  double value(Attribute a, size_t i) const { return double(sigmoid(*scene_.diffuse.at(a, i))); }
+  bool on_ball(size_t i) const {
+    const float* m = scene_.diffuse.at(Attribute::Mean, i);
+    return std::abs(length(Vec3d{m[0], m[1], m[2]}) - kRadius) < 0.01;
+  }
+
+  static constexpr double kRadius = 0.25;
+  TemporaryFolder folder_;
+  OptimizeConfig config_ = testing::tiny_config(100);
+  Capture capture_;
+  Targets targets_;
+  ShapeSet shapes_;
+  SplatScene scene_{.diffuse = testing::tiny_scene()};
+};
+
+TEST_F(PaintedBall, KeepsItsSurfelsUnderACoat) {
+  for (const bool exact : {true, false}) {
+    shapes_.entries[0].exact = exact;
+    scene_.diffuse = testing::tiny_scene();
+    const SplatLayer before = scene_.diffuse;
+    const HullCounts counts = begin();
+    EXPECT_EQ(counts.moved, 0u);
+    EXPECT_EQ(counts.hull, 0u);
+    EXPECT_TRUE(counts.known_points.empty()) << "nothing is held";
+    ASSERT_EQ(scene_.diffuse.size(), before.size());
+    for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+      EXPECT_TRUE(std::ranges::equal(scene_.diffuse.values(a), before.values(a)));
+    double k_s = 0, f0 = 0, count = 0;
+    for (size_t i = 0; i < scene_.diffuse.size(); ++i) {
+      EXPECT_LT(value(Attribute::SpecularWeight, i), config_.phases.reflection.coat_specular_weight + 1e-3);
+      const float* m = scene_.diffuse.at(Attribute::Mean, i);
+      if (!on_ball(i) || m[2] < 0) continue;
+      k_s += value(Attribute::SpecularWeight, i), f0 += value(Attribute::F0, i), ++count;
+    }
+    ASSERT_GT(count, 20);
+    EXPECT_NEAR(k_s / count, config_.phases.reflection.coat_specular_weight, 0.008);
+    EXPECT_NEAR(f0 / count, config_.phases.reflection.coat_f0, 1e-3);
+    ASSERT_TRUE(counts.shapes.has(ShapeRole::Coat)) << "pictures show it";
+    EXPECT_EQ(counts.shapes.entries[0].exact, exact);
+  }
+}
+
+TEST_F(PaintedBall, LosesItsSurfelsWhereItMirrors) {
+  shapes_.entries[0].role = ShapeRole::Mirror;
+  const size_t before = scene_.diffuse.size();
+  const HullCounts counts = begin();
+  EXPECT_GT(counts.moved, 5u);
+  EXPECT_EQ(scene_.diffuse.size(), before - counts.moved + counts.hull);
+}
+
+TEST_F(PaintedBall, LeavesTheSpecularMask) {
+  const Targets marked = targets_;
+  separate_coats(capture_, shapes_, targets_);
+  size_t coat = 0;
+  for (size_t photo = 0; photo < marked.photos.size(); ++photo)
+    for (size_t l = 0; l < kLevels; ++l) {
+      const TargetLevel &was = marked.photos[photo][l], &is = targets_.photos[photo][l];
+      EXPECT_EQ(is.coat, was.masks[size_t(MaskClass::Specular)]);
+      for (const uint8_t v : is.masks[size_t(MaskClass::Specular)]) EXPECT_EQ(v, 0);
+      for (const uint8_t v : is.coat) coat += v > 0;
+    }
+  EXPECT_GT(coat, 500u);
+  shapes_.entries[0].role = ShapeRole::Mirror;
+  Targets mirrors = marked;
+  separate_coats(capture_, shapes_, mirrors);
+  EXPECT_EQ(mirrors.photos, marked.photos);
 }
 
 }  // namespace
