@@ -121,7 +121,7 @@ struct ClassSurface {
 
 ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& report) {
   ClassSurface out{.kind = kind, .role = kind == MaskClass::Transparent ? ShapeRole::Sheet : ShapeRole::Mirror, .hull = {}};
-  out.shaped = desc.capture.shapes.has(out.role);
+  out.shaped = desc.capture.shapes.has(out.role) || (kind == MaskClass::Specular && desc.capture.shapes.has(ShapeRole::Coat));
   std::vector<Silhouette> masks;
   for (uint32_t v : desc.capture.helpers) {
     const View& photo = desc.capture.set.views[v];
@@ -138,6 +138,14 @@ ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricRepo
   return out;
 }
 
+// The paint under a coat that a pixel of the specular mask shows.
+std::optional<ShapeSet::Hit> coat_before(const ShapeSet& shapes, const Ray& ray, MaskClass kind,
+                                         const std::optional<ShapeSet::Hit>& mirror) {
+  if (kind != MaskClass::Specular || !shapes.has(ShapeRole::Coat)) return std::nullopt;
+  const auto coat = shapes.first_hit(ray, ShapeRole::Coat);
+  return coat && (!mirror || coat->t < mirror->t) ? coat : std::nullopt;
+}
+
 // Inside the masks of `view`: normals of the shapes, else of the hull. Behind glass stereo sees something else, and on a mirror
 // perhaps.
 void put_surface(const GeometricDesc& desc, const ClassSurface& of, const View& view, size_t index, NormalMap& map) {
@@ -150,7 +158,11 @@ void put_surface(const GeometricDesc& desc, const ClassSurface& of, const View& 
       if (mask->value.at(x, y) < 0.5f) continue;
       const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
       std::optional<Vec3d> normal;
-      if (const auto on_shape = desc.capture.shapes.first_hit({centre, direction}, of.role))
+      const auto on_shape = desc.capture.shapes.first_hit({centre, direction}, of.role);
+      if (const auto coat = coat_before(desc.capture.shapes, {centre, direction}, of.kind, on_shape)) {
+        if (!desc.capture.shapes.entries[coat->entry].exact) continue;  // stereo matches its paint
+        normal = coat->normal;
+      } else if (on_shape)
         normal = on_shape->normal;
       else if (const auto hit = of.hull.first_hit(centre, direction))
         normal = hit->normal;

@@ -287,7 +287,7 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 
 Stage normals_stage() {
   StageInfo info{.name = "normals",
-                 .version = 6,
+                 .version = 7,
                  .summary = "surface normals of the photos, from stereo, files or a network",
                  .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                             {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
