@@ -45,7 +45,7 @@ int mirror_mask_side(size_t views) {
   return int(std::clamp(side, double(kLeastMaskSide), double(kMaskSide)));
 }
 
-bool MirrorShape::Part::metal() const { return lower_half < kNoPaint; }
+bool MirrorShape::Part::metal() const { return !coat && lower_half < kNoPaint; }
 
 MirrorShape::MirrorShape(const MirrorShapeDesc& desc) {
   std::vector<Silhouette> silhouettes;
@@ -150,11 +150,27 @@ void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silh
   for (auto& [cell, part] : part_of_) part = number[size_t(part)];
 }
 
+// Parts most of which lies on coats.
+void MirrorShape::mark_coats(const ShapeSet& shapes, const std::vector<ShapePoint>& surface) {
+  std::vector<size_t> on_coat(parts_.size(), 0), all(parts_.size(), 0);
+  for (const ShapePoint& p : surface) {
+    const auto part = part_of_.find(cell_of(p.position));
+    if (part == part_of_.end() || part->second < 0) continue;
+    ++all[size_t(part->second)];
+    on_coat[size_t(part->second)] += std::ranges::any_of(shapes.entries, [&](const ShapeSet::Entry& e) {
+      const double near = std::max(e.tolerance, kOnShape * hull_->voxel());
+      return e.role == ShapeRole::Coat && length(nearest(e.shape, p.position).position - p.position) <= near;
+    });
+  }
+  for (size_t i = 0; i < parts_.size(); ++i) parts_[i].coat = 2 * on_coat[i] > all[i];
+}
+
 // Shapes that metal lies on, with their appendages.
 void MirrorShape::find_shapes(const MirrorShapeDesc& desc) {
   const std::vector<ShapePoint> surface = hull_->surface();
+  mark_coats(desc.found, surface);
   learnt_ = knows(desc.learnt, ShapeRole::Mirror);
-  const ShapeSet found = (learnt_ ? *desc.learnt : desc.found).without(ShapeRole::Sheet);
+  const ShapeSet found = (learnt_ ? *desc.learnt : desc.found).without(ShapeRole::Sheet).without(ShapeRole::Coat);
   std::vector<uint8_t> keep(found.entries.size(), 1);
   for (size_t i = 0; i < keep.size(); ++i) {
     if (found.entries[i].parent >= 0) continue;

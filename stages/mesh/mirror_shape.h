@@ -40,6 +40,7 @@ class MirrorShape {
 
   struct Part {
     Bounds3 bounds;
+    bool coat = false;     // the shapes stage found paint under a clear layer there, or a person said so
     float lower_half = 1;  // lower-half mean ratio of what photos show of a place, in the median
     bool metal() const;
   };
@@ -58,6 +59,7 @@ class MirrorShape {
  private:
   CellIndex cell_of(const Vec3d& p) const;
   void find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& silhouettes);
+  void mark_coats(const ShapeSet& shapes, const std::vector<ShapePoint>& surface);
   void find_shapes(const MirrorShapeDesc& desc);
   std::optional<double> hull_share(const ShapeSet::Entry& entry, const HullHit& hit, const Vec3d& place) const;
   bool near_marks(const ImageF& marks, int x, int y) const;

@@ -90,6 +90,18 @@ TEST_F(PolishedVase, IsTheSolidThatWasFoundInItsSilhouettes) {
   EXPECT_LT(off[off.size() * 9 / 10], 0.004);
 }
 
+// The photos of this one change with the view, but a person said that it is paint.
+TEST_F(PolishedVase, KeepsItsOwnDepthUnderACoat) {
+  ShapeSet coat = found();
+  coat.entries[0].role = ShapeRole::Coat;
+  const MirrorShape shape({sfm, masks, views, views, nullptr, coat, [&](size_t i) { return nothing_learnt(views[i]); }});
+  ASSERT_EQ(shape.parts().size(), 1u);
+  EXPECT_FALSE(shape.parts()[0].metal());
+  RgbdFrame frame = nothing_learnt(views[0]);
+  shape.put(0, frame, 0.01);
+  EXPECT_TRUE(std::ranges::all_of(frame.zdepth, [](float z) { return z == 0; }));
+}
+
 // Silhouettes say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   SurfaceOfRevolution learnt = vase;
