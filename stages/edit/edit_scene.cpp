@@ -33,17 +33,18 @@ DecomposedMaterials remaining(const DecomposedMaterials& m, const std::vector<ui
           remaining(m.transmission, keep)};
 }
 
-// Shapes that most of their specular surfels still lie on, appendages with what they stand out of; sheets stay.
+// Mirrors that most of their specular surfels still lie on, coats that most of their paint does, appendages with what they stand
+// out of; sheets stay.
 std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
                                           const std::vector<uint8_t>& keep) {
   if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
   std::vector<uint8_t> stays;
   for (const ShapeSet::Entry& e : set->entries) {
     size_t all = 0, left = 0;
-    for (size_t i = 0; i < surfels.size() && e.role == ShapeRole::Mirror; ++i) {
+    for (size_t i = 0; i < surfels.size() && e.role != ShapeRole::Sheet; ++i) {
       const float* m = surfels.at(Attribute::Mean, i);
       const Vec3d p{m[0], m[1], m[2]};
-      if (*surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
+      if (e.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
       if (length(nearest(e.shape, p).position - p) > kOnShape * e.tolerance) continue;
       ++all, left += keep[i];
     }
