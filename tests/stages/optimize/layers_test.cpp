@@ -110,6 +110,34 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   EXPECT_NE(digest_folder(whole.output()), digest_folder(plain.output()));
 }
 
+// The ball as a coat: its shape is part of the scene, and does not learn.
+TEST_F(LayeredRun, ACoatSurvivesBeingKilled) {
+  SurfaceOfRevolution ball{{0, 0, 0}, {0, 0, 1}, {}};
+  for (int i = 0; i <= 24; ++i) {
+    const double polar = std::numbers::pi * i / 24;
+    ball.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
+  }
+  const fs::path shapes = folder_->path() / "coat/shapes";
+  fs::create_directories(shapes);
+  const ShapeSet known{{{ball, ShapeRole::Coat, 0.015, -1, {}}}};
+  write_file(shapes / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(known, shapes)}}.dump());
+  const auto context_of = [&](const std::string& name, int threads) {
+    TestContext c = context(name);
+    c.shapes = shapes.parent_path();
+    c.thread_count = threads;
+    return c;
+  };
+  const OptimizeConfig config = layered_config(60);
+  TestContext whole = context_of("whole coat", 1), killed = context_of("killed coat", 3);
+  run_optimize(config, whole);
+  const auto found = read_image_options(whole.output() / "optimize/model.json").shape.set;
+  ASSERT_TRUE(knows(found.get(), ShapeRole::Coat));
+  EXPECT_EQ(found->entries.at(0).role, ShapeRole::Coat);
+  const auto& learnt = std::get<SurfaceOfRevolution>(found->entries.at(0).shape).profile;
+  for (size_t i = 0; i < ball.profile.size(); ++i) EXPECT_NEAR(learnt.at(i).x, ball.profile[i].x, 1e-9);
+  expect_same_bytes(config, whole, killed, {17, 18, 19, 40, 59});  // reflection begins at 18
+}
+
 TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
   const fs::path masks = folder_->path() / "proposed";
   fs::create_directories(masks / "masks");
