@@ -319,28 +319,12 @@ bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes) {
   return config.shading.glass == "thin" && config.shading.panes && shapes.has(ShapeRole::Sheet);
 }
 
-HullCounts begin_sheets(const LayerInitDesc& desc, SplatScene& scene) {
-  const Survey found = survey(desc, scene, {MaskClass::Transparent});
-  HullCounts counts;
-  counts.shapes = desc.shapes.without(ShapeRole::Mirror);
-  for (ShapeSet::Entry& sheet : counts.shapes.entries)
+ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene) {
+  const Survey found = survey(desc, scene, {});
+  ShapeSet sheets = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
+  for (ShapeSet::Entry& sheet : sheets.entries)
     sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
-  SplatLayer& diffuse = scene.diffuse;
-  std::vector<uint8_t> on_sheet(diffuse.size());
-  parallel_for(diffuse.size(), 256, [&](size_t i) {
-    const float* m = diffuse.at(Attribute::Mean, i);
-    const Vec3d p{m[0], m[1], m[2]};
-    on_sheet[i] =
-        found.evidence[0].share(i) >= kBehindGlass && std::ranges::any_of(counts.shapes.entries, [&](const ShapeSet::Entry& e) {
-          return length(nearest(e.shape, p).position - p) <= e.tolerance;
-        });
-  });
-  std::vector<uint32_t> stay;
-  for (uint32_t i = 0; i < diffuse.size(); ++i)
-    if (!on_sheet[i]) stay.push_back(i);
-  counts.moved = diffuse.size() - stay.size();
-  keep_surfels(diffuse, stay);
-  return counts;
+  return sheets;
 }
 
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {

@@ -45,8 +45,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
 // Sheets of glass that are drawn from their shapes (core/model/sheet_pass.h) need no surfels while the scene is trained: what is
 // seen through them stays in the diffuse layer until the end, when begin_transmittance() gives other programs what they expect.
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
-// The sheets, with the faces that are panes. Diffuse surfels that show at a sheet what its glass mirrors leave: those that lie on
-// it where the masks mark glass. What the masks do not mark there is a frame, and stays.
-HullCounts begin_sheets(const LayerInitDesc& desc, SplatScene& scene);
+// The sheets, with the faces that are panes; the scene stays as it is.
+ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene);
 
 }  // namespace vitrine

@@ -246,9 +246,9 @@ LayerInitDesc Trainer::init_desc() const {
 }
 
 void Trainer::begin_sheets() {
-  HullCounts counts = vitrine::begin_sheets(init_desc(), scene_);
-  log_info("step {}: {} sheets of glass begin; {} surfels left them", step_, counts.shapes.entries.size(), counts.moved);
-  shapes_.add(std::move(counts.shapes));
+  ShapeSet sheets = known_sheets(init_desc(), scene_);
+  log_info("step {}: {} sheets of glass begin", step_, sheets.entries.size());
+  shapes_.add(std::move(sheets));
 }
 
 void Trainer::finish() {
@@ -268,11 +268,11 @@ void Trainer::begin_phases() {
     uint8_t& begun = begun_[static_cast<size_t>(kind)];
     if (begun || !clock.begun(kind)) continue;
     begun = 1;
-    changed = true;
     if (sheets_ && kind == LayerKind::Transmittance) {
       begin_sheets();
       continue;
     }
+    changed = true;
     const auto begin = kind == LayerKind::Reflection ? begin_reflection : begin_transmittance;
     const HullCounts counts = begin(desc, cap(kind), diffuse_cap(), scene_);
     log_info("step {}: the {} layer begins with {} surfels; {} were put on the hull of its masks, {} moved from there", step_,

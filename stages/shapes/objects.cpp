@@ -12,6 +12,9 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kSmallestPiece = 50;  // one part in, of the largest one
+// Around the footprint of a hull: so far its object may reach beyond what is left of it; of the root of its area, and pixels.
+constexpr double kReach_rel = 0.25;
+constexpr int kLeastReach = 3;
 
 // [h,w] 1 where the view shows one of the cells.
 std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector<size_t>& cells, const View& view) {
@@ -30,7 +33,31 @@ std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector
   return out;
 }
 
-// Silhouettes in which pixels that other pieces alone account for are unknown.
+// [h,w] 1 where a pixel that is set lies within `reach` pixels along x and along y.
+std::vector<uint8_t> dilated(const std::vector<uint8_t>& set, int width, int height, int reach) {
+  const auto pass = [reach](const std::vector<uint8_t>& from, int lines, int length, size_t line_step, size_t step) {
+    std::vector<uint8_t> out(from.size(), 0);
+    for (int line = 0; line < lines; ++line) {
+      const size_t first = size_t(line) * line_step;
+      int last_set = -reach - 1;
+      for (int i = 0; i < length; ++i) {
+        if (from[first + size_t(i) * step]) last_set = i;
+        if (i - last_set <= reach) out[first + size_t(i) * step] = 1;
+      }
+      last_set = length + reach;
+      for (int i = length - 1; i >= 0; --i) {
+        if (from[first + size_t(i) * step]) last_set = i;
+        if (last_set - i <= reach) out[first + size_t(i) * step] = 1;
+      }
+    }
+    return out;
+  };
+  const auto w = static_cast<size_t>(width);
+  return pass(pass(set, height, width, w, 1), width, height, 1, w);
+}
+
+// Silhouettes of one piece: pixels that others account for alone are unknown, and so are marked ones far from it. What they show
+// is another object, perhaps one whose hull has been cut by something in front of it, or that has none.
 std::vector<Silhouette> without_others(const std::vector<Silhouette>& all, const VoxelGrid<uint8_t>& grid,
                                        const std::vector<std::vector<size_t>>& pieces, size_t own) {
   std::vector<size_t> others;
@@ -39,8 +66,13 @@ std::vector<Silhouette> without_others(const std::vector<Silhouette>& all, const
   std::vector<Silhouette> out = all;
   parallel_for(out.size(), 1, [&](size_t i) {
     const auto mine = footprint(grid, pieces[own], out[i].view), theirs = footprint(grid, others, out[i].view);
-    for (size_t pixel = 0; pixel < mine.size(); ++pixel)
-      if (theirs[pixel] && !mine[pixel]) out[i].value.data()[pixel] = -1;
+    const Intrinsics& k = out[i].view.intrinsics;
+    const double area = static_cast<double>(std::ranges::count(mine, 1));
+    const auto near = dilated(mine, k.width, k.height, std::max(kLeastReach, int(kReach_rel * std::sqrt(area))));
+    for (size_t pixel = 0; pixel < mine.size(); ++pixel) {
+      float& value = out[i].value.data()[pixel];
+      if (!mine[pixel] && (theirs[pixel] || (value >= 0.5f && !near[pixel]))) value = -1;
+    }
   });
   return out;
 }
@@ -53,18 +85,12 @@ std::vector<MaskedObject> masked_objects(MaskClass kind, const std::vector<Silho
   if (hull.empty()) return out;
   const VoxelGrid<uint8_t>& grid = hull.carved();
   const ConnectedComponents parts = connected_components(grid, [&](size_t i) { return grid.values[i] != 0; });
-  if (parts.members.size() == 1) {
-    out.push_back({kind, silhouettes, std::move(hull)});
-    return out;
-  }
   const size_t largest = std::ranges::max(parts.members, {}, &std::vector<size_t>::size).size();
-  size_t count = 0;
-  for (const auto& members : parts.members) count += kSmallestPiece * members.size() >= largest;
   HullDesc piece = desc;
   piece.one_piece = true;
   for (size_t p = 0; p < parts.members.size(); ++p) {
     if (kSmallestPiece * parts.members[p].size() < largest) continue;
-    MaskedObject object{kind, count > 1 ? without_others(silhouettes, grid, parts.members, p) : silhouettes, {}};
+    MaskedObject object{kind, without_others(silhouettes, grid, parts.members, p), {}};
     object.hull = VisualHull(object.silhouettes, piece);
     if (!object.hull.empty()) out.push_back(std::move(object));
   }
