@@ -43,6 +43,7 @@ struct SheetImages {
   std::vector<float> coverage;                     // [h,w] of the pixel
   std::vector<float> behind_alpha, behind_median;  // [h,w] the channels Alpha and MedianZ of the surfels alone
   bool empty() const { return entry.empty(); }
+  bool shows(uint32_t pixel) const { return !entry.empty() && entry[pixel] != 0; }
   void clear();
 };
 

@@ -54,10 +54,12 @@ void gather(const SplatScene& scene, OpenedDegrees degrees, LayerKind kind, Open
 
 }  // namespace
 
+bool is_glass(const SplatLayer& diffuse, size_t i) { return sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear; }
+
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse) {
   std::vector<uint32_t> out;
   for (size_t i = 0; i < diffuse.size(); ++i)
-    if (!(sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear)) out.push_back(static_cast<uint32_t>(i));
+    if (!is_glass(diffuse, i)) out.push_back(static_cast<uint32_t>(i));
   return out;
 }
 

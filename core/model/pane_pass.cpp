@@ -103,7 +103,7 @@ void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const uint32_t pixel = s.pixels[i];
-      if (shown[pixel] == 0 || out.shown[pixel] || (!frame.sheets.empty() && frame.sheets.entry[pixel] != 0)) continue;
+      if (shown[pixel] == 0 || out.shown[pixel] || frame.sheets.shows(pixel)) continue;
       const uint32_t entry = shown[pixel] - 1;
       if (first_pane_[entry] == first_pane_[entry + 1]) continue;
       const auto hit = intersect(set.entries[entry].shape, {eye, cast<double>(g.ray(pixel).direction_per_z)});

@@ -5,6 +5,8 @@
 
 #include "core/base/parallel.h"
 #include "core/model/gbuffer.h"
+#include "core/model/opened_scene.h"
+#include "core/model/sheet_pass.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
@@ -85,8 +87,10 @@ void SilhouettePass::draw_rest(const SplatScene& scene, Frame& frame) {
   for (const SilhouettePixel& p : frame.silhouette.pixels)
     window_.extend(static_cast<int>(p.pixel) % width, static_cast<int>(p.pixel) / width);
   const std::vector<Located> shapes = located(*options_.set);
-  rest_.choose(scene.diffuse, window_.view(*frame.view),
-               [&](size_t i) { return !shows(scene.diffuse, i, shapes, options_.polished); });
+  const bool sheets = draws_sheets(frame.options);  // whose surfels are not drawn
+  rest_.choose(scene.diffuse, window_.view(*frame.view), [&](size_t i) {
+    return !(sheets && is_glass(scene.diffuse, i)) && !shows(scene.diffuse, i, shapes, options_.polished);
+  });
   wanted_.assign(window_.pixel_count(), 0);
   for (const SilhouettePixel& p : frame.silhouette.pixels) wanted_[in_window(p.pixel, width)] = 1;
   const DiffuseOptions& diffuse = frame.options.diffuse;
@@ -162,8 +166,10 @@ void SilhouettePass::forward(const SplatScene& scene, Frame& frame) {
   std::vector<SilhouettePixel> candidates = silhouette_pixels(*options_.set, *frame.view);
   in_band_.assign(frame.pixel_count(), 0);
   for (const SilhouettePixel& p : candidates) in_band_[p.pixel] = p.covered == 1 && p.away >= kThinDonor ? kInside : kAtEdge;
-  for (const SilhouettePixel& p : candidates)
+  for (const SilhouettePixel& p : candidates) {
+    if (frame.sheets.shows(p.pixel)) continue;  // glass stands in front, or behind the silhouette
     if (const uint32_t from = donor(p, frame); from != UINT32_MAX) out.pixels.push_back(p), donors_.push_back(from);
+  }
   if (out.pixels.empty()) return out.clear();
   draw_rest(scene, frame);
   size_t kept = 0;

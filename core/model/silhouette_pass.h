@@ -25,7 +25,7 @@ class SilhouettePass final : public Pass {
   explicit SilhouettePass(Backend backend) : rest_(backend) {}
   std::string_view name() const override { return "silhouette"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::ShownShapes},
+    return {.reads = {FramePart::ShownShapes, FramePart::Sheets},
             .writes = {FramePart::Silhouettes},
             .adds = {FramePart::DiffuseChannels, FramePart::Linear}};
   }

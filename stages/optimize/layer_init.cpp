@@ -11,6 +11,7 @@
 #include "core/math/rigid.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
+#include "core/model/opened_scene.h"
 #include "core/optim/adam.h"
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
@@ -48,8 +49,6 @@ const Vec3f kGlassColor = (0.02f - 0.5f) / kShDc * Vec3f{1, 1, 1};
 void set(SplatLayer& layer, Attribute a, size_t i, double value) {
   std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, static_cast<float>(value)));
 }
-
-bool is_glass(const SplatLayer& layer, size_t i) { return *layer.at(Attribute::Transmission, i) > 0; }  // tau above one half
 
 // The images that a survey sums up.
 enum class Surveyed { Specular, Transparent, Coat };
@@ -319,11 +318,12 @@ bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes) {
   return config.shading.glass == "thin" && config.shading.panes && shapes.has(ShapeRole::Sheet);
 }
 
-ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene) {
+ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene) {
   const Survey found = survey(desc, scene, {});
   ShapeSet sheets = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
   for (ShapeSet::Entry& sheet : sheets.entries)
     sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
+  for (size_t i = 0; i < scene.diffuse.size(); ++i) set(scene.diffuse, Attribute::Transmission, i, kDull);
   return sheets;
 }
 

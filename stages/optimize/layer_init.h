@@ -45,7 +45,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
 // Sheets of glass that are drawn from their shapes (core/model/sheet_pass.h) need no surfels while the scene is trained: what is
 // seen through them stays in the diffuse layer until the end, when begin_transmittance() gives other programs what they expect.
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
-// The sheets, with the faces that are panes; the scene stays as it is.
-ShapeSet known_sheets(const LayerInitDesc& desc, const SplatScene& scene);
+// The sheets, with the faces that are panes. No surfel of the diffuse layer is clear from now on.
+ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene);
 
 }  // namespace vitrine
