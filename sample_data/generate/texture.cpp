@@ -10,7 +10,10 @@
 
 namespace vitrine::generate {
 
-uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
+namespace {
+
+// Defined before its loops, so that it is inlined there.
+inline uint32_t hash_of(int x, int y, int z, uint32_t seed) {
   uint32_t h = seed * 0x9e3779b9u ^ static_cast<uint32_t>(x) * 0x85ebca6bu;
   h = (h ^ (h >> 15)) * 0x2c1b3c6du ^ static_cast<uint32_t>(y) * 0xc2b2ae35u;
   h = (h ^ (h >> 13)) * 0x297a2d39u ^ static_cast<uint32_t>(z) * 0x27d4eb2fu;
@@ -19,14 +22,22 @@ uint32_t lattice_hash(int x, int y, int z, uint32_t seed) {
   return h ^ (h >> 16);
 }
 
+}  // namespace
+
+uint32_t lattice_hash(int x, int y, int z, uint32_t seed) { return hash_of(x, y, z, seed); }
+
 float value_noise(const Vec3f& p, uint32_t seed) {
   const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
   const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
   const auto quintic = [](float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); };
   const float u = quintic(p.x - fx), v = quintic(p.y - fy), w = quintic(p.z - fz);
-  const auto corner = [&](int i, int j, int k) { return unit_float(lattice_hash(x + i, y + j, z + k, seed)); };
-  const auto edge = [&](int j, int k) { return std::lerp(corner(0, j, k), corner(1, j, k), u); };
-  return std::lerp(std::lerp(edge(0, 0), edge(1, 0), v), std::lerp(edge(0, 1), edge(1, 1), v), w);
+  // The hashes of the eight corners side by side, so that the compiler makes one vector of them.
+  uint32_t hash[8];
+  for (uint32_t c = 0; c < 8; ++c)
+    hash[c] = hash_of(x + static_cast<int>(c & 1), y + static_cast<int>(c >> 1 & 1), z + static_cast<int>(c >> 2), seed);
+  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
+  const auto edge = [&](size_t c) { return mix(unit_float(hash[c]), unit_float(hash[c + 1]), u); };
+  return mix(mix(edge(0), edge(2), v), mix(edge(4), edge(6), v), w);
 }
 
 float fractal_noise(const Vec3f& p, int octaves, uint32_t seed) {
@@ -47,7 +58,7 @@ CellNoise cell_noise(const Vec3f& p, uint32_t seed) {
   for (int k = z - 1; k <= z + 1; ++k)
     for (int j = y - 1; j <= y + 1; ++j)
       for (int i = x - 1; i <= x + 1; ++i) {
-        const uint32_t h = lattice_hash(i, j, k, seed);
+        const uint32_t h = hash_of(i, j, k, seed);
         const Vec3f feature{static_cast<float>(i) + unit_float(h), static_cast<float>(j) + unit_float(h * 0x9e3779b1u),
                             static_cast<float>(k) + unit_float(h * 0x85ebca77u)};
         const float distance = squared_length(feature - p);
