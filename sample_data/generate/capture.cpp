@@ -51,7 +51,8 @@ ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, cons
 SurfacePictures first_surface(const RayScene& rays, const View& view) {
   const int w = view.intrinsics.width, h = view.intrinsics.height;
   const Rigid world_from_cam = inverse(view.cam_from_world);
-  SurfacePictures out{ImageF(w, h, 1), ImageF(w, h, 3), ImageF(w, h, 3), Image8(w, h, 1), Image8(w, h, 1), Image8(w, h, 1)};
+  SurfacePictures out{ImageF(w, h, 1), ImageF(w, h, 3), ImageF(w, h, 3), Image8(w, h, 1),
+                      Image8(w, h, 1), Image8(w, h, 1), Image8(w, h, 1)};
   parallel_for(static_cast<size_t>(h), 4, [&](size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < w; ++x) {
@@ -61,13 +62,13 @@ SurfacePictures first_surface(const RayScene& rays, const View& view) {
       out.zdepth.at(x, y) = static_cast<float>(static_cast<double>(first->distance) / ray.per_zdepth);
       const Vec3f n = dot(first->normal, ray.direction) > 0 ? -first->normal : first->normal;
       for (int c = 0; c < 3; ++c) out.normal.at(x, y, c) = n[static_cast<size_t>(c)];
-      const MaterialKind kind = first->part->material.kind;
-      const bool shiny = first->glass() || kind == MaterialKind::Metal || kind == MaterialKind::Mirror;
+      const Material& material = first->part->material;
       out.object.at(x, y) = first->part->object ? 255 : 0;
       out.transparent.at(x, y) = first->glass() ? 255 : 0;
-      out.specular.at(x, y) = shiny ? 255 : 0;
+      out.specular.at(x, y) = material.glossy() ? 255 : 0;
+      out.coated.at(x, y) = material.kind == MaterialKind::Coat ? 255 : 0;
       const std::optional<Hit> solid = first->glass() ? rays.first_hit(ray.origin, ray.direction, false) : first;
-      if (!solid || solid->part->material.kind != MaterialKind::Diffuse) continue;
+      if (!solid || !solid->part->material.painted()) continue;
       const Vec3f albedo = solid->part->material.albedo({solid->position, solid->normal, solid->uv});
       for (int c = 0; c < 3; ++c) out.albedo.at(x, y, c) = albedo[static_cast<size_t>(c)];
     }

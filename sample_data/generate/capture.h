@@ -12,8 +12,8 @@ ImageF rendered(const Integrator& integrator, const IrradianceCache* cache, cons
 struct SurfacePictures {  // one sample at every pixel centre; 0 where nothing was hit
   ImageF zdepth;          // [h,w,1] first surface, the glass counts
   ImageF normal;          // [h,w,3] world, facing the camera, first surface
-  ImageF albedo;          // [h,w,3] first surface that is not glass; 0 for metal and mirrors
-  Image8 object, transparent, specular;
+  ImageF albedo;          // [h,w,3] first surface that is not glass, the base of a coat; 0 for metal and mirrors
+  Image8 object, transparent, specular, coated;
 };
 SurfacePictures first_surface(const RayScene& rays, const View& view);
 

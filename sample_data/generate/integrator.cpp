@@ -10,8 +10,8 @@ namespace vitrine::generate {
 namespace {
 
 constexpr float kFar = 1e5f;
-constexpr int kMostEvents = 10;  // mirrors, metal and glass on one path
-constexpr int kSplitPanes = 2;   // panes whose two branches are both followed
+constexpr int kMostEvents = 20;  // mirrors, metal, coats and glass on one path; a bottle alone is four walls
+constexpr int kSplitPanes = 2;   // panes and coats whose two branches are both followed
 constexpr float kLeastWeight = 1e-3f;
 
 float power_heuristic(float a, float b) { return a * a / (a * a + b * b); }
@@ -105,15 +105,41 @@ Vec3f Integrator::direct_irradiance(const Hit& hit, Sampler& sampler) const {
   return sum;
 }
 
-Vec3f Integrator::metal_direct(const Hit& hit, const Frame& frame, const Vec3f& wo, Sampler& sampler) const {
+Vec3f Integrator::lobe_direct(const Hit& hit, const Frame& frame, const Vec3f& wo, Sampler& sampler) const {
   Vec3f sum{};
   for (const LightSample& s : {sky_sample(hit, frame.n, sampler), lamp_sample(hit, frame.n, sampler)}) {
     if (s.pdf <= 0) continue;
     const Vec3f wi = frame.local(s.direction);
-    const float lobe = metal_pdf(hit.part->material, wo, wi);
-    sum += (wi.z * power_heuristic(s.pdf, lobe) / s.pdf) * hadamard(metal_brdf(hit.part->material, wo, wi), s.radiance);
+    const float lobe = lobe_pdf(hit.part->material, wo, wi);
+    sum += (wi.z * power_heuristic(s.pdf, lobe) / s.pdf) * hadamard(lobe_brdf(hit.part->material, wo, wi), s.radiance);
   }
   return sum;
+}
+
+// Turns the path into the lobe of a metal or a rough coat, after the light that comes straight into that lobe.
+bool Integrator::follow_lobe(const Hit& hit, Branch& path, Vec3f& sum, Sampler& sampler) const {
+  const Frame frame(hit.normal);
+  const Vec3f wo = frame.local(-path.direction);
+  if (wo.z <= 1e-4f) return false;
+  if (path.lights) sum += hadamard(path.weight, lobe_direct(hit, frame, wo, sampler));
+  const LobeSample next = sample_lobe(hit.part->material, wo, sampler.pair());
+  path.weight = hadamard(path.weight, next.weight);
+  path.direction = frame.world(next.wi);
+  path.origin = offset_origin(hit, path.direction);
+  path.lobe_pdf = next.pdf;
+  return true;
+}
+
+bool Integrator::follow_coat(const Hit& hit, Branch& path, Vec3f& sum, Sampler& sampler) const {
+  const Material& coat = hit.part->material;
+  if (coat.roughness > 0) return follow_lobe(hit, path, sum, sampler);
+  const float cosine = dot(hit.normal, path.direction);
+  if (cosine >= 0) return false;  // at an outline the interpolated normal may look away
+  path.weight *= interface_reflectance(coat.index_of_refraction, cosine);
+  path.direction = mirrored(path.direction, hit.normal);
+  path.origin = offset_origin(hit, path.direction);
+  path.lobe_pdf = -1;
+  return true;
 }
 
 Vec3f Integrator::radiance(const Vec3f& origin, const Vec3f& direction, const IrradianceCache* cache, Sampler& sampler) const {
@@ -149,7 +175,7 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
       if (material.glass()) {
         const bool thin = material.kind == MaterialKind::ThinGlass;
         // At an outline the interpolated normal may look to the other side than the face.
-        const bool smooth = !thin && (dot(hit->normal, path.direction) < 0) == outer;
+        const bool smooth = (dot(hit->normal, path.direction) < 0) == outer;
         const Vec3f normal = smooth ? hit->normal : hit->geometric;
         const float index = outer || thin ? material.index_of_refraction : 1.0f / material.index_of_refraction;
         const float cosine = dot(normal, path.direction);
@@ -185,16 +211,25 @@ Vec3f Integrator::traced(const Branch& start, const IrradianceCache* cache, Samp
         continue;
       }
       if (material.kind == MaterialKind::Metal) {
-        const Frame frame(hit->normal);
-        const Vec3f wo = frame.local(-path.direction);
-        if (wo.z <= 1e-4f) break;
-        if (path.lights) sum += hadamard(path.weight, metal_direct(*hit, frame, wo, sampler));
-        const MetalSample next = sample_metal(material, wo, sampler.pair());
-        path.weight = hadamard(path.weight, next.weight);
-        path.direction = frame.world(next.wi);
-        path.origin = offset_origin(*hit, path.direction);
-        path.lobe_pdf = next.pdf;
+        if (!follow_lobe(*hit, path, sum, sampler)) break;
         continue;
+      }
+      if (material.kind == MaterialKind::Coat) {
+        const float r = interface_reflectance(material.index_of_refraction, dot(hit->normal, path.direction));
+        Branch gloss = path;
+        if (splits < kSplitPanes) {
+          ++splits;
+          if (follow_coat(*hit, gloss, sum, sampler)) {
+            ++gloss.depth;
+            pending[waiting++] = gloss;
+          }
+          path.weight *= 1.0f - r;
+        } else if (sampler.single() < r) {
+          gloss.weight *= 1.0f / r;
+          if (!follow_coat(*hit, gloss, sum, sampler)) break;
+          path = gloss;
+          continue;
+        }
       }
       const SurfacePoint point{hit->position, hit->normal, hit->uv};
       const Vec3f reflected = hadamard(path.weight, (1.0f / kPi) * material.albedo(point));
@@ -265,7 +300,7 @@ void Integrator::solve_irradiance(IrradianceCache& cache, const CacheDesc& desc)
     IrradianceCache::Field next(scene.parts.size());
     for (size_t p = 0; p < scene.parts.size(); ++p) {
       next[p].resize(scene.parts[p].shape.mesh.positions.size());
-      if (scene.parts[p].material.kind == MaterialKind::Diffuse) gather_part(p, pass, desc, cache, next[p]);
+      if (scene.parts[p].material.painted()) gather_part(p, pass, desc, cache, next[p]);
     }
     (pass == 0 ? cache.direct_ : cache.indirect_) = std::move(next);
   }

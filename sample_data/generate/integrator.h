@@ -1,8 +1,9 @@
-// The path tracer. From the camera a path runs over mirrors, metal and glass (both branches of the first panes are followed,
-// later ones by chance) until it ends on a diffuse surface. Its light comes from the irradiance cache or, without one, from
-// sampled lamps and sky (one shadow ray each) and a cosine-distributed bounce: slow and noisy, but free of the cache's grid,
-// so it is what the tests compare with. Metal uses light and lobe samples with the power heuristic. Left out: caustics, i.e.
-// light that reaches a diffuse surface over a mirror, metal or the reflection in glass.
+// The path tracer. From the camera a path runs over mirrors, metal, coats and glass (both branches of the first panes and coats
+// are followed, later ones by chance) until it ends on a diffuse surface or the base of a coat. Its light comes from the
+// irradiance cache or, without one, from sampled lamps and sky (one shadow ray each) and a cosine-distributed bounce: slow and
+// noisy, but free of the cache's grid, so it is what the tests compare with. Metal and rough coats use light and lobe samples
+// with the power heuristic. Left out: caustics, i.e. light that reaches a diffuse surface over a mirror, metal or the reflection
+// in glass.
 #pragma once
 
 #include <span>
@@ -23,10 +24,7 @@ class Integrator {
  public:
   Integrator(const RayScene& rays, const Illumination& light) : rays_(rays), light_(light) {}
 
-  struct CacheDesc {
-    uint32_t direct_samples = 256, gather_samples = 64;
-    int passes = 3;  // diffuse bounces
-  };
+  using CacheDesc = generate::CacheDesc;
   void solve_irradiance(IrradianceCache& cache, const CacheDesc& desc) const;
 
   // Radiance towards the origin of the ray. `cache` may be null: plain path tracing up to kBounces diffuse bounces.
@@ -40,7 +38,7 @@ class Integrator {
     Vec3f origin, direction, weight{1, 1, 1};
     int depth = 0;
     bool lights = true;   // false after a diffuse surface: lamps and sky were counted there
-    float lobe_pdf = -1;  // > 0: the direction was drawn from a metal lobe with this density
+    float lobe_pdf = -1;  // > 0: the direction was drawn from a lobe with this density
   };
   struct LightSample {
     Vec3f direction, radiance;  // radiance includes the shadow
@@ -53,7 +51,10 @@ class Integrator {
   LightSample lamp_sample(const Hit& hit, const Vec3f& side, Sampler& sampler) const;
   float lamp_pdf(size_t lamp, const Vec3f& direction, float distance) const;
   Vec3f direct_irradiance(const Hit& hit, Sampler& sampler) const;
-  Vec3f metal_direct(const Hit& hit, const Frame& frame, const Vec3f& wo, Sampler& sampler) const;
+  Vec3f lobe_direct(const Hit& hit, const Frame& frame, const Vec3f& wo, Sampler& sampler) const;
+  // The reflected way of a path: false where there is none.
+  bool follow_lobe(const Hit& hit, Branch& path, Vec3f& sum, Sampler& sampler) const;
+  bool follow_coat(const Hit& hit, Branch& path, Vec3f& sum, Sampler& sampler) const;
 
   const RayScene& rays_;
   Illumination light_;

@@ -6,7 +6,7 @@
 namespace vitrine::generate {
 namespace {
 
-float alpha_of(const Material& metal) { return std::max(metal.roughness * metal.roughness, 1e-3f); }
+float alpha_of(const Material& material) { return std::max(material.roughness * material.roughness, 1e-3f); }
 
 float ggx_density(const Vec3f& h, float alpha) {
   const float t = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
@@ -28,6 +28,12 @@ Vec3f visible_normal(const Vec3f& wo, float alpha, const Vec2f& u) {
   const float p2 = (1.0f - s) * std::sqrt(1.0f - p1 * p1) + s * r * std::sin(phi);
   const Vec3f n = p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0f, 1.0f - p1 * p1 - p2 * p2)) * v;
   return normalized(Vec3f{alpha * n.x, alpha * n.y, std::max(1e-6f, n.z)});
+}
+
+// A coat reflects by the angle to its surface, not to the facet: what it leaves to the base is then exactly the rest.
+Vec3f lobe_fresnel(const Material& material, float cos_surface, float cos_facet) {
+  if (material.kind != MaterialKind::Coat) return schlick_fresnel(material.reflectance, cos_facet);
+  return interface_reflectance(material.index_of_refraction, cos_surface) * Vec3f{1, 1, 1};
 }
 
 }  // namespace
@@ -64,27 +70,27 @@ Vec3f cosine_direction(const Vec2f& u) {
   return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1.0f - u.x))};
 }
 
-MetalSample sample_metal(const Material& metal, const Vec3f& wo, const Vec2f& u) {
-  const float alpha = alpha_of(metal);
+LobeSample sample_lobe(const Material& material, const Vec3f& wo, const Vec2f& u) {
+  const float alpha = alpha_of(material);
   const Vec3f h = visible_normal(wo, alpha, u);
   const Vec3f wi = 2.0f * dot(wo, h) * h - wo;
   if (wi.z <= 1e-5f) return {wi, {}, 0};
   const float lambda_o = smith_lambda(wo, alpha), lambda_i = smith_lambda(wi, alpha);
-  const Vec3f F = schlick_fresnel(metal.reflectance, dot(wi, h));
-  return {wi, ((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i)) * F, metal_pdf(metal, wo, wi)};
+  const Vec3f F = lobe_fresnel(material, wo.z, dot(wi, h));
+  return {wi, ((1.0f + lambda_o) / (1.0f + lambda_o + lambda_i)) * F, lobe_pdf(material, wo, wi)};
 }
 
-Vec3f metal_brdf(const Material& metal, const Vec3f& wo, const Vec3f& wi) {
+Vec3f lobe_brdf(const Material& material, const Vec3f& wo, const Vec3f& wi) {
   if (wi.z <= 1e-5f || wo.z <= 1e-5f) return {};
-  const float alpha = alpha_of(metal);
+  const float alpha = alpha_of(material);
   const Vec3f h = normalized(wo + wi);
   const float g2 = 1.0f / (1.0f + smith_lambda(wo, alpha) + smith_lambda(wi, alpha));
-  return (ggx_density(h, alpha) * g2 / (4.0f * wo.z * wi.z)) * schlick_fresnel(metal.reflectance, dot(wi, h));
+  return (ggx_density(h, alpha) * g2 / (4.0f * wo.z * wi.z)) * lobe_fresnel(material, wo.z, dot(wi, h));
 }
 
-float metal_pdf(const Material& metal, const Vec3f& wo, const Vec3f& wi) {
+float lobe_pdf(const Material& material, const Vec3f& wo, const Vec3f& wi) {
   if (wi.z <= 1e-5f || wo.z <= 1e-5f) return 0;
-  const float alpha = alpha_of(metal);
+  const float alpha = alpha_of(material);
   const Vec3f h = normalized(wo + wi);
   // D_visible / (4 wo.h) with D_visible = G1 D max(0, wo.h) / cos_o.
   return ggx_density(h, alpha) / ((1.0f + smith_lambda(wo, alpha)) * 4.0f * wo.z);

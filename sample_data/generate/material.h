@@ -1,6 +1,9 @@
-// How surfaces answer to light: diffuse (Lambert), metal (GGX microfacets, one Fresnel colour), mirror, thin and solid glass,
-// and emitters. Directions point away from the surface, cosines are against the unit normal n on the side of wo.
+// How surfaces answer to light: diffuse (Lambert), metal (GGX microfacets, one Fresnel colour), mirror, a clear coat over paint,
+// thin and solid glass, and emitters. Directions point away from the surface, cosines are against the unit normal n on the side
+// of wo.
 //   metal: f = F D G2 / (4 cos_i cos_o), Smith heights correlated, alpha = roughness^2 (Heitz 2014, 2018)
+//   coat: a clear layer over a diffuse base; R(cos_o) is reflected, sharp or spread by the lobe of a metal of its roughness,
+//         1 - R lights the base: albedo / pi. Reflection and base together never exceed 1
 //   thin glass: a sheet without thickness; r = 2R/(1+R) sums both faces of a real pane, 1 - r goes straight through
 //   solid glass: a closed surface; R is mirrored at every interface, 1 - R refracted (Snell)
 #pragma once
@@ -10,15 +13,17 @@
 
 namespace vitrine::generate {
 
-enum class MaterialKind { Diffuse, Metal, Mirror, ThinGlass, SolidGlass, Emitter };
+enum class MaterialKind { Diffuse, Metal, Mirror, Coat, ThinGlass, SolidGlass, Emitter };
 
 struct Material {
   MaterialKind kind = MaterialKind::Diffuse;
-  Texture albedo = {};               // Diffuse
+  Texture albedo = {};               // Diffuse, Coat (its base)
   Vec3f reflectance{1, 1, 1};        // Metal, Mirror: at normal incidence
-  float roughness = 0;               // Metal: perceptual, alpha = roughness^2
-  float index_of_refraction = 1.5f;  // ThinGlass, SolidGlass
+  float roughness = 0;               // Metal, Coat: perceptual, alpha = roughness^2; a coat of 0 is a mirror
+  float index_of_refraction = 1.5f;  // Coat, ThinGlass, SolidGlass
   bool glass() const { return kind == MaterialKind::ThinGlass || kind == MaterialKind::SolidGlass; }
+  bool painted() const { return kind == MaterialKind::Diffuse || kind == MaterialKind::Coat; }  // has an albedo
+  bool glossy() const { return kind != MaterialKind::Diffuse && kind != MaterialKind::Emitter; }
 };
 
 // R of one interface, unpolarised; `relative_index`: behind over in front. 1 where all is reflected.
@@ -35,14 +40,14 @@ struct Frame {  // an orthonormal basis around n (Duff et al. 2017)
 
 Vec3f cosine_direction(const Vec2f& u);  // local, pdf = z / pi
 
-struct MetalSample {
+struct LobeSample {
   Vec3f wi;      // local
   Vec3f weight;  // f cos / pdf; zero when the direction leaves below the surface
   float pdf = 0;
 };
-// Local directions, z along the normal.
-MetalSample sample_metal(const Material& metal, const Vec3f& wo, const Vec2f& u);
-Vec3f metal_brdf(const Material& metal, const Vec3f& wo, const Vec3f& wi);
-float metal_pdf(const Material& metal, const Vec3f& wo, const Vec3f& wi);
+// The reflecting lobe of a metal or of a rough coat. Local directions, z along the normal.
+LobeSample sample_lobe(const Material& material, const Vec3f& wo, const Vec2f& u);
+Vec3f lobe_brdf(const Material& material, const Vec3f& wo, const Vec3f& wi);
+float lobe_pdf(const Material& material, const Vec3f& wo, const Vec3f& wi);
 
 }  // namespace vitrine::generate

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kFarthest = 1e6f;
 constexpr float kOffset = 2e-5f;  // metres; the scenes are a few metres wide, floats resolve 5e-7 there
-constexpr int kMostPanes = 16;    // on one shadow ray; the fattest case has two
+constexpr int kMostPanes = 32;    // on one shadow ray; a bottle has four
 
 void on_embree_error(void*, RTCError code, const char* text) {
   throw Error(ErrorKind::Internal, "Embree failed", {.why = text ? text : "", .code = std::to_string(static_cast<int>(code))});

@@ -1,7 +1,6 @@
 #include "sample_data/generate/scene.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -27,9 +26,9 @@ Rigid looking_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up) {
 void add_ring(Scene& scene, const CameraRing& ring, const Vec3d& target, const Intrinsics& intrinsics) {
   for (int i = 0; i < ring.count; ++i) {
     const size_t number = scene.views.size();
-    Rng rng(0x5ca1e, number);
+    Rng rng(ring.seed, number);
     const auto swing = [&rng] { return 2 * rng.uniform_double() - 1; };
-    const double azimuth = ring.azimuth_rad + 2 * std::numbers::pi * (i + 0.25 * swing()) / ring.count;
+    const double azimuth = ring.azimuth_rad + ring.span_rad * (i + 0.25 * swing()) / ring.count;
     const double elevation = ring.elevation_rad * (1 + ring.sway * swing());
     const double distance = ring.distance * (1 + ring.sway * swing());
     const Vec3d eye = target + distance * Vec3d{std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),

@@ -2,6 +2,7 @@
 // it is shown under. One file in scenes/ fills one of these; nothing else knows a scene by name.
 #pragma once
 
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,12 @@ struct SensorDesc {
   std::string extension = ".jpg";
 };
 
+// How carefully the light on diffuse surfaces is solved (irradiance.h).
+struct CacheDesc {
+  uint32_t direct_samples = 256, gather_samples = 64;  // a vertex
+  int passes = 3;                                      // diffuse bounces
+};
+
 struct Scene {
   std::string name;
   std::vector<Part> parts;
@@ -47,11 +54,13 @@ struct Scene {
   std::vector<View> views;               // names are file names of photos/
   std::vector<Vec3f> probes;             // points of the scene from which the sampling of the environment is planned
   SensorDesc sensor;
-  int samples = 64;                              // per pixel of a photo; a power of two suits the sampler
+  int samples = 64;                                  // per pixel of a photo; a power of two suits the sampler
+  float relit_samples = 2, transmitted_samples = 2;  // per pixel, times `samples`: no sensor noise hides theirs
+  CacheDesc cache;
   int relit_every = 12, transmitted_every = 12;  // of the views, in the reduced truth
   int reduced_divisor = 4;                       // depth and normals of the reduced truth: photo size divided by this
   size_t reduced_faces = 60000;                  // of the opaque truth mesh, in the reduced truth
-  bool full_truth = false;                       // small scenes always write everything
+  bool full_truth = false;                       // of the scenes that are small: truth at photo size, albedo
 };
 
 // The scene's parts plus one emitter part for each lamp.
@@ -63,6 +72,8 @@ struct CameraRing {
   double elevation_rad = 0.4;
   double distance = 1.5;
   double sway = 0.05;  // hand-held: relative spread of distance and height, aim and roll follow
+  double span_rad = 2 * std::numbers::pi;
+  uint64_t seed = 0x5ca1e;  // of the sway
 };
 // Views around `target`, appended to scene.views as img_0000, ...; deterministic in the view's number.
 void add_ring(Scene& scene, const CameraRing& ring, const Vec3d& target, const Intrinsics& intrinsics);

@@ -31,7 +31,7 @@ Environment planned(const RayScene& rays, Environment environment) {
   return environment;
 }
 
-IrradianceCache solved(const RayScene& rays, const Integrator& integrator, const Integrator::CacheDesc& desc = {}) {
+IrradianceCache solved(const RayScene& rays, const Integrator& integrator, const CacheDesc& desc) {
   IrradianceCache cache(rays.scene());
   integrator.solve_irradiance(cache, desc);
   return cache;
@@ -110,7 +110,8 @@ void write_environment(const fs::path& path, const Environment& environment) {
 
 void write_surface(const RayScene& rays, const View& view, const fs::path& truth, bool full, int divisor) {
   SurfacePictures s = first_surface(rays, view);
-  for (const auto& [name, mask] : {std::pair{"object", &s.object}, {"transparent", &s.transparent}, {"specular", &s.specular}})
+  for (const auto& [name, mask] :
+       {std::pair{"object", &s.object}, {"transparent", &s.transparent}, {"specular", &s.specular}, {"coated", &s.coated}})
     write_ldr(truth / "mask" / name / (view.stem() + ".png"), *mask);
   if (full) write_exr_rgb(truth / "albedo" / (view.stem() + ".exr"), s.albedo);
   if (!full) s = first_surface(rays, at_size(view, divisor));
@@ -127,7 +128,8 @@ bool has_glass(const Scene& scene) {
 
 void write_geometry(const RayScene& rays, const fs::path& truth, bool full) {
   const Scene& scene = rays.scene();
-  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular"}) make_folders(truth / sub);
+  for (const char* sub : {"depth", "normal", "mask/object", "mask/transparent", "mask/specular", "mask/coated"})
+    make_folders(truth / sub);
   if (full) make_folders(truth / "albedo");
   write_transforms_json(truth / "transforms.json", scene.views, "photos");
   write_meshes(rays, truth, full);
@@ -161,7 +163,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
   if (desc.photos) {
     make_folders(folder / "photos");
     const Integrator integrator(rays, {environment, scene.lamps});
-    const IrradianceCache cache = solved(rays, integrator);
+    const IrradianceCache cache = solved(rays, integrator, scene.cache);
     for (size_t i = 0; i < scene.views.size(); ++i) {
       const View& view = scene.views[i];
       const ImageF radiance = rendered(integrator, &cache, view, samples, mix64(kPhoto, i));
@@ -170,23 +172,24 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     }
   }
   if (!desc.relit) return;
-  const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, Stream stream) {
-    const IrradianceCache cache = solved(rays, integrator);
+  const auto pictures = [&](const Integrator& integrator, const fs::path& to, int every, float factor, Stream stream) {
+    const IrradianceCache cache = solved(rays, integrator, scene.cache);
     make_folders(to);
-    for (size_t i = 0; i < scene.views.size(); i += static_cast<size_t>(full ? 1 : every)) {
+    const int count = std::max(1, static_cast<int>(std::lround(factor * static_cast<float>(samples))));
+    for (size_t i = 0; i < scene.views.size(); i += static_cast<size_t>(desc.full_truth ? 1 : every)) {
       const View view = at_size(scene.views[i], full ? 1 : 2);
-      // Twice the samples of a photo: there is no sensor noise to hide behind.
-      write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, 2 * samples, mix64(stream, i)));
+      write_exr_rgb(to / (view.stem() + ".exr"), rendered(integrator, &cache, view, count, mix64(stream, i)));
       log_info("{}: {}/{}", scene.name, to.filename().string(), view.stem());
     }
   };
   for (const NamedEnvironment& other : scene.others) {
     write_environment(truth / "env" / (other.name + ".exr"), other.environment);
     const Environment sky = planned(rays, other.environment);
-    pictures(Integrator(rays, {sky, {}}), truth / "relit" / other.name, scene.relit_every, kRelit);
+    pictures(Integrator(rays, {sky, {}}), truth / "relit" / other.name, scene.relit_every, scene.relit_samples, kRelit);
   }
   if (has_glass(scene))
-    pictures(Integrator(rays, {environment, scene.lamps, false}), truth / "transmitted", scene.transmitted_every, kTransmitted);
+    pictures(Integrator(rays, {environment, scene.lamps, false}), truth / "transmitted", scene.transmitted_every,
+             scene.transmitted_samples, kTransmitted);
 }
 
 }  // namespace vitrine::generate

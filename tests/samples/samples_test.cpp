@@ -62,9 +62,9 @@ TEST(Generate, MetalReflectsTheWhiteFurnaceWithoutGain) {
     constexpr uint32_t kSamplesPerLobe = 4096;
     for (uint32_t s = 0; s < kSamplesPerLobe; ++s) {
       Sampler sampler(7, s);
-      by_lobe += static_cast<double>(sample_metal(metal, wo, sampler.pair()).weight.x);
+      by_lobe += static_cast<double>(sample_lobe(metal, wo, sampler.pair()).weight.x);
       const Vec3f wi = cosine_direction(sampler.pair());
-      by_cosine += std::numbers::pi * static_cast<double>(metal_brdf(metal, wo, wi).x);
+      by_cosine += std::numbers::pi * static_cast<double>(lobe_brdf(metal, wo, wi).x);
     }
     EXPECT_LE(by_lobe / kSamplesPerLobe, 1.0005);
     EXPECT_GT(by_lobe / kSamplesPerLobe, 0.65);  // worst seen: 0.69 at roughness 0.7

@@ -76,6 +76,7 @@ Scene tiny_room() {
   add_light(scene);
   scene.samples = 32;
   scene.full_truth = true;
+  scene.relit_every = scene.transmitted_every = 1;
   const Intrinsics camera{96, 64, 78.0, 78.0, 48.7, 31.4};
   add_ring(scene, {.count = 6, .azimuth_rad = 0.2, .elevation_rad = 0.42, .distance = 1.22, .sway = 0.04}, {0, 0, 0.18}, camera);
   add_ring(scene, {.count = 6, .azimuth_rad = 0.7, .elevation_rad = 0.80, .distance = 1.25, .sway = 0.04}, {0, 0, 0.15}, camera);
