@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
   using namespace vitrine;
   using namespace vitrine::generate;
   std::string folder, size, only;
-  int views = 0, threads = 0;
+  int views = 0, threads = 0, seed = 0;
   bool help = false;
   GenerateDesc desc;
   std::string names;
@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   cli.value("views", 0, "N", views, 1, "Only the first N views.");
   cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
+  cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery, which needs it.");
   cli.flag("help", 'h', help, "Print this text.");
   try {
     const std::vector<std::string> scenes = cli.parse(std::vector<std::string>(argv + 1, argv + argc));
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
     desc.geometry = only.empty() || only == "geometry";
     desc.photos = only.empty() || only == "photos";
     desc.relit = only.empty() || only == "relit";
-    Scene scene = scene_named(scenes[0]);
+    Scene scene = scene_named(scenes[0], seed > 0 ? std::optional<uint64_t>(static_cast<uint64_t>(seed)) : std::nullopt);
     if (views > 0 && static_cast<size_t>(views) < scene.views.size()) scene.views.resize(static_cast<size_t>(views));
     if (!size.empty()) {
       int w = 0, h = 0, end = 0;

@@ -1,6 +1,8 @@
 // The list of scenes: one file, one function, one line here and in scenes.cpp.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -14,11 +16,15 @@ Scene paperweight();  // a ball of solid glass in the same room; 36 views of 160
 
 Scene cabinet();  // a painted owl in a glass case, a copper kettle, books; 36 views of 640x480
 
+Scene gallery(uint64_t seed);  // glass, metal, mirrors and coated paint drawn by the seed (from 1); 24 to 48 views of 320x240
+
 struct SceneEntry {
   const char* name;
-  Scene (*build)();
+  Scene (*build)();  // null: a family of scenes
+  Scene (*build_seeded)(uint64_t) = nullptr;
 };
 std::span<const SceneEntry> scene_list();
-Scene scene_named(const std::string& name);  // throws Error{Usage} that lists the names
+// Throws Error{Usage}: an unknown name (lists the known ones), a family without a seed, a seed for a single scene.
+Scene scene_named(const std::string& name, std::optional<uint64_t> seed = {});
 
 }  // namespace vitrine::generate
