@@ -132,7 +132,7 @@ Piece wine_glass(Draw& draw) {
 // A picture on the wall, in a frame that holds a pane a little or a lot in front of it.
 Piece glazed_picture(Draw& draw) {
   Piece piece{.hangs = true};
-  const float width = draw.between(0.5f, 0.75f), height = draw.between(0.42f, 0.58f), low = draw.between(0.04f, 0.12f);
+  const float width = draw.between(0.5f, 0.75f), height = draw.between(0.34f, 0.46f), low = draw.between(0.11f, 0.15f);
   const float depth = draw.chance(0.5f) ? draw.between(0.006f, 0.02f) : draw.between(0.04f, 0.09f);
   const Vec3f corner{-0.5f * width, -0.006f, low}, along{width, 0, 0}, up{0, 0, height};
   const Painting painting = abstract_picture(width, height, draw.texture_seed());

@@ -126,7 +126,7 @@ Piece metal_kettle(Draw& draw) {
 
 Piece wall_mirror(Draw& draw) {
   Piece piece{.hangs = true};
-  const float width = draw.between(0.5f, 0.75f), height = draw.between(0.42f, 0.58f), low = draw.between(0.04f, 0.12f);
+  const float width = draw.between(0.5f, 0.75f), height = draw.between(0.34f, 0.46f), low = draw.between(0.11f, 0.15f);
   const float x = 0.5f * width, bar = draw.between(0.015f, 0.03f);
   const float silver = draw.between(0.85f, 0.95f);
   add_part(piece, "metal", rectangle({-x, -0.008f, low}, {width, 0, 0}, {0, 0, height}, 0.2f),
