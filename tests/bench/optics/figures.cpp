@@ -1,0 +1,67 @@
+#include "tests/bench/optics/figures.h"
+
+#include <string_view>
+
+namespace vitrine {
+namespace {
+
+constexpr FigureKind kFigureKinds[] = {
+    {"all", "heldout.psnr", "all", 2, true, true},
+    {"glass", "regions.transparent.psnr", "glass", 2, true, true},
+    {"mirror", "regions.mirror.psnr", "mirror", 2, true, true},
+    {"coated", "regions.coated.psnr", "coated", 2, true, true},
+    {"rest", "regions.rest.psnr", "rest", 2, true, true},
+    {"behind_glass", "truth.transmitted.psnr", "behind", 2, true, true},
+    {"albedo", "truth.albedo.psnr", "albedo", 2, true, true},
+    {"relit", "truth.relit.psnr", "relit", 2, true, true},
+    {"relit_glass", "truth.relit.regions.transparent.psnr", "relit glass", 2, true, true},
+    {"relit_mirror", "truth.relit.regions.mirror.psnr", "relit mirror", 2, true, true},
+    {"relit_coated", "truth.relit.regions.coated.psnr", "relit coated", 2, true, true},
+    {"normals", "truth.normal_mae_deg", "normals", 1, false, true},
+    {"normals_glass", "truth.regions.transparent.normal_mae_deg", "n.glass", 1, false, true},
+    {"normals_mirror", "truth.regions.mirror.normal_mae_deg", "n.mirror", 1, false, true},
+    {"normals_coated", "truth.regions.coated.normal_mae_deg", "n.coated", 1, false, true},
+    {"normals_rest", "truth.regions.rest.normal_mae_deg", "n.rest", 1, false, true},
+    {kCpuFigure, "", "CPU s", 0, false, true},
+    {"ssim", "heldout.ssim", "SSIM", 4, true, false},
+    {"train", "train.psnr", "train", 2, true, false},
+    {"object", "regions.object.psnr", "object", 2, true, false},
+    {"specular", "regions.specular.psnr", "specular", 2, true, false},
+    {"depth", "truth.depth_rel", "depth", 5, false, false},
+    {"normals_glass_median", "truth.regions.transparent.normal_median_deg", "", 1, false, false},
+    {"normals_mirror_median", "truth.regions.mirror.normal_median_deg", "", 1, false, false},
+    {"normals_coated_median", "truth.regions.coated.normal_median_deg", "", 1, false, false},
+    {"normals_rest_median", "truth.regions.rest.normal_median_deg", "", 1, false, false},
+    {"surfels", "surfels", "surfels", 0, false, false},
+};
+
+const nlohmann::json* found_at(const nlohmann::json& document, std::string_view path) {
+  const nlohmann::json* at = &document;
+  while (!path.empty()) {
+    const size_t dot = std::min(path.find('.'), path.size());
+    const auto it = at->is_object() ? at->find(std::string(path.substr(0, dot))) : at->end();
+    if (!at->is_object() || it == at->end()) return nullptr;
+    at = &*it;
+    path.remove_prefix(std::min(dot + 1, path.size()));
+  }
+  return at->is_number() ? at : nullptr;
+}
+
+}  // namespace
+
+std::span<const FigureKind> figure_kinds() { return kFigureKinds; }
+
+Figures figures_of(const nlohmann::json& metrics) {
+  const bool coats_known =
+      found_at(metrics, "regions.coated.psnr") != nullptr || found_at(metrics, "regions.mirror.psnr") != nullptr;
+  Figures figures;
+  for (const FigureKind& kind : kFigureKinds) {
+    std::string path = kind.path;
+    if (path.empty()) continue;
+    if (const size_t at = path.find(".mirror."); at != std::string::npos && !coats_known) path.replace(at, 8, ".reflective.");
+    if (const nlohmann::json* value = found_at(metrics, path)) figures[kind.name] = value->get<double>();
+  }
+  return figures;
+}
+
+}  // namespace vitrine
