@@ -52,8 +52,9 @@ const nlohmann::json* found_at(const nlohmann::json& document, std::string_view 
 std::span<const FigureKind> figure_kinds() { return kFigureKinds; }
 
 Figures figures_of(const nlohmann::json& metrics) {
-  const bool coats_known =
-      found_at(metrics, "regions.coated.psnr") != nullptr || found_at(metrics, "regions.mirror.psnr") != nullptr;
+  const auto has = [&](const char* path) { return found_at(metrics, path) != nullptr; };
+  const bool coats_known = has("regions.coated.psnr") || has("regions.mirror.psnr") ||
+                           has("truth.regions.coated.normal_mae_deg") || has("truth.regions.mirror.normal_mae_deg");
   Figures figures;
   for (const FigureKind& kind : kFigureKinds) {
     std::string path = kind.path;
