@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "tests/results/optics_table.h"
 
 namespace vitrine {
 namespace {
@@ -147,7 +148,7 @@ std::string recorded_run(const fs::path& folder, const RunLabel& label) {
 std::string results_table(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& e : fs::directory_iterator(folder))
-    if (e.path().extension() == ".json") files.push_back(e.path());
+    if (e.path().extension() == ".json" && e.path().filename() != kOpticsFile) files.push_back(e.path());
   std::sort(files.begin(), files.end());
   std::string rows;
   std::set<std::string> machines;
@@ -159,7 +160,8 @@ std::string results_table(const fs::path& folder) {
   }
   return "| run | PSNR | SSIM | glass | specular | rest | normals | F-score | albedo | relit | CPU time | commit |\n"
          "|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
-         rows + fmt::format("\nMachines: {}.\n", fmt::join(machines, "; "));
+         rows + (fs::exists(folder / kOpticsFile) ? fmt::format("\n{}", optics_table(folder / kOpticsFile)) : "") +
+         fmt::format("\nMachines: {}.\n", fmt::join(machines, "; "));
 }
 
 std::string with_table(const std::string& page, const std::string& table) {

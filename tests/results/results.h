@@ -24,7 +24,8 @@ struct RunLabel {
 // are cut to `sample_data/...` or to their last name; the output folder is called `out`.
 std::string recorded_run(const std::filesystem::path& run, const RunLabel& label);
 
-// The Markdown table of all *.json of the folder, and one line for the machines.
+// The Markdown table of all *.json of the folder, that of optics.json where it is there (optics_table.h), and one line for the
+// machines of the former.
 std::string results_table(const std::filesystem::path& folder);
 
 // `page` with `table` between the two marks. Throws when it has not both, in this order.

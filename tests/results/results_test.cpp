@@ -8,6 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "tests/results/optics_table.h"
+#include "tests/support/error_of.h"
 
 namespace vitrine {
 namespace {
@@ -21,8 +23,9 @@ TEST(Results, TableOfTheReadmeIsThatOfTheFiles) {
 }
 
 TEST(Results, AreOneToEight) {
-  const auto files = std::count_if(fs::directory_iterator(kSources / "tests/results"), fs::directory_iterator(),
-                                   [](const auto& e) { return e.path().extension() == ".json"; });
+  const auto files =
+      std::count_if(fs::directory_iterator(kSources / "tests/results"), fs::directory_iterator(),
+                    [](const auto& e) { return e.path().extension() == ".json" && e.path().filename() != kOpticsFile; });
   EXPECT_GE(files, 1);
   EXPECT_LE(files, 8);
 }
@@ -31,10 +34,12 @@ TEST(Results, NameACommitAndNoFolderOfAMachine) {
   for (const auto& e : fs::directory_iterator(kSources / "tests/results")) {
     if (e.path().extension() != ".json") continue;
     const nlohmann::json r = nlohmann::json::parse(read_file(e.path()));
-    const std::string commit = r.at("commit"), command = r.at("command");
+    const std::string commit = r.at("commit"), command = r.value("command", "");
     EXPECT_EQ(commit.size(), 40u) << e.path();
     EXPECT_EQ(commit.find_first_not_of("0123456789abcdef"), std::string::npos) << e.path();
-    EXPECT_EQ(command.find(" /"), std::string::npos) << e.path();
+    EXPECT_EQ(command.empty(), e.path().filename() == kOpticsFile) << e.path();
+    EXPECT_EQ(read_file(e.path()).find(" /"), std::string::npos) << e.path();
+    EXPECT_EQ(read_file(e.path()).find("\"/"), std::string::npos) << e.path();
     EXPECT_FALSE(r.at("seeds").empty()) << e.path();
   }
 }
@@ -93,6 +98,42 @@ TEST_F(RecordedRun, IsRefusedWhenAStageWasTakenFromTheStoreOrNothingWasMeasured)
   EXPECT_THROW(recorded_run(folder.path(), kLabel), Error);
   write("ran", "{}");
   EXPECT_THROW(recorded_run(folder.path(), kLabel), Error);
+}
+
+constexpr const char* kOptics =
+    R"({"format": "vitrine-optics 1", "commit": "fedcba9876543210", "machine": {"cpu": "a processor", "cores": 2},
+        "seeds": [1, 2, 3], "training_seeds": [1, 2], "settings": {"steps": 1000}, "scenes": [{}, {}, {}], "against": "diffuse",
+        "gains": [{"arm": "full", "figures": {"all": {"mean": 0.45, "deviation": 0.21, "worst": 0.2, "scenes": 3},
+                                              "coated": {"mean": -1.26, "deviation": 0, "worst": -1.26, "scenes": 1},
+                                              "normals_mirror": {"mean": -8.4, "deviation": 2.6, "worst": -5, "scenes": 2}}}]})";
+
+TEST_F(RecordedRun, DifferencesOverScenesAreATableOfTheirOwnBehindTheRows) {
+  write("ran", kMetrics);
+  write_file(folder.path() / "rows/boxes.json", recorded_run(folder.path(), kLabel));
+  const std::string rows = results_table(folder.path() / "rows");
+  write_file(folder.path() / "rows/optics.json", kOptics);
+  const std::string both = results_table(folder.path() / "rows");
+  const std::string table =
+      "\n| minus `diffuse`, 3 scenes x 2 seeds, `fedcba9` | PSNR | glass | mirrors | coats | rest | behind glass | relit | "
+      "normals: "
+      "glass | mirrors | coats |\n|---|---|---|---|---|---|---|---|---|---|---|\n"
+      "| full | +0.5 ± 0.2 |  |  | -1.3 |  |  |  |  | -8 ± 3 |  |\n";
+  const size_t at = both.find(table);
+  ASSERT_NE(at, std::string::npos) << both;
+  EXPECT_EQ(std::string(both).erase(at, table.size()), rows);
+}
+
+TEST(OpticsTable, IsRefusedWithoutAnEntryOrOfAnotherFormat) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / kOpticsFile;
+  for (const char* entry : {"gains", "against", "commit", "format"}) {
+    auto document = nlohmann::json::parse(kOptics);
+    document.erase(entry);
+    write_file(file, document.dump());
+    const Error e = error_of([&] { optics_table(file); });
+    EXPECT_EQ(e.detail().where, file.string()) << entry;
+    EXPECT_NE(e.message().find(entry), std::string::npos) << e.what();
+  }
 }
 
 TEST(Results, PageWithoutMarksIsRefused) {
