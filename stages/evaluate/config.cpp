@@ -27,13 +27,13 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 18;
+  info.version = 19;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {{.name = "sfm", .doc = "cameras, gains and undistorted photos"},
                  {.name = "masks", .optional = true, .doc = "regions to score apart, where the truth has none"},
                  {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
                  {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
-                 {.name = "mesh", .doc = "the mesh"},
+                 {.name = "mesh", .optional = true, .doc = "the mesh, to compare with the truth's"},
                  {.name = "decompose", .optional = true, .doc = "albedo and light, to compare with the truth's"},
                  {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
   info.doing = "measuring";

@@ -166,16 +166,11 @@ class Evaluator {
     if (const auto within = trained_within()) judged = stage_mask(*within, view, MaskClass::Object, render.intrinsics);
     if (judged) keep_within(*judged, photo), keep_within(*judged, render.srgb);
     const ImageF* within = judged ? &*judged : nullptr;
-    ViewScore score{.name = view.name,
-                    .heldout = heldout,
-                    .psnr = psnr(render.srgb, photo, within),
-                    .ssim = ssim(render.srgb, photo, within),
-                    .region_psnr = {},
-                    .pose = {},
-                    .normal_mae_deg = {},
-                    .zdepth_rel = {}};
+    ViewScore score;
+    score.name = view.name, score.heldout = heldout;
+    score.psnr = psnr(render.srgb, photo, within), score.ssim = ssim(render.srgb, photo, within);
     if (result_.views.empty()) result_.resolution = render.intrinsics;
-    RegionMasks masks = region_masks([&](MaskClass c) { return mask(index, c, render.intrinsics); }, render.intrinsics);
+    RegionMasks masks = regions(index, render.intrinsics);
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
@@ -198,6 +193,11 @@ class Evaluator {
     if (result_.regions_from == "truth") return truth_->mask(index, c, intrinsics);
     if (masks_) return stage_mask(*masks_, views_[index], c, intrinsics);
     return std::nullopt;
+  }
+
+  RegionMasks regions(size_t index, const Intrinsics& k) const {
+    const auto coated = result_.regions_from == "truth" ? truth_->coated(index, k) : std::nullopt;
+    return region_masks([&](MaskClass c) { return mask(index, c, k); }, coated, k);
   }
 
   void show(const View& view, const ViewPicture& render, const ImageF& photo, const ViewScore& score) {
@@ -287,15 +287,18 @@ class Evaluator {
       not_measured("truth.depth_rel", "no truth depth covers an opaque pixel of ours");
     if (t.alignment) score_relit();
     const auto truth_mesh = truth_->mesh_path();
-    if (!truth_mesh) return not_measured("truth.mesh", "the truth has no mesh.ply");
-    if (t.alignment) score_mesh(*truth_mesh);
+    const auto mesh = context_.optional_input("mesh");
+    if (!truth_mesh || !mesh) return not_measured("truth.mesh", mesh ? "the truth has no mesh.ply" : "there is no mesh artifact");
+    if (t.alignment) score_mesh(*truth_mesh, *mesh);
   }
 
   void score_relit() {
     TruthScores& t = *result_.truth;
     if (config_.relit_samples == 0 || relit_environments(*truth_).empty()) return;
     const auto decompose = context_.optional_input("decompose");
-    if (!decompose) return not_measured("truth.relit", "there is no decompose artifact");
+    const auto mesh = context_.optional_input("mesh");
+    if (!decompose || !mesh)
+      return not_measured("truth.relit", fmt::format("there is no {} artifact", decompose ? "mesh" : "decompose"));
     RelitErrorDesc desc{.truth = *truth_,
                         .views = views_,
                         .truth_from_ours = t.alignment->truth_from_ours,
@@ -310,9 +313,9 @@ class Evaluator {
     t.relit = relit_scores(
         read_relit_scene({.optimize = context_.input("optimize"),
                           .refine = context_.optional_input("refine"),
-                          .mesh = context_.input("mesh"),
+                          .mesh = *mesh,
                           .decompose = *decompose}),
-        [&](size_t view, MaskClass c, const Intrinsics& k) { return mask(view, c, k); }, desc,
+        [&](size_t view, const Intrinsics& k) { return regions(view, k); }, desc,
         [&](double f) {
           throw_if_interrupted();
           context_.progress({.fraction = kRenderShare + kRelitShare * f, .text = "other lights", .values = {}});
@@ -321,11 +324,11 @@ class Evaluator {
       not_measured("truth.relit.psnr", "no truth picture under another light shows an object pixel of ours outside the glass");
   }
 
-  void score_mesh(const fs::path& truth_mesh_path) {
+  void score_mesh(const fs::path& truth_mesh_path, const fs::path& mesh) {
     const TriMesh truth = read_truth_mesh(truth_mesh_path);
     const fs::path with_glass = truth_->folder() / "mesh.ply";
     const TriMesh first_surface = fs::exists(with_glass) ? read_truth_mesh(with_glass) : truth;
-    const TriMesh ours = transformed(read_mesh_ply(context_.input("mesh") / "mesh" / "mesh.ply"), *truth_from_ours());
+    const TriMesh ours = transformed(read_mesh_ply(mesh / "mesh" / "mesh.ply"), *truth_from_ours());
     const std::vector<size_t> picked = spread(paired_.size(), size_t(config_.mesh_views));
     const auto view = [&](size_t i) {
       throw_if_interrupted();

@@ -1,8 +1,9 @@
 // evaluate: how good is the scene? Held-out views against their photos, region by region, and, with a truth folder, poses,
 // normals, depth and mesh against the truth. README.md in this folder defines every figure.
-//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json, mesh/mesh.ply, optional masks, decompose and
-//   truth folder writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
-//   eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
+//   reads   sfm/{sparse,linear,gains}, gaussians/*.ply, optimize/{views,model}.json; optional mesh/mesh.ply, masks, decompose
+//           and the truth folder
+//   writes  eval/metrics.json, eval/per_view.csv, eval/contact_sheet.jpg, eval/<stem>_{gt,pred,err}.png,
+//           eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 #pragma once
 
 #include "stages/stage.h"

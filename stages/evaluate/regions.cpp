@@ -24,7 +24,7 @@ ImageF without(const ImageF& mask, std::initializer_list<const ImageF*> others) 
 
 }  // namespace
 
-RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics) {
+RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coated, const Intrinsics& intrinsics) {
   RegionMasks masks;
   for (MaskClass c : kTruthClasses)
     if (auto mask = mask_of(c)) masks.emplace(name(c), std::move(*mask));
@@ -33,9 +33,12 @@ RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics) {
     return it == masks.end() ? nullptr : &it->second;
   };
   const ImageF *transparent = find("transparent"), *specular = find("specular");
-  if (transparent == nullptr && specular == nullptr) return masks;
-  ImageF rest = without(ImageF(intrinsics.width, intrinsics.height, 1, 1.f), {transparent, specular});
+  const ImageF* coat = coated ? &*coated : nullptr;
+  if (transparent == nullptr && specular == nullptr && coat == nullptr) return masks;
+  ImageF rest = without(ImageF(intrinsics.width, intrinsics.height, 1, 1.f), {transparent, specular, coat});
   if (specular != nullptr) masks.emplace("reflective", without(*specular, {transparent}));
+  if (specular != nullptr && coat != nullptr) masks.emplace("mirror", without(*specular, {transparent, coat}));
+  if (coat != nullptr) masks.emplace("coated", without(*coat, {transparent}));
   masks.emplace("rest", std::move(rest));
   return masks;
 }

@@ -1,5 +1,6 @@
 // Parts of a picture that are scored apart: glass (transparent), mirrors and gloss (specular), gloss without glass (reflective),
-// the object, and the rest = in neither the transparent nor the specular class. An opaque method is judged on the rest.
+// the object, and the rest = in neither the transparent nor the specular class. An opaque method is judged on the rest. Where the
+// truth knows coats, what is reflective is divided: clear coats over paint (coated), and metal and mirrors (mirror).
 #pragma once
 
 #include <filesystem>
@@ -12,11 +13,12 @@
 namespace vitrine {
 
 // Region name -> one channel of 0 and 1 at render size. Absent: no mask of that class for this view; `rest` is there when the
-// transparent or the specular mask is, `reflective` when the specular one is.
+// transparent or the specular mask is, `reflective` when the specular one is, `coated` when `coated` is given, `mirror` when that
+// and the specular mask are.
 using RegionMasks = std::map<std::string, ImageF>;
 // The mask of a class for the view in question, 0 or 1 at render size.
 using MaskOf = std::function<std::optional<ImageF>(MaskClass)>;
-RegionMasks region_masks(const MaskOf& mask_of, const Intrinsics& intrinsics);
+RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coated, const Intrinsics& intrinsics);
 
 // A mask of the masks stage (masks/<class>/<stem>.png, undistorted like the render) at render size: 1 where at least half of a
 // pixel's area belongs to the class.

@@ -25,6 +25,7 @@ constexpr int kFewestPixels = 64;
 struct Pair {
   size_t view = 0;
   ImageF truth, ours, known, object, opaque;  // the last three: 0 or 1
+  RegionMasks regions;                        // where the truth is known
 };
 
 ImageF srgb(const ImageF& linear, const Vec3d& scale, const ImageF& known) {
@@ -34,27 +35,33 @@ ImageF srgb(const ImageF& linear, const Vec3d& scale, const ImageF& known) {
   return out;
 }
 
-Pair pair_of(size_t view, ImageF ours, const Intrinsics& k, const TruthPicture& truth, const RelitMask& mask) {
+Pair pair_of(size_t view, ImageF ours, const Intrinsics& k, const TruthPicture& truth, RegionMasks regions) {
   Pair p{view,
          ImageF(k.width, k.height, 3),
          std::move(ours),
          ImageF(k.width, k.height, 1),
          ImageF(k.width, k.height, 1),
-         ImageF(k.width, k.height, 1)};
+         ImageF(k.width, k.height, 1),
+         std::move(regions)};
   const double shrink = std::max(1.0, double(truth.intrinsics.width) / k.width);
   const Intrinsics from = truth.intrinsics.scaled_to(int(std::lround(truth.intrinsics.width / shrink)),
                                                      int(std::lround(truth.intrinsics.height / shrink)));
   const ImageF map = shrink > 1 ? resized(truth.radiance, from.width, from.height) : truth.radiance;
-  const auto object = mask(view, MaskClass::Object, k), glass = mask(view, MaskClass::Transparent, k);
+  const auto region = [&](const char* name) {
+    const auto it = p.regions.find(name);
+    return it == p.regions.end() ? nullptr : &it->second;
+  };
+  const ImageF *object = region("object"), *glass = region("transparent");
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
       const auto at = image_point(truth.truth_from_ours * k.ray(x + 0.5, y + 0.5), from);
       if (!at) continue;
       sample_bilinear(map, at->x, at->y, p.truth.pixel(x, y));
       p.known.at(x, y) = 1;
-      p.object.at(x, y) = !object || object->at(x, y) > 0.5f ? 1.f : 0.f;
-      p.opaque.at(x, y) = glass && glass->at(x, y) > 0.5f ? 0.f : p.object.at(x, y);
+      p.object.at(x, y) = object == nullptr || object->at(x, y) > 0.5f ? 1.f : 0.f;
+      p.opaque.at(x, y) = glass != nullptr && glass->at(x, y) > 0.5f ? 0.f : p.object.at(x, y);
     }
+  for (auto& [name, pixels] : p.regions) keep_within(p.known, pixels);
   return p;
 }
 
@@ -80,10 +87,13 @@ RelitScore score_of(const std::vector<Pair>& pairs, const RelitErrorDesc& desc, 
   score.environment = environment;
   score.scale = desc.albedo_scale ? Vec3d{1, 1, 1} : median_scale(pairs);
   std::vector<double> object, opaque, everywhere, similarity;
+  std::map<std::string, std::vector<double>> regions;
   for (const Pair& p : pairs) {
     const ImageF truth = srgb(p.truth, {1, 1, 1}, p.known), ours = srgb(p.ours, score.scale, p.known);
     if (count_of(p.object) >= kFewestPixels) object.push_back(psnr(ours, truth, &p.object));
     if (count_of(p.opaque) >= kFewestPixels) opaque.push_back(psnr(ours, truth, &p.opaque));
+    for (const auto& [region, psnr] : region_psnr(p.regions, ours, truth, kFewestPixels))
+      if (region != "object") regions[region].push_back(psnr);
     if (count_of(p.known) >= kFewestPixels) {
       everywhere.push_back(psnr(ours, truth, &p.known));
       similarity.push_back(ssim(ours, truth));
@@ -104,6 +114,7 @@ RelitScore score_of(const std::vector<Pair>& pairs, const RelitErrorDesc& desc, 
   score.views = everywhere.size();
   score.psnr = mean_of(opaque), score.with_glass_psnr = mean_of(object);
   score.everywhere_psnr = mean_of(everywhere), score.ssim = mean_of(similarity);
+  for (const auto& [region, values] : regions) score.region_psnr[region] = mean(values);
   return score;
 }
 
@@ -119,7 +130,7 @@ std::vector<std::string> relit_environments(const Truth& truth) {
   return names;
 }
 
-std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, const RelitErrorDesc& desc,
+std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regions, const RelitErrorDesc& desc,
                                      const std::function<void(double)>& progress) {
   if (desc.albedo_scale) {
     const auto scaled = [&](Vec3f& albedo) {
@@ -157,7 +168,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, co
       const Intrinsics k = view.intrinsics.limited_to(truth->intrinsics.longest_side());
       const double finer = double(view.intrinsics.width) * view.intrinsics.height / (double(k.width) * k.height);
       const RelitPicture picture = painter.picture(view, {.samples = std::max(1, int(std::lround(desc.samples / finer)))});
-      pairs.push_back(pair_of(v, resized(picture.radiance, k.width, k.height), k, *truth, mask));
+      pairs.push_back(pair_of(v, resized(picture.radiance, k.width, k.height), k, *truth, regions(v, k)));
       progress((double(e) + double(i + 1) / double(count)) / double(names.size()));
     }
     scores.push_back(score_of(pairs, desc, names[e]));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/relight/relit_painter.h"
+#include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_score.h"
 #include "stages/evaluate/truth.h"
 
@@ -24,11 +25,11 @@ struct RelitErrorDesc {
   std::filesystem::path pictures;  // <name>/<stem>.png: truth and ours side by side; empty: none
 };
 
-// Masks of a view at a size: object, transparent.
-using RelitMask = std::function<std::optional<ImageF>(size_t view, MaskClass, const Intrinsics&)>;
+// Regions of a view at a size.
+using RelitRegions = std::function<RegionMasks(size_t view, const Intrinsics&)>;
 
 // One score per environment that has pictures. `progress` gets a fraction.
-std::vector<RelitScore> relit_scores(RelitScene scene, const RelitMask& mask, const RelitErrorDesc& desc,
+std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regions, const RelitErrorDesc& desc,
                                      const std::function<void(double)>& progress);
 // Environments of the truth that have a map and pictures, by name.
 std::vector<std::string> relit_environments(const Truth& truth);

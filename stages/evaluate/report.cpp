@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kRegions[] = {"transparent", "specular", "reflective", "object", "rest"};
+constexpr std::string_view kRegions[] = {"transparent", "specular", "reflective", "mirror", "coated", "object", "rest"};
 
 Json definitions(const Evaluation& e) {
   Json d;
@@ -27,7 +27,8 @@ Json definitions(const Evaluation& e) {
   d["regions.*.psnr"] = fmt::format(
       "PSNR of the squared error pooled over the region's pixels of a held-out view, mean over views with at least {} such "
       "pixels; "
-      "reflective = specular and not transparent, rest = neither transparent nor specular; masks from {}",
+      "reflective = specular and not transparent, rest = neither transparent nor specular; where the truth has masks of clear "
+      "coats, coated = these without the transparent, mirror = reflective and not coated; masks from {}",
       e.min_region_pixels, e.regions_from == "masks" ? "the masks stage" : "the truth");
   if (!e.truth) return d;
   d["truth.pose"] =
@@ -54,7 +55,8 @@ Json definitions(const Evaluation& e) {
   d["truth.relit.psnr"] =
       "PSNR of the scene under another environment against truth/relit, both encoded to sRGB and clipped, squared error pooled "
       "over the pixels of the object outside the glass of a view, mean over views, then over environments; scale_mode says what "
-      "was multiplied before. with_glass: the object and what glass shows of it, everywhere: all pixels, ssim: all pixels";
+      "was multiplied before. with_glass: the object and what glass shows of it, everywhere: all pixels, ssim: all pixels, "
+      "regions: the pixels of one region";
   d["truth.depth_rel"] = "median of |z - z_truth| / z_truth over the same pixels";
   d["truth.mesh"] = fmt::format(
       "lengths relative to the diagonal of the truth mesh's bounding box. accuracy = mean distance of our samples to the truth "
@@ -107,12 +109,17 @@ Json truth_json(const TruthScores& t) {
     Json& relit = j["relit"] = Json::object();
     if (const auto mean_psnr = mean_relit_psnr(t)) relit["psnr"] = *mean_psnr;
     relit["scale_mode"] = t.relit_scale_mode;
+    std::map<std::string, std::vector<double>> regions;
+    for (const RelitScore& r : t.relit)
+      for (const auto& [region, psnr] : r.region_psnr) regions[region].push_back(psnr);
+    for (const auto& [region, psnr] : regions) relit["regions"][region]["psnr"] = mean(psnr);
     for (const RelitScore& r : t.relit) {
       Json& score = relit["environments"][r.environment] = Json::object();
       if (r.psnr) score["psnr"] = *r.psnr;
       if (r.with_glass_psnr) score["with_glass_psnr"] = *r.with_glass_psnr;
       if (r.everywhere_psnr) score["everywhere_psnr"] = *r.everywhere_psnr;
       if (r.ssim) score["ssim"] = *r.ssim;
+      for (const auto& [region, psnr] : r.region_psnr) score["regions"][region]["psnr"] = psnr;
       score["picture_scale"] = {r.scale.x, r.scale.y, r.scale.z};
       score["views"] = r.views;
     }

@@ -195,7 +195,16 @@ std::optional<ImageF> Truth::normal(size_t view, const Intrinsics& intrinsics) c
 }
 
 std::optional<ImageF> Truth::mask(size_t view, MaskClass c, const Intrinsics& intrinsics, LookupFrame frame) const {
-  const fs::path path = folder_ / "mask" / name(c) / (stems_[view] + ".png");
+  return mask_file(name(c), view, intrinsics, frame);
+}
+
+std::optional<ImageF> Truth::coated(size_t view, const Intrinsics& intrinsics) const {
+  return mask_file("coated", view, intrinsics, LookupFrame::Ours);
+}
+
+std::optional<ImageF> Truth::mask_file(std::string_view kind, size_t view, const Intrinsics& intrinsics,
+                                       LookupFrame frame) const {
+  const fs::path path = folder_ / "mask" / kind / (stems_[view] + ".png");
   if (!fs::exists(path)) return std::nullopt;
   const Image8 grey = read_grey8(path);
   ImageF map(grey.width(), grey.height(), 1);

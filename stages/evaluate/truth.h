@@ -1,5 +1,5 @@
 // The truth folder: transforms.json, {depth,normal,albedo,transmitted}/<stem>.exr,
-// relit/<name>/<stem>.exr with env/<name>.exr, mask/{object,transparent,specular}/<stem>.png,
+// relit/<name>/<stem>.exr with env/<name>.exr, mask/{object,transparent,specular,coated}/<stem>.png,
 // mesh.ply and mesh_opaque.ply; every part is optional. Truth maps live in the photo's frame and at their own resolution, our
 // renders in the undistorted frame. Both cameras share their centre, so a map is looked up by direction: our pixel -> ray in our
 // camera's frame -> turned into that of the truth's camera, by what the alignment leaves between the two -> pixel there (scaled
@@ -52,7 +52,9 @@ class Truth {
       LookupFrame frame = LookupFrame::Ours) const;  // along the axis of the camera that looks; truth units, 0 = nothing there
   std::optional<ImageF> normal(size_t view, const Intrinsics& intrinsics) const;  // truth frame, unit; 0 0 0 = nothing there
   std::optional<ImageF> mask(size_t view, MaskClass c, const Intrinsics& intrinsics,
-                             LookupFrame frame = LookupFrame::Ours) const;                   // 0 or 1
+                             LookupFrame frame = LookupFrame::Ours) const;  // 0 or 1
+  // 0 or 1: the first surface is a clear coat over paint.
+  std::optional<ImageF> coated(size_t view, const Intrinsics& intrinsics) const;
   std::optional<TruthPicture> transmitted(size_t view, const Intrinsics& intrinsics) const;  // the scene without its glass
   std::optional<TruthPicture> albedo(size_t view, const Intrinsics& intrinsics) const;  // linear; of the first opaque surface
   // Under the environment of that name.
@@ -63,6 +65,7 @@ class Truth {
   std::optional<std::filesystem::path> mesh_path() const;
 
  private:
+  std::optional<ImageF> mask_file(std::string_view kind, size_t view, const Intrinsics& intrinsics, LookupFrame frame) const;
   std::optional<TruthPicture> picture(const std::filesystem::path& kind, size_t view, const Intrinsics& intrinsics) const;
   Mat3d turn(size_t view, LookupFrame frame) const { return frame == LookupFrame::Ours ? turns_[view] : Mat3d::identity(); }
   Intrinsics map_intrinsics(size_t view, const Intrinsics& ours, const ImageF& map, const std::filesystem::path& path) const;

@@ -106,6 +106,40 @@ TEST_F(AlbedoRelit, ASmallerTruthIsComparedWithMeansOverItsPixels) {
   EXPECT_GT(truth_figures().at("relit").at("environments").at("side").at("everywhere_psnr"), 30);
 }
 
+TEST_F(AlbedoRelit, RegionsOfPicturesUnderAnotherLightAreScoredApart) {
+  constexpr int kMiddle = TinyCapture::kWidth / 2, kReach = 6;  // on the ball
+  for (const View& v : capture.views) {
+    capture.write_mask("specular", v, kMiddle - kReach, kMiddle + kReach);
+    capture.write_mask("coated", v, kMiddle - kReach, kMiddle);
+    const fs::path path = capture.truth() / "relit/side" / (v.stem() + ".exr");
+    ImageF truth = read_exr_rgb(path);
+    for (int y = 0; y < truth.height(); ++y)
+      for (int x = kMiddle; x < kMiddle + kReach; ++x)
+        for (int c = 0; c < 3; ++c) truth.at(x, y, c) += 0.5f;
+    write_exr_rgb(path, truth, ExrPrecision::Float);
+  }
+  const auto relit = truth_figures().at("relit");
+  for (const auto& regions : {relit.at("regions"), relit.at("environments").at("side").at("regions")}) {
+    EXPECT_GT(regions.at("coated").at("psnr"), 25) << regions;
+    EXPECT_LT(regions.at("mirror").at("psnr"), 15) << regions;
+    EXPECT_LT(regions.at("mirror").at("psnr"), regions.at("reflective").at("psnr")) << regions;
+    EXPECT_FALSE(regions.contains("transparent"));
+    EXPECT_FALSE(regions.contains("object"));  // relit.psnr
+  }
+}
+
+TEST_F(AlbedoRelit, WithoutAMeshThereIsNoRelitFigure) {
+  auto inputs = capture.inputs(true);
+  inputs["decompose"] = decompose.path();
+  inputs.erase("mesh");
+  RecordingContext context(inputs);
+  run_evaluate({}, context);
+  const auto metrics = nlohmann::json::parse(read_file(context.output() / "eval/metrics.json"));
+  EXPECT_FALSE(metrics.at("truth").contains("relit"));
+  EXPECT_EQ(metrics.at("not_measured").at("truth.relit"), "there is no mesh artifact");
+  EXPECT_GT(metrics.at("truth").at("albedo").at("psnr"), 40);
+}
+
 TEST_F(AlbedoRelit, WithoutAnOpaqueObjectTheOtherFiguresStay) {
   for (const View& v : capture.views) capture.write_mask("object", v, 0, 0);
   const auto truth = truth_figures();

@@ -30,8 +30,8 @@ TEST(RelitScale, ThingsUnderGlassFollowTheLightInTheTruthsUnit) {
   RelitErrorDesc desc{
       .truth = truth, .views = views, .truth_from_ours = {}, .albedo_scale = Vec3d{0.5, 0.5, 0.5}, .pictures = {}};
   const auto score = [&] {
-    const auto no_mask = [](size_t, MaskClass, const Intrinsics&) { return std::nullopt; };
-    return relit_scores(ours, no_mask, desc, [](double) {}).at(0).everywhere_psnr.value();
+    const auto no_regions = [](size_t, const Intrinsics&) { return RegionMasks(); };
+    return relit_scores(ours, no_regions, desc, [](double) {}).at(0).everywhere_psnr.value();
   };
   EXPECT_GT(score(), 35);
   desc.albedo_scale = Vec3d{1, 1, 1};
