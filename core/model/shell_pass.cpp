@@ -33,7 +33,7 @@ ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel, PaneImag
   const GBuffer g(frame);
   const Vec3d eye = frame.view->centre_in_world(), per_z = cast<double>(g.ray(pixel).direction_per_z);
   const double entered = double(g.zdepth[pixel]) / double(g.alpha[pixel]);
-  const double beyond = way_past(bounds(entry.shape), {eye, per_z});
+  const double beyond = way_past(shell_[frame.sheets.entry[pixel] - 1], {eye, per_z});
   const auto back = intersect(entry.shape, {eye + beyond * per_z, -per_z});
   if (!back || !(beyond - back->t > (1 + kOneWall_rel) * entered)) return {};
   const double left = beyond - back->t, rise = dot(back->normal, per_z);
@@ -56,7 +56,7 @@ void ShellPass::emit(const Frame& frame) {
   ignored.far_share.resize(frame.pixel_count()), ignored.far_cosine.resize(frame.pixel_count());
   for (size_t g = 0; g < s.groups(); ++g) {
     const uint32_t pixel = s.chosen_pixel(g), entry = frame.sheets.entry[pixel];
-    if (entry == 0 || !shell_[entry - 1] || !panes.shown[pixel]) continue;
+    if (entry == 0 || shell_[entry - 1].empty() || !panes.shown[pixel]) continue;
     const SurfacePoint<float>& p = s.points[g];
     mirrored_.push_back({static_cast<uint32_t>(g), false});
     origins_.push_back(p.position);
@@ -82,7 +82,7 @@ void ShellPass::spread_to_groups(Frame& frame) const {
     std::vector<float>& open = far ? frame.panes.far_open : frame.panes.near_open;
     for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) {
       const uint32_t pixel = s.pixels[i], entry = frame.sheets.entry[pixel];
-      if (entry == 0 || !shell_[entry - 1] || !frame.panes.shown[pixel]) continue;
+      if (entry == 0 || shell_[entry - 1].empty() || !frame.panes.shown[pixel]) continue;
       for (size_t c = 0; c < 3; ++c) color[c * pixels + pixel] = values_.color[k][c];
       open[pixel] = values_.transmittance[k];
     }
@@ -93,12 +93,12 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
   if (frame.sheets.empty() || frame.behind.radiance.empty()) return;
   shell_.clear();
   for (const ShapeSet::Entry& e : frame.options.shape.set->entries)
-    shell_.push_back(e.role == ShapeRole::Sheet && facets(e.shape).empty());
-  if (std::ranges::find(shell_, 1) == shell_.end()) return;
+    shell_.push_back(e.role == ShapeRole::Sheet && facets(e.shape).empty() ? bounds(e.shape) : Bounds3{});
+  if (std::ranges::all_of(shell_, &Bounds3::empty)) return;
   ShadedPixels& s = frame.shaded;
   const auto shows_shell = [&](size_t i) {
     const uint32_t entry = frame.sheets.entry[s.pixels[i]];
-    return s.asks[i].transmission && entry != 0 && shell_[entry - 1] != 0;
+    return s.asks[i].transmission && entry != 0 && !shell_[entry - 1].empty();
   };
   PaneImages& out = frame.panes;
   if (out.empty()) out.start(frame.pixel_count());

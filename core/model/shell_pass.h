@@ -41,7 +41,7 @@ class ShellPass final : public Pass {
   void spread_to_groups(Frame& frame) const;
 
   std::unique_ptr<Tracer> tracer_;
-  std::vector<uint8_t> shell_;  // [entry] a curved sheet
+  std::vector<Bounds3> shell_;  // [entry] bounds of a curved sheet; empty of other shapes
   struct Mirrored {
     uint32_t group;
     bool far;
