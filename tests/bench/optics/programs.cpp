@@ -134,7 +134,8 @@ fs::path Programs::run_stage(const StageNode& stage, const OpticsRun& run, const
                              const Artifacts& artifacts) const {
   const Given& here = given(run);
   const fs::path folder = folder_of_run(desc_.work, run);
-  std::vector<std::string> words = {stage.executable.string(), "--store", store.string(), "--log-format", "json"};
+  std::vector<std::string> words = {stage.executable.string(),    "--store", store.string(), "--log-format", "json", "--log-file",
+                                    (folder / "log.txt").string()};
   if (stage.name == kMeasuringStage) words.insert(words.end(), {"--output", folder.string()});
   const auto add_input = [&](const std::string& input, const fs::path& path) {
     words.insert(words.end(), {"--input", input + "=" + path.string()});
@@ -156,7 +157,6 @@ fs::path Programs::run_stage(const StageNode& stage, const OpticsRun& run, const
   fs::path entry;
   const ProcessResult result = run_process({.arguments = words,
                                             .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}},
-                                            .log = folder / "log.txt",
                                             .on_line = [&](std::string_view line) {
                                               const json record = json::parse(line, nullptr, false);
                                               if (!record.is_object()) return;
