@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/shape/box.h"
+#include "core/stereo/mask_rows.h"
 #include "core/stereo/silhouette.h"
 
 namespace vitrine {
@@ -27,6 +28,9 @@ std::optional<BoxFit> fit_box(std::span<const Silhouette> masks, const Bounds3& 
 
 // What `fit_box` makes as large as it can.
 double agreement(std::span<const Silhouette> masks, const Box& box);
+
+// Its silhouette; empty if a corner is behind the camera.
+RowSpans spans_of_box(const Box& box, const View& view);
 
 // 1 inside the silhouette of the box, [h,w] of the view.
 std::vector<uint8_t> silhouette_mask(const Box& box, const View& view);
