@@ -16,6 +16,7 @@
 #include "stages/shapes/coats.h"
 #include "stages/shapes/contact_sheet.h"
 #include "stages/shapes/detect.h"
+#include "stages/shapes/open_planes.h"
 
 namespace vitrine {
 
@@ -71,26 +72,31 @@ class ShapesRun {
       const auto& silhouettes = silhouettes_[size_t(kind)];
       if (silhouettes.empty()) continue;
       const bool propagated = mask_origin(*masks_, kind).propagated;
-      const std::vector<MaskedObject> objects = masked_objects(kind, silhouettes, hull);
+      // Those on walls first: where one is marked, masks say nothing about the objects in front of it.
+      ShapeSet of_class = open_planes(kind, silhouettes, set_.points, true);
+      const std::vector<MaskedObject> objects =
+          masked_objects(kind, of_class.entries.empty() ? silhouettes : unexplained(silhouettes, of_class), hull);
       for (const MaskedObject& object : objects) {
         throw_if_interrupted();
-        const auto first = static_cast<uint32_t>(found_.entries.size());
-        found_.append(detected_shapes(object, hull.rule, propagated));
+        const size_t before = of_class.entries.size();
+        of_class.append(detected_shapes(object, hull.rule, propagated));
         ++objects_;
-        if (kind == MaskClass::Specular && found_.entries.size() == first) keep_hull_of_paint(object);
+        if (kind == MaskClass::Specular && of_class.entries.size() == before) keep_hull_of_paint(object, of_class);
       }
+      of_class.append(open_planes(kind, unexplained(silhouettes, of_class), set_.points, false));
+      found_.append(std::move(of_class));
       done += 0.3;
       context_.progress({.fraction = done, .text = fmt::format("{}: {} objects", name(kind), objects.size()), .values = {}});
     }
   }
 
   // An object without a shape.
-  void keep_hull_of_paint(const MaskedObject& object) {
+  void keep_hull_of_paint(const MaskedObject& object, ShapeSet& found) {
     const auto figure = coat_test().view_dependence_of(object);
     const Vec3d centre = 0.5 * (object.hull.bounds().low + object.hull.bounds().high);
     log_info("an object without a shape at ({:.2f}, {:.2f}, {:.2f}): {}", centre.x, centre.y, centre.z,
              figure ? fmt::format("view dependence {:.3f}", *figure) : "too few photos see its surface");
-    if (is_paint(figure)) found_.append(hull_coat(object));
+    if (is_paint(figure)) found.append(hull_coat(object));
   }
 
   bool is_paint(const std::optional<double>& view_dependence) const {
@@ -249,8 +255,8 @@ void run_shapes(const ShapesConfig& config, StageContext& context) { ShapesRun(c
 
 Stage shapes_stage() {
   StageInfo info{.name = "shapes",
-                 .version = 2,
-                 .summary = "boxes and surfaces of revolution that glass and metal have",
+                 .version = 3,
+                 .summary = "planes, boxes and surfaces of revolution that glass and metal have",
                  .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                             {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
                             {.name = "shapes",

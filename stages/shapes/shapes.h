@@ -1,5 +1,5 @@
-// Stage `shapes`: the boxes and surfaces of revolution that glass and polished metal have, found once for all later stages
-// (README.md).
+// Stage `shapes`: the planes, boxes and surfaces of revolution that glass and polished metal have, found once for all
+// later stages (README.md).
 //   reads   sfm (cameras, photos), masks; optionally a file of shapes that a person corrected
 //   writes  shapes/shapes.json, shapes/shape_<i>.ply (of entries that are meshes), shapes/shapes.ply (all of them, to look at),
 //           shapes/contact_sheet.png

@@ -21,20 +21,13 @@ using test::RecordingContext;
 
 const Box kCase{Mat3d::identity(), {-0.45, -0.15, -0.2}, {-0.1, 0.15, 0.2}};
 
-// A case of glass, and a ball of metal with a handle, as the stages before leave them.
+// Photos of things of glass and of metal, as the stages before leave them.
 struct Scene {
   TemporaryFolder folder;
   fs::path sfm() const { return folder.path() / "sfm"; }
   fs::path masks() const { return folder.path() / "masks"; }
 
-  Scene() {
-    const Vec3d ball{0.25, 0, 0};
-    const test::Rod handle{{0.42, 0, 0.03}, {0.6, 0, 0.1}};
-    const auto glass = silhouettes_of_rays(24, 2 * std::numbers::pi,
-                                           [&](const Vec3d& eye, const Vec3d& d) { return kCase.crossing(eye, d).has_value(); });
-    const auto metal = silhouettes_of_rays(24, 2 * std::numbers::pi, [&](const Vec3d& eye, const Vec3d& d) {
-      return meets_ball(ball, 0.2, eye, d) || handle.distance(eye, d) < 0.035;
-    });
+  Scene(const std::vector<Silhouette>& glass, const std::vector<Silhouette>& metal) {
     const auto views = test::write_sfm(
         sfm(), glass, [](const View& view) { return ImageF(view.intrinsics.width, view.intrinsics.height, 3, 0.3f); });
     test::write_masks(masks(), MaskClass::Transparent, views, glass);
@@ -42,14 +35,24 @@ struct Scene {
   }
 };
 
+template <class Meets>
+std::vector<Silhouette> around(const Meets& meets) {
+  return silhouettes_of_rays(24, 2 * std::numbers::pi, meets);
+}
+
+// A case of glass, and a ball of metal with a handle.
 const Scene& scene() {
-  static const Scene scene;
+  static const Vec3d ball{0.25, 0, 0};
+  static const test::Rod handle{{0.42, 0, 0.03}, {0.6, 0, 0.1}};
+  static const Scene scene(
+      around([](const Vec3d& eye, const Vec3d& d) { return kCase.crossing(eye, d).has_value(); }),
+      around([](const Vec3d& eye, const Vec3d& d) { return meets_ball(ball, 0.2, eye, d) || handle.distance(eye, d) < 0.035; }));
   return scene;
 }
 
 std::unique_ptr<RecordingContext> run(std::map<std::string, fs::path> more = {},
                                       const std::vector<std::pair<std::string, std::string>>& options = {}) {
-  more["sfm"] = scene().sfm();
+  more.try_emplace("sfm", scene().sfm());
   auto context = std::make_unique<RecordingContext>(more);
   Stage stage = shapes_stage();
   stage.options.find("resolution")->assign("64", "test");
@@ -75,6 +78,27 @@ TEST(ShapesStage, FindsACaseAndABallWithItsHandle) {
   }
   EXPECT_GT(read_mesh_ply(context->output() / "shapes/shapes.ply").faces.size(), 500u);
   EXPECT_TRUE(fs::exists(context->output() / "shapes/contact_sheet.png"));
+}
+
+TEST(ShapesStage, FindsAWindowInAWallAndABallInFrontOfIt) {
+  const Plane window{{-0.8, 0, 0.1}, Mat3d{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {0.3, 0.2}};
+  const auto glass = around([&](const Vec3d& eye, const Vec3d& d) {
+    const auto hit = window.intersect({eye, d});
+    return (hit && hit->element == 0) || meets_ball({0.3, 0.2, -0.25}, 0.12, eye, d);
+  });
+  auto metal = glass;
+  for (Silhouette& s : metal) std::ranges::fill(s.value.data(), 0.f);
+  const Scene room(glass, metal);
+  const auto context = run({{"sfm", room.sfm()}, {"masks", room.masks()}});
+  const ShapeSet set = read_shapes_artifact(context->output());
+  ASSERT_EQ(set.entries.size(), 2u);
+  const auto* plane = std::get_if<Plane>(&set.entries[0].shape);
+  ASSERT_NE(plane, nullptr);
+  EXPECT_EQ(set.entries[0].role, ShapeRole::Sheet);
+  EXPECT_DOUBLE_EQ(set.entries[0].tolerance, 0.02 * plane->size());
+  EXPECT_GT(dot(plane->axes.c2, window.axes.c2), 0.999) << "2.5 degrees; its front faces the cameras";
+  for (const Vec3d& p : window.outer_points()) EXPECT_LT(length(plane->nearest(p).position - p), 0.05) << "two pixels";
+  EXPECT_TRUE(std::holds_alternative<SurfaceOfRevolution>(set.entries[1].shape));
 }
 
 TEST(ShapesStage, GivesTheSameBytesForAnyNumberOfThreads) {
