@@ -81,8 +81,8 @@ void describe(Describer& d, ShadingConfig& c) {
       .choices({"thin", "traced"});
   d.option(
       "panes", c.panes,
-      "Glass that is a box mirrors the scene in both panes that a ray passes, as flat mirrors do; off: one reflection, of the "
-      "reflection layer.");
+      "Thin glass of known shape is drawn from the shape and mirrors the scene in both walls that a ray passes; off: surfels show "
+      "it, with one reflection, of the reflection layer.");
   d.option("shapes", c.shapes,
            "Polished things that are solids of revolution have the surface of the solid, which learns from what it mirrors; off: "
            "that of their surfels.");
