@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/math/dual.h"
+#include "core/model/gbuffer.h"
 #include "core/model/kernels/pane_blend.h"
 #include "core/model/layered_model.h"
 #include "core/model/opened_scene.h"

@@ -8,6 +8,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/shape/box.h"
 #include "tests/core/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
