@@ -30,10 +30,11 @@ struct Shown {
 class SheetRays {
  public:
   SheetRays(const Frame& frame) : set_(*frame.options.shape.set), view_(*frame.view), eye_(view_.centre_in_world()) {
-    for (const ShapeSet::Entry& e : set_.entries) reach_.push_back(e.role == ShapeRole::Sheet ? bounds(e.shape) : Bounds3{});
-    all_ = {};
-    for (const Bounds3& b : reach_)
-      if (!b.empty()) all_.extend(b.low), all_.extend(b.high);
+    for (const ShapeSet::Entry& e : set_.entries) {
+      if (e.role != ShapeRole::Sheet) continue;
+      const Bounds3 b = bounds(e.shape);
+      all_.extend(b.low), all_.extend(b.high);
+    }
   }
   // Along (x, y) of the picture, before what the surfels show.
   std::optional<ShapeSet::Hit> first(double x, double y, const Shown& shown) const {
@@ -60,8 +61,7 @@ class SheetRays {
   const ShapeSet& set_;
   const View& view_;
   Vec3d eye_;
-  std::vector<Bounds3> reach_;
-  Bounds3 all_;
+  Bounds3 all_;  // of all sheets
 };
 
 Shown shown_by_surfels(const Frame& frame, bool reflects, size_t pixel) {

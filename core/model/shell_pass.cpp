@@ -28,7 +28,7 @@ double way_past(const Bounds3& box, const Ray& ray) {
 
 }  // namespace
 
-ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel, PaneImages& out) const {
+ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel) const {
   const ShapeSet::Entry& entry = frame.options.shape.set->entries[frame.sheets.entry[pixel] - 1];
   const GBuffer g(frame);
   const Vec3d eye = frame.view->centre_in_world(), per_z = cast<double>(g.ray(pixel).direction_per_z);
@@ -40,11 +40,7 @@ ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel, PaneImag
   if (!(rise > 0)) return {};
   const bool past = (double(frame.behind.median_z[pixel]) - left) * length(per_z) > kAtWall_rel * entry.tolerance ||
                     frame.behind.inner_transmittance[pixel] > 0.5f;
-  if (past) {
-    out.far_share[pixel] = 1;
-    out.far_cosine[pixel] = static_cast<float>(rise / length(per_z));
-  }
-  return {eye + left * per_z, back->normal, true};
+  return {eye + left * per_z, back->normal, static_cast<float>(rise / length(per_z)), true, past};
 }
 
 // Rays of the chosen pixels; where any pixel of a group looks out, the far one as well.
@@ -52,8 +48,6 @@ void ShellPass::emit(const Frame& frame) {
   const ShadedPixels& s = frame.shaded;
   const PaneImages& panes = frame.panes;
   mirrored_.clear(), origins_.clear(), directions_.clear();
-  PaneImages ignored;
-  ignored.far_share.resize(frame.pixel_count()), ignored.far_cosine.resize(frame.pixel_count());
   for (size_t g = 0; g < s.groups(); ++g) {
     const uint32_t pixel = s.chosen_pixel(g), entry = frame.sheets.entry[pixel];
     if (entry == 0 || shell_[entry - 1].empty() || !panes.shown[pixel]) continue;
@@ -64,7 +58,7 @@ void ShellPass::emit(const Frame& frame) {
     bool out = false;
     for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) out |= panes.far_share[s.pixels[i]] > 0;
     if (!out) continue;
-    const Wall wall = far_wall(frame, pixel, ignored);
+    const Wall wall = far_wall(frame, pixel);
     if (!wall.met) continue;
     mirrored_.push_back({static_cast<uint32_t>(g), true});
     origins_.push_back(cast<float>(wall.position));
@@ -107,7 +101,10 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
       if (!shows_shell(i)) continue;
       out.shown[s.pixels[i]] = 1;
       s.asks[i].reflection = true;
-      far_wall(frame, s.pixels[i], out);
+      const Wall wall = far_wall(frame, s.pixels[i]);
+      if (!wall.open) continue;
+      out.far_share[s.pixels[i]] = 1;
+      out.far_cosine[s.pixels[i]] = wall.cosine;
     }
   });
   emit(frame);

@@ -32,11 +32,12 @@ class ShellPass final : public Pass {
 
  private:
   struct Wall {
-    Vec3d position, normal;  // of the far wall; outwards
-    bool met = false;
+    Vec3d position, normal;          // outwards
+    float cosine = 0;                // of the ray with the normal
+    bool met = false, open = false;  // open: the pixel looks out through it, past everything inside
   };
-  // Of the far wall of a pixel's shell, and whether the pixel looks out through it.
-  Wall far_wall(const Frame& frame, uint32_t pixel, PaneImages& out) const;
+  // The far wall of a pixel's shell.
+  Wall far_wall(const Frame& frame, uint32_t pixel) const;
   void emit(const Frame& frame);
   void spread_to_groups(Frame& frame) const;
 

@@ -252,7 +252,7 @@ void Trainer::begin_sheets() {
 }
 
 void Trainer::finish() {
-  if (!sheets_ || glass_surfels_ > 0) return;
+  if (!sheets_ || !begun_[static_cast<size_t>(LayerKind::Transmittance)] || glass_surfels_ > 0) return;
   const HullCounts counts = begin_transmittance(init_desc(), SIZE_MAX, SIZE_MAX, scene_);
   glass_surfels_ = counts.hull;
   log_info("{} surfels carry the glass; {} that are seen through it alone are the transmittance layer", counts.hull,
