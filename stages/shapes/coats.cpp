@@ -17,7 +17,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kPhotoSide = 240;              // pixels: texture that is off by less than one does not count as a change
-constexpr double kSamples_rel = 1 / 8.0;     // of a shape's size: distance of the places that are looked at
+constexpr double kSamples_rel = 1 / 24.0;    // of a shape's size: distance of the places that are looked at
 constexpr float kWholePixel = 0.99f;         // of a pixel's area inside the mask
 constexpr double kHullTolerance_voxels = 3;  // a hull stands out of its object by so much
 constexpr size_t kMostHullFaces = 8000;

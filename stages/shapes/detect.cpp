@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_topology.h"
 #include "core/stereo/shape_fit.h"
 #include "stages/shapes/appendages.h"
+#include "stages/shapes/free_form.h"
 
 namespace vitrine {
 
@@ -50,7 +51,7 @@ void add_appendages(const TriMesh& mesh, double tolerance, ShapeSet& set) {
 
 }  // namespace
 
-ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bool propagated) {
+ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bool propagated, bool free_forms) {
   const ShapeRole role = object.kind == MaskClass::Transparent ? ShapeRole::Sheet : ShapeRole::Mirror;
   ShapeSet out;
   const FittedShapes fits = fit_shapes(object.silhouettes, object.hull);
@@ -65,6 +66,8 @@ ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bo
   }
   if (!fits.solids.empty())
     add_appendages(appendages(object, fits.solids, rule, propagated), kOnAppendage_voxels * object.hull.voxel(), out);
+  if (out.entries.empty() && free_forms)
+    if (auto entry = free_form(object, role)) out.entries.push_back(std::move(*entry));
   return out;
 }
 

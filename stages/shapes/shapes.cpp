@@ -79,7 +79,7 @@ class ShapesRun {
       for (const MaskedObject& object : objects) {
         throw_if_interrupted();
         const size_t before = of_class.entries.size();
-        of_class.append(detected_shapes(object, hull.rule, propagated));
+        of_class.append(detected_shapes(object, hull.rule, propagated, config_.free_form));
         ++objects_;
         if (kind == MaskClass::Specular && of_class.entries.size() == before) keep_hull_of_paint(object, of_class);
       }
@@ -121,7 +121,7 @@ class ShapesRun {
       }
       throw_if_interrupted();
       view_dependence_[i] = coat_test().view_dependence_of(found_, i);
-      if (!given_ && entry.exact) entry.role = is_paint(view_dependence_[i]) ? ShapeRole::Coat : ShapeRole::Mirror;
+      if (!given_ && entry.role == ShapeRole::Mirror) entry.role = is_paint(view_dependence_[i]) ? ShapeRole::Coat : ShapeRole::Mirror;
     }
   }
 
@@ -243,6 +243,7 @@ void describe(Describer& d, ShapesConfig& c) {
   d.option("resolution", c.resolution, "Voxels along the longest side of the visual hull.").range(16, 512);
   d.option("dissent", c.dissent, "Share of the photos that may see a point outside the object before it is cut away.")
       .range(0, 0.5);
+  d.option("free_form", c.free_form, "Fit a mesh to the silhouettes of objects that are no simple shape.");
   d.option("coat_below", c.coat_below,
            "An object of the specular masks whose view dependence is less has the role coat: it keeps its paint; 0: none has.")
       .range(0, 10);
@@ -255,8 +256,8 @@ void run_shapes(const ShapesConfig& config, StageContext& context) { ShapesRun(c
 
 Stage shapes_stage() {
   StageInfo info{.name = "shapes",
-                 .version = 3,
-                 .summary = "planes, boxes and surfaces of revolution that glass and metal have",
+                 .version = 4,
+                 .summary = "planes, boxes, surfaces of revolution and meshes that glass and metal have",
                  .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                             {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
                             {.name = "shapes",

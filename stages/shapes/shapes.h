@@ -16,7 +16,8 @@ struct ShapesConfig {
   int max_side = 480;
   int resolution = 128;
   double dissent = 0.1;
-  double coat_below = 0.25;
+  bool free_form = true;
+  double coat_below = 0.3;
   int holdout_every = 8;
 };
 void describe(Describer& d, ShapesConfig& c);

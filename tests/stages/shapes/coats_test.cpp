@@ -81,12 +81,13 @@ struct GlossyScene {
     const auto views = test::write_sfm(folder.path() / "sfm", marks, [&](const View& view) { return photo_of(view, radiance); });
     test::write_masks(folder.path() / "masks", MaskClass::Specular, views, marks);
   }
-  std::unique_ptr<RecordingContext> run(const char* coat_below = "0.25") const {
+  std::unique_ptr<RecordingContext> run(const char* coat_below = "0.25", bool free_form = true) const {
     auto context = std::make_unique<RecordingContext>(
         std::map<std::string, fs::path>{{"sfm", folder.path() / "sfm"}, {"masks", folder.path() / "masks"}});
     Stage stage = shapes_stage();
     stage.options.find("resolution")->assign("64", "test");
     stage.options.find("coat_below")->assign(coat_below, "test");
+    stage.options.find("free_form")->assign(free_form ? "true" : "false", "test");
     stage.run(*context);
     return context;
   }
@@ -137,26 +138,33 @@ TEST(Coats, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(text(1), text(4));
 }
 
-// Without a shape of its own paint is marked by its hull; metal is left to the stages after.
-TEST(Coats, PaintWithoutAShapeHasItsHull) {
+// Of a free form both have a mesh, and of paint its hull where no mesh is wanted.
+TEST(Coats, FreeFormsAreToldApartToo) {
   const auto meets = [](const Vec3d& eye, const Vec3d& d) { return bars_hit(eye, d).t < 1e9; };
   const GlossyScene paint(meets, [](const Vec3d& eye, const Vec3d& d) {
     const Seen seen = bars_hit(eye, d);
     return seen.t < 1e9 ? glazed(seen, eye, d) : room(d);
   });
-  const auto context = paint.run();
-  const ShapeSet set = read_shapes_artifact(context->output());
-  ASSERT_EQ(set.entries.size(), 1u);
-  EXPECT_EQ(set.entries[0].role, ShapeRole::Coat);
-  EXPECT_FALSE(set.entries[0].exact);
-  EXPECT_EQ(entries_of(*context)[0].at("source"), "hull");
-  for (const Vec3d& p : {Vec3d{-0.17, 0, 0.2}, {-0.25, 0, 0}, {0, -0.08, -0.17}, {0.17, 0.35, -0.17}})
-    EXPECT_LT(length(nearest(set.entries[0].shape, p).position - p), set.entries[0].tolerance);
+  for (const bool free_form : {true, false}) {
+    const auto context = paint.run("0.25", free_form);
+    const ShapeSet set = read_shapes_artifact(context->output());
+    ASSERT_EQ(set.entries.size(), 1u);
+    EXPECT_EQ(set.entries[0].role, ShapeRole::Coat);
+    EXPECT_TRUE(std::holds_alternative<TriangleShape>(set.entries[0].shape));
+    if (free_form) continue;
+    EXPECT_FALSE(set.entries[0].exact);
+    EXPECT_EQ(entries_of(*context)[0].at("source"), "hull");
+    for (const Vec3d& p : {Vec3d{-0.17, 0, 0.2}, {-0.25, 0, 0}, {0, -0.08, -0.17}, {0.17, 0.35, -0.17}})
+      EXPECT_LT(length(nearest(set.entries[0].shape, p).position - p), set.entries[0].tolerance);
+  }
   const GlossyScene metal(meets, [](const Vec3d& eye, const Vec3d& d) {
     const Seen seen = bars_hit(eye, d);
     return seen.t < 1e9 ? polished(seen, d) : room(d);
   });
-  EXPECT_TRUE(read_shapes_artifact(metal.run()->output()).entries.empty());
+  EXPECT_TRUE(read_shapes_artifact(metal.run("0.25", false)->output()).entries.empty());
+  const ShapeSet polished_set = read_shapes_artifact(metal.run()->output());
+  ASSERT_EQ(polished_set.entries.size(), 1u);
+  EXPECT_EQ(polished_set.entries[0].role, ShapeRole::Mirror);
 }
 
 }  // namespace

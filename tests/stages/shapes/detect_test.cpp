@@ -142,12 +142,26 @@ TEST(DetectedShapes, ANeighbourIsNoAppendage) {
   EXPECT_EQ(meshes, 1u);
 }
 
-TEST(DetectedShapes, ALumpHasNone) {
+TEST(DetectedShapes, ALumpIsAMesh) {
+  const std::pair<Vec3d, double> balls[] = {{{0.15, 0, 0}, 0.2}, {{-0.1, 0.1, 0.1}, 0.22}, {{0, -0.2, -0.1}, 0.15}};
   const ShapeSet found = shapes_of(MaskClass::Specular, [&](const Vec3d& eye, const Vec3d& d) {
-    return meets_ball({0.15, 0, 0}, 0.2, eye, d) || meets_ball({-0.1, 0.1, 0.1}, 0.22, eye, d) ||
-           meets_ball({0, -0.2, -0.1}, 0.15, eye, d);
+    return std::ranges::any_of(balls, [&](const auto& b) { return meets_ball(b.first, b.second, eye, d); });
   });
-  EXPECT_TRUE(found.entries.empty());
+  ASSERT_EQ(found.entries.size(), 1u);
+  const auto* mesh = std::get_if<TriangleShape>(&found.entries[0].shape);
+  ASSERT_NE(mesh, nullptr);
+  EXPECT_EQ(found.entries[0].role, ShapeRole::Mirror);
+  double degrees = 0, count = 0;
+  for (size_t v = 0; v < mesh->mesh().positions.size(); ++v) {
+    const Vec3d p = cast<double>(mesh->mesh().positions[v]), n = cast<double>(mesh->mesh().normals[v]);
+    double nearest = 1e9;
+    Vec3d out;
+    for (const auto& [centre, radius] : balls)
+      if (const double away = length(p - centre) - radius; away < nearest) nearest = away, out = normalized(p - centre);
+    EXPECT_LT(std::abs(nearest), 0.05);
+    degrees += std::acos(std::clamp(dot(out, n), -1.0, 1.0)) * 57.29578, ++count;
+  }
+  EXPECT_LT(degrees / count, 9) << "that of its hull: 17; where balls meet it is rounded";
 }
 
 TEST(MaskAgreementOfShapes, CountsPixels) {
