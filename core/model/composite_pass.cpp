@@ -142,6 +142,22 @@ void CompositePass::behind_backward(Frame& frame, const GBuffer& buffer, size_t 
   }
 }
 
+// Flat mirrors show every pixel a picture of its own, too.
+void CompositePass::mirrors_backward(Frame& frame, const GBuffer& buffer, size_t group) const {
+  const ShadedPixels& s = frame.shaded;
+  const Vec3f beyond = radiance(frame.reflection, group);
+  for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
+    const uint32_t pixel = s.pixels[i];
+    if (!frame.panes.teaches[pixel]) continue;
+    const LayerWeights<float> w =
+        layer_weights(frame.options.composite.blend, buffer.material(pixel), present(frame, group, i));
+    const Vec3f grad = hadamard(buffer.rgb(frame.grad_linear, pixel), w.reflection);
+    write(frame.panes.grad_near, frame.pixel_count(), pixel, grad);
+    frame.panes.grad_open[pixel] = dot(grad, beyond);
+    frame.panes.picture_weight[pixel] = mean(w.reflection);
+  }
+}
+
 void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
   ShadedPixels& s = frame.shaded;
   if (s.groups() == 0) return;
@@ -152,6 +168,7 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       const uint32_t pixel = s.chosen_pixel(g);
       const Vec3f grad = s.weight(g) * buffer.rgb(frame.grad_linear, pixel);
       if (!frame.behind.radiance.empty()) behind_backward(frame, buffer, g);
+      if (!frame.panes.grad_near.empty()) mirrors_backward(frame, buffer, g);
       for (uint32_t i = s.begin[g]; i < s.begin[g + 1]; ++i) write(frame.grad_linear, pixels, s.pixels[i], {});
 
       const BlendMaterial<float> material = buffer.material(pixel);

@@ -25,6 +25,7 @@ class CompositePass final : public Pass {
  private:
   float gate(const Frame& frame, uint32_t pixel) const;
   void behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
+  void mirrors_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
 
   std::vector<float> reflected_;  // [h,w] sqrt of the mean of w_r C_r, for the gate
 };

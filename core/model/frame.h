@@ -54,6 +54,10 @@ struct PaneImages {
   std::vector<float> near_color, far_color;  // [3,h,w] of the scene
   std::vector<float> near_open, far_open;    // [h,w] how far it shows nothing of the scene
   std::vector<float> far_share, far_cosine;  // [h,w] whether the pixel looks out through it; cosine of the ray with its normal
+  // Of flat mirrors, which teach what they show; empty without one.
+  std::vector<uint8_t> teaches;             // [h,w]
+  std::vector<float> grad_near, grad_open;  // [3,h,w], [h,w] dL/dnear_color, dL/dnear_open
+  std::vector<float> picture_weight;        // [h,w] of near_color in the pixel
   bool empty() const { return shown.empty(); }
   void clear();
   void start(size_t pixels);

@@ -8,6 +8,7 @@
 #include "core/model/opened_scene.h"
 #include "core/model/picture_window.h"
 #include "core/model/sheet_pass.h"
+#include "core/scene/activation.h"
 
 namespace vitrine {
 
@@ -17,13 +18,17 @@ constexpr uint32_t kNoPane = UINT32_MAX;
 constexpr size_t kPaneGrain = 1024;
 constexpr double kAtPane_rel = 0.4;    // of the tolerance of the sheet (Pane::at_pane)
 constexpr double kOnePane_rel = 1e-5;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
+constexpr double kOwnSurfels = 3;      // tolerances of a mirror: polished surfels so near to it are its own
 constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind the mirror; the pane cuts, not the camera
 
 }  // namespace
 
 void PaneImages::clear() {
   shown.clear();
-  for (auto* plane : {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine}) plane->clear();
+  teaches.clear();
+  for (auto* plane : {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine, &grad_near, &grad_open,
+                      &picture_weight})
+    plane->clear();
 }
 
 void PaneImages::start(size_t pixels) {
@@ -31,6 +36,8 @@ void PaneImages::start(size_t pixels) {
   for (auto* plane : {&near_color, &far_color}) plane->assign(3 * pixels, 0.f);
   for (auto* plane : {&near_open, &far_open}) plane->assign(pixels, 1.f);
   for (auto* plane : {&far_share, &far_cosine}) plane->assign(pixels, 0.f);
+  teaches.clear();
+  for (auto* plane : {&grad_near, &grad_open, &picture_weight}) plane->clear();
 }
 
 // Behind the plane everything is mirrored, S = 1 - 2 n n^T. A camera cannot be, so it sees the mirrored room mirrored once more,
@@ -46,6 +53,24 @@ View mirrored_view(const View& view, const Vec3d& normal, double offset) {
   out.cam_from_world.translation = -(rotation * (eye - 2 * (dot(eye, normal) - offset) * normal));
   out.intrinsics.cx = view.intrinsics.width - view.intrinsics.cx;
   return out;
+}
+
+// Surfels that show the mirror itself would hide everything from a camera behind it.
+void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float polished) {
+  own_.assign(scene.diffuse.size(), 0);
+  for (uint32_t entry = 0; entry < set.entries.size(); ++entry) {
+    const ShapeSet::Entry& e = set.entries[entry];
+    if (e.role == ShapeRole::Sheet || facets(e.shape).empty()) continue;
+    const double reach = kOwnSurfels * e.tolerance;
+    Bounds3 about = bounds(e.shape);
+    about.low -= Vec3d{reach, reach, reach}, about.high += Vec3d{reach, reach, reach};
+    for (size_t i = 0; i < own_.size(); ++i) {
+      const float* m = scene.diffuse.at(Attribute::Mean, i);
+      const Vec3d mean{m[0], m[1], m[2]};
+      if (!about.contains(mean) || !(sigmoid(*scene.diffuse.at(Attribute::SpecularWeight, i)) > polished)) continue;
+      if (length(nearest(e.shape, mean).position - mean) <= reach) own_[i] = entry + 1;
+    }
+  }
 }
 
 void PanePass::list_panes(const ShapeSet& set) {
@@ -100,6 +125,7 @@ void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
   const GBuffer g(frame);
   const ShadedPixels& s = frame.shaded;
   const Vec3d eye = frame.view->centre_in_world();
+  out.teaches.assign(frame.pixel_count(), 0);
   parallel_chunks(s.pixels.size(), kPaneGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const uint32_t pixel = s.pixels[i];
@@ -109,9 +135,13 @@ void PanePass::find_mirrors(const Frame& frame, PaneImages& out) {
       const auto hit = intersect(set.entries[entry].shape, {eye, cast<double>(g.ray(pixel).direction_per_z)});
       if (!hit) continue;
       pane_of_[Near][pixel] = first_pane_[entry] + hit->element;
-      out.shown[pixel] = 1;
+      out.shown[pixel] = out.teaches[pixel] = 1;
     }
   });
+}
+
+uint32_t PanePass::entry_of(uint32_t pane) const {
+  return static_cast<uint32_t>(std::ranges::upper_bound(first_pane_, pane) - first_pane_.begin() - 1);
 }
 
 // The picture in one pane, of all pixels whose rays enter or leave by it.
@@ -126,9 +156,17 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   for (size_t i = 0; i < pixels; ++i)
     if (pane_of[i] == pane) window.extend(turned(i), row_of(i));
   if (window.empty()) return;
-  wanted_.assign(window.pixel_count(), 0);
+  const uint32_t entry = entry_of(pane);
+  const bool teaches = side == Near && frame.options.shape.set->entries[entry].role != ShapeRole::Sheet;
+  if (teaches) {
+    if (mirrors_.size() == pictures_.size()) pictures_.push_back(std::make_unique<WindowPicture>(backend_));
+    mirrors_.push_back({pane, window, {}, pictures_[mirrors_.size()].get()});
+  }
+  std::vector<uint8_t>& wanted = teaches ? mirrors_.back().wanted : wanted_;
+  WindowPicture& drawn = teaches ? *mirrors_.back().picture : window_picture_;
+  wanted.assign(window.pixel_count(), 0);
   for (size_t i = 0; i < pixels; ++i)
-    if (pane_of[i] == pane) wanted_[window.index(turned(i), row_of(i))] = 1;
+    if (pane_of[i] == pane) wanted[window.index(turned(i), row_of(i))] = 1;
 
   // What lies on the mirror's own side: outside of the near pane, inside of the far one.
   const double outside = side == Near ? 1 : -1;
@@ -136,19 +174,22 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   const auto offset = static_cast<float>(outside * plane.offset + panes_[pane].at_pane);
   const auto& [opened, opaque] = frame.opened;
   const size_t mirrored = frame.options.panes.mirrored;
-  window_picture_.choose(opened, window.view(mirrored_view(*frame.view, plane.normal, plane.offset)), [&](size_t i) {
+  drawn.choose(opened, window.view(mirrored_view(*frame.view, plane.normal, plane.offset)), [&](size_t i) {
     const float* m = opened.at(Attribute::Mean, i);
-    return (i >= opaque.size() || opaque[i] < mirrored) && dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
+    return (i >= opaque.size() || (opaque[i] < mirrored && own_[opaque[i]] != entry + 1)) && dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
   });
-  const RasterImages& picture = window_picture_.draw(
-      {.features = FeatureSet::ColorOnly, .sh_degree = opened.sh_degree(), .near_z = kMirrorNear, .wanted = wanted_});
+  const RasterImages& picture = drawn.draw({.features = FeatureSet::ColorOnly,
+                                            .sh_degree = opened.sh_degree(),
+                                            .near_z = kMirrorNear,
+                                            .wanted = wanted,
+                                            .differentiable = teaches});
   const std::span<const float> color = picture.plane(Aov::Color), alpha = picture.plane(Aov::Alpha);
   std::vector<float>& to = side == Near ? out.near_color : out.far_color;
   std::vector<float>& open = side == Near ? out.near_open : out.far_open;
   for (size_t i = 0; i < pixels; ++i) {
     if (pane_of[i] != pane) continue;
     const size_t w = window.index(turned(i), row_of(i));
-    for (size_t c = 0; c < 3; ++c) to[c * pixels + i] = color[c * wanted_.size() + w];
+    for (size_t c = 0; c < 3; ++c) to[c * pixels + i] = color[c * wanted.size() + w];
     open[i] = 1 - alpha[w];
   }
 }
@@ -156,6 +197,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
 void PanePass::forward(const SplatScene& scene, Frame& frame) {
   PaneImages& out = frame.panes;
   out.clear();
+  mirrors_.clear();
   if (frame.options.shape.set == nullptr) return;
   list_panes(*frame.options.shape.set);
   if (panes_.empty()) return;
@@ -166,12 +208,47 @@ void PanePass::forward(const SplatScene& scene, Frame& frame) {
   if (!frame.sheets.empty() && !frame.behind.radiance.empty()) find_panes(frame, out);
   find_mirrors(frame, out);
   if (std::ranges::find(out.shown, 1) == out.shown.end()) return out.clear();
+  find_own(scene, *frame.options.shape.set, frame.options.shape.polished);
   if (!opened) without_glass(scene, opened_degrees(scene, frame.options), frame.opened);
   for (uint32_t pane = 0; pane < panes_.size(); ++pane)
     for (const Side side : {Near, Far}) mirror(frame, pane, side, out);
+  if (!mirrors_.empty()) {
+    out.grad_near.assign(3 * frame.pixel_count(), 0.f);
+    out.grad_open.assign(frame.pixel_count(), 0.f);
+    out.picture_weight.assign(frame.pixel_count(), 0.f);
+  }
   // They mirror before there is a reflection layer, too.
   ShadedPixels& s = frame.shaded;
   for (size_t i = 0; i < s.pixels.size(); ++i) s.asks[i].reflection |= out.shown[s.pixels[i]] != 0;
+}
+
+// A flat mirror of known place is one more camera.
+void PanePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
+  if (mirrors_.empty()) return;
+  const PaneImages& panes = frame.panes;
+  const SplatLayer& opened = frame.opened.surfels;
+  if (grad_.kind() != opened.kind() || grad_.size() != opened.size() || grad_.sh_degree() != opened.sh_degree())
+    grad_ = opened.zeros_like();
+  else
+    grad_.fill(0.f);
+  statistics_.reset(opened.size());
+  const int width = frame.view->intrinsics.width;
+  const size_t pixels = frame.pixel_count();
+  std::vector<float> blame;
+  for (const MirrorPicture& m : mirrors_) {
+    const size_t size = m.wanted.size();
+    const std::span<float> color = m.picture->gradients().plane(Aov::Color), alpha = m.picture->gradients().plane(Aov::Alpha);
+    blame.assign(frame.error_image.empty() ? 0 : size, 0.f);
+    for (size_t i = 0; i < pixels; ++i) {
+      if (pane_of_[Near][i] != m.pane) continue;
+      const size_t w = m.window.index(width - 1 - static_cast<int>(i) % width, static_cast<int>(i) / width);
+      for (size_t c = 0; c < 3; ++c) color[c * size + w] = panes.grad_near[c * pixels + i];
+      alpha[w] = -panes.grad_open[i];
+      if (!blame.empty()) blame[w] = panes.picture_weight[i] * frame.error_image[i];
+    }
+    m.picture->backward(blame, grad_, statistics_);
+  }
+  give_back(frame.opened, opened_degrees(scene, frame.options), {grad_, statistics_}, grad, frame.statistics, nullptr);
 }
 
 }  // namespace vitrine
