@@ -65,7 +65,6 @@ OwnerMap owners(const View& view, const std::vector<uint8_t>& mask, const ShapeS
 
 void separate(const OwnerMap& map, const Intrinsics& k, TargetLevel& level) {
   std::vector<uint8_t>& specular = level.masks[size_t(MaskClass::Specular)];
-  level.coat.resize(specular.size(), 0);
   const Intrinsics& small = map.size;
   const int reach = kRimReach + small.width / k.width;  // of small pictures one pixel is several of the map
   for (int y = 0; y < k.height; ++y)
@@ -73,7 +72,8 @@ void separate(const OwnerMap& map, const Intrinsics& k, TargetLevel& level) {
       const size_t i = size_t(y) * size_t(k.width) + size_t(x);
       if (specular[i] == 0) continue;
       const int u = (2 * x + 1) * small.width / (2 * k.width), v = (2 * y + 1) * small.height / (2 * k.height);
-      if (map.near(u, v, reach) != Owner::Coat) continue;
+      if (map.near(u, v, reach) == Owner::Mirror) continue;
+      level.coat.resize(specular.size(), 0);
       std::swap(level.coat[i], specular[i]);
     }
 }
@@ -81,7 +81,6 @@ void separate(const OwnerMap& map, const Intrinsics& k, TargetLevel& level) {
 }  // namespace
 
 void separate_coats(const Capture& capture, const ShapeSet& shapes, Targets& targets) {
-  if (!shapes.has(ShapeRole::Coat)) return;
   parallel_for(targets.photos.size(), 1, [&](size_t photo) {
     auto& levels = targets.photos[photo];
     const std::vector<uint8_t>& whole = levels[0].masks[size_t(MaskClass::Specular)];

@@ -16,6 +16,7 @@
 #include "core/render/surface_depth.h"
 #include "core/scene/activation.h"
 #include "stages/optimize/clear_panes.h"
+#include "stages/optimize/flat_mirrors.h"
 #include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/neighbours.h"
@@ -40,6 +41,7 @@ constexpr double kMirrorDepth = 0.5;  // of its size: where what is seen in a co
 // of gloss in all photos do not tell what it reflects. A polished solid in 36 photos of 320x240 gains up to 1.4 dB, a ball in
 // fifteen photos of 48x36 loses 3.
 constexpr size_t kTellingPixels = 20000;
+constexpr size_t kFewestShapePoints = 500;
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
 constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
 
@@ -229,25 +231,32 @@ void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) 
   keep_surfels(diffuse, stay);
 }
 
-// Of all training photos, inside the specular mask and outside the transparent one.
-size_t gloss_pixels(const LayerInitDesc& desc) {
-  size_t count = 0;
+// Of all training photos, inside the specular mask and outside the transparent one; `share`: of all their pixels.
+size_t gloss_pixels(const LayerInitDesc& desc, double& share) {
+  size_t count = 0, all = 0;
   for (uint32_t photo : desc.capture.train) {
+    const Intrinsics& k = desc.capture.photos[photo].levels[kEvidenceLevel].view.intrinsics;
+    all += size_t(k.width) * size_t(k.height);
     const auto& masks = desc.targets.photos[photo][kEvidenceLevel].masks;
     const auto &specular = masks[size_t(MaskClass::Specular)], &transparent = masks[size_t(MaskClass::Transparent)];
     for (size_t i = 0; i < specular.size(); ++i) count += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);
   }
+  share = all > 0 ? double(count) / double(all) : 0;
   return count;
 }
 
 }  // namespace
 
-HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene) {
-  const ReflectionPhase& phase = desc.config.phases.reflection;
-  const auto seed = static_cast<uint64_t>(desc.config.seed);
+HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffuse_cap, SplatScene& scene) {
+  const ReflectionPhase& phase = start.config.phases.reflection;
+  const auto seed = static_cast<uint64_t>(start.config.seed);
   SplatLayer& diffuse = scene.diffuse;
-  const Survey found = survey(desc, scene, {Surveyed::Specular, Surveyed::Transparent, Surveyed::Coat});
+  const Survey found = survey(start, scene, {Surveyed::Specular, Surveyed::Transparent, Surveyed::Coat});
   const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1], &coat = found.evidence[2];
+  const FlatMirrors mirrors(start, specular, diffuse);
+  const ShapeSet shapes = mirrors.registered();
+  const LayerInitDesc desc{start.config, start.capture, start.targets, shapes, start.sh_degree};
+  const std::vector<uint8_t> reflected = mirrors.reflect_into_scene(shapes, diffuse);
   // Masks of any class say what reflects; without one everything may.
   const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
   Hull hull;
@@ -267,7 +276,7 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   std::vector<uint32_t> dull, stay, gone;
   for (size_t i = 0; i < diffuse.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
-    const float share = specular.share(i);
+    const float share = reflected[i] ? 0 : specular.share(i);
     const float* mean = diffuse.at(Attribute::Mean, i);
     const bool far_off = !around.empty() && !around.contains(Vec3f{mean[0], mean[1], mean[2]});
     const float gloss = !masked ? 1.f : far_off ? 0.f : std::max(share - transparent.share(i), 0.f);
@@ -295,10 +304,13 @@ HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffus
   const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
   keep_surfels(diffuse, stay);
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  const bool told = gloss_pixels(desc) >= kTellingPixels;
+  double pictured = 0;
+  const bool told = gloss_pixels(desc, pictured) >= kTellingPixels;
   const bool shaped = told && std::ranges::any_of(hull.points, &HullPoint::known);
-  const int wanted = shaped ? phase.known_hull_points : phase.hull_points;
-  const auto taken = append_hull(desc, hull, std::min(room, static_cast<size_t>(wanted)), color, diffuse);
+  // As many for a pixel as the rest of the scene has.
+  const auto fair = std::max(kFewestShapePoints, static_cast<size_t>(pictured * double(diffuse_cap)));
+  const size_t wanted = shaped ? std::min(static_cast<size_t>(phase.known_hull_points), fair) : static_cast<size_t>(phase.hull_points);
+  const auto taken = append_hull(desc, hull, std::min(room, wanted), color, diffuse);
   counts.hull = taken.size();
   if (told) {
     for (const HullPoint& p : hull.points)
