@@ -361,7 +361,8 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   };
   if (desc.config.shading.glass == "thin") {
     for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
-    move_behind_glass(seen, std::min(static_cast<size_t>(phase.initial_surfels), cap), scene);
+    // Where no glass can be placed, what stands behind it would be gone from every picture.
+    move_behind_glass(seen, closed ? std::min(static_cast<size_t>(phase.initial_surfels), cap) : 1, scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
     if (closed) counts.shapes = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);

@@ -63,6 +63,27 @@ TEST_F(GlassAlone, KeepsItsReflectanceWhenReflectionBegins) {
   EXPECT_GT(glass, 50u);
 }
 
+// A window, a picture under glass: no closed region is the glass. What stands behind it must not leave the picture.
+TEST_F(GlassAlone, IsNoHoleWhereNoGlassCanBePlaced) {
+  config_.phases.transmittance.hull_points = 0;
+  for (size_t i = 0; i < scene_.diffuse.size(); ++i)
+    *scene_.diffuse.at(Attribute::SpecularWeight, i) = *scene_.diffuse.at(Attribute::Transmission, i) = logit(kDull);
+  const SplatScene before = scene_;
+  const HullCounts counts = begin_transmittance(desc(), 200, 1000, scene_);
+  EXPECT_EQ(counts.hull, 0u);
+  EXPECT_EQ(counts.moved, 1u) << "a layer has a surfel";
+  ASSERT_EQ(scene_.diffuse.size() + 1, before.diffuse.size());
+  LayeredModel model(ImageOptions{});
+  Frame frame;
+  const View& view = capture_.photos[0].levels[0].view;
+  model.forward(before, view, frame);
+  const std::vector<float> was = frame.srgb;
+  model.forward(scene_, view, frame);
+  size_t changed = 0;
+  for (size_t i = 0; i < was.size(); ++i) changed += std::abs(was[i] - frame.srgb[i]) > 0.02f;
+  EXPECT_LT(changed, was.size() / 50);
+}
+
 // The tiny scene with masks of its ball, which is painted. Shapes as the shapes stage finds them.
 class PaintedBall : public ::testing::Test {
  protected:
