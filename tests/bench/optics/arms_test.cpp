@@ -28,7 +28,7 @@ TEST(ArmList, KnowsThreeNamesAndTakesOptions) {
   const auto arms = arm_list("diffuse,full,auto,soft:optimize.layers=full;optimize.loss.l1.weight=0.5");
   ASSERT_EQ(arms.size(), 4u);
   EXPECT_EQ(arms[0].options.at("optimize.layers"), "diffuse");
-  EXPECT_EQ(arms[1].options.at("optimize.layers"), "full");
+  EXPECT_EQ(arms[1].options.at("optimize.layers"), "auto");
   EXPECT_TRUE(arms[0].given("masks") && arms[0].given("poses"));
   EXPECT_FALSE(arms[2].given("masks"));
   EXPECT_TRUE(arms[2].given("poses"));
