@@ -9,6 +9,5 @@ namespace vitrine {
 
 // For text and for attribute values in double quotes. Bytes that are no UTF-8 and control characters become U+FFFD.
 std::string escaped(std::string_view text);
-std::string base64(std::string_view bytes);
 
 }  // namespace vitrine

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/sha256.h"

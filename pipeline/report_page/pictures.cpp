@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/image/exr.h"
 #include "core/image/jpeg.h"

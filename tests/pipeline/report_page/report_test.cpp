@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/base64.h"
 #include "core/base/inside.h"
 #include "core/base/json.h"
 #include "pipeline/report_page/fact_text.h"

@@ -1,0 +1,11 @@
+// Bytes as text that any document can carry (RFC 4648, with padding).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace vitrine {
+
+std::string base64(std::string_view bytes);
+
+}  // namespace vitrine

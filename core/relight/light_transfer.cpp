@@ -1,0 +1,135 @@
+#include "core/relight/light_transfer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/model/kernels/mirror.h"
+#include "core/relight/sample_points.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kTransferTask = 64;    // vertices or surfels
+constexpr float kTransferReach = 3;     // in grains: how far off the mesh a surfel still belongs to it
+constexpr float kTransferLift = 2.5f;   // in grains: where rays start above it (README 4)
+constexpr float kWallReach_rel = 0.2f;  // of the distance from the centre: how far off a surfel is from the wall that it shows
+constexpr float kSameSide = 0.3f;       // cosine: a normal of a surfel that agrees less with its mesh is replaced
+constexpr uint64_t kVertexStream = 0x21, kSurfelStream = 0x22;
+
+void add(Transfer& sum, const Vec3f& direction, float share) {
+  float basis[kTransferSize];
+  sh_basis(kTransferDegree, direction, basis);
+  for (size_t k = 0; k < kTransferSize; ++k) sum[k] += Vec3f{share * basis[k], share * basis[k], share * basis[k]};
+}
+
+}  // namespace
+
+LightHarmonics light_harmonics(const Environment& environment) {
+  const ImageF& map = environment.map();
+  const int w = map.width(), h = map.height();
+  std::array<Vec3d, kTransferSize> sum{};
+  for (int y = 0; y < h; ++y) {
+    const double solid_angle =
+        2 * std::numbers::pi / w * (std::cos(std::numbers::pi * y / h) - std::cos(std::numbers::pi * (y + 1) / h));
+    for (int x = 0; x < w; ++x) {
+      const Vec3f d =
+          environment.world_from_map() * lat_long_direction((float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h));
+      double basis[kTransferSize];
+      sh_basis(kTransferDegree, cast<double>(d), basis);
+      const float* rgb = map.pixel(x, y);
+      for (size_t k = 0; k < kTransferSize; ++k)
+        sum[k] += (solid_angle * basis[k]) * Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])};
+    }
+  }
+  LightHarmonics out;
+  for (size_t k = 0; k < kTransferSize; ++k) out[k] = cast<float>(sum[k]);
+  return out;
+}
+
+Vec3f irradiance(const Transfer& transfer, const LightHarmonics& light) {
+  Vec3f sum{};
+  for (size_t k = 0; k < kTransferSize; ++k) sum += hadamard(transfer[k], light[k]);
+  return {std::max(sum.x, 0.f), std::max(sum.y, 0.f), std::max(sum.z, 0.f)};
+}
+
+LightTransfer::LightTransfer(const SceneSurface& surface, const TransferDesc& desc) : surface_(&surface), desc_(desc) {
+  const TriMesh& mesh = surface.mesh();
+  const float lift = kTransferLift * surface.grain();
+  for (int bounce = 0; bounce < desc.bounces; ++bounce) {
+    std::vector<Transfer> next(mesh.positions.size());
+    parallel_for(next.size(), kTransferTask, [&](size_t v) {
+      throw_if_interrupted();
+      next[v] = gathered({mesh.positions[v] + lift * mesh.normals[v], mesh.normals[v]}, mix64(kVertexStream, v), bounce > 0);
+    });
+    vertices_ = std::move(next);
+  }
+}
+
+// By rays whose density is cos/pi: T_k = pi/n sum of what comes along them. `bounced`: also light that the mesh sends on.
+Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool bounced) const {
+  Vec3f t0, t1;
+  tangents(place.normal, t0, t1);
+  const SamplePoints points(desc_.seed, stream);
+  const float each = std::numbers::pi_v<float> / float(desc_.rays);
+  Transfer sum{};
+  for (uint32_t i = 0; i < static_cast<uint32_t>(desc_.rays); ++i) {
+    const Vec2f u = points.point(0, i);
+    const float r = std::sqrt(u.x), phi = 2 * std::numbers::pi_v<float> * u.y;
+    const Vec3f d = (r * std::cos(phi)) * t0 + (r * std::sin(phi)) * t1 + std::sqrt(std::max(1 - u.x, 0.f)) * place.normal;
+    const float outside = surface_->follow(place.origin, d, [&](const SceneSurface::Meeting& m) {
+      if (!bounced || !m.front) return;
+      const Vec3f sent = (each / std::numbers::pi_v<float> * m.share) * surface_->at(surface_->reflectance(), m.place);
+      const auto& face = surface_->mesh().faces[m.place.face];
+      for (size_t c = 0; c < 3; ++c)
+        for (size_t k = 0; k < kTransferSize; ++k) sum[k] += m.place.weights[c] * hadamard(sent, vertices_[face[c]][k]);
+    });
+    if (outside > 0) add(sum, d, each * outside);
+  }
+  return sum;
+}
+
+// Pi times the mean over the sphere: what a matt place of no particular direction receives.
+Transfer LightTransfer::from_all_sides(const Vec3f& point, uint64_t stream) const {
+  const Transfer up = gathered({point, {0, 0, 1}}, stream, !vertices_.empty()),
+                 down = gathered({point, {0, 0, -1}}, stream, !vertices_.empty());
+  Transfer mean;
+  for (size_t k = 0; k < kTransferSize; ++k) mean[k] = 0.5f * (up[k] + down[k]);
+  return mean;
+}
+
+Transfer LightTransfer::of_surfel(const SplatLayer& layer, size_t i) const {
+  const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i);
+  const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
+  const float grain = surface_->grain(), wall = kWallReach_rel * length(mean);
+  const uint64_t stream = mix64(kSurfelStream, i);
+  for (const float reach : {kTransferReach * grain, wall}) {
+    for (const Vec3f& n : {normal, -normal}) {
+      const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach);
+      if (!place || (reach == wall && !surface_->surrounding(place->face))) continue;
+      const Vec3f on_mesh = surface_->at(surface_->mesh().positions, *place),
+                  outwards = normalized(surface_->at(surface_->mesh().normals, *place));
+      // Where the mesh has a pit the surfel lies before it, and its own normal is the better one.
+      const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
+      const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
+      return gathered(
+          {on_mesh + (above + kTransferLift * grain) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards}, stream,
+          !vertices_.empty());
+    }
+  }
+  return from_all_sides(mean, stream);
+}
+
+std::vector<Transfer> LightTransfer::of_surfels(const SplatLayer& layer) const {
+  std::vector<Transfer> out(layer.size());
+  parallel_for(out.size(), kTransferTask, [&](size_t i) {
+    throw_if_interrupted();
+    out[i] = of_surfel(layer, i);
+  });
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,241 @@
+// One picture of the scene: surfels blended into channels, known shapes, what flat panes and mirrors show, probes, and the pass over
+// the screen that puts them together (composite.glsl).
+import {
+  DataTexture, FloatType, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, RedFormat,
+  RedIntegerFormat, RGBAFormat, UnsignedIntType, WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
+} from 'three';
+import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
+import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
+import { Shapes } from './shapes.js';
+import { harmonics, sky_texture, turned } from './sky.js';
+import { Paint, Surfels } from './surfels.js';
+import blend_glsl from './blend.glsl';
+import camera_glsl from './camera.glsl';
+import composite_glsl from './composite.glsl';
+import light_glsl from './light.glsl';
+import probe_glsl from './probe.glsl';
+
+const kMostPictures = 8;       // of panes in one picture; more are left to the probes
+const kMirrorNear = 1e-3;
+const kProbes = 4;
+
+// Modes, their names for people, and whether they need materials.
+export const kModes = {
+  photo: { name: 'As photographed', lit: false }, relit: { name: 'Relit', lit: true },
+  open: { name: 'Without the glass' }, glass: { name: 'The glass alone' },
+  albedo: { name: 'Albedo', lit: true }, normals: { name: 'Normals' }, roughness: { name: 'Roughness' }, depth: { name: 'Depth' },
+};
+const kShow = { albedo: 1, normals: 2, roughness: 3, depth: 4, glass: 5 };
+
+const full_screen = 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }';
+
+export class Picture {
+  constructor(renderer, page) {
+    const { scene, blocks } = page;
+    this.renderer = renderer, this.scene = scene;
+    renderer.autoClear = false;
+    renderer.setClearColor(0x000000, 0);
+    this.surfels = new Surfels(renderer, page);
+    this.shapes = new Shapes(renderer, page);
+    const channels = (count) => new WebGLRenderTarget(1, 1, {
+      count, type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false,
+    });
+    this.channels = channels(4);
+    this.has_glass = scene.surfels > scene.solid;
+    this.glass = this.has_glass ? channels(4) : null;
+    this.pictures = null;  // made when panes are there
+    this.make_probes(page);
+
+    const { facets, entries } = scene.shapes, role = { mirror: 0, sheet: 1, coat: 2 };
+    const list = (items, f) => (items.length ? items.flatMap(f) : [0, 0, 0, 0]);
+    const texture = (i) => ({ value: this.channels.textures[i] });
+    this.uniforms = {
+      ...camera_uniforms(), ...this.sky_uniforms,
+      color_sum: texture(0), normal_sum: texture(1), f0_sum: texture(2), depth_sum: texture(3),
+      glass_normal: { value: (this.glass ?? this.channels).textures[1] }, glass_depth: { value: (this.glass ?? this.channels).textures[3] },
+      glass_surfels: { value: this.has_glass },
+      opaque_shape: { value: this.shapes.targets.opaque.texture }, near_pane: { value: this.shapes.targets.near.texture },
+      far_pane: { value: this.shapes.targets.far.texture }, pictures: { value: null },
+      facet_facts: { value: list(facets, (f) => [-1, f.clear ? 1 : 0, f.at_pane, f.entry]) },
+      entries: { value: list(entries, (e) => [e.tolerance, role[e.role], e.exact ? 1 : 0, e.closed ? 1 : 0]) },
+      probe_places: { value: Array.from({ length: kProbes }, (_, i) => scene.probes[i] ?? [0, 0, 0]).flat() },
+      probe_count: { value: scene.probes.length }, probe_levels: { value: Math.log2(scene.probe_side) },
+      reflects: { value: scene.reflects }, rough: { value: scene.rough_reflections }, layered: { value: scene.blend === 'layered' },
+      lit: { value: false }, panes: { value: true }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
+      depth_range: { value: [0, 1] },
+    };
+    for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: null };
+    this.composite = new FullScreenQuad(new RawShaderMaterial({
+      glslVersion: GLSL3, uniforms: this.uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
+      defines: { MOST_FACETS: Math.max(1, facets.length), MOST_ENTRIES: Math.max(1, entries.length) },
+      vertexShader: full_screen, fragmentShader: `precision highp float;\n${camera_glsl}${blend_glsl}${light_glsl}${composite_glsl}`,
+    }));
+  }
+
+  make_probes({ scene, blocks }) {
+    const side = scene.probe_side, n = side * side;
+    const mips = (t) => ((t.magFilter = LinearFilter), (t.minFilter = LinearMipmapLinearFilter), (t.generateMipmaps = true), t);
+    this.photographed = scene.probes.map((_, i) => {
+      const t = mips(new DataTexture(blocks.probe_radiance.slice(4 * n * i, 4 * n * (i + 1)), side, side, RGBAFormat, HalfFloatType));
+      t.needsUpdate = true;
+      return t;
+    });
+    this.lit_probes = scene.probes.map(() => {
+      const target = new WebGLRenderTarget(side, side, { type: HalfFloatType, depthBuffer: false });
+      mips(target.texture);
+      return target;
+    });
+    const rows = (data, format, type) => {
+      const t = new DataTexture(data, side, side * scene.probes.length, format, type);
+      t.minFilter = t.magFilter = NearestFilter;
+      t.needsUpdate = true;
+      return t;
+    };
+    const surfels = rows(blocks.probe_surfel, RedIntegerFormat, UnsignedIntType);
+    surfels.internalFormat = 'R32UI';
+    this.sky_uniforms = { sky: { value: null }, sky_turn: { value: 0 }, sky_levels: { value: 0 } };
+    this.probe_uniforms = {
+      ...this.sky_uniforms, surfels: { value: surfels },
+      depths: { value: rows(Float32Array.from(blocks.probe_depth, DataUtils.fromHalfFloat), RedFormat, FloatType) },
+      colors: { value: null }, row: { value: 0 }, side: { value: side },
+    };
+    this.probe_quad = new FullScreenQuad(new RawShaderMaterial({
+      glslVersion: GLSL3, uniforms: this.probe_uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
+      vertexShader: full_screen, fragmentShader: `precision highp float;\nprecision highp sampler2D;\n${light_glsl}${probe_glsl}`,
+    }));
+  }
+
+  // map: a sky (sky.js); turn in degrees, counter-clockwise seen from above.
+  set_light(map, turn) {
+    if (this.map !== map) {
+      this.sky_uniforms.sky.value?.dispose();
+      this.map = map, this.coefficients = harmonics(map);
+      this.sky_uniforms.sky.value = sky_texture(map);
+      this.sky_uniforms.sky_levels.value = Math.log2(map.width);
+    }
+    const radians = (turn * Math.PI) / 180;
+    this.sky_uniforms.sky_turn.value = radians;
+    this.turned = turned(this.coefficients, radians);
+    this.surfels.set_light(this.turned);
+    this.probes_fresh = false;
+  }
+
+  // Stops that make the mean of what matt surfels near the middle send a middle grey.
+  exposure_of_scene(blocks) {
+    const L = this.turned, places = this.surfels.places, { middle, radius } = this.scene;
+    let sum = 0, count = 0;
+    for (let i = 0; i < this.scene.solid; i += 7) {
+      if (Math.hypot(...middle.map((m, c) => places[3 * i + c] - m)) > radius) continue;
+      let e = [...L[0]];
+      for (let k = 0; k < 15; ++k) e = e.map((v, c) => v + (L[k + 1][c] * (blocks.transfer[15 * i + k] - 128)) / 48);
+      const sent = e.map((v, c) => (Math.max(0, v) * DataUtils.fromHalfFloat(blocks.transfer0[3 * i + c]) * (blocks.albedo[3 * i + c] / 255) ** 2) / Math.PI);
+      sum += 0.2126 * sent[0] + 0.7152 * sent[1] + 0.0722 * sent[2], ++count;
+    }
+    return sum > 0 ? Math.round(10 * Math.log2((0.18 * count) / sum)) / 10 : 0;
+  }
+
+  light_probes() {
+    if (this.probes_fresh) return;
+    const any = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0], width: 1, height: 1, fx: 1, fy: 1, cx: 0, cy: 0 };
+    this.surfels.paint(any, { paint: Paint.Returned, lit: true });
+    this.probe_uniforms.colors.value = this.surfels.color_target.textures[0];
+    this.lit_probes.forEach((target, i) => {
+      this.probe_uniforms.row.value = i * this.scene.probe_side;
+      this.renderer.setRenderTarget(target);
+      this.probe_quad.render(this.renderer);
+    });
+    this.probes_fresh = true;
+  }
+
+  // Where a facet is in the picture: [left, top, right, bottom] in pixels, null where it is not.
+  facet_window(camera, facet) {
+    const { corners, place } = this.shapes.outline(facet);
+    let left = Infinity, top = Infinity, right = -Infinity, bottom = -Infinity;
+    for (const v of corners) {
+      const [x, y, z] = projected(camera, place.subarray(3 * v, 3 * v + 3));
+      if (z < kMirrorNear) return [0, 0, camera.width, camera.height];
+      left = Math.min(left, x), right = Math.max(right, x), top = Math.min(top, y), bottom = Math.max(bottom, y);
+    }
+    left = Math.max(0, Math.floor(left) - 1), top = Math.max(0, Math.floor(top) - 1);
+    right = Math.min(camera.width, Math.ceil(right) + 1), bottom = Math.min(camera.height, Math.ceil(bottom) + 1);
+    return right > left && bottom > top ? [left, top, right, bottom] : null;
+  }
+
+  // What the facets in the picture show, one layer of `pictures` each: those that cover most of it.
+  draw_panes(camera, lit) {
+    const { facets, entries } = this.scene.shapes, eye = centre_of(camera), facts = this.uniforms.facet_facts.value;
+    const wanted = [];
+    facets.forEach((f, i) => {
+      const sheet = entries[f.entry].role === 'sheet', ahead = f.normal.reduce((s, n, c) => s + n * eye[c], -f.offset) > 0;
+      if (entries[f.entry].role === 'coat' || (sheet && !f.clear)) return;
+      if (!ahead && (!sheet || !entries[f.entry].closed)) return;  // its other side is a facet of its own, or is not seen
+      const window = this.facet_window(camera, i);
+      if (window) wanted.push({ i, window, outside: ahead ? 1 : -1, area: (window[2] - window[0]) * (window[3] - window[1]) });
+    });
+    wanted.sort((a, b) => b.area - a.area);
+    wanted.length = Math.min(wanted.length, kMostPictures);
+    if (wanted.length === 0) return;
+    if (!this.pictures || this.pictures.width !== camera.width || this.pictures.height !== camera.height) {
+      this.pictures?.dispose();
+      this.pictures = new WebGLArrayRenderTarget(camera.width, camera.height, Math.min(kMostPictures, facets.length), {
+        type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false,
+      });
+      this.uniforms.pictures.value = this.pictures.texture;
+    }
+    wanted.forEach(({ i, outside, window: [left, top, right, bottom] }, layer) => {
+      const f = facets[i], behind = mirrored(camera, f.normal, f.offset);
+      this.surfels.paint(behind, { paint: lit ? Paint.Returned : Paint.Photographed, lit });
+      this.renderer.setRenderTarget(this.pictures, layer);
+      this.renderer.clear();
+      this.surfels.draw(behind, {
+        surface: false, mirrors: true, lit, near_z: kMirrorNear, window: [camera.width - right, top, camera.width - left, bottom],
+        plane: [...f.normal.map((n) => outside * n), outside * f.offset + f.at_pane],
+      });
+      facts[4 * i] = layer;
+    });
+  }
+
+  // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
+  // gain, panes (false: mirrored pictures are left out, while the camera moves)}
+  draw(camera, state) {
+    const { renderer, surfels, uniforms: u } = this, { mode } = state;
+    const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
+    const paint = mode === 'albedo' ? Paint.Albedo : lit ? Paint.Matt : Paint.Photographed;
+    if (lit) this.light_probes();
+    const glass = !['open', 'albedo', 'normals', 'roughness', 'depth'].includes(mode);
+    this.shapes.draw(camera);
+    for (let i = 0; i < u.facet_facts.value.length; i += 4) u.facet_facts.value[i] = -1;
+    if (state.panes !== false && !['albedo', 'normals', 'roughness', 'depth'].includes(mode)) this.draw_panes(camera, lit);
+    const into = (target, what) => {
+      const with_materials = { ...what, lit: lit || mode === 'albedo' };
+      surfels.paint(camera, { paint, ...with_materials });
+      target.setSize(camera.width, camera.height);
+      renderer.setRenderTarget(target);
+      renderer.clear();
+      surfels.draw(camera, with_materials);
+    };
+    into(this.channels, {});
+    if (this.has_glass && glass) into(this.glass, { first: surfels.solid, last: surfels.count, clear: true });
+
+    const stops = 2 ** (lit ? state.exposure : 0), gain = lit ? [stops, stops, stops] : (state.gain ?? [1, 1, 1]);
+    set_camera(u, camera);
+    u.lit.value = lit, u.panes.value = glass, u.background.value = state.background !== false;
+    u.show.value = kShow[mode] ?? 0, u.gain.value = gain;
+    const distance = Math.hypot(...centre_of(camera).map((v, i) => v - this.scene.middle[i]));
+    u.depth_range.value = [Math.max(0, distance - this.scene.radius), distance + this.scene.radius];
+    for (let i = 0; i < kProbes; ++i) {
+      const at = Math.min(i, this.scene.probes.length - 1);
+      u[`probe${i}`].value = lit ? this.lit_probes[at].texture : this.photographed[at];
+    }
+    renderer.setRenderTarget(null);
+    this.composite.render(renderer);
+  }
+
+  // z-depth of the surface in a pixel of the last picture; 0 where there is none.
+  depth_at(x, y) {
+    const out = new Uint16Array(4), { channels } = this;
+    this.renderer.readRenderTargetPixels(channels, Math.floor(x), channels.height - 1 - Math.floor(y), 1, 1, out, undefined, 3);
+    const [z, , , alpha] = Array.from(out, DataUtils.fromHalfFloat);
+    return alpha > 0.5 ? z / alpha : 0;
+  }
+}

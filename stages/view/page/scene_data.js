@@ -1,0 +1,46 @@
+// What the program wrote into the page: scene (JSON), photos (data: URIs), blocks (arrays; stages/view/page_blocks.h).
+const kinds = { f32: Float32Array, f16: Uint16Array, u8: Uint8Array, u16: Uint16Array, u32: Uint32Array };
+
+async function inflated(base64) {
+  const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Bytes stand plane by plane in the file.
+function typed(buffer, { type, width, offset, count }) {
+  const Kind = kinds[type], size = Kind.BYTES_PER_ELEMENT, stride = size * width;
+  const out = new Uint8Array(count * size), items = stride ? out.length / stride : 0;
+  for (let plane = 0; plane < stride; ++plane)
+    for (let i = 0, from = offset + plane * items; i < items; ++i) out[i * stride + plane] = buffer[from + i];
+  return new Kind(out.buffer);
+}
+
+// -> { scene, photos, blocks: name -> typed array }. Throws when the page holds no scene, or a damaged one.
+export async function read_page() {
+  const text = (id) => document.getElementById(id)?.textContent;
+  if (!text('scene')) throw new Error('this page holds no scene: `vitrine view` puts one in');
+  const scene = JSON.parse(text('scene')), buffer = await inflated(text('blocks'));
+  const blocks = Object.fromEntries(scene.blocks.map((b) => [b.name, typed(buffer, b)]));
+  return { scene, photos: JSON.parse(text('photos')), blocks };
+}
+
+// Places of surfels: differences of contracted coordinates (stages/view/page_surfels.cpp) -> [3 n] in the scene's frame.
+export function surfel_places(words) {
+  const out = new Float32Array(words.length), before = [0, 0, 0];
+  for (let i = 0; i < words.length; ++i) {
+    const at = (before[i % 3] = (before[i % 3] + words[i]) & 65535), y = (at - 32767.5) / 32767.5;
+    out[i] = y / Math.max(1 - Math.abs(y), 1e-6);
+  }
+  return out;
+}
+
+// Their quaternions: x, y, z in 16 bits, w >= 0 -> [4 n] w x y z.
+export function surfel_turns(words) {
+  const out = new Float32Array((words.length / 3) * 4);
+  for (let i = 0; 3 * i < words.length; ++i) {
+    const [x, y, z] = [0, 1, 2].map((c) => (words[3 * i + c] - 32767.5) / 32767);
+    out.set([Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z)), x, y, z], 4 * i);
+  }
+  return out;
+}

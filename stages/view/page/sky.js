@@ -1,0 +1,135 @@
+// Light from far away: lat-long maps of linear radiance, first row +z, centre +x, three quarters -y (core/light/README.md), their
+// spherical harmonics, and the files that people drop.
+import { DataTexture, DataUtils, FloatType, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat } from 'three';
+import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+import { HDRLoader } from 'three/addons/loaders/HDRLoader.js';
+
+const kTextureWidth = 512;  // mirrors show no more
+const kBuiltInHeight = 64;
+
+// data: [3 w h] rows first.
+export const sky = (name, width, height, data) => ({ name, width, height, data });
+
+export function direction(u, v) {
+  const azimuth = -2 * Math.PI * (u - 0.5), elevation = Math.PI * (0.5 - v), c = Math.cos(elevation);
+  return [c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(elevation)];
+}
+
+export function sh_basis([x, y, z]) {
+  const xx = x * x, yy = y * y, zz = z * z;
+  return [
+    0.28209479177387814, -0.4886025119029199 * y, 0.4886025119029199 * z, -0.4886025119029199 * x,
+    1.0925484305920792 * x * y, -1.0925484305920792 * y * z, 0.31539156525252005 * (2 * zz - xx - yy),
+    -1.0925484305920792 * x * z, 0.5462742152960396 * (xx - yy),
+    -0.5900435899266435 * y * (3 * xx - yy), 2.890611442640554 * x * y * z, -0.4570457994644658 * y * (4 * zz - xx - yy),
+    0.3731763325901154 * z * (2 * zz - 3 * xx - 3 * yy), -0.4570457994644658 * x * (4 * zz - xx - yy),
+    1.445305721320277 * z * (xx - yy), -0.5900435899266435 * x * (xx - 3 * yy),
+  ];
+}
+
+// Coefficients of a map, 16 of three: texels are steps.
+export function harmonics({ width, height, data }) {
+  const sum = Array.from({ length: 16 }, () => [0, 0, 0]);
+  for (let row = 0; row < height; ++row) {
+    const angle = ((2 * Math.PI) / width) * (Math.cos((Math.PI * row) / height) - Math.cos((Math.PI * (row + 1)) / height));
+    for (let x = 0; x < width; ++x) {
+      const basis = sh_basis(direction((x + 0.5) / width, (row + 0.5) / height)), at = 3 * (row * width + x);
+      for (let k = 0; k < 16; ++k)
+        for (let c = 0; c < 3; ++c) sum[k][c] += angle * basis[k] * data[at + c];
+    }
+  }
+  return sum;
+}
+
+// Of the map turned about +z, counter-clockwise seen from above: cosines and sines of m times the azimuth turn by m times the angle.
+export function turned(coefficients, radians) {
+  const out = coefficients.map((c) => [...c]);
+  for (let l = 1, middle = 2; l <= 3; ++l, middle += 2 * l)
+    for (let m = 1; m <= l; ++m) {
+      const cos = Math.cos(m * radians), sin = Math.sin(m * radians), a = coefficients[middle + m], b = coefficients[middle - m];
+      out[middle + m] = a.map((v, c) => cos * v - sin * b[c]);
+      out[middle - m] = a.map((v, c) => sin * v + cos * b[c]);
+    }
+  return out;
+}
+
+function halved({ name, width, height, data }) {
+  const w = width >> 1, h = height >> 1, out = new Float32Array(3 * w * h);
+  for (let y = 0; y < h; ++y)
+    for (let x = 0; x < w; ++x)
+      for (let c = 0; c < 3; ++c) {
+        const at = (i, j) => data[3 * ((2 * y + j) * width + 2 * x + i) + c];
+        out[3 * (y * w + x) + c] = 0.25 * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
+      }
+  return sky(name, w, h, out);
+}
+
+export function sky_texture(map) {
+  while (map.width > kTextureWidth) map = halved(map);
+  const data = new Uint16Array(4 * map.width * map.height);
+  for (let i = 0; i < map.width * map.height; ++i)
+    for (let c = 0; c < 4; ++c) data[4 * i + c] = DataUtils.toHalfFloat(c === 3 ? 1 : Math.min(map.data[3 * i + c], 65000));
+  const t = new DataTexture(data, map.width, map.height, RGBAFormat, HalfFloatType);
+  t.wrapS = RepeatWrapping;
+  t.magFilter = LinearFilter, t.minFilter = LinearMipmapLinearFilter;
+  t.generateMipmaps = true;
+  t.needsUpdate = true;
+  return t;
+}
+
+// radiance(d) -> [r, g, b]
+function painted(name, radiance) {
+  const height = kBuiltInHeight, width = 2 * height, data = new Float32Array(3 * width * height);
+  for (let y = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x) data.set(radiance(direction((x + 0.5) / width, (y + 0.5) / height)), 3 * (y * width + x));
+  return sky(name, width, height, data);
+}
+const towards = (d, azimuth, elevation) => {
+  const a = (azimuth * Math.PI) / 180, e = (elevation * Math.PI) / 180;
+  return d[0] * Math.cos(e) * Math.cos(a) + d[1] * Math.cos(e) * Math.sin(a) + d[2] * Math.sin(e);
+};
+const lobe = (cosine, degrees) => Math.exp((cosine - 1) / (1 - Math.cos((degrees * Math.PI) / 180)));
+
+// Two soft boxes and a pale ceiling in a grey room.
+export const studio = () =>
+  painted('studio', (d) => {
+    const key = 9 * lobe(towards(d, 40, 40), 16), fill = 3 * lobe(towards(d, 190, 25), 22), top = 0.8 * Math.max(0, d[2]);
+    return [0.25 + top + key + 0.9 * fill, 0.25 + top + 0.97 * key + 0.95 * fill, 0.25 + top + 0.92 * key + fill];
+  });
+// A low sun in a clear sky over dull ground.
+export const evening = () =>
+  painted('evening', (d) => {
+    const up = Math.max(0, d[2]), sun = 60 * lobe(towards(d, 120, 18), 7), glow = 1.2 * lobe(towards(d, 120, 5), 35), haze = Math.exp(-6 * up);
+    if (d[2] < 0) return [0.12, 0.1, 0.08].map((v) => v * (1 + 2 * glow));
+    return [0.25 + 0.5 * haze + glow + sun, 0.4 + 0.35 * haze + 0.7 * glow + 0.75 * sun, 0.8 + 0.1 * haze + 0.35 * glow + 0.45 * sun];
+  });
+
+const kBeginnings = [['ffd8ff', 'a JPEG picture'], ['89504e47', 'a PNG picture'], ['52494646', 'a WebP picture'], ['25504446', 'a PDF document'], ['49492a00', 'a TIFF picture'], ['47494638', 'a GIF picture']];
+
+// A dropped .hdr or .exr as a sky. Throws Error with a sentence for people: what is wrong, and what to do.
+export function read_sky(name, buffer) {
+  const bytes = new Uint8Array(buffer), start = [...bytes.subarray(0, 4)].map((b) => b.toString(16).padStart(2, '0')).join('');
+  const exr = start === '762f3101', hdr = bytes[0] === 0x23 && bytes[1] === 0x3f;
+  if (!exr && !hdr) {
+    const what = bytes.length === 0 ? 'it is empty' : `it begins like ${kBeginnings.find(([b]) => start.startsWith(b))?.[1] ?? 'no picture of light'}`;
+    throw new Error(`${name} is no HDRI: ${what}. Drop a .hdr or .exr file.`);
+  }
+  let parsed;
+  try {
+    parsed = new (exr ? EXRLoader : HDRLoader)().setDataType(FloatType).parse(buffer);
+  } catch (e) {
+    throw new Error(`${name} cannot be read: ${String(e?.message ?? e).replace(/^THREE\.\w+: /, '')}. Save it anew as a Radiance .hdr, or as an .exr with ZIP compression.`);
+  }
+  const { width, height } = parsed, channels = parsed.data.length / (width * height);
+  if (width !== 2 * height) throw new Error(`${name} is ${width} x ${height} pixels; a map of all directions is twice as wide as it is high.`);
+  const data = new Float32Array(3 * width * height);
+  for (let y = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x)
+      for (let c = 0; c < 3; ++c) {
+        const row = exr ? height - 1 - y : y;  // three.js begins an EXR at its foot
+        const v = parsed.data[channels * (row * width + x) + (channels > 2 ? c : 0)];
+        if (!Number.isFinite(v)) throw new Error(`${name} has pixels that are no numbers; repair it in the program that made it.`);
+        data[3 * (y * width + x) + c] = Math.max(0, v);
+      }
+  return sky(name, width, height, data);
+}

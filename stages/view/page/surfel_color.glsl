@@ -1,0 +1,80 @@
+// The colour of every surfel in one picture, a texel each: what it sends to the eye; and the normal that faces it.
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+
+uniform sampler2D places;
+uniform sampler2D turns;          // quaternion w x y z
+uniform sampler2D weights;        // k_s, tau, of the picture
+uniform sampler2D sh0;            // constant harmonic
+uniform sampler2D sh;             // 16 texels a surfel, bytes about 128/255; scale in scales.x
+uniform sampler2D scales;         // of sh
+uniform sampler2D albedo;         // square root of
+uniform sampler2D lit_materials;  // f0, roughness
+uniform sampler2D lit_weights;    // k_s, tau
+uniform sampler2D transfer0;      // of the constant harmonic, per channel
+uniform sampler2D transfer;       // 16 texels a surfel: the others, in that one
+uniform float steps;              // byte steps to 1 in it
+uniform vec3 light[16];           // coefficients of the light
+uniform vec3 eye;
+uniform int paint;                // 0 as photographed, 1 matt under the light, 2 albedo, 3 matt with what glossy surfaces return
+uniform int sh_count;             // coefficients beyond the constant
+uniform int count;
+
+uniform bool clear;               // tau stands in the place of k_s
+
+layout(location = 0) out vec4 color;
+layout(location = 1) out vec4 facing;  // normal, k_s
+
+const float kSh0 = 0.28209479177387814;
+
+void basis(vec3 d, out float y[16]) {
+  float x = d.x, u = d.y, z = d.z, xx = x * x, yy = u * u, zz = z * z;
+  y[0] = kSh0;
+  y[1] = -0.4886025119029199 * u, y[2] = 0.4886025119029199 * z, y[3] = -0.4886025119029199 * x;
+  y[4] = 1.0925484305920792 * x * u, y[5] = -1.0925484305920792 * u * z, y[6] = 0.31539156525252005 * (2.0 * zz - xx - yy);
+  y[7] = -1.0925484305920792 * x * z, y[8] = 0.5462742152960396 * (xx - yy);
+  y[9] = -0.5900435899266435 * u * (3.0 * xx - yy), y[10] = 2.890611442640554 * x * u * z;
+  y[11] = -0.4570457994644658 * u * (4.0 * zz - xx - yy), y[12] = 0.3731763325901154 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy);
+  y[13] = -0.4570457994644658 * x * (4.0 * zz - xx - yy), y[14] = 1.445305721320277 * z * (xx - yy);
+  y[15] = -0.5900435899266435 * x * (xx - 3.0 * yy);
+}
+vec3 coefficient(sampler2D table, int i, int k, float one) {
+  int width = textureSize(table, 0).x, at = 16 * i + k;
+  return (texelFetch(table, ivec2(at % width, at / width), 0).rgb * 255.0 - 128.0) / one;
+}
+
+void main() {
+  int width = textureSize(places, 0).x, i = int(gl_FragCoord.y) * width + int(gl_FragCoord.x);
+  ivec2 at = ivec2(i % width, i / width);
+  color = facing = vec4(0.0);
+  if (i >= count) return;
+  vec3 mean = texelFetch(places, at, 0).xyz;
+  vec4 q = texelFetch(turns, at, 0);
+  vec3 n = vec3(2.0 * (q.y * q.w + q.x * q.z), 2.0 * (q.z * q.w - q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
+  vec2 w_of = texelFetch(weights, at, 0).xy;
+  facing = vec4(dot(n, mean - eye) > 0.0 ? -n : n, clear ? w_of.y : w_of.x);
+  float scale = texelFetch(scales, at, 0).x;
+  if (paint == 0) {
+    float y[16];
+    basis(normalize(mean - eye), y);
+    vec3 sum = 0.5 + kSh0 * texelFetch(sh0, at, 0).rgb;
+    for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 127.0);
+    color = vec4(max(sum, 0.0), 1.0);
+    return;
+  }
+  vec3 paint_color = texelFetch(albedo, at, 0).rgb;
+  paint_color *= paint_color;
+  if (paint == 2) {
+    color = vec4(paint_color, 1.0);
+    return;
+  }
+  vec3 e = light[0];
+  for (int k = 0; k < 15; ++k) e += light[k + 1] * coefficient(transfer, i, k, steps);
+  e *= texelFetch(transfer0, at, 0).rgb;
+  if (paint == 3) {
+    Weights w = layer_weights(texelFetch(lit_materials, at, 0).rgb, texelFetch(lit_weights, at, 0).x, 0.0, 0.7, 1.0, false, true, true);
+    paint_color = min(w.diffuse * paint_color + w.reflection, 1.0);
+  }
+  color = vec4(paint_color * max(e, 0.0) / 3.141592653589793, 1.0);
+}

@@ -1,0 +1,165 @@
+// Surfels on the screen: textures with what is known of them, their colours in a picture (one pass, a texel each), their order
+// along the camera's axis, and the blended channels.
+import {
+  DataTexture, DataUtils, FloatType, GLSL3, HalfFloatType, NearestFilter, NoBlending, RawShaderMaterial, RedIntegerFormat, RGBAFormat,
+  UnsignedByteType, UnsignedIntType, WebGLRenderTarget,
+} from 'three';
+import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
+import { camera_uniforms, set_camera } from './cameras.js';
+import { kMap, Order } from './order.js';
+import { surfel_places, surfel_turns } from './scene_data.js';
+import camera_glsl from './camera.glsl';
+import blend_glsl from './blend.glsl';
+import fragment_glsl from './surfel_fragment.glsl';
+import color_glsl from './surfel_color.glsl';
+
+const kWidth = 1024, kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
+const kTransferSteps = 48;           // stages/view/page_surfels.cpp
+const kGuess = 1, kSky = 2;          // flags of surfels (stages/view/page_surfels.h)
+
+export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3 };
+
+function texture(data, width, type) {
+  const t = new DataTexture(data, width, data.length / 4 / width, RGBAFormat, type);
+  t.minFilter = t.magFilter = NearestFilter;
+  t.needsUpdate = true;
+  return t;
+}
+// fill(out, i) writes four numbers of surfel i at 4 i.
+function per_surfel(count, Kind, type, fill) {
+  const data = new Kind(4 * kWidth * Math.ceil(count / kWidth));
+  for (let i = 0; i < count; ++i) fill(data, 4 * i, i);
+  return texture(data, kWidth, type);
+}
+// `width` bytes of each surfel, in threes (or ones, repeated), in the first texels of its sixteen.
+function table(count, bytes, width, grey) {
+  const data = new Uint8Array(4 * kTableWidth * Math.max(1, Math.ceil((count * kPerTable) / kTableWidth)));
+  const texels = grey ? width : width / 3;
+  for (let i = 0; i < count; ++i)
+    for (let k = 0; k < texels; ++k)
+      for (let c = 0; c < 3; ++c) data[4 * (kPerTable * i + k) + c] = bytes[grey ? i * width + k : i * width + 3 * k + c];
+  return texture(data, kTableWidth, UnsignedByteType);
+}
+const squared = (byte) => (byte / 255) ** 2;
+const half = (x) => DataUtils.toHalfFloat(x);
+
+export class Surfels {
+  constructor(renderer, { scene, blocks }) {
+    const n = (this.count = scene.surfels), b = blocks;
+    this.renderer = renderer;
+    this.solid = scene.solid;
+    this.near_z = scene.near_z;
+    this.places = surfel_places(b.place);
+    const turns = surfel_turns(b.turn), opacities = Float32Array.from(b.opacity, (v) => v / 255);
+    this.maps = texture(new Float32Array(kMap * kWidth * Math.ceil(n / kWidth)), 3 * kWidth, FloatType);
+    this.by = new Order({
+      places: this.places, turns, spans: Float32Array.from(b.span, DataUtils.fromHalfFloat), opacities, flags: b.flags,
+      maps: this.maps.image.data,
+    });
+    const material = (m) => [
+      per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
+        for (let c = 0; c < 4; ++c) o[at + c] = half(squared(m[6 * i + c]));
+      }),
+      per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
+        for (let c = 0; c < 2; ++c) o[at + c] = half(squared(m[6 * i + 4 + c]));
+      }),
+    ];
+    const t = (this.textures = {
+      places: per_surfel(n, Float32Array, FloatType, (o, at, i) => {
+        o.set(this.places.subarray(3 * i, 3 * i + 3), at);
+        o[at + 3] = opacities[i];
+      }),
+      turns: per_surfel(n, Float32Array, FloatType, (o, at, i) => o.set(turns.subarray(4 * i, 4 * i + 4), at)),
+      sh0: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.sh0.subarray(3 * i, 3 * i + 3), at)),
+      scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => (o[at] = b.sh_scale.length ? b.sh_scale[i] : 0)),
+    });
+    const sh_width = b.sh.length / Math.max(1, n);
+    this.sh_count = sh_width / 3;
+    t.sh = table(n, b.sh, sh_width, false);
+    [t.materials, t.weights] = material(b.material);
+    [t.lit_materials, t.lit_weights] = scene.relit ? material(b.lit_material) : [t.materials, t.weights];
+    if (scene.relit) {
+      t.albedo = per_surfel(n, Uint8Array, UnsignedByteType, (o, at, i) => o.set(b.albedo.subarray(3 * i, 3 * i + 3), at));
+      t.transfer0 = per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.transfer0.subarray(3 * i, 3 * i + 3), at));
+      t.transfer = table(n, b.transfer, kPerTable - 1, true);
+    } else {
+      t.albedo = t.transfer0 = t.transfer = t.sh0;
+    }
+
+    this.color_target = new WebGLRenderTarget(kWidth, t.places.image.height, {
+      count: 2, type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false,
+    });
+    const textures = (...names) => Object.fromEntries(names.map((name) => [name, { value: t[name] }]));
+    this.color_uniforms = {
+      ...textures('places', 'turns', 'weights', 'sh0', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'transfer0', 'transfer'),
+      light: { value: new Array(3 * 16).fill(0) },
+      eye: { value: null }, paint: { value: 0 }, clear: { value: false }, sh_count: { value: this.sh_count }, count: { value: n },
+      steps: { value: kTransferSteps },
+      layered: { value: scene.blend === 'layered' },
+    };
+    this.color_quad = new FullScreenQuad(new RawShaderMaterial({
+      glslVersion: GLSL3, uniforms: this.color_uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
+      vertexShader: 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }',
+      fragmentShader: `precision highp float;\n${blend_glsl}${color_glsl}`,
+    }));
+
+    this.uniforms = {
+      ...camera_uniforms(), ...textures('materials'), near_z: { value: 0 },
+      colors: { value: this.color_target.textures[0] }, facings: { value: this.color_target.textures[1] },
+      maps: { value: this.maps }, lists: { value: null }, starts: { value: null }, tiles: { value: [1, 1, 0, 0] }, tile_rows: { value: [0, 0] },
+    };
+    const drawn = (defines) => new FullScreenQuad(new RawShaderMaterial({
+      glslVersion: GLSL3, uniforms: this.uniforms, defines, depthTest: false, depthWrite: false, blending: NoBlending,
+      vertexShader: 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }',
+      fragmentShader: `precision highp float;\n${camera_glsl}${fragment_glsl}`,
+    }));
+    this.quads = { surface: drawn({ SURFACE: 1 }), color: drawn({}) };
+  }
+
+  // `coefficients`: of the light, 16 of three.
+  set_light(coefficients) {
+    this.color_uniforms.light.value = coefficients.flat();
+  }
+
+  // Colours and normals as `camera` sees them. what: {paint, lit, clear: tau in the place of k_s}
+  paint(camera, { paint, lit, clear }) {
+    const u = this.color_uniforms;
+    set_camera({ ...camera_uniforms(), eye: u.eye }, camera);
+    u.paint.value = paint, u.clear.value = clear ?? false;
+    u.weights.value = lit ? this.textures.lit_weights : this.textures.weights;
+    this.renderer.setRenderTarget(this.color_target);
+    this.color_quad.render(this.renderer);
+  }
+
+  // Numbers of this picture in a texture, a new one where the last is too small.
+  upload(name, values, count) {
+    const u = this.uniforms[name];
+    let t = u.value;
+    if (!t || t.image.data.length < count) {
+      t?.dispose();
+      t = new DataTexture(new Uint32Array(kTableWidth * Math.ceil((1.3 * count + 1) / kTableWidth)), kTableWidth, 1, RedIntegerFormat, UnsignedIntType);
+      t.image.height = t.image.data.length / kTableWidth;
+      t.internalFormat = 'R32UI';
+      t.minFilter = t.magFilter = NearestFilter;
+      u.value = t;
+    }
+    t.image.data.set(values.subarray(0, count));
+    t.needsUpdate = true;
+  }
+
+  // Into what is bound. what: {first, last: which surfels; surface: false for colour alone; plane, window: order.js; mirrors:
+  // guesses take no part; near_z; lit}
+  draw(camera, what = {}) {
+    const u = this.uniforms, near_z = what.near_z ?? this.near_z;
+    const without = (what.mirrors ? kGuess : 0) | (what.lit ? kSky : 0);
+    const { tile, columns, rows, left, top, count } = this.by.tile_lists(camera, { first: 0, last: this.solid, ...what, near_z, without });
+    this.upload('lists', this.by.lists, count);
+    this.upload('starts', this.by.starts, this.by.starts.length);
+    this.maps.needsUpdate = true;
+    u.tiles.value = [tile, columns, left, top], u.tile_rows.value = [rows, 0];
+    set_camera(u, camera);
+    u.near_z.value = near_z;
+    u.materials.value = what.lit ? this.textures.lit_materials : this.textures.materials;
+    (what.surface === false ? this.quads.color : this.quads.surface).render(this.renderer);
+  }
+}

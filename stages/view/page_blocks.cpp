@@ -1,0 +1,56 @@
+#include "stages/view/page_blocks.h"
+
+#include <half.h>
+#include <zlib.h>
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace vitrine {
+
+namespace {
+constexpr size_t kAlignment = 8;
+constexpr float kHalfMax = 65504;
+}  // namespace
+
+uint16_t half_bits(float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)).bits(); }
+
+void PageBlocks::add(std::string_view name, std::string_view type, const void* data, size_t count, size_t size, int width) {
+  buffer_.resize((buffer_.size() + kAlignment - 1) / kAlignment * kAlignment, '\0');
+  directory_.push_back({{"name", name}, {"type", type}, {"width", width}, {"offset", buffer_.size()}, {"count", count}});
+  const auto* from = static_cast<const char*>(data);
+  const size_t stride = size * static_cast<size_t>(width), items = stride == 0 ? 0 : count * size / stride;
+  for (size_t plane = 0; plane < stride; ++plane)
+    for (size_t i = 0; i < items; ++i) buffer_ += from[i * stride + plane];
+}
+
+void PageBlocks::floats(std::string_view name, std::span<const float> values, int width) {
+  add(name, "f32", values.data(), values.size(), sizeof(float), width);
+}
+void PageBlocks::halves(std::string_view name, std::span<const float> values, int width) {
+  std::vector<uint16_t> bits(values.size());
+  std::ranges::transform(values, bits.begin(), half_bits);
+  add(name, "f16", bits.data(), bits.size(), sizeof(uint16_t), width);
+}
+void PageBlocks::bytes(std::string_view name, std::span<const uint8_t> values, int width) {
+  add(name, "u8", values.data(), values.size(), 1, width);
+}
+void PageBlocks::words(std::string_view name, std::span<const uint16_t> values, int width) {
+  add(name, "u16", values.data(), values.size(), sizeof(uint16_t), width);
+}
+void PageBlocks::indices(std::string_view name, std::span<const uint32_t> values, int width) {
+  add(name, "u32", values.data(), values.size(), sizeof(uint32_t), width);
+}
+
+std::string deflated(std::string_view bytes) {
+  uLongf size = compressBound(bytes.size());
+  std::string out(size, '\0');
+  const int result = compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                               bytes.size(), Z_BEST_COMPRESSION);
+  VITRINE_CHECK(result == Z_OK, "zlib: {}", result);
+  out.resize(size);
+  return out;
+}
+
+}  // namespace vitrine

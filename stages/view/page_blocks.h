@@ -1,0 +1,42 @@
+// The numbers of a scene for its page: named arrays in one buffer, which a directory in JSON describes. Numbers are
+// little-endian; of each array the first bytes of all items stand first, then all second ones: alike stands beside alike, which
+// deflates better.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/json.h"
+
+namespace vitrine {
+
+// Nearest half float (IEEE 754 binary16), clamped to its range.
+uint16_t half_bits(float value);
+
+class PageBlocks {
+ public:
+  // `width`: numbers of one item.
+  void floats(std::string_view name, std::span<const float> values, int width);
+  void halves(std::string_view name, std::span<const float> values, int width);
+  void bytes(std::string_view name, std::span<const uint8_t> values, int width);
+  void words(std::string_view name, std::span<const uint16_t> values, int width);
+  void indices(std::string_view name, std::span<const uint32_t> values, int width);
+
+  // [{"name", "type": f32 f16 u8 u16 u32, "width", "offset", "count"}], count in numbers.
+  const nlohmann::ordered_json& directory() const { return directory_; }
+  const std::string& buffer() const { return buffer_; }
+
+ private:
+  void add(std::string_view name, std::string_view type, const void* data, size_t count, size_t size, int width);
+
+  nlohmann::ordered_json directory_ = nlohmann::ordered_json::array();
+  std::string buffer_;
+};
+
+// As a zlib stream (RFC 1950), which browsers read with DecompressionStream("deflate").
+std::string deflated(std::string_view bytes);
+
+}  // namespace vitrine

@@ -1,0 +1,232 @@
+#include "stages/view/page_surfels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/model/opened_scene.h"
+#include "core/model/sheet_pass.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kMostAlbedo = 1;           // of what stands behind glass: its radiance over the light that it had
+constexpr float kLeastIrradiance = 1e-3f;  // of the light in the open
+constexpr int kByteZero = 128, kByteOne = 127;
+constexpr float kTransferSteps = 48;  // of a coefficient, in the constant one
+
+// How much of the pictures a surfel covers, in a unit of no meaning.
+float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
+  const float *m = layer.at(Attribute::Mean, i), *s = layer.at(Attribute::LogScale, i);
+  double nearest = 1e30;
+  for (const Vec3d& eye : eyes) nearest = std::min(nearest, squared_length(Vec3d{m[0], m[1], m[2]} - eye));
+  return sigmoid(*layer.at(Attribute::Opacity, i)) * std::exp(s[0] + s[1]) / static_cast<float>(std::max(nearest, 1e-6));
+}
+
+// With all coefficients of degree 3, the absent ones 0.
+SplatLayer joined(const SplatLayer& diffuse, std::span<const uint32_t> solid, const SplatLayer& inside,
+                  std::span<const uint32_t> glass) {
+  SplatLayer out(LayerKind::Diffuse, std::max(diffuse.sh_degree(), inside.sh_degree()),
+                 solid.size() + inside.size() + glass.size());
+  const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
+    for (const AttributeRow& r : kAttributes) {
+      std::copy_n(from.at(r.id, i), from.width(r.id), out.at(r.id, to));
+      if (from.width(r.id) == 0 && r.id != Attribute::ShRest) {
+        // What the transmittance layer has no notion of: matt and opaque (core/model/opened_scene.h).
+        const bool none = r.id == Attribute::SpecularWeight || r.id == Attribute::Transmission;
+        std::fill_n(out.at(r.id, to), out.width(r.id), raw_value(r.activation, none ? 1e-4f : r.initial));
+      }
+    }
+  };
+  size_t to = 0;
+  for (const uint32_t i : solid) copy(diffuse, i, to++);
+  for (size_t i = 0; i < inside.size(); ++i) copy(inside, i, to++);
+  for (const uint32_t i : glass) copy(diffuse, i, to++);
+  return out;
+}
+
+// The signed values of `per_item` numbers each as bytes 128 + 127 v / scale, scale the largest magnitude of the item.
+void add_scaled(std::string_view name, std::span<const float> values, size_t per_item, PageBlocks& blocks) {
+  const size_t items = per_item == 0 ? 0 : values.size() / per_item;
+  std::vector<uint8_t> bytes(values.size());
+  std::vector<float> scales(items);
+  for (size_t i = 0; i < items; ++i) {
+    const auto item = values.subspan(i * per_item, per_item);
+    float most = 0;
+    for (const float v : item) most = std::max(most, std::abs(v));
+    scales[i] = most * 1.001f;  // as a half float it is not shorter than `most`
+    for (size_t k = 0; k < per_item; ++k)
+      bytes[i * per_item + k] = static_cast<uint8_t>(kByteZero + (most > 0 ? std::lround(kByteOne * item[k] / scales[i]) : 0));
+  }
+  blocks.bytes(name, bytes, static_cast<int>(per_item));
+  blocks.halves(std::string(name) + "_scale", scales, 1);
+}
+
+// Of [0, 1]; the square root keeps small ones apart.
+uint8_t root_byte(float value) { return static_cast<uint8_t>(std::lround(255 * std::sqrt(std::clamp(value, 0.f, 1.f)))); }
+
+// A coordinate as 16 bits: fine near the cameras, coarser with the square of the distance.
+uint16_t contracted(float x) {
+  return static_cast<uint16_t>(std::lround(32767.5 + 32767.5 * double(x) / (1 + std::abs(double(x)))));
+}
+uint64_t spread_bits(uint64_t x) {  // two zeros between its bits
+  uint64_t out = 0;
+  for (int bit = 0; bit < 16; ++bit) out |= (x >> bit & 1) << (3 * bit);
+  return out;
+}
+// Neighbours in space stand near each other in the order of Morton's curve, which makes the file smaller.
+uint64_t curve_place(const float* mean) {
+  return spread_bits(contracted(mean[0])) | spread_bits(contracted(mean[1])) << 1 | spread_bits(contracted(mean[2])) << 2;
+}
+
+// Each as its difference to the one before, which is small along the curve.
+std::vector<uint16_t> places(const SplatLayer& layer) {
+  std::vector<uint16_t> out;
+  std::array<uint16_t, 3> before{};
+  for (size_t i = 0; i < layer.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) {
+      const uint16_t now = contracted(layer.at(Attribute::Mean, i)[c]);
+      out.push_back(static_cast<uint16_t>(now - before[c]));
+      before[c] = now;
+    }
+  return out;
+}
+
+// x, y, z of the unit quaternion with w >= 0.
+std::vector<uint16_t> turns(const SplatLayer& layer) {
+  std::vector<uint16_t> out;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* q = layer.at(Attribute::Rotation, i);
+    const Quatf unit = normalized(Quatf{q[0], q[1], q[2], q[3]});
+    const float sign = unit.w < 0 ? -1.f : 1.f;
+    for (const float v : {unit.x, unit.y, unit.z}) out.push_back(static_cast<uint16_t>(std::lround(32767.5f + 32767 * sign * v)));
+  }
+  return out;
+}
+
+PageSurfels chosen(const PageSurfels& from, std::span<const uint32_t> which) {
+  PageSurfels out;
+  out.layer = SplatLayer(from.layer.kind(), from.layer.sh_degree(), which.size());
+  for (size_t to = 0; to < which.size(); ++to) {
+    const uint32_t k = which[to];
+    for (const AttributeRow& r : kAttributes) std::copy_n(from.layer.at(r.id, k), from.layer.width(r.id), out.layer.at(r.id, to));
+    out.of_diffuse.push_back(from.of_diffuse[k]);
+    out.flags.push_back(from.flags[k]);
+    out.solid += k < from.solid;
+  }
+  out.left_out = from.layer.size() - which.size();
+  return out;
+}
+
+}  // namespace
+
+PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes, size_t most) {
+  const SplatLayer &diffuse = scene.surfels.diffuse, &inside = scene.surfels.transmittance;
+  const bool sheets = draws_sheets(scene.image), opened = sheets || inside.size() > 0;
+  std::vector<uint32_t> solid, glass;
+  for (uint32_t i = 0; i < diffuse.size(); ++i) {
+    if (!opened || !is_glass(diffuse, i))
+      solid.push_back(i);
+    else if (!sheets)
+      glass.push_back(i);
+  }
+  PageSurfels out;
+  out.layer = joined(diffuse, solid, inside, glass);
+  out.solid = solid.size() + inside.size();
+  out.of_diffuse.assign(out.layer.size(), UINT32_MAX);
+  out.flags.assign(out.layer.size(), 0);
+  std::ranges::copy(solid, out.of_diffuse.begin());
+  std::ranges::copy(glass, out.of_diffuse.begin() + static_cast<std::ptrdiff_t>(out.solid));
+  for (size_t k = 0; k < out.layer.size(); ++k) {
+    if (k >= solid.size() && k < out.solid) out.flags[k] |= kInsideSurfel;
+    if (out.of_diffuse[k] != UINT32_MAX && out.of_diffuse[k] >= scene.image.panes.mirrored) out.flags[k] |= kGuessedSurfel;
+  }
+  std::vector<uint32_t> order(out.layer.size());
+  std::iota(order.begin(), order.end(), 0u);
+  if (order.size() > most) {
+    std::vector<float> extents(order.size());
+    for (const uint32_t k : order) extents[k] = extent(out.layer, k, eyes);
+    std::ranges::stable_sort(order, std::greater<>(), [&](uint32_t k) { return extents[k]; });
+    order.resize(most);
+  }
+  std::vector<std::pair<bool, uint64_t>> rank(out.layer.size());
+  for (const uint32_t k : order) rank[k] = {k >= out.solid, curve_place(out.layer.at(Attribute::Mean, k))};
+  std::ranges::sort(order, {}, [&](uint32_t k) { return std::pair(rank[k], k); });
+  return chosen(out, order);
+}
+
+PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const PageSurfels& surfels, const TransferDesc& desc) {
+  const size_t n = surfels.layer.size();
+  PageLight out{.albedo = std::vector<Vec3f>(n),
+                .f0 = std::vector<Vec3f>(n),
+                .roughness = std::vector<float>(n, 1.f),
+                .specular = std::vector<float>(n, 0.f),
+                .transmission = std::vector<float>(n, 0.f),
+                .transfer = LightTransfer(surface, desc).of_surfels(surfels.layer)};
+  const LightHarmonics captured = light_harmonics(scene.captured);
+  const Vec3f open = scene.captured.mean();
+  const float least = kLeastIrradiance * kPi * (open.x + open.y + open.z) / 3 + 1e-12f;
+  for (size_t k = 0; k < n; ++k) {
+    const uint32_t i = surfels.of_diffuse[k];
+    if (i != UINT32_MAX) {
+      const RelitMaterial m = scene.material(i);
+      out.albedo[k] = m.albedo, out.f0[k] = m.f0;
+      out.roughness[k] = m.roughness, out.specular[k] = m.specular, out.transmission[k] = m.transmission;
+      continue;
+    }
+    // Radiance under the light of the photos (core/relight/README.md 5): scales with the light.
+    const Vec3f before = irradiance(out.transfer[k], captured);
+    const float* dc = surfels.layer.at(Attribute::ShDc, k);
+    for (size_t c = 0; c < 3; ++c)
+      out.albedo[k][c] = std::clamp(kPi * std::max(0.5f + kShDc * dc[c], 0.f) / (before[c] + least), 0.f, kMostAlbedo);
+  }
+  return out;
+}
+
+void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks) {
+  const SplatLayer& layer = surfels.layer;
+  std::vector<float> spans;
+  std::vector<uint8_t> opacity, material;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    for (size_t c = 0; c < 2; ++c) spans.push_back(std::exp(layer.at(Attribute::LogScale, i)[c]));
+    opacity.push_back(static_cast<uint8_t>(std::lround(255 * sigmoid(*layer.at(Attribute::Opacity, i)))));
+    for (size_t c = 0; c < 3; ++c) material.push_back(root_byte(sigmoid(layer.at(Attribute::F0, i)[c])));
+    for (const Attribute a : {Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
+      material.push_back(root_byte(sigmoid(*layer.at(a, i))));
+  }
+  blocks.words("place", places(layer), 3);
+  blocks.words("turn", turns(layer), 3);
+  blocks.halves("span", spans, 2);
+  blocks.bytes("opacity", opacity, 1);
+  blocks.halves("sh0", layer.values(Attribute::ShDc), 3);
+  add_scaled("sh", layer.values(Attribute::ShRest), layer.width(Attribute::ShRest), blocks);
+  blocks.bytes("material", material, 6);
+  blocks.bytes("flags", surfels.flags, 1);
+  if (!light) return;
+  std::vector<float> constant;
+  std::vector<uint8_t> albedo, lit, shape;
+  for (size_t i = 0; i < layer.size(); ++i) {
+    for (size_t c = 0; c < 3; ++c) albedo.push_back(root_byte(light->albedo[i][c]));
+    for (const float v :
+         {light->f0[i].x, light->f0[i].y, light->f0[i].z, light->roughness[i], light->specular[i], light->transmission[i]})
+      lit.push_back(root_byte(v));
+    const Transfer& t = light->transfer[i];
+    const float grey = t[0].x + t[0].y + t[0].z;
+    constant.insert(constant.end(), {t[0].x, t[0].y, t[0].z});
+    for (size_t k = 1; k < kTransferSize; ++k) {
+      const float share = grey > 0 ? (t[k].x + t[k].y + t[k].z) / grey : 0.f;
+      shape.push_back(static_cast<uint8_t>(std::clamp<long>(kByteZero + std::lround(kTransferSteps * share), 0, 255)));
+    }
+  }
+  blocks.bytes("albedo", albedo, 3);
+  blocks.bytes("lit_material", lit, 6);
+  blocks.halves("transfer0", constant, 3);
+  blocks.bytes("transfer", shape, int(kTransferSize) - 1);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,211 @@
+#include "stages/view/view.h"
+
+#include <algorithm>
+
+#include "core/base/base64.h"
+#include "core/base/file.h"
+#include "core/base/hash.h"
+#include "core/base/process.h"
+#include "core/camera/scene_info.h"
+#include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
+#include "core/camera/viewing_axes.h"
+#include "core/image/exr.h"
+#include "core/image/jpeg.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/math/color.h"
+#include "core/mesh/clean_openmesh.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_topology.h"
+#include "stages/view/page_shapes.h"
+#include "stages/view/page_surfels.h"
+#include "stages/view/page_text.h"
+#include "stages/view/probes.h"
+
+namespace vitrine {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPhotoQuality = 80;
+constexpr int kEnvironmentWidth = 128;  // of the light of the photos in the page
+
+struct Scene {
+  std::vector<View> views;    // at the size of the training
+  std::vector<bool> heldout;  // [views]
+  SceneInfo info;
+  TrainedScene trained;
+  std::optional<RelitScene> relit;
+  std::optional<TriMesh> mesh;
+};
+
+Scene read_scene(const StageContext& context) {
+  Scene s;
+  const fs::path sfm = context.input("sfm"), optimize = context.input("optimize");
+  const auto refine = context.optional_input("refine"), mesh = context.optional_input("mesh"),
+             decompose = context.optional_input("decompose");
+  s.views = load_view_set(sfm).views;
+  const ViewSplit split = read_view_split(optimize / "optimize/views.json", s.views);
+  s.heldout.assign(s.views.size(), false);
+  for (const size_t i : split.heldout) s.heldout[i] = true;
+  for (View& v : s.views) v.intrinsics = v.intrinsics.limited_to(split.max_side);
+  s.info = read_scene_info(sfm / "scene.json");
+  if (mesh && decompose) {
+    s.relit = read_relit_scene({.optimize = optimize, .refine = refine, .mesh = *mesh, .decompose = *decompose});
+    s.trained = s.relit->trained;
+    s.mesh = s.relit->mesh;
+  } else {
+    s.trained = read_trained_scene(optimize, refine);
+    if (mesh) s.mesh = read_mesh_ply(*mesh / "mesh/mesh.ply");
+  }
+  return s;
+}
+
+Json numbers(const Mat3d& m) {
+  Json out = Json::array();
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t column = 0; column < 3; ++column) out.push_back(m(row, column));
+  return out;
+}
+Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+Json camera_json(const View& v, bool heldout) {
+  const Intrinsics& k = v.intrinsics;
+  return {{"name", v.name},
+          {"width", k.width},
+          {"height", k.height},
+          {"fx", k.fx},
+          {"fy", k.fy},
+          {"cx", k.cx},
+          {"cy", k.cy},
+          {"rotation", numbers(v.cam_from_world.rotation)},
+          {"translation", numbers(v.cam_from_world.translation)},
+          {"gain", numbers(v.gain)},
+          {"heldout", heldout}};
+}
+
+// data: URIs of the photos, in the order of the cameras.
+Json small_photos(const Scene& s, const fs::path& sfm, int side) {
+  Json out = Json::array();
+  for (size_t i = 0; i < s.views.size() && side > 0; ++i) {
+    throw_if_interrupted();
+    const ImageF linear = read_exr_rgb(linear_image_path(sfm, s.views[i]));
+    const Intrinsics k = Intrinsics{.width = linear.width(), .height = linear.height()}.limited_to(side);
+    out.push_back("data:image/jpeg;base64," +
+                  base64(jpeg_bytes(srgb8_from_linear(resized(linear, k.width, k.height)), kPhotoQuality)));
+  }
+  return out;
+}
+
+// What is shown where a browser cannot draw surfels.
+void add_mesh(const TriMesh& mesh, size_t faces, PageBlocks& blocks) {
+  const TriMesh small = mesh.faces.size() > faces ? decimated(mesh, {.target_faces = faces}) : mesh;
+  std::vector<float> positions;
+  std::vector<uint8_t> colors;
+  const bool painted = small.colors.size() == small.positions.size();
+  for (size_t v = 0; v < small.positions.size(); ++v)
+    for (size_t c = 0; c < 3; ++c) {
+      positions.push_back(small.positions[v][c]);
+      colors.push_back(
+          painted ? static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(small.colors[v][c], 0.f, 1.f)))) : 160);
+    }
+  std::vector<uint32_t> corners;
+  for (const auto& f : small.faces) corners.insert(corners.end(), f.begin(), f.end());
+  blocks.floats("mesh_position", positions, 3);
+  blocks.bytes("mesh_color", colors, 3);
+  blocks.indices("mesh_face", corners, 3);
+}
+
+void add_environment(const Environment& light, PageBlocks& blocks) {
+  ImageF map = light.map();
+  if (map.width() > kEnvironmentWidth) map = resized(map, kEnvironmentWidth, kEnvironmentWidth / 2);
+  blocks.floats("captured", map.data(), 3);
+}
+
+}  // namespace
+
+void describe(Describer& d, ViewConfig& c) {
+  d.option("surfels", c.surfels, "At most so many surfels; those that cover least of the photos are left out.")
+      .range(1000, 2000000);
+  d.option("photo_side", c.photo_side, "Longest side of the photos in the page, pixels; 0 = no photos.").range(0, 4096);
+  d.option("rays", c.rays, "Rays of each surfel that find what light reaches it.").range(8, 4096);
+  d.option("mesh_faces", c.mesh_faces, "Faces of the mesh that browsers without WebGL2 show.").range(100, 200000);
+}
+
+void run_view(const ViewConfig& config, StageContext& context) {
+  const std::string page = empty_page();  // a build without one is told before anything is computed
+  const Scene s = read_scene(context);
+  PageBlocks blocks;
+  std::vector<Vec3d> eyes;
+  for (const View& v : s.views) eyes.push_back(v.centre_in_world());
+  const PageSurfels surfels = page_surfels(s.trained, eyes, static_cast<size_t>(config.surfels));
+  if (surfels.left_out > 0)
+    context.warning("VIEW_SURFELS", fmt::format("the page leaves out {} of {} surfels, those that show least (--set surfels=N)",
+                                                surfels.left_out, surfels.left_out + surfels.layer.size()));
+  std::optional<PageLight> light;
+  if (s.relit) {
+    context.progress({.fraction = 0.1, .text = "light on the surfels", .values = {}});
+    const SceneSurface surface(*s.relit);
+    light = page_light(*s.relit, surface, surfels, {.rays = config.rays});
+    add_environment(s.relit->captured, blocks);
+  } else {
+    context.warning("VIEW_NO_LIGHT", "there are no materials (stage decompose): the page shows the scene as photographed alone");
+  }
+  add_surfels(surfels, light, blocks);
+  const Vec3d middle = looked_at(s.views).point;
+  context.progress({.fraction = 0.6, .text = "mirrors", .values = {}});
+  const std::vector<Probe> stands = probes(s.trained, surfels, middle);
+  add_probes(stands, blocks);
+  const Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
+  if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), blocks);
+
+  Json cameras = Json::array(), centres = Json::array();
+  for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.heldout[i]));
+  for (const Probe& p : stands) centres.push_back(numbers(p.centre));
+  const ImageOptions& image = s.trained.image;
+  Json scene{{"format", 1},
+             {"surfels", surfels.layer.size()},
+             {"solid", surfels.solid},
+             {"left_out", surfels.left_out},
+             {"sh_degree", surfels.layer.sh_degree()},
+             {"relit", light.has_value()},
+             {"reflects", s.trained.surfels.reflection.size() > 0},
+             {"blend", image.composite.blend == LayerBlend::Layered ? "layered" : "rtrgs"},
+             {"near_z", image.diffuse.near_z},
+             {"rough_reflections", image.reflection.lobe != Lobe::Mirror},
+             {"middle", numbers(middle)},
+             {"radius", s.info.radius},
+             {"scale_known", s.info.scale_known},
+             {"probe_side", kProbeSide},
+             {"probes", centres},
+             {"shapes", shapes},
+             {"cameras", cameras},
+             {"blocks", blocks.directory()}};
+  const Json photos = small_photos(s, context.input("sfm"), config.photo_side);
+  const std::string text = page_of(page, {.scene = scene, .photos = photos, .blocks = deflated(blocks.buffer())});
+  write_file(context.output() / "view.html", text);
+  context.metric("size_bytes", double(text.size()));
+  context.summary(
+      fmt::format("{} surfels{}, {:.1f} MB", surfels.layer.size(), light ? "" : ", not to be relit", double(text.size()) / 1e6));
+}
+
+Stage view_stage() {
+  StageInfo info{.name = "view",
+                 .version = 1,
+                 .summary = "one page that shows the scene from any side, under any light",
+                 .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
+                            {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
+                            {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
+                            {.name = "mesh", .optional = true, .doc = "The mesh that throws shadows."},
+                            {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."}}};
+  return make_stage<ViewConfig>(std::move(info), run_view, [] {
+    std::error_code ec;
+    const fs::path page = empty_page_path();
+    return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
+                                              {"page", fs::exists(page, ec) ? digest_file(page).short_hex() : "none"}};
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,22 @@
+// view: the scene as one HTML file that needs no server and no network (README). Started by `vitrine view` and at the end of
+// `vitrine run`; it stands beside the graph, as render does.
+//   reads   sfm (cameras, photos), optimize; refine, mesh, decompose when there are any
+//   writes  view.html
+#pragma once
+
+#include "stages/stage.h"
+
+namespace vitrine {
+
+struct ViewConfig {
+  int surfels = 250000;
+  int photo_side = 512;
+  int rays = 128;
+  int mesh_faces = 20000;
+};
+void describe(Describer& d, ViewConfig& c);
+
+void run_view(const ViewConfig& config, StageContext& context);
+Stage view_stage();
+
+}  // namespace vitrine
