@@ -29,10 +29,10 @@ float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
 }
 
 // With all coefficients of degree 3, the absent ones 0.
-SplatLayer joined(const SplatLayer& diffuse, std::span<const uint32_t> solid, const SplatLayer& inside,
-                  std::span<const uint32_t> glass) {
-  SplatLayer out(LayerKind::Diffuse, std::max(diffuse.sh_degree(), inside.sh_degree()),
-                 solid.size() + inside.size() + glass.size());
+SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std::span<const uint32_t> glass) {
+  const auto& [diffuse, mirrored, inside] = scene;
+  SplatLayer out(LayerKind::Diffuse, std::max({diffuse.sh_degree(), inside.sh_degree(), mirrored.sh_degree()}),
+                 solid.size() + inside.size() + glass.size() + mirrored.size());
   const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
     for (const AttributeRow& r : kAttributes) {
       std::copy_n(from.at(r.id, i), from.width(r.id), out.at(r.id, to));
@@ -47,6 +47,7 @@ SplatLayer joined(const SplatLayer& diffuse, std::span<const uint32_t> solid, co
   for (const uint32_t i : solid) copy(diffuse, i, to++);
   for (size_t i = 0; i < inside.size(); ++i) copy(inside, i, to++);
   for (const uint32_t i : glass) copy(diffuse, i, to++);
+  for (size_t i = 0; i < mirrored.size(); ++i) copy(mirrored, i, to++);
   return out;
 }
 
@@ -118,8 +119,9 @@ PageSurfels chosen(const PageSurfels& from, std::span<const uint32_t> which) {
     out.of_diffuse.push_back(from.of_diffuse[k]);
     out.flags.push_back(from.flags[k]);
     out.solid += k < from.solid;
+    out.drawn += k < from.drawn;
   }
-  out.left_out = from.layer.size() - which.size();
+  out.left_out = from.layer.size() - which.size();  // reflections are never left out
   return out;
 }
 
@@ -136,8 +138,9 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
       glass.push_back(i);
   }
   PageSurfels out;
-  out.layer = joined(diffuse, solid, inside, glass);
+  out.layer = joined(scene.surfels, solid, glass);
   out.solid = solid.size() + inside.size();
+  out.drawn = out.solid + glass.size();
   out.of_diffuse.assign(out.layer.size(), UINT32_MAX);
   out.flags.assign(out.layer.size(), 0);
   std::ranges::copy(solid, out.of_diffuse.begin());
@@ -146,7 +149,7 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
     if (k >= solid.size() && k < out.solid) out.flags[k] |= kInsideSurfel;
     if (out.of_diffuse[k] != UINT32_MAX && out.of_diffuse[k] >= scene.image.panes.mirrored) out.flags[k] |= kGuessedSurfel;
   }
-  std::vector<uint32_t> order(out.layer.size());
+  std::vector<uint32_t> order(out.drawn);
   std::iota(order.begin(), order.end(), 0u);
   if (order.size() > most) {
     std::vector<float> extents(order.size());
@@ -154,24 +157,34 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
     std::ranges::stable_sort(order, std::greater<>(), [&](uint32_t k) { return extents[k]; });
     order.resize(most);
   }
-  std::vector<std::pair<bool, uint64_t>> rank(out.layer.size());
-  for (const uint32_t k : order) rank[k] = {k >= out.solid, curve_place(out.layer.at(Attribute::Mean, k))};
+  for (size_t k = out.drawn; k < out.layer.size(); ++k) order.push_back(static_cast<uint32_t>(k));
+  struct Rank {
+    int kind;
+    uint64_t place;
+    auto operator<=>(const Rank&) const = default;
+  };
+  std::vector<Rank> rank(out.layer.size());
+  for (const uint32_t k : order)
+    rank[k] = {k < out.solid ? 0 : k < out.drawn ? 1 : 2, curve_place(out.layer.at(Attribute::Mean, k))};
   std::ranges::sort(order, {}, [&](uint32_t k) { return std::pair(rank[k], k); });
   return chosen(out, order);
 }
 
 PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const PageSurfels& surfels, const TransferDesc& desc) {
   const size_t n = surfels.layer.size();
+  SplatLayer drawn = surfels.layer;
+  drawn.resize(surfels.drawn);
   PageLight out{.albedo = std::vector<Vec3f>(n),
                 .f0 = std::vector<Vec3f>(n),
                 .roughness = std::vector<float>(n, 1.f),
                 .specular = std::vector<float>(n, 0.f),
                 .transmission = std::vector<float>(n, 0.f),
-                .transfer = LightTransfer(surface, desc).of_surfels(surfels.layer)};
+                .transfer = LightTransfer(surface, desc).of_surfels(drawn)};
+  out.transfer.resize(n);
   const LightHarmonics captured = light_harmonics(scene.captured);
   const Vec3f open = scene.captured.mean();
   const float least = kLeastIrradiance * kPi * (open.x + open.y + open.z) / 3 + 1e-12f;
-  for (size_t k = 0; k < n; ++k) {
+  for (size_t k = 0; k < surfels.drawn; ++k) {
     const uint32_t i = surfels.of_diffuse[k];
     if (i != UINT32_MAX) {
       const RelitMaterial m = scene.material(i);

@@ -25,11 +25,12 @@ struct PageSurfels {
   std::vector<uint32_t> of_diffuse;  // [surfels] index in the diffuse layer, or UINT32_MAX
   std::vector<uint8_t> flags;        // [surfels]
   size_t solid = 0;                  // so many are no glass; glass stands behind them
+  size_t drawn = 0;                  // so many are not of the reflection layer, which stands behind
   size_t left_out = 0;               // of the scene's, for there were too many
 };
 
-// In the order of Morton's curve. At most `most` surfels: those stay that cover most of the pictures, by opacity times area over
-// the squared distance to the nearest of `eyes`.
+// In the order of Morton's curve, each kind. At most `most` surfels are drawn: those stay that cover most of the pictures, by
+// opacity times area over the squared distance to the nearest of `eyes`.
 PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes, size_t most);
 
 // Materials and transfer of these surfels under other lights.

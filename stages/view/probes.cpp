@@ -21,7 +21,8 @@ constexpr float kFirstHit = 0.5f;
 
 struct Stand {
   Vec3d centre{};
-  Bounds3 extent;  // of the thing around it; empty: nothing
+  Bounds3 extent;                // of the thing around it; empty: nothing
+  const Shape* shape = nullptr;  // that it is, where it is known
 };
 
 std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels, const Vec3d& middle) {
@@ -30,7 +31,7 @@ std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels,
     for (const ShapeSet::Entry& e : set->entries) {
       if (e.role == ShapeRole::Sheet || e.parent >= 0 || out.size() == kMostProbes) continue;
       const Bounds3 b = bounds(e.shape);
-      out.push_back({0.5 * (b.low + b.high), b});
+      out.push_back({0.5 * (b.low + b.high), b, &e.shape});
     }
   if (!out.empty()) return out;
   std::array<std::vector<float>, 3> places;
@@ -38,7 +39,7 @@ std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels,
     if (!(sigmoid(*surfels.layer.at(Attribute::SpecularWeight, i)) > kPolished)) continue;
     for (size_t c = 0; c < 3; ++c) places[c].push_back(surfels.layer.at(Attribute::Mean, i)[c]);
   }
-  if (places[0].empty()) return {{middle, {}}};
+  if (places[0].empty()) return {{.centre = middle, .extent = {}}};
   Bounds3 b;
   Vec3d low, high;
   for (size_t c = 0; c < 3; ++c) {
@@ -48,11 +49,16 @@ std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels,
     high[c] = double(quantile_of(values, 1 - kAround));
   }
   b.extend(low), b.extend(high);
-  return {{0.5 * (low + high), b}};
+  return {{.centre = 0.5 * (low + high), .extent = b}};
 }
 
-// Where a ray from the middle is outside of the thing around it.
-float way_out(const Stand& stand, const Vec3f& direction) {
+// Where a ray from the middle is outside of the thing around it: met from outside, that is where it begins.
+float way_out(const Stand& stand, const Vec3f& direction, float near) {
+  if (stand.shape != nullptr) {
+    const double far = 2 * length(stand.extent.high - stand.extent.low);
+    const Vec3d d = cast<double>(direction);
+    if (const auto hit = intersect(*stand.shape, {stand.centre + far * d, -d})) return static_cast<float>(far - hit->t) + near;
+  }
   double out = 0;
   const Vec3d half = 0.5 * (stand.extent.high - stand.extent.low);
   if (!(half.x >= 0)) return 0;
@@ -83,32 +89,17 @@ std::vector<Probe> probes(const TrainedScene& scene, const PageSurfels& surfels,
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
   std::vector<Vec3f> directions(n);
   for (size_t i = 0; i < n; ++i) directions[i] = octahedral_direction(int(i) % kProbeSide, int(i) / kProbeSide, kProbeSide);
-  const SplatLayer& mirrored = scene.surfels.reflection;
   const SplatLayer solid = only(surfels.layer, surfels.solid);
-  const auto in_mirrors = make_tracer(), in_room = make_tracer();
-  if (mirrored.size() > 0) in_mirrors->build(mirrored);
+  const auto in_room = make_tracer();
   in_room->build(solid);
   std::vector<Probe> out;
   for (const Stand& stand : stands(scene, surfels, middle)) {
     throw_if_interrupted();
-    Probe p{.centre = stand.centre,
-            .radiance = std::vector<Vec3f>(n),
-            .distance = std::vector<float>(n, 0.f),
-            .surfel = std::vector<uint32_t>(n, kNoSurfel),
-            .depth = std::vector<float>(n, 0.f)};
+    Probe p{.centre = stand.centre, .surfel = std::vector<uint32_t>(n, kNoSurfel), .depth = std::vector<float>(n, 0.f)};
     const std::vector<Vec3f> origins(n, cast<float>(stand.centre));
     std::vector<float> near(n);
-    for (size_t i = 0; i < n; ++i) near[i] = way_out(stand, directions[i]);
+    for (size_t i = 0; i < n; ++i) near[i] = way_out(stand, directions[i], scene.image.reflection.near);
     RayValues values;
-    if (mirrored.size() > 0) {
-      const ReflectionOptions& o = scene.image.reflection;
-      in_mirrors->forward({.origins = origins, .directions = directions, .near = near},
-                          {.sh_degree = std::min(o.sh_degree, mirrored.sh_degree()), .min_transmittance = o.min_transmittance},
-                          values, nullptr);
-      p.radiance = values.color;
-      for (size_t i = 0; i < n; ++i)
-        if (const float shown = 1 - values.transmittance[i]; shown > kShows) p.distance[i] = values.distance[i] / shown;
-    }
     HitLists hits;
     in_room->forward({.origins = origins, .directions = directions, .near = near},
                      {.sh_degree = 0, .first_hit_weight = kFirstHit}, values, &hits);
@@ -127,15 +118,12 @@ std::vector<Probe> probes(const TrainedScene& scene, const PageSurfels& surfels,
 }
 
 void add_probes(std::span<const Probe> probes, PageBlocks& blocks) {
-  std::vector<float> radiance, depth;
+  std::vector<float> depth;
   std::vector<uint32_t> surfel;
   for (const Probe& p : probes) {
-    for (size_t i = 0; i < p.radiance.size(); ++i)
-      radiance.insert(radiance.end(), {p.radiance[i].x, p.radiance[i].y, p.radiance[i].z, p.distance[i]});
     surfel.insert(surfel.end(), p.surfel.begin(), p.surfel.end());
     depth.insert(depth.end(), p.depth.begin(), p.depth.end());
   }
-  blocks.halves("probe_radiance", radiance, 4);
   blocks.indices("probe_surfel", surfel, 1);
   blocks.halves("probe_depth", depth, 1);
 }

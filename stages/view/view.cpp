@@ -143,7 +143,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
   const PageSurfels surfels = page_surfels(s.trained, eyes, static_cast<size_t>(config.surfels));
   if (surfels.left_out > 0)
     context.warning("VIEW_SURFELS", fmt::format("the page leaves out {} of {} surfels, those that show least (--set surfels=N)",
-                                                surfels.left_out, surfels.left_out + surfels.layer.size()));
+                                                surfels.left_out, surfels.left_out + surfels.drawn));
   std::optional<PageLight> light;
   if (s.relit) {
     context.progress({.fraction = 0.1, .text = "light on the surfels", .values = {}});
@@ -168,10 +168,12 @@ void run_view(const ViewConfig& config, StageContext& context) {
   Json scene{{"format", 1},
              {"surfels", surfels.layer.size()},
              {"solid", surfels.solid},
+             {"drawn", surfels.drawn},
              {"left_out", surfels.left_out},
              {"sh_degree", surfels.layer.sh_degree()},
              {"relit", light.has_value()},
              {"reflects", s.trained.surfels.reflection.size() > 0},
+             {"reflection_near", image.reflection.near},
              {"blend", image.composite.blend == LayerBlend::Layered ? "layered" : "rtrgs"},
              {"near_z", image.diffuse.near_z},
              {"rough_reflections", image.reflection.lobe != Lobe::Mirror},
@@ -188,7 +190,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
   write_file(context.output() / "view.html", text);
   context.metric("size_bytes", double(text.size()));
   context.summary(
-      fmt::format("{} surfels{}, {:.1f} MB", surfels.layer.size(), light ? "" : ", not to be relit", double(text.size()) / 1e6));
+      fmt::format("{} surfels{}, {:.1f} MB", surfels.drawn, light ? "" : ", not to be relit", double(text.size()) / 1e6));
 }
 
 Stage view_stage() {

@@ -8,12 +8,16 @@ import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
 import { Shapes } from './shapes.js';
 import { harmonics, sky_texture, turned } from './sky.js';
-import { Paint, Surfels } from './surfels.js';
+import { kWidth, Paint, Surfels, texture, whole_numbers } from './surfels.js';
+import { surfel_tree } from './tree.js';
 import blend_glsl from './blend.glsl';
 import camera_glsl from './camera.glsl';
 import composite_glsl from './composite.glsl';
 import light_glsl from './light.glsl';
+import harmonics_glsl from './harmonics.glsl';
+import mirror_rays_glsl from './mirror_rays.glsl';
 import probe_glsl from './probe.glsl';
+import surface_glsl from './surface.glsl';
 
 const kMostPictures = 8;       // of panes in one picture; more are left to the probes
 const kMirrorNear = 1e-3;
@@ -41,45 +45,58 @@ export class Picture {
       count, type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false,
     });
     this.channels = channels(4);
-    this.has_glass = scene.surfels > scene.solid;
+    this.has_glass = scene.drawn > scene.solid;
     this.glass = this.has_glass ? channels(4) : null;
     this.pictures = null;  // made when panes are there
     this.make_probes(page);
 
     const { facets, entries } = scene.shapes, role = { mirror: 0, sheet: 1, coat: 2 };
     const list = (items, f) => (items.length ? items.flatMap(f) : [0, 0, 0, 0]);
-    const texture = (i) => ({ value: this.channels.textures[i] });
-    this.uniforms = {
-      ...camera_uniforms(), ...this.sky_uniforms,
-      color_sum: texture(0), normal_sum: texture(1), f0_sum: texture(2), depth_sum: texture(3),
+    const texture_of = (i) => ({ value: this.channels.textures[i] });
+    this.reflected = new WebGLRenderTarget(1, 1, { type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false });
+    const surface = {
+      ...camera_uniforms(),
+      color_sum: texture_of(0), normal_sum: texture_of(1), f0_sum: texture_of(2), depth_sum: texture_of(3),
       glass_normal: { value: (this.glass ?? this.channels).textures[1] }, glass_depth: { value: (this.glass ?? this.channels).textures[3] },
       glass_surfels: { value: this.has_glass },
       opaque_shape: { value: this.shapes.targets.opaque.texture }, near_pane: { value: this.shapes.targets.near.texture },
-      far_pane: { value: this.shapes.targets.far.texture }, pictures: { value: null },
+      far_pane: { value: this.shapes.targets.far.texture },
       facet_facts: { value: list(facets, (f) => [-1, f.clear ? 1 : 0, f.at_pane, f.entry]) },
       entries: { value: list(entries, (e) => [e.tolerance, role[e.role], e.exact ? 1 : 0, e.closed ? 1 : 0]) },
+      reflects: { value: scene.reflects }, lit: { value: false }, panes: { value: true },
+    };
+    this.uniforms = {
+      ...surface, ...this.sky_uniforms, reflected: { value: this.reflected.texture }, pictures: { value: null },
       probe_places: { value: Array.from({ length: kProbes }, (_, i) => scene.probes[i] ?? [0, 0, 0]).flat() },
       probe_count: { value: scene.probes.length }, probe_levels: { value: Math.log2(scene.probe_side) },
-      reflects: { value: scene.reflects }, rough: { value: scene.rough_reflections }, layered: { value: scene.blend === 'layered' },
-      lit: { value: false }, panes: { value: true }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
+      layered: { value: scene.blend === 'layered' }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
       depth_range: { value: [0, 1] },
     };
-    for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: null };
-    this.composite = new FullScreenQuad(new RawShaderMaterial({
-      glslVersion: GLSL3, uniforms: this.uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
+    for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: this.lit_probes[Math.min(i, scene.probes.length - 1)].texture };
+    const over_screen = (uniforms, fragmentShader) => new FullScreenQuad(new RawShaderMaterial({
+      glslVersion: GLSL3, uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
       defines: { MOST_FACETS: Math.max(1, facets.length), MOST_ENTRIES: Math.max(1, entries.length) },
-      vertexShader: full_screen, fragmentShader: `precision highp float;\n${camera_glsl}${blend_glsl}${light_glsl}${composite_glsl}`,
+      vertexShader: full_screen, fragmentShader: `precision highp float;\n${camera_glsl}${surface_glsl}${fragmentShader}`,
     }));
+    this.composite = over_screen(this.uniforms, `${blend_glsl}${light_glsl}${composite_glsl}`);
+    this.rays = over_screen({ ...surface, ...this.tree_uniforms(scene) }, `${harmonics_glsl}${mirror_rays_glsl}`);
+  }
+
+  // The reflection layer, for rays.
+  tree_uniforms(scene) {
+    const { nodes, items } = surfel_tree(this.surfels.by, scene.drawn, scene.surfels), t = this.surfels.textures;
+    const rows = Math.max(1, Math.ceil(nodes.length / 4 / kWidth)), data = new Float32Array(4 * kWidth * rows), which = whole_numbers(items.length);
+    data.set(nodes), which.image.data.set(items), (which.needsUpdate = true);
+    return {
+      nodes: { value: texture(data, kWidth, FloatType) }, node_count: { value: nodes.length / 8 }, items: { value: which },
+      ...Object.fromEntries(['places', 'turns', 'spans', 'sh0', 'sh', 'scales'].map((name) => [name, { value: t[name] }])),
+      sh_count: { value: this.surfels.sh_count }, reflection_near: { value: scene.reflection_near },
+    };
   }
 
   make_probes({ scene, blocks }) {
     const side = scene.probe_side, n = side * side;
     const mips = (t) => ((t.magFilter = LinearFilter), (t.minFilter = LinearMipmapLinearFilter), (t.generateMipmaps = true), t);
-    this.photographed = scene.probes.map((_, i) => {
-      const t = mips(new DataTexture(blocks.probe_radiance.slice(4 * n * i, 4 * n * (i + 1)), side, side, RGBAFormat, HalfFloatType));
-      t.needsUpdate = true;
-      return t;
-    });
     this.lit_probes = scene.probes.map(() => {
       const target = new WebGLRenderTarget(side, side, { type: HalfFloatType, depthBuffer: false });
       mips(target.texture);
@@ -195,6 +212,11 @@ export class Picture {
     });
   }
 
+  // Modes that show a property of the surface alone.
+  plain(mode) {
+    return ['albedo', 'normals', 'roughness', 'depth'].includes(mode);
+  }
+
   // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
   // gain, panes (false: mirrored pictures are left out, while the camera moves)}
   draw(camera, state) {
@@ -202,10 +224,10 @@ export class Picture {
     const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
     const paint = mode === 'albedo' ? Paint.Albedo : lit ? Paint.Matt : Paint.Photographed;
     if (lit) this.light_probes();
-    const glass = !['open', 'albedo', 'normals', 'roughness', 'depth'].includes(mode);
+    const glass = mode !== 'open' && !this.plain(mode);
     this.shapes.draw(camera);
     for (let i = 0; i < u.facet_facts.value.length; i += 4) u.facet_facts.value[i] = -1;
-    if (state.panes !== false && !['albedo', 'normals', 'roughness', 'depth'].includes(mode)) this.draw_panes(camera, lit);
+    if (state.panes !== false && !this.plain(mode)) this.draw_panes(camera, lit);
     const into = (target, what) => {
       const with_materials = { ...what, lit: lit || mode === 'albedo' };
       surfels.paint(camera, { paint, ...with_materials });
@@ -215,7 +237,7 @@ export class Picture {
       surfels.draw(camera, with_materials);
     };
     into(this.channels, {});
-    if (this.has_glass && glass) into(this.glass, { first: surfels.solid, last: surfels.count, clear: true });
+    if (this.has_glass && glass) into(this.glass, { first: surfels.solid, last: this.scene.drawn, clear: true });
 
     const stops = 2 ** (lit ? state.exposure : 0), gain = lit ? [stops, stops, stops] : (state.gain ?? [1, 1, 1]);
     set_camera(u, camera);
@@ -223,9 +245,10 @@ export class Picture {
     u.show.value = kShow[mode] ?? 0, u.gain.value = gain;
     const distance = Math.hypot(...centre_of(camera).map((v, i) => v - this.scene.middle[i]));
     u.depth_range.value = [Math.max(0, distance - this.scene.radius), distance + this.scene.radius];
-    for (let i = 0; i < kProbes; ++i) {
-      const at = Math.min(i, this.scene.probes.length - 1);
-      u[`probe${i}`].value = lit ? this.lit_probes[at].texture : this.photographed[at];
+    if (!lit && this.scene.reflects && !this.plain(mode)) {
+      this.reflected.setSize(camera.width, camera.height);
+      renderer.setRenderTarget(this.reflected);
+      this.rays.render(renderer);
     }
     renderer.setRenderTarget(null);
     this.composite.render(renderer);

@@ -12,17 +12,27 @@ import camera_glsl from './camera.glsl';
 import blend_glsl from './blend.glsl';
 import fragment_glsl from './surfel_fragment.glsl';
 import color_glsl from './surfel_color.glsl';
+import harmonics_glsl from './harmonics.glsl';
 
-const kWidth = 1024, kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
+export const kWidth = 1024;
+const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
 const kTransferSteps = 48;           // stages/view/page_surfels.cpp
 const kGuess = 1, kSky = 2;          // flags of surfels (stages/view/page_surfels.h)
 
 export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3 };
 
-function texture(data, width, type) {
+export function texture(data, width, type) {
   const t = new DataTexture(data, width, data.length / 4 / width, RGBAFormat, type);
   t.minFilter = t.magFilter = NearestFilter;
   t.needsUpdate = true;
+  return t;
+}
+// Room for so many whole numbers, zeros at first.
+export function whole_numbers(count) {
+  const rows = Math.max(1, Math.ceil(count / kTableWidth));
+  const t = new DataTexture(new Uint32Array(kTableWidth * rows), kTableWidth, rows, RedIntegerFormat, UnsignedIntType);
+  t.internalFormat = 'R32UI';
+  t.minFilter = t.magFilter = NearestFilter;
   return t;
 }
 // fill(out, i) writes four numbers of surfel i at 4 i.
@@ -45,7 +55,7 @@ const half = (x) => DataUtils.toHalfFloat(x);
 
 export class Surfels {
   constructor(renderer, { scene, blocks }) {
-    const n = (this.count = scene.surfels), b = blocks;
+    const n = scene.surfels, b = blocks;
     this.renderer = renderer;
     this.solid = scene.solid;
     this.near_z = scene.near_z;
@@ -70,6 +80,7 @@ export class Surfels {
         o[at + 3] = opacities[i];
       }),
       turns: per_surfel(n, Float32Array, FloatType, (o, at, i) => o.set(turns.subarray(4 * i, 4 * i + 4), at)),
+      spans: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.span.subarray(2 * i, 2 * i + 2), at)),
       sh0: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.sh0.subarray(3 * i, 3 * i + 3), at)),
       scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => (o[at] = b.sh_scale.length ? b.sh_scale[i] : 0)),
     });
@@ -100,7 +111,7 @@ export class Surfels {
     this.color_quad = new FullScreenQuad(new RawShaderMaterial({
       glslVersion: GLSL3, uniforms: this.color_uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
       vertexShader: 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }',
-      fragmentShader: `precision highp float;\n${blend_glsl}${color_glsl}`,
+      fragmentShader: `precision highp float;\n${blend_glsl}${harmonics_glsl}${color_glsl}`,
     }));
 
     this.uniforms = {
@@ -134,17 +145,12 @@ export class Surfels {
   // Numbers of this picture in a texture, a new one where the last is too small.
   upload(name, values, count) {
     const u = this.uniforms[name];
-    let t = u.value;
-    if (!t || t.image.data.length < count) {
-      t?.dispose();
-      t = new DataTexture(new Uint32Array(kTableWidth * Math.ceil((1.3 * count + 1) / kTableWidth)), kTableWidth, 1, RedIntegerFormat, UnsignedIntType);
-      t.image.height = t.image.data.length / kTableWidth;
-      t.internalFormat = 'R32UI';
-      t.minFilter = t.magFilter = NearestFilter;
-      u.value = t;
+    if (!u.value || u.value.image.data.length < count) {
+      u.value?.dispose();
+      u.value = whole_numbers(Math.ceil(1.3 * count));
     }
-    t.image.data.set(values.subarray(0, count));
-    t.needsUpdate = true;
+    u.value.image.data.set(values.subarray(0, count));
+    u.value.needsUpdate = true;
   }
 
   // Into what is bound. what: {first, last: which surfels; surface: false for colour alone; plane, window: order.js; mirrors:
