@@ -81,15 +81,29 @@ Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool bounc
     const float r = std::sqrt(u.x), phi = 2 * std::numbers::pi_v<float> * u.y;
     const Vec3f d = (r * std::cos(phi)) * t0 + (r * std::sin(phi)) * t1 + std::sqrt(std::max(1 - u.x, 0.f)) * place.normal;
     const float outside = surface_->follow(place.origin, d, [&](const SceneSurface::Meeting& m) {
-      if (!bounced || !m.front) return;
-      const Vec3f sent = (each / std::numbers::pi_v<float> * m.share) * surface_->at(surface_->reflectance(), m.place);
-      const auto& face = surface_->mesh().faces[m.place.face];
-      for (size_t c = 0; c < 3; ++c)
-        for (size_t k = 0; k < kTransferSize; ++k) sum[k] += m.place.weights[c] * hadamard(sent, vertices_[face[c]][k]);
+      if (bounced && m.front) add_sent(sum, m.place, each * m.share);
     });
     if (outside > 0) add(sum, d, each * outside);
   }
   return sum;
+}
+
+void LightTransfer::add_sent(Transfer& sum, const SurfacePlace& place, float share) const {
+  const Vec3f sent = (share / std::numbers::pi_v<float>)*surface_->at(surface_->reflectance(), place);
+  const auto& face = surface_->mesh().faces[place.face];
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t k = 0; k < kTransferSize; ++k) sum[k] += place.weights[c] * hadamard(sent, vertices_[face[c]][k]);
+}
+
+LightTransfer::Arrival LightTransfer::arriving(const Vec3f& origin, const Vec3f& direction) const {
+  Arrival a;
+  float most = 0;
+  a.from_outside = surface_->follow(origin, direction, [&](const SceneSurface::Meeting& m) {
+    if (m.front && !vertices_.empty()) add_sent(a.from_scene, m.place, m.share);
+    if (m.share > most) most = m.share, a.distance = length(surface_->at(surface_->mesh().positions, m.place) - origin);
+  });
+  if (most < a.from_outside) a.distance = 0;
+  return a;
 }
 
 // Pi times the mean over the sphere: what a matt place of no particular direction receives.

@@ -50,12 +50,22 @@ class LightTransfer {
   // which it stands. Where there is neither, light comes from all sides.
   std::vector<Transfer> of_surfels(const SplatLayer& layer) const;
 
+  // What comes along a ray: radiance of the mesh for light whose coefficients are 1, and the share of light from outside.
+  struct Arrival {
+    Transfer from_scene{};
+    float from_outside = 1;
+    float distance = 0;  // of the first solid surface; 0: there is none
+  };
+  Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
+
  private:
   struct Place {
     Vec3f origin{}, normal{};
   };
   Transfer gathered(const Place& place, uint64_t stream, bool bounced) const;
   Transfer from_all_sides(const Vec3f& point, uint64_t stream) const;
+  // Adds `share` of the radiance that a place of the mesh sends on.
+  void add_sent(Transfer& sum, const SurfacePlace& place, float share) const;
   Transfer of_surfel(const SplatLayer& layer, size_t i) const;
 
   const SceneSurface* surface_;

@@ -170,7 +170,7 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
   return chosen(out, order);
 }
 
-PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const PageSurfels& surfels, const TransferDesc& desc) {
+PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels) {
   const size_t n = surfels.layer.size();
   SplatLayer drawn = surfels.layer;
   drawn.resize(surfels.drawn);
@@ -179,7 +179,7 @@ PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const
                 .roughness = std::vector<float>(n, 1.f),
                 .specular = std::vector<float>(n, 0.f),
                 .transmission = std::vector<float>(n, 0.f),
-                .transfer = LightTransfer(surface, desc).of_surfels(drawn)};
+                .transfer = transfer.of_surfels(drawn)};
   out.transfer.resize(n);
   const LightHarmonics captured = light_harmonics(scene.captured);
   const Vec3f open = scene.captured.mean();
@@ -199,6 +199,21 @@ PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const
       out.albedo[k][c] = std::clamp(kPi * std::max(0.5f + kShDc * dc[c], 0.f) / (before[c] + least), 0.f, kMostAlbedo);
   }
   return out;
+}
+
+void add_transfers(std::string_view name, std::span<const Transfer> transfers, PageBlocks& blocks) {
+  std::vector<float> constant;
+  std::vector<uint8_t> shape;
+  for (const Transfer& t : transfers) {
+    const float grey = t[0].x + t[0].y + t[0].z;
+    constant.insert(constant.end(), {t[0].x, t[0].y, t[0].z});
+    for (size_t k = 1; k < kTransferSize; ++k) {
+      const float share = grey > 0 ? (t[k].x + t[k].y + t[k].z) / grey : 0.f;
+      shape.push_back(static_cast<uint8_t>(std::clamp<long>(kByteZero + std::lround(kTransferSteps * share), 0, 255)));
+    }
+  }
+  blocks.halves(std::string(name) + "_constant", constant, 3);
+  blocks.bytes(name, shape, int(kTransferSize) - 1);
 }
 
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks) {
@@ -221,25 +236,16 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
   blocks.bytes("material", material, 6);
   blocks.bytes("flags", surfels.flags, 1);
   if (!light) return;
-  std::vector<float> constant;
-  std::vector<uint8_t> albedo, lit, shape;
+  std::vector<uint8_t> albedo, lit;
   for (size_t i = 0; i < layer.size(); ++i) {
     for (size_t c = 0; c < 3; ++c) albedo.push_back(root_byte(light->albedo[i][c]));
     for (const float v :
          {light->f0[i].x, light->f0[i].y, light->f0[i].z, light->roughness[i], light->specular[i], light->transmission[i]})
       lit.push_back(root_byte(v));
-    const Transfer& t = light->transfer[i];
-    const float grey = t[0].x + t[0].y + t[0].z;
-    constant.insert(constant.end(), {t[0].x, t[0].y, t[0].z});
-    for (size_t k = 1; k < kTransferSize; ++k) {
-      const float share = grey > 0 ? (t[k].x + t[k].y + t[k].z) / grey : 0.f;
-      shape.push_back(static_cast<uint8_t>(std::clamp<long>(kByteZero + std::lround(kTransferSteps * share), 0, 255)));
-    }
   }
   blocks.bytes("albedo", albedo, 3);
   blocks.bytes("lit_material", lit, 6);
-  blocks.halves("transfer0", constant, 3);
-  blocks.bytes("transfer", shape, int(kTransferSize) - 1);
+  add_transfers("transfer", light->transfer, blocks);
 }
 
 }  // namespace vitrine

@@ -39,10 +39,14 @@ struct PageLight {
   std::vector<float> roughness, specular, transmission;
   std::vector<Transfer> transfer;
 };
-PageLight page_light(const RelitScene& scene, const SceneSurface& surface, const PageSurfels& surfels, const TransferDesc& desc);
+PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels);
 
-// Blocks place, turn, span, opacity, sh0, sh, sh_scale, material, flags; with a light albedo, lit_material, transfer0, transfer
-// (README, "What the file holds"). A transfer keeps its colour in the constant coefficient alone.
+// Transfers as the page has them: `name`_constant f16 of three, their constant coefficients; `name` u8 of fifteen, the others in
+// that one, without colour.
+void add_transfers(std::string_view name, std::span<const Transfer> transfers, PageBlocks& blocks);
+
+// Blocks place, turn, span, opacity, sh0, sh, sh_scale, material, flags; with a light albedo, lit_material, transfer_constant,
+// transfer (README, "What the file holds").
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks);
 
 }  // namespace vitrine

@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/math/quantile.h"
+#include "core/model/opened_scene.h"
 #include "core/scene/activation.h"
-#include "core/trace/tracer.h"
 
 namespace vitrine {
 
@@ -16,8 +17,6 @@ namespace {
 constexpr float kPolished = 0.3f;  // k_s of what is, as in ShapeOptions
 constexpr double kAround = 0.05;   // quantile of the polished surfels: their extent, without strays
 constexpr float kBeyond = 1.02f;   // of the way out of the extent: what lies there is not the thing itself
-constexpr float kShows = 0.5f;     // coverage of a ray that shows something
-constexpr float kFirstHit = 0.5f;
 
 struct Stand {
   Vec3d centre{};
@@ -25,7 +24,7 @@ struct Stand {
   const Shape* shape = nullptr;  // that it is, where it is known
 };
 
-std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels, const Vec3d& middle) {
+std::vector<Stand> stands(const TrainedScene& scene, const Vec3d& middle) {
   std::vector<Stand> out;
   if (const ShapeSet* set = scene.image.shape.set.get())
     for (const ShapeSet::Entry& e : set->entries) {
@@ -35,9 +34,10 @@ std::vector<Stand> stands(const TrainedScene& scene, const PageSurfels& surfels,
     }
   if (!out.empty()) return out;
   std::array<std::vector<float>, 3> places;
-  for (size_t i = 0; i < surfels.solid; ++i) {
-    if (!(sigmoid(*surfels.layer.at(Attribute::SpecularWeight, i)) > kPolished)) continue;
-    for (size_t c = 0; c < 3; ++c) places[c].push_back(surfels.layer.at(Attribute::Mean, i)[c]);
+  const SplatLayer& surfels = scene.surfels.diffuse;
+  for (size_t i = 0; i < surfels.size(); ++i) {
+    if (!(sigmoid(*surfels.at(Attribute::SpecularWeight, i)) > kPolished) || is_glass(surfels, i)) continue;
+    for (size_t c = 0; c < 3; ++c) places[c].push_back(surfels.at(Attribute::Mean, i)[c]);
   }
   if (places[0].empty()) return {{.centre = middle, .extent = {}}};
   Bounds3 b;
@@ -67,12 +67,6 @@ float way_out(const Stand& stand, const Vec3f& direction, float near) {
   return kBeyond * static_cast<float>(out);
 }
 
-SplatLayer only(const SplatLayer& layer, size_t count) {
-  SplatLayer out = layer;
-  out.resize(count);
-  return out;
-}
-
 }  // namespace
 
 Vec3f octahedral_direction(int x, int y, int side) {
@@ -85,47 +79,34 @@ Vec3f octahedral_direction(int x, int y, int side) {
   return normalized(Vec3f{px, py, z});
 }
 
-std::vector<Probe> probes(const TrainedScene& scene, const PageSurfels& surfels, const Vec3d& middle) {
+std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
-  std::vector<Vec3f> directions(n);
-  for (size_t i = 0; i < n; ++i) directions[i] = octahedral_direction(int(i) % kProbeSide, int(i) / kProbeSide, kProbeSide);
-  const SplatLayer solid = only(surfels.layer, surfels.solid);
-  const auto in_room = make_tracer();
-  in_room->build(solid);
   std::vector<Probe> out;
-  for (const Stand& stand : stands(scene, surfels, middle)) {
-    throw_if_interrupted();
-    Probe p{.centre = stand.centre, .surfel = std::vector<uint32_t>(n, kNoSurfel), .depth = std::vector<float>(n, 0.f)};
-    const std::vector<Vec3f> origins(n, cast<float>(stand.centre));
-    std::vector<float> near(n);
-    for (size_t i = 0; i < n; ++i) near[i] = way_out(stand, directions[i], scene.image.reflection.near);
-    RayValues values;
-    HitLists hits;
-    in_room->forward({.origins = origins, .directions = directions, .near = near},
-                     {.sh_degree = 0, .first_hit_weight = kFirstHit}, values, &hits);
-    for (size_t i = 0; i < n; ++i) {
-      if (!(1 - values.transmittance[i] > kShows)) continue;
-      p.depth[i] = values.first_hit[i];
-      float transmittance = 1, most = 0;
-      for (const TraceHit& h : hits.of(i)) {
-        if (const float w = h.alpha * transmittance; w > most) most = w, p.surfel[i] = h.surfel;
-        transmittance *= 1 - h.alpha;
-      }
-    }
+  for (const Stand& stand : stands(scene, middle)) {
+    Probe p{
+        .centre = stand.centre, .sent = std::vector<Transfer>(n), .open = std::vector<float>(n), .depth = std::vector<float>(n)};
+    parallel_for(n, size_t(kProbeSide), [&](size_t i) {
+      throw_if_interrupted();
+      const Vec3f d = octahedral_direction(int(i) % kProbeSide, int(i) / kProbeSide, kProbeSide);
+      const float out_at = way_out(stand, d, scene.image.reflection.near);
+      const LightTransfer::Arrival a = transfer.arriving(cast<float>(stand.centre) + out_at * d, d);
+      p.sent[i] = a.from_scene, p.open[i] = a.from_outside;
+      p.depth[i] = a.distance > 0 ? a.distance + out_at : 0.f;
+    });
     out.push_back(std::move(p));
   }
   return out;
 }
 
 void add_probes(std::span<const Probe> probes, PageBlocks& blocks) {
-  std::vector<float> depth;
-  std::vector<uint32_t> surfel;
+  std::vector<Transfer> sent;
+  std::vector<float> way;
   for (const Probe& p : probes) {
-    surfel.insert(surfel.end(), p.surfel.begin(), p.surfel.end());
-    depth.insert(depth.end(), p.depth.begin(), p.depth.end());
+    sent.insert(sent.end(), p.sent.begin(), p.sent.end());
+    for (size_t i = 0; i < p.open.size(); ++i) way.insert(way.end(), {p.open[i], p.depth[i]});
   }
-  blocks.indices("probe_surfel", surfel, 1);
-  blocks.halves("probe_depth", depth, 1);
+  add_transfers("probe", sent, blocks);
+  blocks.halves("probe_way", way, 2);
 }
 
 }  // namespace vitrine

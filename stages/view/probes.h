@@ -1,6 +1,6 @@
-// What polished surfaces mirror under another light, seen from the middle of each: which surfel stands in which direction, and
-// how far. The page looks a reflected ray up by walking along it until its distance from the middle is that of the picture, so
-// that no ray is sent through the scene. (Under the light of the photos it sends rays through the reflection layer.)
+// What polished surfaces mirror under another light, seen from the middle of each: how the mesh sends light on in all directions
+// (core/relight/light_transfer.h), and how far it is. The page looks a reflected ray up by walking along it until its distance
+// from the middle is that of the picture. (Under the light of the photos it sends rays through the reflection layer.)
 //
 // Directions by the octahedral map (Engelhardt and Dachsbacher 2008), +z in the middle: texel (x, y) of side s shows the
 // direction of p = 2 (x + 1/2, y + 1/2)/s - 1: (p, 1 - |p.x| - |p.y|), folded outwards where that is below 0, normalised.
@@ -13,7 +13,7 @@
 
 namespace vitrine {
 
-inline constexpr int kProbeSide = 192;
+inline constexpr int kProbeSide = 128;
 inline constexpr size_t kMostProbes = 4;
 
 Vec3f octahedral_direction(int x, int y, int side);
@@ -21,15 +21,15 @@ Vec3f octahedral_direction(int x, int y, int side);
 struct Probe {
   Vec3d centre{};
   // [side, side] rows first
-  std::vector<uint32_t> surfel;  // which surfel of the page stands there, what polished things lie around the middle left out
-  std::vector<float> depth;      // its distance
+  std::vector<Transfer> sent;  // radiance for light whose coefficients are 1
+  std::vector<float> open;     // share of light from outside
+  std::vector<float> depth;    // distance of what sends it; 0: the sky
 };
-inline constexpr uint32_t kNoSurfel = UINT32_MAX;
 
 // In the middle of each known opaque shape; without any, of the polished surfels; without those, in `middle`. Never empty.
-std::vector<Probe> probes(const TrainedScene& scene, const PageSurfels& surfels, const Vec3d& middle);
+std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transfer, const Vec3d& middle);
 
-// Blocks probe_surfel, probe_depth: one probe behind the other.
+// Blocks probe, probe_constant (add_transfers) and probe_way (open, depth): one probe behind the other.
 void add_probes(std::span<const Probe> probes, PageBlocks& blocks);
 
 }  // namespace vitrine

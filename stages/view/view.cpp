@@ -144,20 +144,21 @@ void run_view(const ViewConfig& config, StageContext& context) {
   if (surfels.left_out > 0)
     context.warning("VIEW_SURFELS", fmt::format("the page leaves out {} of {} surfels, those that show least (--set surfels=N)",
                                                 surfels.left_out, surfels.left_out + surfels.drawn));
+  const Vec3d middle = looked_at(s.views).point;
   std::optional<PageLight> light;
+  std::vector<Probe> stands;
   if (s.relit) {
-    context.progress({.fraction = 0.1, .text = "light on the surfels", .values = {}});
+    context.progress({.fraction = 0.1, .text = "light on the scene", .values = {}});
     const SceneSurface surface(*s.relit);
-    light = page_light(*s.relit, surface, surfels, {.rays = config.rays});
+    const LightTransfer transfer(surface, {.rays = config.rays});
+    light = page_light(*s.relit, transfer, surfels);
+    stands = probes(s.trained, transfer, middle);
     add_environment(s.relit->captured, blocks);
+    add_probes(stands, blocks);
   } else {
     context.warning("VIEW_NO_LIGHT", "there are no materials (stage decompose): the page shows the scene as photographed alone");
   }
   add_surfels(surfels, light, blocks);
-  const Vec3d middle = looked_at(s.views).point;
-  context.progress({.fraction = 0.6, .text = "mirrors", .values = {}});
-  const std::vector<Probe> stands = probes(s.trained, surfels, middle);
-  add_probes(stands, blocks);
   const Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
   if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), blocks);
 

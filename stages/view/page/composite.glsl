@@ -74,9 +74,9 @@ void main() {
   vec3 added = vec3(0.0);  // by the glass
   if (pane.tau > 0.0) {
     vec3 back = reflect(dir, pane.normal), behind = radiance;
-    vec3 beyond = lit ? sky_radiance(back, 0.0) : traced;
+    vec3 beyond = lit ? mirrored(eye + pane.z * per_z, back, 0.0) : traced;
     bool is_flat = pane.near.there && pane.near.flat_;
-    vec4 near_seen = is_flat ? flat_picture(pane.near.facet) : lit ? vec4(mirrored(eye + pane.z * per_z, back, 0.0), 0.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    vec4 near_seen = is_flat ? flat_picture(pane.near.facet) : vec4(0.0, 0.0, 0.0, 1.0);
     vec3 c_r = near_seen.rgb + near_seen.a * beyond, c_t = behind, far_added = vec3(0.0);
     Part l = part(texelFetch(far_pane, at, 0));
     if (pane.near.there && l.there && l.flat_ && facet_facts[l.facet].y > 0.5 && l.z >= (1.0 + 1e-5) * pane.z) {
@@ -84,7 +84,7 @@ void main() {
       if ((s.shown_z - l.z) * rise > facet_facts[l.facet].z) {
         vec4 far_seen = flat_picture(l.facet);
         vec3 p = fresnel(vec3(kPaneReflectance), rise / length(per_z), 1.0);
-        far_added = p * (far_seen.rgb + far_seen.a * (lit ? sky_radiance(reflect(dir, -l.normal), 0.0) : traced));
+        far_added = p * (far_seen.rgb + far_seen.a * (lit ? mirrored(eye + l.z * per_z, reflect(dir, -l.normal), 0.0) : traced));
         c_t = (1.0 - p) * c_t + far_added;
       }
     }

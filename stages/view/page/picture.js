@@ -1,8 +1,8 @@
 // One picture of the scene: surfels blended into channels, known shapes, what flat panes and mirrors show, probes, and the pass over
 // the screen that puts them together (composite.glsl).
 import {
-  DataTexture, FloatType, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, RedFormat,
-  RedIntegerFormat, RGBAFormat, UnsignedIntType, WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
+  FloatType, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, UnsignedByteType,
+  WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
 } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
@@ -72,7 +72,7 @@ export class Picture {
       layered: { value: scene.blend === 'layered' }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
       depth_range: { value: [0, 1] },
     };
-    for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: this.lit_probes[Math.min(i, scene.probes.length - 1)].texture };
+    for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: this.lit_probes[Math.min(i, scene.probes.length - 1)]?.texture ?? null };
     const over_screen = (uniforms, fragmentShader) => new FullScreenQuad(new RawShaderMaterial({
       glslVersion: GLSL3, uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
       defines: { MOST_FACETS: Math.max(1, facets.length), MOST_ENTRIES: Math.max(1, entries.length) },
@@ -102,19 +102,19 @@ export class Picture {
       mips(target.texture);
       return target;
     });
-    const rows = (data, format, type) => {
-      const t = new DataTexture(data, side, side * scene.probes.length, format, type);
-      t.minFilter = t.magFilter = NearestFilter;
-      t.needsUpdate = true;
-      return t;
-    };
-    const surfels = rows(blocks.probe_surfel, RedIntegerFormat, UnsignedIntType);
-    surfels.internalFormat = 'R32UI';
     this.sky_uniforms = { sky: { value: null }, sky_turn: { value: 0 }, sky_levels: { value: 0 } };
+    if (!scene.relit) return;
+    const count = n * scene.probes.length, constants = new Uint16Array(4 * count), depths = new Uint16Array(4 * count);
+    const shapes = new Uint8Array(16 * count);
+    for (let i = 0; i < count; ++i) {
+      constants.set(blocks.probe_constant.subarray(3 * i, 3 * i + 3), 4 * i);
+      constants[4 * i + 3] = blocks.probe_way[2 * i], depths[4 * i] = blocks.probe_way[2 * i + 1];
+      shapes.set(blocks.probe.subarray(15 * i, 15 * i + 15), 16 * i);
+    }
     this.probe_uniforms = {
-      ...this.sky_uniforms, surfels: { value: surfels },
-      depths: { value: rows(Float32Array.from(blocks.probe_depth, DataUtils.fromHalfFloat), RedFormat, FloatType) },
-      colors: { value: null }, row: { value: 0 }, side: { value: side },
+      ...this.sky_uniforms, constants: { value: texture(constants, side, HalfFloatType) }, depths: { value: texture(depths, side, HalfFloatType) },
+      shapes: { value: texture(shapes, 4 * side, UnsignedByteType) },
+      light: this.surfels.color_uniforms.light, steps: this.surfels.color_uniforms.steps, row: { value: 0 }, side: { value: side },
     };
     this.probe_quad = new FullScreenQuad(new RawShaderMaterial({
       glslVersion: GLSL3, uniforms: this.probe_uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
@@ -145,7 +145,7 @@ export class Picture {
       if (Math.hypot(...middle.map((m, c) => places[3 * i + c] - m)) > radius) continue;
       let e = [...L[0]];
       for (let k = 0; k < 15; ++k) e = e.map((v, c) => v + (L[k + 1][c] * (blocks.transfer[15 * i + k] - 128)) / 48);
-      const sent = e.map((v, c) => (Math.max(0, v) * DataUtils.fromHalfFloat(blocks.transfer0[3 * i + c]) * (blocks.albedo[3 * i + c] / 255) ** 2) / Math.PI);
+      const sent = e.map((v, c) => (Math.max(0, v) * DataUtils.fromHalfFloat(blocks.transfer_constant[3 * i + c]) * (blocks.albedo[3 * i + c] / 255) ** 2) / Math.PI);
       sum += 0.2126 * sent[0] + 0.7152 * sent[1] + 0.0722 * sent[2], ++count;
     }
     return sum > 0 ? Math.round(10 * Math.log2((0.18 * count) / sum)) / 10 : 0;
@@ -153,9 +153,6 @@ export class Picture {
 
   light_probes() {
     if (this.probes_fresh) return;
-    const any = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0], width: 1, height: 1, fx: 1, fy: 1, cx: 0, cy: 0 };
-    this.surfels.paint(any, { paint: Paint.Returned, lit: true });
-    this.probe_uniforms.colors.value = this.surfels.color_target.textures[0];
     this.lit_probes.forEach((target, i) => {
       this.probe_uniforms.row.value = i * this.scene.probe_side;
       this.renderer.setRenderTarget(target);

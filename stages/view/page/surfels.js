@@ -91,7 +91,7 @@ export class Surfels {
     [t.lit_materials, t.lit_weights] = scene.relit ? material(b.lit_material) : [t.materials, t.weights];
     if (scene.relit) {
       t.albedo = per_surfel(n, Uint8Array, UnsignedByteType, (o, at, i) => o.set(b.albedo.subarray(3 * i, 3 * i + 3), at));
-      t.transfer0 = per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.transfer0.subarray(3 * i, 3 * i + 3), at));
+      t.transfer0 = per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.transfer_constant.subarray(3 * i, 3 * i + 3), at));
       t.transfer = table(n, b.transfer, kPerTable - 1, true);
     } else {
       t.albedo = t.transfer0 = t.transfer = t.sh0;
