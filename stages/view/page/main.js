@@ -1,13 +1,43 @@
-import { WebGLRenderer } from 'three';
+// The page: what it can draw in this browser, and the panel beside the picture.
 import { read_page } from './scene_data.js';
-import { Picture } from './picture.js';
-import { sky, studio, evening, read_sky } from './sky.js';
-const page = await_page();
-async function await_page() {
-  const page = await read_page();
-  const canvas = document.getElementById('picture');
-  const renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, preserveDrawingBuffer: true });
-  const picture = new Picture(renderer, page);
-  window.page = page; window.picture = picture; window.renderer = renderer; window.skies={studio,evening,read_sky,sky};
-  window.ready = true;
+import { show_mesh } from './mesh_canvas.js';
+import { View } from './view.js';
+import { make_panel } from './panel.js';
+
+const notice = document.getElementById('notice');
+export function tell(sentence) {
+  notice.hidden = !sentence;
+  notice.textContent = sentence ?? '';
 }
+
+// Why surfels cannot be drawn here; empty if they can.
+function missing() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return 'This browser has no WebGL2';
+  const there = gl.getExtension('EXT_color_buffer_float') && gl.getParameter(gl.MAX_DRAW_BUFFERS) >= 4;
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return there ? '' : 'This browser cannot draw into floating-point textures';
+}
+
+async function open() {
+  const page = await read_page();
+  const why = missing();
+  if (why) {
+    const shown = show_mesh(document.getElementById('picture'), page);
+    tell(`${why}: ${shown ? 'the mesh alone is shown, in its plain colours' : 'and the scene has no mesh to show instead'}.`);
+    document.getElementById('panel').remove();
+    return { mesh_alone: true, page };
+  }
+  const view = new View(page, tell);
+  make_panel(view, page);
+  if (page.scene.left_out > 0)
+    tell(`This page leaves out ${page.scene.left_out} surfels that show little: the scene has ${page.scene.drawn + page.scene.left_out}, and the page draws ${page.scene.drawn}.`);
+  await view.first_picture;
+  return view;
+}
+
+// What tests talk to.
+window.vitrine = open().catch((e) => {
+  tell(`This page cannot be shown: ${e.message}`);
+  throw e;
+});

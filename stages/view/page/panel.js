@@ -1,0 +1,89 @@
+// The controls beside the picture.
+import { kModes } from './picture.js';
+
+function element(tag, more = {}, ...children) {
+  const e = document.createElement(tag);
+  for (const [key, value] of Object.entries(more)) key in e ? (e[key] = value) : e.setAttribute(key, value);
+  e.append(...children);
+  return e;
+}
+const button = (text, act, more = {}) => element('button', { type: 'button', textContent: text, onclick: act, ...more });
+
+export function download(name, blob) {
+  const link = element('a', { href: URL.createObjectURL(blob), download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+function slider(text, id, least, most, step, unit, set) {
+  const shown = element('output', { htmlFor: id });
+  const input = element('input', { type: 'range', id, min: least, max: most, step, oninput: () => set(Number(input.value)) });
+  const show = (value) => ((input.value = value), (shown.value = `${Math.round(value * 100) / 100}${unit}`));
+  return { row: element('div', { className: 'row' }, element('label', { htmlFor: id, textContent: text }), input, shown), show };
+}
+
+export function make_panel(view, { scene, photos }) {
+  const panel = document.getElementById('panel'), changes = [];
+  const section = (title, ...children) => panel.append(element('h2', { textContent: title }), ...children);
+  panel.append(element('h1', { textContent: 'The scene' }));
+
+  const modes = element('div', { className: 'grid', id: 'modes' });
+  for (const [mode, { name, lit }] of Object.entries(kModes)) {
+    const b = button(name, () => view.set({ mode }), { id: `mode_${mode}`, disabled: !!lit && !scene.relit });
+    changes.push((s) => b.setAttribute('aria-pressed', s.mode === mode));
+    modes.append(b);
+  }
+  section('Show', modes);
+  if (!scene.relit) panel.append(element('p', { textContent: 'No materials are there yet (stage decompose), so the scene cannot be relit: finish vitrine run, then vitrine view.' }));
+
+  if (scene.relit) {
+    const names = { photos: 'light of the photos', studio: 'studio', evening: 'evening sun' };
+    const select = element('select', { id: 'light', onchange: () => view.set({ light: select.value, mode: 'relit', exposure: null }) });
+    const turn = slider('Turn', 'turn', 0, 360, 1, '\u00b0', (v) => view.set({ turn: v, mode: 'relit', exposure: view.state.exposure }));
+    const exposure = slider('Exposure', 'exposure', -8, 8, 0.1, '', (v) => view.set({ exposure: v }));
+    const background = element('input', { type: 'checkbox', id: 'background', onchange: () => view.set({ background: background.checked }) });
+    const file = element('input', { type: 'file', id: 'hdri', accept: '.hdr,.exr', onchange: () => file.files[0] && view.light_of(file.files[0]) });
+    changes.push((s) => {
+      select.replaceChildren(...Object.keys(view.skies).map((key) => element('option', { value: key, textContent: names[key] ?? key })));
+      select.value = s.light, background.checked = s.background;
+      turn.show(s.turn), exposure.show(s.exposure);
+    });
+    section('Light', element('div', { className: 'row' }, select, element('label', { className: 'file', textContent: 'HDRI\u2026' }, file)),
+            turn.row, exposure.row, element('label', { className: 'row' }, background, 'show the light behind the scene'),
+            element('p', { textContent: 'Or drop a .hdr or .exr file on the picture.' }));
+  }
+
+  section('Camera', element('div', { className: 'row' }, button('Start', () => view.reset(), { id: 'reset' }), button('Frame', () => view.frame_scene(), { id: 'frame_scene' })),
+          element('p', { textContent: 'Drag turns, right button or two fingers move, wheel or pinch zooms. Keys: arrows, shift and arrows, + and -, r, f, 1 to 8.' }));
+
+  const count = element('output', { id: 'path_count' });
+  changes.push(() => (count.value = view.path.length ? `${view.path.length} on the path` : ''));
+  const json = (path) => download(path ? 'path.json' : 'view.json', new Blob([view.views_json(path)], { type: 'application/json' }));
+  section('Keep', element('div', { className: 'row' },
+    button('Picture', async () => download('view.png', await view.screenshot()), { id: 'screenshot' }), button('View', () => json(false), { id: 'save_view' }),
+    button('Add to path', () => view.add_to_path(), { id: 'add_path' }),
+    button('Path', () => (view.path.length ? json(true) : view.tell('The path is empty: \u201cAdd to path\u201d puts this view on it.')), { id: 'save_path' }), count),
+    element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
+
+  const measured = element('output', { id: 'distance' });
+  const measure = button('Measure', () => ((view.measuring = !view.measuring), (view.measures = []), view.draw_marks(), view.changed()), { id: 'measure' });
+  changes.push(() => {
+    measure.setAttribute('aria-pressed', view.measuring);
+    measured.value = view.distance_text() || (view.measuring ? 'click two points' : '');
+  });
+  section('Distance', element('div', { className: 'row' }, measure, measured));
+
+  if (photos.length) {
+    const list = element('div', { className: 'photos', id: 'photos' });
+    scene.cameras.forEach((c, i) => list.append(button('', () => view.show_photo(i), { title: c.name + (c.heldout ? ' (held out)' : '') })));
+    [...list.children].forEach((b, i) => b.append(element('img', { src: photos[i], alt: scene.cameras[i].name, loading: 'lazy' })));
+    section('Photos', element('p', { textContent: 'A click goes where the photo was taken; the slider at the foot compares.' }), list);
+  }
+  const licences = document.getElementById('licences').content.textContent;
+  panel.append(element('details', {}, element('summary', { textContent: 'Licences' }), element('pre', { textContent: `Made by vitrine, Apache-2.0.\n\n${licences}` })));
+
+  view.on_change((s) => changes.forEach((f) => f(s)));
+  view.changed();
+}

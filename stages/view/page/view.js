@@ -1,0 +1,264 @@
+// What the page shows, and what people do to it: camera, mode, light, photo, measures. Pictures are drawn when something changed:
+// smaller and without what panes mirror while the camera moves in a slow browser, in full once it rests.
+import { PerspectiveCamera, Vector3, WebGLRenderer } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { from_three, projected, resized, stand_at, transforms_json, unprojected } from './cameras.js';
+import { kModes, Picture } from './picture.js';
+import { evening, read_sky, sky, studio } from './sky.js';
+import { read_state, write_state } from './url_state.js';
+
+const kSlow = 80;          // milliseconds of a picture from which on moving ones are smaller
+const kMovingScale = 0.4;
+const kRest = 180;         // milliseconds without a move
+const kMostSide = 4095;    // pixels of a picture
+const kKeyTurn = 0.06, kKeyZoom = 0.9, kKeyPan = 0.04;
+
+export class View {
+  constructor(page, tell) {
+    this.page = page, this.scene = page.scene, this.tell = tell;
+    this.canvas = document.getElementById('picture');
+    this.frame = document.getElementById('frame');
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: false, alpha: false, preserveDrawingBuffer: true });
+    this.picture = new Picture(this.renderer, page);
+    this.listeners = [];
+    this.skies = this.scene.relit ? { photos: this.captured(), studio: studio(), evening: evening() } : {};
+    this.path = [], this.measures = [], this.measuring = false;
+
+    this.eye = new PerspectiveCamera();
+    this.eye.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.eye, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('change', () => this.moved());
+    this.reset(false);
+    this.state = { mode: 'photo', base: 'photo', light: 'photos', turn: 0, exposure: null, background: true, photo: null };
+    this.slow = true;  // until a picture says otherwise
+
+    this.canvas.addEventListener('keydown', (e) => this.key(e));
+    this.canvas.addEventListener('pointerdown', (e) => (this.pressed = [e.clientX, e.clientY]));
+    this.canvas.addEventListener('pointerup', (e) => this.measuring && this.released(e));
+    new ResizeObserver(() => this.draw()).observe(document.getElementById('stage'));
+    for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => this.dragged(e));
+    const wanted = read_state();
+    this.set(wanted, false);
+    if (wanted.eye && wanted.target) this.look(wanted.eye, wanted.target);
+    if (wanted.photo) this.show_photo(this.scene.cameras.findIndex((c) => c.name === wanted.photo));
+    this.first_picture = new Promise((done) => (this.first = done));
+    this.draw();
+  }
+
+  captured() {
+    const data = this.page.blocks.captured, height = Math.sqrt(data.length / 6);
+    return sky('photos', 2 * height, height, data);
+  }
+
+  // Calls `listener` whenever anything of the state changed.
+  on_change(listener) {
+    this.listeners.push(listener);
+  }
+  changed() {
+    for (const f of this.listeners) f(this.state);
+    write_state(this.state, this.eye.position.toArray(), this.controls.target.toArray(), this.photo === undefined ? null : this.scene.cameras[this.photo].name);
+  }
+
+  // Some of: mode, light, turn (degrees), exposure (stops), background.
+  set(some, draw = true) {
+    const s = this.state;
+    for (const key of ['mode', 'light', 'turn', 'exposure', 'background']) if (some[key] !== undefined) s[key] = some[key];
+    if (!kModes[s.mode] || (kModes[s.mode].lit && !this.scene.relit)) s.mode = 'photo';
+    if (s.mode === 'photo' || s.mode === 'relit') s.base = s.mode;
+    if (!this.skies[s.light]) s.light = Object.keys(this.skies)[0] ?? '';
+    const light = this.skies[s.light];
+    if (light && (this.shining !== light || this.turned !== s.turn)) {
+      this.picture.set_light(light, s.turn);
+      if (this.shining !== light && some.exposure === undefined) s.exposure = null;
+      this.shining = light, this.turned = s.turn;
+    }
+    if (s.exposure === null) s.exposure = light ? this.picture.exposure_of_scene(this.page.blocks) : 0;
+    if (draw) this.changed(), this.draw();
+  }
+
+  // ---- camera
+
+  look(eye, target) {
+    this.eye.position.fromArray(eye), this.controls.target.fromArray(target);
+    this.controls.update();
+  }
+  // The first photo's place, with its angle of view.
+  reset(draw = true) {
+    this.leave_photo();
+    stand_at(this.eye, this.controls.target, this.scene.cameras[0], this.scene.middle);
+    this.controls.update();
+    if (draw) this.changed(), this.draw();
+  }
+  // The whole of what the photos look at, from the same side.
+  frame_scene() {
+    this.leave_photo();
+    const middle = new Vector3(...this.scene.middle), way = this.eye.position.clone().sub(this.controls.target).normalize();
+    this.controls.target.copy(middle);
+    this.eye.position.copy(middle).addScaledVector(way, (0.75 * this.scene.radius) / Math.tan((this.eye.fov * Math.PI) / 360));
+    this.controls.update();
+    this.changed(), this.draw();
+  }
+  moved() {
+    if (this.photo !== undefined) this.leave_photo();
+    if (!this.state) return;
+    this.resting = false;
+    this.draw();
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => ((this.resting = true), this.changed(), this.draw()), kRest);
+  }
+  key(e) {
+    const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
+    const target = this.controls.target, way = this.eye.position.clone().sub(target), up = new Vector3(0, 0, 1);
+    const side = new Vector3().crossVectors(up, way).normalize();
+    const modes = Object.keys(kModes);
+    if (turn && e.shiftKey) {
+      const step = side.multiplyScalar(-turn[0]).addScaledVector(up, turn[1]).multiplyScalar(-kKeyPan * way.length());
+      target.add(step), this.eye.position.add(step);
+    } else if (turn) {
+      const turned = way.clone().applyAxisAngle(up, turn[0] * kKeyTurn).applyAxisAngle(side, turn[1] * kKeyTurn);
+      if (Math.abs(turned.z) < 0.995 * turned.length()) this.eye.position.copy(target).add(turned);
+    } else if (e.key === '+' || e.key === '=' || e.key === '-') {
+      this.eye.position.copy(target).addScaledVector(way, e.key === '-' ? 1 / kKeyZoom : kKeyZoom);
+    } else if (e.key >= '1' && e.key <= String(modes.length)) {
+      return this.set({ mode: modes[e.key - 1] });
+    } else if (e.key === 'r') {
+      return this.reset();
+    } else if (e.key === 'f') {
+      return this.frame_scene();
+    } else {
+      return;
+    }
+    e.preventDefault();
+    this.controls.update();
+    this.moved();
+  }
+
+  // ---- photos
+
+  show_photo(index) {
+    const camera = this.scene.cameras[index];
+    if (!camera) return;
+    stand_at(this.eye, this.controls.target, camera, this.scene.middle);
+    this.photo = undefined;  // what the controls say of this move is not meant
+    this.controls.update();
+    this.photo = index;
+    const img = document.getElementById('photo'), split = document.getElementById('split');
+    img.hidden = split.hidden = !this.page.photos[index];
+    if (this.page.photos[index]) img.src = this.page.photos[index], img.alt = camera.name;
+    split.oninput = () => img.style.setProperty('--split', `${split.value}%`);
+    split.oninput();
+    clearTimeout(this.rest);
+    this.resting = true;
+    this.changed(), this.draw();
+  }
+  leave_photo() {
+    this.photo = undefined;
+    document.getElementById('photo').hidden = document.getElementById('split').hidden = true;
+    this.frame.style.cssText = '';
+  }
+
+  // ---- pictures
+
+  // The camera of a picture of that size.
+  camera(width, height) {
+    return this.photo === undefined ? from_three(this.eye, width, height) : resized(this.scene.cameras[this.photo], width, height);
+  }
+  draw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.paint();
+    });
+  }
+  paint() {
+    const stage = document.getElementById('stage');
+    if (this.photo !== undefined) {  // the shape of the photo
+      const { width, height } = this.scene.cameras[this.photo], scale = Math.min(stage.clientWidth / width, stage.clientHeight / height);
+      this.frame.style.cssText = `width:${Math.floor(width * scale)}px;height:${Math.floor(height * scale)}px`;
+    }
+    const small = this.first || (!this.resting && this.slow), scale = Math.min(devicePixelRatio, 2) * (small ? kMovingScale : 1);
+    const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((v) => Math.min(kMostSide, Math.max(1, Math.round(v * scale))));
+    const began = performance.now();
+    this.draw_now(this.camera(...size), { panes: !small });
+    const gl = this.renderer.getContext(), one = new Uint8Array(4);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one);  // waits until it is there
+    this.slow = (performance.now() - began) * (small ? 1 / kMovingScale ** 2 : 1) > kSlow;
+    this.draw_marks();
+    if (!this.first) return;
+    this.first(this), (this.first = null), (this.resting = true);
+    this.draw();
+  }
+  // At once, at the size of the camera; `more`: what differs from the state of the page (gain, exposure, mode ...).
+  draw_now(camera, more = {}) {
+    this.renderer.setSize(camera.width, camera.height, false);
+    const gain = this.photo === undefined ? [1, 1, 1] : this.scene.cameras[this.photo].gain;
+    this.drawn = camera;
+    this.picture.draw(camera, { ...this.state, gain, ...more });
+  }
+  // A picture as a PNG, when the last change is drawn.
+  async screenshot() {
+    this.draw_now(this.camera(this.canvas.width, this.canvas.height));
+    return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
+  }
+  views_json(path) {
+    return transforms_json(path ? this.path : [this.camera(this.canvas.width, this.canvas.height)]);
+  }
+  add_to_path() {
+    this.path.push(this.camera(this.canvas.width, this.canvas.height));
+    this.changed();
+  }
+
+  // ---- light from files
+
+  async light_of(file) {
+    try {
+      const map = read_sky(file.name, await file.arrayBuffer());
+      this.skies[file.name] = map;
+      this.tell('');
+      this.set({ light: file.name, turn: 0, mode: 'relit', exposure: null });
+    } catch (e) {
+      this.tell(e.message);
+    }
+  }
+  dragged(e) {
+    e.preventDefault();
+    document.body.classList.toggle('dropping', e.type === 'dragover');
+    const file = e.type === 'drop' && e.dataTransfer?.files[0];
+    if (!file) return;
+    if (this.scene.relit) this.light_of(file);
+    else this.tell('This scene has no materials, so another light cannot fall on it: finish `vitrine run`, then `vitrine view`.');
+  }
+
+  // ---- distances
+
+  released(e) {
+    if (!this.pressed || Math.hypot(e.clientX - this.pressed[0], e.clientY - this.pressed[1]) > 4) return;
+    const box = this.canvas.getBoundingClientRect(), k = this.drawn;
+    const x = ((e.clientX - box.left) / box.width) * k.width, y = ((e.clientY - box.top) / box.height) * k.height, z = this.picture.depth_at(x, y);
+    if (!(z > 0)) return this.tell('There is no surface to measure from.');
+    this.tell('');
+    if (this.measures.length === 2) this.measures = [];
+    this.measures.push(unprojected(k, x, y, z));
+    this.draw_marks(), this.changed();
+  }
+  // Between the two marked points; null while there are fewer. In metres where the scale is known, else in radii of the camera ring.
+  distance() {
+    const [a, b] = this.measures;
+    return b ? Math.hypot(...a.map((v, i) => v - b[i])) : null;
+  }
+  distance_text() {
+    const d = this.distance();
+    if (d === null) return '';
+    if (!this.scene.scale_known) return `${d.toFixed(3)} units, scale unknown`;
+    return d < 1 ? `${(100 * d).toFixed(1)} cm` : `${d.toFixed(2)} m`;
+  }
+  draw_marks() {
+    const svg = document.getElementById('marks'), k = this.drawn, sx = svg.clientWidth / k.width, sy = svg.clientHeight / k.height;
+    const at = this.measures.map((p) => projected(k, p)).filter((p) => p[2] > 0).map(([x, y]) => [x * sx, y * sy]);
+    const line = at.length === 2 ? `<line x1="${at[0][0]}" y1="${at[0][1]}" x2="${at[1][0]}" y2="${at[1][1]}"/><text x="${at[1][0] + 8}" y="${at[1][1]}">${this.distance_text()}</text>` : '';
+    svg.innerHTML = line + at.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="4"/>`).join('');
+  }
+}
