@@ -11,6 +11,7 @@ using Words = std::vector<std::string>;
 int run_command(const Words& words);
 int render_command(const Words& words);
 int relight_command(const Words& words);
+int view_command(const Words& words);
 int export_command(const Words& words);
 int inspect_command(const Words& words);
 int report_command(const Words& words);

@@ -26,6 +26,7 @@ constexpr Command kCommands[] = {
     {"run", "photos in, scene out; computes what is not up to date", run_command},
     {"render", "pictures of the trained scene, from its cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},
+    {"view", "one page that shows the scene in a browser: OUT/view.html", view_command},
     {"edit", "changes to a finished scene: materials, deletion; replayable", edit_command},
     {"export", "the scene in other programs' formats; --list says what each holds", export_command},
     {"report", "one page that says how the run went: OUT/report.html", report_command},

@@ -18,6 +18,7 @@
 #include "pipeline/preflight.h"
 #include "pipeline/project.h"
 #include "pipeline/runner.h"
+#include "pipeline/view_page.h"
 
 namespace vitrine {
 
@@ -133,7 +134,13 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   return desc;
 }
 
-// The page is for people: nothing fails because of it.
+// The pages are for people: nothing fails because of them.
+void write_view(Report& report, const fs::path& project) {
+  const ViewPageOutcome outcome = write_view_page(project);
+  if (outcome.what == ViewPage::Written) report.line(fmt::format("view: {}", view_page_path(project).string()));
+  if (outcome.what == ViewPage::Failed) report.line(fmt::format("note: there is no view.html of this run: {}", outcome.why));
+}
+
 void write_page(Report& report, const fs::path& project, bool only_if_changed) {
   const auto why_not = write_html_report(project, only_if_changed);
   report.line(why_not ? fmt::format("note: there is no report.html of this run: {}", *why_not)
@@ -268,6 +275,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
     throw;
   }
   report.finish(settings, 0);
+  write_view(report, target.project);
   write_page(report, target.project, true);
   return 0;
 }

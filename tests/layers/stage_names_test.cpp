@@ -20,7 +20,7 @@ struct Exception {
 };
 
 constexpr Exception kExceptions[] = {
-    {"main.cpp", "inspect render relight edit export", "words of the command line, not stages"},
+    {"main.cpp", "inspect render relight view edit export", "words of the command line, not stages"},
     {"run_command.cpp", "masks shapes normals", "flags --masks, --shapes and --normals"},
     {"inspect_command.cpp", "masks", "flag --masks"},
     {"given_inputs.cpp", "masks", "the outside input that --masks gives; advice with options of the stage that reads it"},
@@ -32,6 +32,8 @@ constexpr Exception kExceptions[] = {
     {"export_folder.h", "export", "export/, which a run and vitrine export share"},
     {"render_command.cpp", "render sfm optimize", "vitrine render"},
     {"relight_command.cpp", "relight sfm optimize mesh decompose", "vitrine relight"},
+    {"view_command.cpp", "view", "vitrine view"},
+    {"view_page.cpp", "view sfm optimize refine mesh decompose", "vitrine view"},
     {"picture_tool.h", "refine", "vitrine render and relight: taken where it is there"},
     {"picture_tool.cpp", "relight", "vitrine relight: report.html shows its pictures"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks", "vitrine edit, and which results an edit replaces"},

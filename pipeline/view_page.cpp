@@ -1,0 +1,65 @@
+#include "pipeline/view_page.h"
+
+#include <unistd.h>
+
+#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
+#include "core/artifact/store.h"
+#include "core/base/error.h"
+#include "core/base/process.h"
+#include "pipeline/printed_key.h"
+
+namespace vitrine {
+
+namespace {
+constexpr const char* kTool = "view";
+}
+
+fs::path view_page_path(const fs::path& project) { return project / "view.html"; }
+
+ToolInputs view_inputs(const fs::path& edited) {
+  return {.stages = {"sfm", "optimize"},
+          .optional = {"refine", "mesh", "decompose"},
+          .missing = "there is no trained scene to view yet",
+          .edited = edited};
+}
+
+void keep_view_page(const fs::path& project, const ToolResult& page) {
+  const auto last = current_key(project, kTool);
+  std::optional<Manifest> before;
+  if (last && *last != page.key) before = ArtifactStore(store_of(project)).find(kTool, *last);
+  publish(page.entry, page.manifest, project, before ? &*before : nullptr);
+  set_current_key(project, kTool, page.key);
+}
+
+ViewPageOutcome write_view_page(const fs::path& project) {
+  const auto current = current_keys(project);
+  for (const std::string& stage : view_inputs().stages)
+    if (!current.contains(stage)) return {};
+  try {
+    const Words call = tool_call(kTool, project, view_inputs());
+    ToolResult page{.key = key_of_run(call)};
+    Words words = call;
+    words.insert(words.end(), {"--quiet", "--no-progress"});
+    const ProcessResult r = run_process({.arguments = words,
+                                         .environment = {{"VITRINE_PARENT_PID", std::to_string(getpid())}},
+                                         .on_line = [](std::string_view) {},
+                                         .forward_interrupts = false});
+    if (!r.ok()) {
+      const size_t error = r.tail.find("error: ");
+      const std::string told = error == std::string::npos ? r.tail : r.tail.substr(error + 7);
+      const std::string first = told.substr(0, told.find('\n'));
+      return {ViewPage::Failed, first.empty() ? "vitrine-view ended without a word" : first};
+    }
+    const ArtifactStore store(store_of(project));
+    const auto manifest = store.find(kTool, page.key);
+    if (!manifest) return {ViewPage::Failed, "vitrine-view left nothing behind"};
+    page.manifest = *manifest, page.entry = store.entry(kTool, page.key);
+    keep_view_page(project, page);
+    return {ViewPage::Written};
+  } catch (const Error& e) {
+    return {ViewPage::Failed, e.message()};
+  }
+}
+
+}  // namespace vitrine
