@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/light/octahedral.h"
 #include "core/model/kernels/mirror.h"
 #include "core/relight/sample_points.h"
 
@@ -18,7 +19,15 @@ constexpr float kTransferReach = 3;     // in grains: how far off the mesh a sur
 constexpr float kTransferLift = 2.5f;   // in grains: where rays start above it (README 4)
 constexpr float kWallReach_rel = 0.2f;  // of the distance from the centre: how far off a surfel is from the wall that it shows
 constexpr float kSameSide = 0.3f;       // cosine: a normal of a surfel that agrees less with its mesh is replaced
+constexpr float kFromAllSides = 0.25f;  // pi over the sphere's 4 pi
+constexpr float kMostlyOpen = 0.5f;     // share of a ray that panes let through
 constexpr uint64_t kVertexStream = 0x21, kSurfelStream = 0x22;
+
+// Of a texel of a lat-long map.
+double row_solid_angle(int row, int width, int height) {
+  return 2 * std::numbers::pi / width *
+         (std::cos(std::numbers::pi * row / height) - std::cos(std::numbers::pi * (row + 1) / height));
+}
 
 void add(Transfer& sum, const Vec3f& direction, float share) {
   float basis[kTransferSize];
@@ -33,8 +42,7 @@ LightHarmonics light_harmonics(const Environment& environment) {
   const int w = map.width(), h = map.height();
   std::array<Vec3d, kTransferSize> sum{};
   for (int y = 0; y < h; ++y) {
-    const double solid_angle =
-        2 * std::numbers::pi / w * (std::cos(std::numbers::pi * y / h) - std::cos(std::numbers::pi * (y + 1) / h));
+    const double solid_angle = row_solid_angle(y, w, h);
     for (int x = 0; x < w; ++x) {
       const Vec3f d =
           environment.world_from_map() * lat_long_direction((float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h));
@@ -50,9 +58,41 @@ LightHarmonics light_harmonics(const Environment& environment) {
   return out;
 }
 
-Vec3f irradiance(const Transfer& transfer, const LightHarmonics& light) {
+CellLight cell_light(const Environment& environment) {
+  const ImageF& map = environment.map();
+  const int w = map.width(), h = map.height();
+  std::array<Vec3d, kCells> flux{}, direction{}, middle{};
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const Vec3f d =
+          environment.world_from_map() * lat_long_direction((float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h));
+      const Vec2f p = octahedral_place(d);
+      const auto at = [](float v) { return std::clamp(static_cast<int>((0.5f * v + 0.5f) * kCellSide), 0, kCellSide - 1); };
+      const size_t cell = static_cast<size_t>(at(p.y) * kCellSide + at(p.x));
+      const double angle = row_solid_angle(y, w, h);
+      const float* rgb = map.pixel(x, y);
+      const Vec3d light = angle * Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])};
+      flux[cell] += light;
+      direction[cell] += (light.x + light.y + light.z) * cast<double>(d);
+      middle[cell] += angle * cast<double>(d);
+    }
+  CellLight out;
+  for (size_t c = 0; c < kCells; ++c) {
+    out.flux[c] = cast<float>(flux[c]);
+    const Vec3d& d = squared_length(direction[c]) > 0 ? direction[c] : middle[c];
+    if (squared_length(d) > 0) out.direction[c] = cast<float>(normalized(d));
+  }
+  return out;
+}
+
+Vec3f irradiance(const ReceivedLight& received, const CellLight& cells, const LightHarmonics& harmonics) {
+  const bool all_sides = squared_length(received.normal) == 0;
   Vec3f sum{};
-  for (size_t k = 0; k < kTransferSize; ++k) sum += hadamard(transfer[k], light[k]);
+  for (size_t c = 0; c < kCells; ++c) {
+    if ((received.open[c / 32] >> (c % 32) & 1) == 0) continue;
+    sum += (all_sides ? kFromAllSides : std::max(dot(received.normal, cells.direction[c]), 0.f)) * cells.flux[c];
+  }
+  for (size_t k = 0; k < kTransferSize; ++k) sum += hadamard(received.bounced[k], harmonics[k]);
   return {std::max(sum.x, 0.f), std::max(sum.y, 0.f), std::max(sum.z, 0.f)};
 }
 
@@ -63,14 +103,16 @@ LightTransfer::LightTransfer(const SceneSurface& surface, const TransferDesc& de
     std::vector<Transfer> next(mesh.positions.size());
     parallel_for(next.size(), kTransferTask, [&](size_t v) {
       throw_if_interrupted();
-      next[v] = gathered({mesh.positions[v] + lift * mesh.normals[v], mesh.normals[v]}, mix64(kVertexStream, v), bounce > 0);
+      next[v] =
+          gathered({mesh.positions[v] + lift * mesh.normals[v], mesh.normals[v]}, mix64(kVertexStream, v), true, bounce > 0);
     });
     vertices_ = std::move(next);
   }
 }
 
-// By rays whose density is cos/pi: T_k = pi/n sum of what comes along them. `bounced`: also light that the mesh sends on.
-Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool bounced) const {
+// By rays whose density is cos/pi: T_k = pi/n sum of what comes along them. `direct`: light from outside;
+// `bounced`: light that the mesh sends on.
+Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool direct, bool bounced) const {
   Vec3f t0, t1;
   tangents(place.normal, t0, t1);
   const SamplePoints points(desc_.seed, stream);
@@ -83,7 +125,7 @@ Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool bounc
     const float outside = surface_->follow(place.origin, d, [&](const SceneSurface::Meeting& m) {
       if (bounced && m.front) add_sent(sum, m.place, each * m.share);
     });
-    if (outside > 0) add(sum, d, each * outside);
+    if (direct && outside > 0) add(sum, d, each * outside);
   }
   return sum;
 }
@@ -106,16 +148,28 @@ LightTransfer::Arrival LightTransfer::arriving(const Vec3f& origin, const Vec3f&
   return a;
 }
 
-// Pi times the mean over the sphere: what a matt place of no particular direction receives.
-Transfer LightTransfer::from_all_sides(const Vec3f& point, uint64_t stream) const {
-  const Transfer up = gathered({point, {0, 0, 1}}, stream, !vertices_.empty()),
-                 down = gathered({point, {0, 0, -1}}, stream, !vertices_.empty());
-  Transfer mean;
-  for (size_t k = 0; k < kTransferSize; ++k) mean[k] = 0.5f * (up[k] + down[k]);
-  return mean;
+ReceivedLight LightTransfer::received(const Place& place, uint64_t stream) const {
+  ReceivedLight out{.normal = place.normal};
+  const bool all_sides = squared_length(place.normal) == 0, bounced = !vertices_.empty();
+  if (all_sides) {
+    const Transfer up = gathered({place.origin, {0, 0, 1}}, stream, false, bounced),
+                   down = gathered({place.origin, {0, 0, -1}}, stream, false, bounced);
+    for (size_t k = 0; k < kTransferSize; ++k) out.bounced[k] = 0.5f * (up[k] + down[k]);
+  } else {
+    out.bounced = gathered(place, stream, false, bounced);
+  }
+  const SamplePoints points(desc_.seed, stream);
+  for (size_t c = 0; c < kCells; ++c) {
+    const Vec2f u = points.point(1, static_cast<uint32_t>(c));
+    const Vec3f d =
+        octahedral_direction(2 * (float(c % kCellSide) + u.x) / kCellSide - 1, 2 * (float(c / kCellSide) + u.y) / kCellSide - 1);
+    if (!all_sides && !(dot(place.normal, d) > 0)) continue;
+    if (surface_->visibility(place.origin, d) > kMostlyOpen) out.open[c / 32] |= 1u << (c % 32);
+  }
+  return out;
 }
 
-Transfer LightTransfer::of_surfel(const SplatLayer& layer, size_t i) const {
+ReceivedLight LightTransfer::of_surfel(const SplatLayer& layer, size_t i) const {
   const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i);
   const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
   const float grain = surface_->grain(), wall = kWallReach_rel * length(mean);
@@ -129,16 +183,15 @@ Transfer LightTransfer::of_surfel(const SplatLayer& layer, size_t i) const {
       // Where the mesh has a pit the surfel lies before it, and its own normal is the better one.
       const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
       const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
-      return gathered(
-          {on_mesh + (above + kTransferLift * grain) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards}, stream,
-          !vertices_.empty());
+      return received(
+          {on_mesh + (above + kTransferLift * grain) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards}, stream);
     }
   }
-  return from_all_sides(mean, stream);
+  return received({mean, {}}, stream);
 }
 
-std::vector<Transfer> LightTransfer::of_surfels(const SplatLayer& layer) const {
-  std::vector<Transfer> out(layer.size());
+std::vector<ReceivedLight> LightTransfer::of_surfels(const SplatLayer& layer) const {
+  std::vector<ReceivedLight> out(layer.size());
   parallel_for(out.size(), kTransferTask, [&](size_t i) {
     throw_if_interrupted();
     out[i] = of_surfel(layer, i);

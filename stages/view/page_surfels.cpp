@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/light/octahedral.h"
 #include "core/model/opened_scene.h"
 #include "core/model/sheet_pass.h"
 #include "core/scene/activation.h"
@@ -18,6 +19,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kMostAlbedo = 1;           // of what stands behind glass: its radiance over the light that it had
 constexpr float kLeastIrradiance = 1e-3f;  // of the light in the open
 constexpr int kByteZero = 128, kByteOne = 127;
+constexpr uint8_t kNoSide = 255;      // of a normal, otherwise 0 to 254
+constexpr int kBouncedDegree = 1;     // light from the scene is smooth
 constexpr float kTransferSteps = 48;  // of a coefficient, in the constant one
 
 // How much of the pictures a surfel covers, in a unit of no meaning.
@@ -179,9 +182,10 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
                 .roughness = std::vector<float>(n, 1.f),
                 .specular = std::vector<float>(n, 0.f),
                 .transmission = std::vector<float>(n, 0.f),
-                .transfer = transfer.of_surfels(drawn)};
-  out.transfer.resize(n);
+                .received = transfer.of_surfels(drawn)};
+  out.received.resize(n);
   const LightHarmonics captured = light_harmonics(scene.captured);
+  const CellLight cells = cell_light(scene.captured);
   const Vec3f open = scene.captured.mean();
   const float least = kLeastIrradiance * kPi * (open.x + open.y + open.z) / 3 + 1e-12f;
   for (size_t k = 0; k < surfels.drawn; ++k) {
@@ -193,7 +197,7 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
       continue;
     }
     // Radiance under the light of the photos (core/relight/README.md 5): scales with the light.
-    const Vec3f before = irradiance(out.transfer[k], captured);
+    const Vec3f before = irradiance(out.received[k], cells, captured);
     const float* dc = surfels.layer.at(Attribute::ShDc, k);
     for (size_t c = 0; c < 3; ++c)
       out.albedo[k][c] = std::clamp(kPi * std::max(0.5f + kShDc * dc[c], 0.f) / (before[c] + least), 0.f, kMostAlbedo);
@@ -201,19 +205,20 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
   return out;
 }
 
-void add_transfers(std::string_view name, std::span<const Transfer> transfers, PageBlocks& blocks) {
+void add_transfers(std::string_view name, std::span<const Transfer> transfers, int degree, PageBlocks& blocks) {
+  const size_t size = sh_coefficient_count(degree);
   std::vector<float> constant;
   std::vector<uint8_t> shape;
   for (const Transfer& t : transfers) {
     const float grey = t[0].x + t[0].y + t[0].z;
     constant.insert(constant.end(), {t[0].x, t[0].y, t[0].z});
-    for (size_t k = 1; k < kTransferSize; ++k) {
+    for (size_t k = 1; k < size; ++k) {
       const float share = grey > 0 ? (t[k].x + t[k].y + t[k].z) / grey : 0.f;
       shape.push_back(static_cast<uint8_t>(std::clamp<long>(kByteZero + std::lround(kTransferSteps * share), 0, 255)));
     }
   }
   blocks.halves(std::string(name) + "_constant", constant, 3);
-  blocks.bytes(name, shape, int(kTransferSize) - 1);
+  blocks.bytes(name, shape, static_cast<int>(size) - 1);
 }
 
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks) {
@@ -245,7 +250,19 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
   }
   blocks.bytes("albedo", albedo, 3);
   blocks.bytes("lit_material", lit, 6);
-  add_transfers("transfer", light->transfer, blocks);
+  std::vector<uint32_t> open;
+  std::vector<uint8_t> side;
+  std::vector<Transfer> bounced;
+  for (const ReceivedLight& r : light->received) {
+    open.insert(open.end(), r.open.begin(), r.open.end());
+    bounced.push_back(r.bounced);
+    const bool none = squared_length(r.normal) == 0;
+    const Vec2f place = none ? Vec2f{} : octahedral_place(r.normal);
+    for (const float v : {place.x, place.y}) side.push_back(none ? kNoSide : static_cast<uint8_t>(std::lround(127 + 127 * v)));
+  }
+  blocks.indices("open", open, int(kCells / 32));
+  blocks.bytes("side", side, 2);
+  add_transfers("bounced", bounced, kBouncedDegree, blocks);
 }
 
 }  // namespace vitrine

@@ -37,16 +37,16 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
 struct PageLight {
   std::vector<Vec3f> albedo, f0;
   std::vector<float> roughness, specular, transmission;
-  std::vector<Transfer> transfer;
+  std::vector<ReceivedLight> received;
 };
 PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels);
 
-// Transfers as the page has them: `name`_constant f16 of three, their constant coefficients; `name` u8 of fifteen, the others in
-// that one, without colour.
-void add_transfers(std::string_view name, std::span<const Transfer> transfers, PageBlocks& blocks);
+// Transfers as the page has them: `name`_constant f16 of three, their constant coefficients; `name` u8, the others up to that
+// degree in units of it, without colour.
+void add_transfers(std::string_view name, std::span<const Transfer> transfers, int degree, PageBlocks& blocks);
 
-// Blocks place, turn, span, opacity, sh0, sh, sh_scale, material, flags; with a light albedo, lit_material, transfer_constant,
-// transfer (README, "What the file holds").
+// Blocks place, turn, span, opacity, sh0, sh, sh_scale, material, flags; with a light albedo, lit_material, open, side,
+// bounced_constant, bounced (README, "What the file holds").
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks);
 
 }  // namespace vitrine

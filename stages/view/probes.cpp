@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/light/octahedral.h"
 #include "core/math/quantile.h"
 #include "core/model/opened_scene.h"
 #include "core/scene/activation.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr float kPolished = 0.3f;  // k_s of what is, as in ShapeOptions
 constexpr double kAround = 0.05;   // quantile of the polished surfels: their extent, without strays
+constexpr float kLift = 4;         // in grains of the mesh: how far off a known shape rays are free of its mesh
 constexpr float kBeyond = 1.02f;   // of the way out of the extent: what lies there is not the thing itself
 
 struct Stand {
@@ -69,26 +71,18 @@ float way_out(const Stand& stand, const Vec3f& direction, float near) {
 
 }  // namespace
 
-Vec3f octahedral_direction(int x, int y, int side) {
-  float px = 2 * (float(x) + 0.5f) / float(side) - 1, py = 2 * (float(y) + 0.5f) / float(side) - 1;
-  const float z = 1 - std::abs(px) - std::abs(py);
-  if (z < 0) {
-    const float qx = (1 - std::abs(py)) * (px < 0 ? -1.f : 1.f), qy = (1 - std::abs(px)) * (py < 0 ? -1.f : 1.f);
-    px = qx, py = qy;
-  }
-  return normalized(Vec3f{px, py, z});
-}
-
 std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
+  const float lift = std::max(scene.image.reflection.near, kLift * transfer.surface().grain());
   std::vector<Probe> out;
   for (const Stand& stand : stands(scene, middle)) {
     Probe p{
         .centre = stand.centre, .sent = std::vector<Transfer>(n), .open = std::vector<float>(n), .depth = std::vector<float>(n)};
     parallel_for(n, size_t(kProbeSide), [&](size_t i) {
       throw_if_interrupted();
-      const Vec3f d = octahedral_direction(int(i) % kProbeSide, int(i) / kProbeSide, kProbeSide);
-      const float out_at = way_out(stand, d, scene.image.reflection.near);
+      const Vec3f d = octahedral_direction(2 * (float(i % kProbeSide) + 0.5f) / kProbeSide - 1,
+                                           2 * (float(i / kProbeSide) + 0.5f) / kProbeSide - 1);
+      const float out_at = way_out(stand, d, lift);
       const LightTransfer::Arrival a = transfer.arriving(cast<float>(stand.centre) + out_at * d, d);
       p.sent[i] = a.from_scene, p.open[i] = a.from_outside;
       p.depth[i] = a.distance > 0 ? a.distance + out_at : 0.f;
@@ -105,7 +99,7 @@ void add_probes(std::span<const Probe> probes, PageBlocks& blocks) {
     sent.insert(sent.end(), p.sent.begin(), p.sent.end());
     for (size_t i = 0; i < p.open.size(); ++i) way.insert(way.end(), {p.open[i], p.depth[i]});
   }
-  add_transfers("probe", sent, blocks);
+  add_transfers("probe", sent, kTransferDegree, blocks);
   blocks.halves("probe_way", way, 2);
 }
 

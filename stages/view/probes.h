@@ -2,8 +2,7 @@
 // (core/relight/light_transfer.h), and how far it is. The page looks a reflected ray up by walking along it until its distance
 // from the middle is that of the picture. (Under the light of the photos it sends rays through the reflection layer.)
 //
-// Directions by the octahedral map (Engelhardt and Dachsbacher 2008), +z in the middle: texel (x, y) of side s shows the
-// direction of p = 2 (x + 1/2, y + 1/2)/s - 1: (p, 1 - |p.x| - |p.y|), folded outwards where that is below 0, normalised.
+// Directions by the octahedral map (core/light/octahedral.h).
 #pragma once
 
 #include <vector>
@@ -15,8 +14,6 @@ namespace vitrine {
 
 inline constexpr int kProbeSide = 128;
 inline constexpr size_t kMostProbes = 4;
-
-Vec3f octahedral_direction(int x, int y, int side);
 
 struct Probe {
   Vec3d centre{};

@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kPhotoQuality = 80;
+constexpr int kPhotoQuality = 75;
 constexpr int kEnvironmentWidth = 128;  // of the light of the photos in the page
 
 struct Scene {
@@ -130,12 +130,11 @@ void describe(Describer& d, ViewConfig& c) {
   d.option("surfels", c.surfels, "At most so many surfels; those that cover least of the photos are left out.")
       .range(1000, 2000000);
   d.option("photo_side", c.photo_side, "Longest side of the photos in the page, pixels; 0 = no photos.").range(0, 4096);
-  d.option("rays", c.rays, "Rays of each surfel that find what light reaches it.").range(8, 4096);
+  d.option("rays", c.rays, "Rays of each surfel that find the light which other surfaces send it.").range(8, 4096);
   d.option("mesh_faces", c.mesh_faces, "Faces of the mesh that browsers without WebGL2 show.").range(100, 200000);
 }
 
-void run_view(const ViewConfig& config, StageContext& context) {
-  const std::string page = empty_page();  // a build without one is told before anything is computed
+void write_view(const std::string& page, const ViewConfig& config, StageContext& context) {
   const Scene s = read_scene(context);
   PageBlocks blocks;
   std::vector<Vec3d> eyes;
@@ -192,6 +191,11 @@ void run_view(const ViewConfig& config, StageContext& context) {
   context.metric("size_bytes", double(text.size()));
   context.summary(
       fmt::format("{} surfels{}, {:.1f} MB", surfels.drawn, light ? "" : ", not to be relit", double(text.size()) / 1e6));
+}
+
+void run_view(const ViewConfig& config, StageContext& context) {
+  // A build without a page is told before anything is computed.
+  write_view(empty_page(), config, context);
 }
 
 Stage view_stage() {

@@ -10,12 +10,14 @@ namespace vitrine {
 
 struct ViewConfig {
   int surfels = 250000;
-  int photo_side = 512;
-  int rays = 128;
+  int photo_side = 480;
+  int rays = 64;
   int mesh_faces = 20000;
 };
 void describe(Describer& d, ViewConfig& c);
 
+// `page`: without a scene (page_text.h).
+void write_view(const std::string& page, const ViewConfig& config, StageContext& context);
 void run_view(const ViewConfig& config, StageContext& context);
 Stage view_stage();
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/rng.h"
+#include "core/relight/light_transfer.h"
 #include "core/relight/relit_painter.h"
 #include "core/relight/sample_points.h"
 #include "tests/support/tiny_capture.h"
@@ -80,6 +81,20 @@ void light_on_mesh(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * int64_t(scene.mesh.positions.size()));
 }
 BENCHMARK(light_on_mesh)->Name("relight/light_on_mesh/25k_vertices")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+
+// Items are surfels: 256 rays into cells of the sky, of which half are below the horizon, and 64 for light from the scene.
+void light_transfer(benchmark::State& state) {
+  const RelitScene scene = ball(112);
+  const SceneSurface surface(scene);
+  const LightTransfer transfer(surface);
+  const Environment white(ImageF(16, 8, 3, 1.f));
+  const SplatLayer& surfels = scene.trained.surfels.diffuse;
+  const float e = irradiance(transfer.of_surfels(surfels)[0], cell_light(white), light_harmonics(white)).x;
+  if (std::abs(e / std::numbers::pi - 1) > 0.05) state.SkipWithError("a ball under white light does not receive pi");
+  for (auto _ : state) benchmark::DoNotOptimize(transfer.of_surfels(surfels).data());
+  state.SetItemsProcessed(state.iterations() * int64_t(surfels.size()));
+}
+BENCHMARK(light_transfer)->Name("relight/light_transfer/20k_surfels")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 // Items are samples: one ray to the light and one into the lobe.
 void picture(benchmark::State& state) {

@@ -7,7 +7,8 @@ import {
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
 import { Shapes } from './shapes.js';
-import { harmonics, sky_texture, turned } from './sky.js';
+import { irradiance } from './irradiance.js';
+import { cell_light, harmonics, sky_texture, turned } from './sky.js';
 import { kWidth, Paint, Surfels, texture, whole_numbers } from './surfels.js';
 import { surfel_tree } from './tree.js';
 import blend_glsl from './blend.glsl';
@@ -22,6 +23,7 @@ import surface_glsl from './surface.glsl';
 const kMostPictures = 8;       // of panes in one picture; more are left to the probes
 const kMirrorNear = 1e-3;
 const kProbes = 4;
+const kCellSide = 16, kTransferSteps = 48;  // core/relight/light_transfer.h, stages/view/page_surfels.cpp
 
 // Modes, their names for people, and whether they need materials.
 export const kModes = {
@@ -36,7 +38,7 @@ const full_screen = 'in vec3 position; void main() { gl_Position = vec4(position
 export class Picture {
   constructor(renderer, page) {
     const { scene, blocks } = page;
-    this.renderer = renderer, this.scene = scene;
+    this.renderer = renderer, this.scene = scene, this.blocks = blocks;
     renderer.autoClear = false;
     renderer.setClearColor(0x000000, 0);
     this.surfels = new Surfels(renderer, page);
@@ -114,7 +116,7 @@ export class Picture {
     this.probe_uniforms = {
       ...this.sky_uniforms, constants: { value: texture(constants, side, HalfFloatType) }, depths: { value: texture(depths, side, HalfFloatType) },
       shapes: { value: texture(shapes, 4 * side, UnsignedByteType) },
-      light: this.surfels.color_uniforms.light, steps: this.surfels.color_uniforms.steps, row: { value: 0 }, side: { value: side },
+      light: { value: null }, steps: { value: kTransferSteps }, row: { value: 0 }, side: { value: side },
     };
     this.probe_quad = new FullScreenQuad(new RawShaderMaterial({
       glslVersion: GLSL3, uniforms: this.probe_uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
@@ -132,21 +134,21 @@ export class Picture {
     }
     const radians = (turn * Math.PI) / 180;
     this.sky_uniforms.sky_turn.value = radians;
-    this.turned = turned(this.coefficients, radians);
-    this.surfels.set_light(this.turned);
+    const coefficients = turned(this.coefficients, radians);
+    this.probe_uniforms.light.value = coefficients.flat();
+    this.irradiance = irradiance(this.blocks, this.scene.drawn, cell_light(map, radians, kCellSide), coefficients);
+    this.surfels.set_irradiance(this.irradiance);
     this.probes_fresh = false;
   }
 
   // Stops that make the mean of what matt surfels near the middle send a middle grey.
-  exposure_of_scene(blocks) {
-    const L = this.turned, places = this.surfels.places, { middle, radius } = this.scene;
+  exposure_of_scene() {
+    const places = this.surfels.places, { middle, radius } = this.scene, weights = [0.2126, 0.7152, 0.0722];
     let sum = 0, count = 0;
     for (let i = 0; i < this.scene.solid; i += 7) {
       if (Math.hypot(...middle.map((m, c) => places[3 * i + c] - m)) > radius) continue;
-      let e = [...L[0]];
-      for (let k = 0; k < 15; ++k) e = e.map((v, c) => v + (L[k + 1][c] * (blocks.transfer[15 * i + k] - 128)) / 48);
-      const sent = e.map((v, c) => (Math.max(0, v) * DataUtils.fromHalfFloat(blocks.transfer_constant[3 * i + c]) * (blocks.albedo[3 * i + c] / 255) ** 2) / Math.PI);
-      sum += 0.2126 * sent[0] + 0.7152 * sent[1] + 0.0722 * sent[2], ++count;
+      weights.forEach((w, c) => (sum += (w * this.irradiance[3 * i + c] * (this.blocks.albedo[3 * i + c] / 255) ** 2) / Math.PI));
+      ++count;
     }
     return sum > 0 ? Math.round(10 * Math.log2((0.18 * count) / sum)) / 10 : 0;
   }

@@ -27,6 +27,33 @@ export function sh_basis([x, y, z]) {
   ];
 }
 
+// What a map turned about +z by `radians` sends out of each of side x side cells of the octahedral map (core/relight/light_transfer.h):
+// flux [3 cells] and the direction [3 cells] from where in the mean.
+export function cell_light({ width, height, data }, radians, side) {
+  const flux = new Float32Array(3 * side * side), towards = new Float64Array(3 * side * side), middle = new Float64Array(3 * side * side);
+  const cell = (v) => Math.min(side - 1, Math.max(0, Math.floor((0.5 * v + 0.5) * side)));
+  for (let row = 0; row < height; ++row) {
+    const angle = ((2 * Math.PI) / width) * (Math.cos((Math.PI * row) / height) - Math.cos((Math.PI * (row + 1)) / height));
+    const elevation = Math.PI * (0.5 - (row + 0.5) / height), z = Math.sin(elevation), c = Math.cos(elevation);
+    for (let x = 0; x < width; ++x) {
+      const azimuth = -2 * Math.PI * ((x + 0.5) / width - 0.5) + radians, d = [c * Math.cos(azimuth), c * Math.sin(azimuth), z];
+      const s = 1 / (Math.abs(d[0]) + Math.abs(d[1]) + Math.abs(z));
+      let px = s * d[0], py = s * d[1];
+      if (z < 0) [px, py] = [(1 - Math.abs(py)) * (px < 0 ? -1 : 1), (1 - Math.abs(px)) * (py < 0 ? -1 : 1)];
+      const at = 3 * (cell(py) * side + cell(px)), from = 3 * (row * width + x), light = data[from] + data[from + 1] + data[from + 2];
+      for (let k = 0; k < 3; ++k) {
+        flux[at + k] += angle * data[from + k], towards[at + k] += angle * light * d[k], middle[at + k] += angle * d[k];
+      }
+    }
+  }
+  const directions = new Float32Array(flux.length);
+  for (let at = 0; at < flux.length; at += 3) {
+    const d = Math.hypot(towards[at], towards[at + 1], towards[at + 2]) > 0 ? towards : middle, size = Math.hypot(d[at], d[at + 1], d[at + 2]);
+    for (let k = 0; k < 3; ++k) directions[at + k] = size > 0 ? d[at + k] / size : 0;
+  }
+  return { flux, directions };
+}
+
 // Coefficients of a map, 16 of three: texels are steps.
 export function harmonics({ width, height, data }) {
   const sum = Array.from({ length: 16 }, () => [0, 0, 0]);

@@ -64,7 +64,7 @@ Surface surface_of(ivec2 at, vec3 per_z) {
     vec4 e = entries[o.entry];
     float in_front = (o.z - s.z) * speed;
     bool is_coat = e.y > 1.5;
-    if (in_front <= e.x && in_front >= -(is_coat ? kBehindCoat : kBehind) * e.x && (is_coat || d.z > kPolished * c.a)) {
+    if (in_front <= e.x && in_front >= -(is_coat ? kBehindCoat : kBehind) * e.x && (is_coat || lit || d.z > kPolished * c.a)) {
       s.coat = is_coat;
       if (!is_coat || e.z > 0.5) s.normal = o.normal, s.z = o.z, s.agreement = 1.0;
       if (!is_coat && o.flat_) s.facet = o.facet;

@@ -12,10 +12,7 @@ uniform sampler2D scales;         // of sh
 uniform sampler2D albedo;         // square root of
 uniform sampler2D lit_materials;  // f0, roughness
 uniform sampler2D lit_weights;    // k_s, tau
-uniform sampler2D transfer0;      // of the constant harmonic, per channel
-uniform sampler2D transfer;       // 16 texels a surfel: the others, in that one
-uniform float steps;              // byte steps to 1 in it
-uniform vec3 light[16];           // coefficients of the light
+uniform sampler2D irradiance;     // of the light of now (irradiance.js)
 uniform vec3 eye;
 uniform int paint;                // 0 as photographed, 1 matt under the light, 2 albedo, 3 matt with what glossy surfaces return
 uniform int sh_count;             // coefficients beyond the constant
@@ -51,12 +48,10 @@ void main() {
     color = vec4(paint_color, 1.0);
     return;
   }
-  vec3 e = light[0];
-  for (int k = 0; k < 15; ++k) e += light[k + 1] * coefficient(transfer, i, k, steps);
-  e *= texelFetch(transfer0, at, 0).rgb;
+  vec3 e = texelFetch(irradiance, at, 0).rgb;
   if (paint == 3) {
     Weights w = layer_weights(texelFetch(lit_materials, at, 0).rgb, texelFetch(lit_weights, at, 0).x, 0.0, 0.7, 1.0, false, true, true);
     paint_color = min(w.diffuse * paint_color + w.reflection, 1.0);
   }
-  color = vec4(paint_color * max(e, 0.0) / 3.141592653589793, 1.0);
+  color = vec4(paint_color * e / 3.141592653589793, 1.0);
 }

@@ -16,7 +16,6 @@ import harmonics_glsl from './harmonics.glsl';
 
 export const kWidth = 1024;
 const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
-const kTransferSteps = 48;           // stages/view/page_surfels.cpp
 const kGuess = 1, kSky = 2;          // flags of surfels (stages/view/page_surfels.h)
 
 export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3 };
@@ -41,13 +40,11 @@ function per_surfel(count, Kind, type, fill) {
   for (let i = 0; i < count; ++i) fill(data, 4 * i, i);
   return texture(data, kWidth, type);
 }
-// `width` bytes of each surfel, in threes (or ones, repeated), in the first texels of its sixteen.
-function table(count, bytes, width, grey) {
+// `width` bytes of each surfel, in threes, in the first texels of its sixteen.
+function table(count, bytes, width) {
   const data = new Uint8Array(4 * kTableWidth * Math.max(1, Math.ceil((count * kPerTable) / kTableWidth)));
-  const texels = grey ? width : width / 3;
   for (let i = 0; i < count; ++i)
-    for (let k = 0; k < texels; ++k)
-      for (let c = 0; c < 3; ++c) data[4 * (kPerTable * i + k) + c] = bytes[grey ? i * width + k : i * width + 3 * k + c];
+    for (let k = 0; k < width; ++k) data[4 * (kPerTable * i + Math.floor(k / 3)) + (k % 3)] = bytes[i * width + k];
   return texture(data, kTableWidth, UnsignedByteType);
 }
 const squared = (byte) => (byte / 255) ** 2;
@@ -86,15 +83,14 @@ export class Surfels {
     });
     const sh_width = b.sh.length / Math.max(1, n);
     this.sh_count = sh_width / 3;
-    t.sh = table(n, b.sh, sh_width, false);
+    t.sh = table(n, b.sh, sh_width);
     [t.materials, t.weights] = material(b.material);
     [t.lit_materials, t.lit_weights] = scene.relit ? material(b.lit_material) : [t.materials, t.weights];
     if (scene.relit) {
       t.albedo = per_surfel(n, Uint8Array, UnsignedByteType, (o, at, i) => o.set(b.albedo.subarray(3 * i, 3 * i + 3), at));
-      t.transfer0 = per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.transfer_constant.subarray(3 * i, 3 * i + 3), at));
-      t.transfer = table(n, b.transfer, kPerTable - 1, true);
+      t.irradiance = per_surfel(n, Uint16Array, HalfFloatType, () => {});
     } else {
-      t.albedo = t.transfer0 = t.transfer = t.sh0;
+      t.albedo = t.irradiance = t.sh0;
     }
 
     this.color_target = new WebGLRenderTarget(kWidth, t.places.image.height, {
@@ -102,10 +98,8 @@ export class Surfels {
     });
     const textures = (...names) => Object.fromEntries(names.map((name) => [name, { value: t[name] }]));
     this.color_uniforms = {
-      ...textures('places', 'turns', 'weights', 'sh0', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'transfer0', 'transfer'),
-      light: { value: new Array(3 * 16).fill(0) },
+      ...textures('places', 'turns', 'weights', 'sh0', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'irradiance'),
       eye: { value: null }, paint: { value: 0 }, clear: { value: false }, sh_count: { value: this.sh_count }, count: { value: n },
-      steps: { value: kTransferSteps },
       layered: { value: scene.blend === 'layered' },
     };
     this.color_quad = new FullScreenQuad(new RawShaderMaterial({
@@ -127,9 +121,11 @@ export class Surfels {
     this.quads = { surface: drawn({ SURFACE: 1 }), color: drawn({}) };
   }
 
-  // `coefficients`: of the light, 16 of three.
-  set_light(coefficients) {
-    this.color_uniforms.light.value = coefficients.flat();
+  // values: [3 n], what each receives.
+  set_irradiance(values) {
+    const { image } = this.textures.irradiance;
+    for (let i = 0; 3 * i < values.length; ++i) for (let c = 0; c < 3; ++c) image.data[4 * i + c] = half(Math.min(values[3 * i + c], 65000));
+    this.textures.irradiance.needsUpdate = true;
   }
 
   // Colours and normals as `camera` sees them. what: {paint, lit, clear: tau in the place of k_s}

@@ -74,7 +74,7 @@ export class View {
       if (this.shining !== light && some.exposure === undefined) s.exposure = null;
       this.shining = light, this.turned = s.turn;
     }
-    if (s.exposure === null) s.exposure = light ? this.picture.exposure_of_scene(this.page.blocks) : 0;
+    if (s.exposure === null) s.exposure = light ? this.picture.exposure_of_scene() : 0;
     if (draw) this.changed(), this.draw();
   }
 

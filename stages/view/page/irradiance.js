@@ -1,0 +1,32 @@
+// What every surfel receives of a light (core/relight/light_transfer.h): direct light of the cells that are open to it, and light from
+// the scene by harmonics of degree 1.
+import { DataUtils } from 'three';
+
+const kWords = 8, kNoSide = 255, kBounced = 3, kSteps = 48, kZero = 128;
+
+// -> [3 count]. cells: {flux, directions} (sky.js); harmonics: 16 of three.
+export function irradiance({ open, side, bounced, bounced_constant }, count, cells, harmonics) {
+  const out = new Float32Array(3 * count), { flux, directions } = cells;
+  const constants = Float32Array.from(bounced_constant, DataUtils.fromHalfFloat);
+  for (let i = 0; i < count; ++i) {
+    const all_sides = side[2 * i] === kNoSide;
+    let nx = (side[2 * i] - 127) / 127, ny = (side[2 * i + 1] - 127) / 127, nz = 1 - Math.abs(nx) - Math.abs(ny);
+    if (nz < 0) [nx, ny] = [(1 - Math.abs(ny)) * (nx < 0 ? -1 : 1), (1 - Math.abs(nx)) * (ny < 0 ? -1 : 1)];
+    const size = 1 / Math.hypot(nx, ny, nz);
+    nx *= size, ny *= size, nz *= size;
+    let r = 0, g = 0, b = 0;
+    for (let word = 0; word < kWords; ++word)
+      for (let bits = open[kWords * i + word]; bits !== 0; bits &= bits - 1) {
+        const at = 3 * (32 * word + 31 - Math.clz32(bits & -bits));
+        const cosine = all_sides ? 0.25 : nx * directions[at] + ny * directions[at + 1] + nz * directions[at + 2];
+        if (cosine > 0) (r += cosine * flux[at]), (g += cosine * flux[at + 1]), (b += cosine * flux[at + 2]);
+      }
+    const direct = [r, g, b];
+    for (let c = 0; c < 3; ++c) {
+      let e = harmonics[0][c];
+      for (let k = 0; k < kBounced; ++k) e += (harmonics[k + 1][c] * (bounced[kBounced * i + k] - kZero)) / kSteps;
+      out[3 * i + c] = direct[c] + Math.max(0, e) * constants[3 * i + c];
+    }
+  }
+  return out;
+}

@@ -1,0 +1,169 @@
+// What the program behind `vitrine view` puts into a page. How the page looks: tests/external.
+#include "stages/view/view.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "core/picture/decomposed_materials.h"
+#include "stages/view/page_shapes.h"
+#include "stages/view/page_surfels.h"
+#include "stages/view/page_text.h"
+#include "tests/core/relight/relit_ball.h"
+#include "tests/support/error_of.h"
+#include "tests/support/recording_context.h"
+#include "tests/support/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using nlohmann::json;
+using test::RecordingContext;
+
+constexpr const char* kPage = "<html><!-- the scene --></html>";
+
+class ViewStage : public testing::Test {
+ protected:
+  ViewStage() {
+    make_folders(decompose() / "decompose");
+    write_decomposed_materials(decompose(), test::relit_ball({0.8f, 0.4f, 0.2f}).materials);
+    write_environment(decomposed_environment_path(decompose()), Environment(ImageF(16, 8, 3, 1.f)));
+  }
+  fs::path decompose() const { return folder.path() / "artifact"; }
+  std::map<std::string, fs::path> inputs() const {
+    return {{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose()}};
+  }
+  static std::string page(RecordingContext& context, const ViewConfig& config = {.rays = 8}) {
+    write_view(kPage, config, context);
+    return read_file(context.output() / "view.html");
+  }
+  static std::string part(const std::string& page, const std::string& id) {
+    const std::string mark = "id=\"" + id + "\">";
+    const size_t begin = page.find(mark) + mark.size();
+    return page.substr(begin, page.find("</script>", begin) - begin);
+  }
+  TemporaryFolder folder;
+  test::TinyCapture capture;
+};
+
+TEST_F(ViewStage, ThePageHoldsCamerasPhotosAndSurfels) {
+  RecordingContext context(inputs());
+  const std::string text = page(context);
+  EXPECT_TRUE(text.starts_with("<html><script")) << text.substr(0, 100);
+  EXPECT_TRUE(text.ends_with("</html>"));
+  const json scene = json::parse(part(text, "scene"));
+  EXPECT_EQ(scene["surfels"], capture.layer.size());
+  EXPECT_EQ(scene["solid"], capture.layer.size());
+  EXPECT_EQ(scene["left_out"], 0);
+  EXPECT_TRUE(scene["relit"]);
+  ASSERT_EQ(scene["cameras"].size(), 8u);
+  EXPECT_EQ(scene["cameras"][0]["width"], test::TinyCapture::kWidth);
+  EXPECT_TRUE(scene["cameras"][0]["heldout"]);
+  EXPECT_FALSE(scene["cameras"][1]["heldout"]);
+  const json photos = json::parse(part(text, "photos"));
+  ASSERT_EQ(photos.size(), 8u);
+  EXPECT_TRUE(photos[0].get<std::string>().starts_with("data:image/jpeg;base64,/9j/"));
+  EXPECT_TRUE(context.warnings.empty());
+}
+
+TEST_F(ViewStage, SameBytesForAnyNumberOfThreads) {
+  std::vector<std::string> pages;
+  for (const int threads : {1, 3}) {
+    set_thread_limit(threads);
+    RecordingContext context(inputs());
+    pages.push_back(page(context));
+  }
+  set_thread_limit(0);
+  EXPECT_EQ(pages[0], pages[1]);
+}
+
+TEST_F(ViewStage, WithoutMaterialsItSaysThatItCannotRelight) {
+  auto few = inputs();
+  few.erase("decompose");
+  RecordingContext context(few);
+  EXPECT_FALSE(json::parse(part(page(context), "scene"))["relit"]);
+  EXPECT_TRUE(context.warnings.contains("VIEW_NO_LIGHT"));
+}
+
+TEST_F(ViewStage, TooManySurfelsLeaveOutThoseThatShowLeast) {
+  RecordingContext context(inputs());
+  const json scene = json::parse(part(page(context, {.surfels = 1000, .photo_side = 0, .rays = 8}), "scene"));
+  EXPECT_EQ(scene["surfels"], 1000);
+  EXPECT_EQ(scene["left_out"], capture.layer.size() - 1000);
+  EXPECT_NE(context.warnings["VIEW_SURFELS"].find("leaves out 800 of 1800 surfels"), std::string::npos)
+      << context.warnings["VIEW_SURFELS"];
+}
+
+TEST_F(ViewStage, NamesOfPhotosStayInTheirElement) {
+  RecordingContext context(inputs());
+  const std::string text = page_of(kPage, {.scene = {{"name", "</script><script>alert(1)"}}, .photos = {}, .blocks = {}});
+  EXPECT_EQ(text.find("</script><script>alert"), std::string::npos);
+  EXPECT_EQ(json::parse(part(text, "scene"))["name"], "</script><script>alert(1)");
+}
+
+TEST_F(ViewStage, APageOfAnotherBuildIsRefused) {
+  const Error e = error_of([&] { page_of("<html></html>", {}); });
+  EXPECT_EQ(e.kind(), ErrorKind::Dependency);
+  EXPECT_EQ(e.detail().code, "NO_PAGE");
+}
+
+TEST(PageBlocks, BytesOfAnArrayStandPlaneByPlane) {
+  PageBlocks blocks;
+  const std::vector<uint16_t> words{0x0102, 0x0304, 0x0506, 0x0708};
+  blocks.words("w", words, 2);
+  EXPECT_EQ(blocks.buffer(), std::string("\x02\x06\x01\x05\x04\x08\x03\x07", 8));
+  EXPECT_EQ(blocks.directory()[0]["count"], 4);
+  const std::string packed = deflated(blocks.buffer());
+  std::string out(8, '\0');
+  uLongf size = out.size();
+  ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(packed.data()), packed.size()),
+            Z_OK);
+  EXPECT_EQ(out, blocks.buffer());
+  EXPECT_EQ(half_bits(1.f), 0x3c00);
+  EXPECT_EQ(half_bits(1e9f), 0x7bff);  // the largest there is
+}
+
+// Glass whose shape is known is drawn from it; the surfels that carry it for other programs stay out.
+TEST(PageSurfels, GlassStandsBehindTheRestUnlessItsShapeIsKnown) {
+  TrainedScene scene;
+  scene.surfels.diffuse = test::sphere_layer(0.4, 100);
+  for (size_t i = 0; i < 30; ++i) *scene.surfels.diffuse.at(Attribute::Transmission, i) = 4;
+  for (size_t i = 30; i < 100; ++i) *scene.surfels.diffuse.at(Attribute::Transmission, i) = -4;
+  scene.surfels.transmittance = SplatLayer(LayerKind::Transmittance, 0, 5);
+  scene.surfels.reflection = SplatLayer(LayerKind::Reflection, 0, 7);
+  scene.image.transmission.glass = Glass::Thin;
+  const std::vector<Vec3d> eyes{{1, 0, 0}};
+  const PageSurfels open = page_surfels(scene, eyes, 1000);
+  EXPECT_EQ(open.solid, 75u);
+  EXPECT_EQ(open.drawn, 105u);
+  EXPECT_EQ(open.layer.size(), 112u);
+  size_t inside = 0;
+  for (size_t k = 0; k < open.solid; ++k) inside += (open.flags[k] & kInsideSurfel) != 0;
+  EXPECT_EQ(inside, 5u);
+  auto set = std::make_shared<ShapeSet>();
+  set->entries.push_back({.shape = Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}}, .role = ShapeRole::Sheet, .tolerance = 0.02});
+  scene.image.shape.set = set;
+  const PageSurfels shaped = page_surfels(scene, eyes, 1000);
+  EXPECT_EQ(shaped.drawn, shaped.solid);
+  EXPECT_EQ(shaped.solid, 75u);
+}
+
+TEST(PageShapes, FacesOfABoxKnowTheirPlanes) {
+  ShapeSet set;
+  set.entries.push_back({.shape = Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}},
+                         .role = ShapeRole::Sheet,
+                         .tolerance = 0.02,
+                         .clear = {1, 1, 1, 1, 0, 1}});
+  PageBlocks blocks;
+  const auto shapes = add_shapes(&set, blocks);
+  ASSERT_EQ(shapes["facets"].size(), 6u);
+  EXPECT_EQ(shapes["entries"][0]["role"], "sheet");
+  EXPECT_FALSE(shapes["facets"][4]["clear"]);
+  EXPECT_NEAR(shapes["facets"][5]["at_pane"].get<double>(), 0.008, 1e-9);
+  EXPECT_EQ(blocks.directory()[3]["name"], "shape_corner");
+  EXPECT_EQ(blocks.directory()[3]["count"], 36);
+  PageBlocks none;
+  EXPECT_TRUE(add_shapes(nullptr, none)["entries"].empty());
+}
+
+}  // namespace
+}  // namespace vitrine
