@@ -169,25 +169,36 @@ ReceivedLight LightTransfer::received(const Place& place, uint64_t stream) const
   return out;
 }
 
+// The place of the mesh that a surfel lies on: near it along its normal; or the wall that the cameras see it on. A wall is
+// coarse: what stands behind it has the light that falls on its front, as in relit pictures (README 4).
+std::optional<LightTransfer::Place> LightTransfer::place_of(const Vec3f& mean, const Vec3f& normal) const {
+  const float grain = surface_->grain(), reach = kTransferReach * grain, lift = kTransferLift * grain;
+  for (const Vec3f& n : {normal, -normal}) {
+    const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach);
+    if (!place) continue;
+    const Vec3f on_mesh = surface_->at(surface_->mesh().positions, *place),
+                outwards = normalized(surface_->at(surface_->mesh().normals, *place));
+    // Where the mesh has a pit the surfel lies before it, and its own normal is the better one.
+    const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
+    const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
+    return Place{on_mesh + (above + lift) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards};
+  }
+  // The cameras stand around the origin.
+  const float distance = length(mean);
+  if (!(distance > 0)) return std::nullopt;
+  const Vec3f away = mean / distance;
+  const auto hit = surface_->first_hit({}, away);
+  if (!hit || hit->from_inside || !surface_->surrounding(hit->face) || hit->t > (1 + kWallReach_rel) * distance)
+    return std::nullopt;
+  const Vec3f facing = dot(normal, away) > 0 ? -normal : normal, outwards = normalized(facing + hit->normal);
+  return Place{std::min(hit->t, distance) * away + lift * outwards, dot(facing, hit->normal) > kSameSide ? facing : hit->normal};
+}
+
 ReceivedLight LightTransfer::of_surfel(const SplatLayer& layer, size_t i) const {
   const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i);
-  const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
-  const float grain = surface_->grain(), wall = kWallReach_rel * length(mean);
-  const uint64_t stream = mix64(kSurfelStream, i);
-  for (const float reach : {kTransferReach * grain, wall}) {
-    for (const Vec3f& n : {normal, -normal}) {
-      const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach);
-      if (!place || (reach == wall && !surface_->surrounding(place->face))) continue;
-      const Vec3f on_mesh = surface_->at(surface_->mesh().positions, *place),
-                  outwards = normalized(surface_->at(surface_->mesh().normals, *place));
-      // Where the mesh has a pit the surfel lies before it, and its own normal is the better one.
-      const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
-      const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
-      return received(
-          {on_mesh + (above + kTransferLift * grain) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards}, stream);
-    }
-  }
-  return received({mean, {}}, stream);
+  const Vec3f mean{m[0], m[1], m[2]};
+  const auto place = place_of(mean, rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2);
+  return received(place.value_or(Place{mean, {}}), mix64(kSurfelStream, i));
 }
 
 std::vector<ReceivedLight> LightTransfer::of_surfels(const SplatLayer& layer) const {

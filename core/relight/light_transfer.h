@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/light/environment.h"
@@ -83,6 +84,7 @@ class LightTransfer {
   ReceivedLight received(const Place& place, uint64_t stream) const;
   // Adds `share` of the radiance that a place of the mesh sends on.
   void add_sent(Transfer& sum, const SurfacePlace& place, float share) const;
+  std::optional<Place> place_of(const Vec3f& mean, const Vec3f& normal) const;
   ReceivedLight of_surfel(const SplatLayer& layer, size_t i) const;
 
   const SceneSurface* surface_;

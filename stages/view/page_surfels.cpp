@@ -16,7 +16,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kMostAlbedo = 1;           // of what stands behind glass: its radiance over the light that it had
+constexpr float kMostAlbedo = 8;  // of what stands behind glass, its radiance over the light that it had; the page's unit of it
 constexpr float kLeastIrradiance = 1e-3f;  // of the light in the open
 constexpr int kByteZero = 128, kByteOne = 127;
 constexpr uint8_t kNoSide = 255;      // of a normal, otherwise 0 to 254
@@ -243,7 +243,8 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
   if (!light) return;
   std::vector<uint8_t> albedo, lit;
   for (size_t i = 0; i < layer.size(); ++i) {
-    for (size_t c = 0; c < 3; ++c) albedo.push_back(root_byte(light->albedo[i][c]));
+    for (size_t c = 0; c < 3; ++c)
+      albedo.push_back(root_byte(light->albedo[i][c] / ((surfels.flags[i] & kInsideSurfel) != 0 ? kMostAlbedo : 1)));
     for (const float v :
          {light->f0[i].x, light->f0[i].y, light->f0[i].z, light->roughness[i], light->specular[i], light->transmission[i]})
       lit.push_back(root_byte(v));

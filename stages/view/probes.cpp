@@ -18,7 +18,9 @@ namespace {
 constexpr float kPolished = 0.3f;  // k_s of what is, as in ShapeOptions
 constexpr double kAround = 0.05;   // quantile of the polished surfels: their extent, without strays
 constexpr float kLift = 4;         // in grains of the mesh: how far off a known shape rays are free of its mesh
-constexpr float kBeyond = 1.02f;   // of the way out of the extent: what lies there is not the thing itself
+constexpr int kMostLumps = 4;
+constexpr float kFree = 0.1f;     // in grains
+constexpr float kBeyond = 1.02f;  // of the way out of the extent: what lies there is not the thing itself
 
 struct Stand {
   Vec3d centre{};
@@ -82,8 +84,15 @@ std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transf
       throw_if_interrupted();
       const Vec3f d = octahedral_direction(2 * (float(i % kProbeSide) + 0.5f) / kProbeSide - 1,
                                            2 * (float(i / kProbeSide) + 0.5f) / kProbeSide - 1);
-      const float out_at = way_out(stand, d, lift);
-      const LightTransfer::Arrival a = transfer.arriving(cast<float>(stand.centre) + out_at * d, d);
+      const Vec3f middle_of = cast<float>(stand.centre);
+      float out_at = way_out(stand, d, lift);
+      // Whoever begins inside a lump of the thing's own mesh goes on behind it.
+      for (int lumps = 0; lumps < kMostLumps; ++lumps) {
+        const auto hit = transfer.surface().first_hit(middle_of + out_at * d, d);
+        if (!hit || !hit->from_inside) break;
+        out_at += hit->t + kFree * transfer.surface().grain();
+      }
+      const LightTransfer::Arrival a = transfer.arriving(middle_of + out_at * d, d);
       p.sent[i] = a.from_scene, p.open[i] = a.from_outside;
       p.depth[i] = a.distance > 0 ? a.distance + out_at : 0.f;
     });

@@ -7,7 +7,7 @@ uniform sampler2DArray pictures;                             // what flat panes 
 uniform sampler2D probe0, probe1, probe2, probe3;            // radiance, distance
 uniform vec3 probe_places[4];
 uniform int probe_count;
-uniform float probe_levels;
+uniform float probe_side;
 uniform bool background;
 uniform int show;           // 0 picture, 1 albedo, 2 normals, 3 roughness, 4 depth, 5 what the glass adds
 uniform vec3 gain;
@@ -15,6 +15,7 @@ uniform vec2 depth_range;
 
 out vec4 shown;
 
+const float kLobe = 4.0 / 3.14159;  // width of a lobe in GGX alphas, over the angle of half a circle
 const float kSheetSpecular = 0.002;
 
 // Along the ray until it is as far from the middle of the probe as what is seen in that direction.
@@ -32,7 +33,7 @@ vec3 mirrored(vec3 origin, vec3 d, float roughness) {
   int nearest = 0;
   for (int i = 1; i < probe_count; ++i)
     if (distance(origin, probe_places[i]) < distance(origin, probe_places[nearest])) nearest = i;
-  float level = probe_levels * min(1.0, 1.2 * roughness);
+  float level = log2(1.0 + kLobe * roughness * roughness * probe_side);  // texels of the probe in the lobe
   if (nearest == 0) return met(probe0, probe_places[0], origin, d, level);
   if (nearest == 1) return met(probe1, probe_places[1], origin, d, level);
   if (nearest == 2) return met(probe2, probe_places[2], origin, d, level);
@@ -61,7 +62,9 @@ void main() {
   vec3 traced = texelFetch(reflected, at, 0).rgb;  // by the pane, where there is one
   vec3 outside = lit ? (background ? sky_radiance(dir, 0.0) : vec3(0.05)) : vec3(0.0), radiance = s.color;
   if (s.asks && (lit || pane.tau <= 0.0)) {
-    vec3 seen = lit ? mirrored(eye + s.z * per_z, reflect(dir, s.normal), s.roughness) : traced;
+    // Under another light what stands behind glass looks matt, as in vitrine relight (core/relight/README.md 5).
+    bool matt = pane.tau > 0.5;
+    vec3 seen = lit ? mirrored(eye + s.z * per_z, matt ? s.normal : reflect(dir, s.normal), matt ? 1.0 : s.roughness) : traced;
     if (s.facet >= 0) {
       vec4 flat_seen = flat_picture(s.facet);
       seen = flat_seen.rgb + flat_seen.a * seen;

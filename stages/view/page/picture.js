@@ -70,7 +70,7 @@ export class Picture {
     this.uniforms = {
       ...surface, ...this.sky_uniforms, reflected: { value: this.reflected.texture }, pictures: { value: null },
       probe_places: { value: Array.from({ length: kProbes }, (_, i) => scene.probes[i] ?? [0, 0, 0]).flat() },
-      probe_count: { value: scene.probes.length }, probe_levels: { value: Math.log2(scene.probe_side) },
+      probe_count: { value: scene.probes.length }, probe_side: { value: scene.probe_side },
       layered: { value: scene.blend === 'layered' }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
       depth_range: { value: [0, 1] },
     };

@@ -8,7 +8,7 @@ uniform sampler2D turns;          // quaternion w x y z
 uniform sampler2D weights;        // k_s, tau, of the picture
 uniform sampler2D sh0;            // constant harmonic
 uniform sampler2D sh;             // 16 texels a surfel, bytes about 128/255; scale in scales.x
-uniform sampler2D scales;         // of sh
+uniform sampler2D scales;         // of sh, of albedo
 uniform sampler2D albedo;         // square root of
 uniform sampler2D lit_materials;  // f0, roughness
 uniform sampler2D lit_weights;    // k_s, tau
@@ -43,7 +43,7 @@ void main() {
     return;
   }
   vec3 paint_color = texelFetch(albedo, at, 0).rgb;
-  paint_color *= paint_color;
+  paint_color *= paint_color * texelFetch(scales, at, 0).y;
   if (paint == 2) {
     color = vec4(paint_color, 1.0);
     return;

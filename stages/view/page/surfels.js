@@ -16,8 +16,9 @@ import harmonics_glsl from './harmonics.glsl';
 
 export const kWidth = 1024;
 const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
-const kGuess = 1, kSky = 2;          // flags of surfels (stages/view/page_surfels.h)
+const kGuess = 1, kSky = 2, kInside = 4;          // flags of surfels (stages/view/page_surfels.h)
 
+export const kInsideAlbedo = 8;       // what 1 is of theirs (kMostAlbedo in page_surfels.cpp)
 export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3 };
 
 export function texture(data, width, type) {
@@ -79,7 +80,9 @@ export class Surfels {
       turns: per_surfel(n, Float32Array, FloatType, (o, at, i) => o.set(turns.subarray(4 * i, 4 * i + 4), at)),
       spans: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.span.subarray(2 * i, 2 * i + 2), at)),
       sh0: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.sh0.subarray(3 * i, 3 * i + 3), at)),
-      scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => (o[at] = b.sh_scale.length ? b.sh_scale[i] : 0)),
+      scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
+        o[at] = b.sh_scale.length ? b.sh_scale[i] : 0, o[at + 1] = half(b.flags[i] & kInside ? kInsideAlbedo : 1);
+      }),
     });
     const sh_width = b.sh.length / Math.max(1, n);
     this.sh_count = sh_width / 3;
