@@ -47,6 +47,7 @@ fi
 say "done. Where to look:"
 # show FILE WHAT: a line about what is there.
 show() { [ ! -e "$out/$1" ] || printf '  %-32s %s\n' "$out/$1" "$2"; }
+show view.html "the scene from any side, under any light; open it in a browser"
 show report.html "how well it went, what is weak, what to try next; open it in a browser"
 show eval/contact_sheet.jpg "photo, render, error, normals and depth of the held-out views"
 show mesh/mesh.ply "the mesh, with colours and normals (MeshLab, Blender, CloudCompare)"

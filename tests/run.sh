@@ -7,7 +7,7 @@
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
 # --sanitize-stages the suites of stages and pipeline sanitized, too
 # --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
-# --external        instead: what other people's programs say about exported files, and long runs of sfm; installs npm and Chromium
+# --external        instead: what other people's programs say about exported files and pages, and long runs of sfm; installs Chromium
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"
 
@@ -20,7 +20,6 @@ for argument in "$@"; do
     --races) races=1 ;;
     --external)
       labels=(-L external) sanitizers=0 jobs=1  # they share a folder of npm packages
-      command -v npm >/dev/null || programs+=(nodejs npm)
       [ -x /usr/bin/chromium ] || [ -x /usr/bin/google-chrome ] || programs+=(chromium)
       ;;
     -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;

@@ -19,7 +19,7 @@ namespace vitrine {
 namespace {
 
 constexpr std::string_view kStateMark = "<meta name=\"vitrine-state\" content=\"";
-constexpr std::string_view kPageVersion = "1";
+constexpr std::string_view kPageVersion = "2";
 
 struct Chapter {
   const char *id, *title;
@@ -112,6 +112,8 @@ std::string report_page(const PageDesc& desc) {
     chapters += text;
     links += fmt::format("<a href=\"#{}\">{}</a>", c.id, c.title);
   }
+  std::error_code ec;
+  if (fs::exists(desc.project / "view.html", ec)) links += "<a href=\"view.html\">The scene itself</a>";
   std::string line = escaped(name);
   const auto also = [&](const std::string& text) {
     if (!text.empty()) line += " <span aria-hidden=\"true\">·</span> " + escaped(text);

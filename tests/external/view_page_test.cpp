@@ -1,0 +1,118 @@
+// view.html in headless Chromium, from file://: its pictures against those of the programs, and what a person does with it.
+#include <gtest/gtest.h>
+
+#include "core/base/json.h"
+#include "core/camera/camera_path.h"
+#include "core/image/exr.h"
+#include "core/image/metrics.h"
+#include "core/light/lighting.h"
+#include "core/picture/view_picture.h"
+#include "core/relight/relit_painter.h"
+#include "stages/view/page_text.h"
+#include "stages/view/view.h"
+#include "tests/core/relight/relit_ball.h"
+#include "tests/external/programs.h"
+#include "tests/support/recording_context.h"
+#include "tests/support/tiny_capture.h"
+
+namespace vitrine {
+namespace {
+
+using nlohmann::json;
+
+// A ball beside which a case of clear panes stands, with a layer of reflections around both.
+void add_case(const test::TinyCapture& capture) {
+  ImageOptions image;
+  image.transmission.glass = Glass::Thin;
+  auto set = std::make_shared<ShapeSet>();
+  set->entries.push_back(
+      {.shape = Box{Mat3d::identity(), {-0.45, -0.45, -0.45}, {0.45, 0.45, 0.45}}, .role = ShapeRole::Sheet, .tolerance = 0.02});
+  image.shape.set = set;
+  write_image_options(capture.optimize() / "optimize/model.json", image);
+  const SplatLayer around = test::sphere_layer(3, 800);
+  SplatLayer mirrored(LayerKind::Reflection, 0, around.size());
+  for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    std::ranges::copy(around.values(a), mirrored.values(a).begin());
+  write_layer(capture.optimize() / "gaussians/reflection.ply", mirrored);
+  // Relit pictures look behind glass where there is a layer of what stands there: one surfel that shows nothing.
+  SplatLayer inside(LayerKind::Transmittance, 0, 1);
+  *inside.at(Attribute::Opacity, 0) = -20;
+  inside.at(Attribute::Rotation, 0)[0] = 1;
+  write_layer(capture.optimize() / "gaussians/transmittance.ply", inside);
+}
+
+double psnr_of(const ImageF& a, const fs::path& png) { return psnr(a, read_srgb(png)); }
+
+TEST(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
+  const Said installed = install();
+  ASSERT_EQ(installed.code, 0) << installed.out;
+  const test::TinyCapture capture;
+  add_case(capture);
+  const TemporaryFolder folder;
+  const fs::path decompose = folder.path() / "artifact", sky = folder.path() / "sky.exr", none = folder.path() / "none.hdr";
+  make_folders(decompose / "decompose");
+  const RelitScene ball = test::relit_ball({0.8f, 0.4f, 0.2f});
+  write_decomposed_materials(decompose, ball.materials);
+  write_environment(decomposed_environment_path(decompose), Environment(ImageF(16, 8, 3, 1.f)));
+  ImageF soft(64, 32, 3);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const Vec3f d = lat_long_direction((float(x) + 0.5f) / 64, (float(y) + 0.5f) / 32);
+      for (int c = 0; c < 3; ++c) soft.at(x, y, c) = 0.6f + 0.3f * d[size_t(c)];
+    }
+  write_environment(sky, Environment(soft));
+  write_file(none, "\xff\xd8\xff\xe0 no light");
+  test::RecordingContext context(
+      {{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose}});
+  write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path().filename()), {}, context);
+  const fs::path page = context.output() / "view.html", out = fs::path(EXTERNAL_DIR) / "view";
+  EXPECT_LT(fs::file_size(page), 3u << 20);
+
+  fs::remove_all(out);
+  const Said said = run_external({"node", "view_page.mjs", page.string(), sky.string(), none.string(), out.string()});
+  ASSERT_EQ(said.code, 0) << said.out;
+  const json r = json::parse(said.out.substr(said.out.find("{\"messages")));
+  EXPECT_TRUE(r["messages"].empty()) << r["messages"];
+  EXPECT_LT(r["first_ms"], 10000);
+
+  // As photographed, and under the other light.
+  ScenePainter painter(read_trained_scene(capture.optimize()), {});
+  EXPECT_GT(psnr_of(painter.picture(capture.views[0]).srgb, out / "photo.png"), 35);
+  RelitPainter relit(read_relit_scene({.optimize = capture.optimize(), .mesh = capture.mesh(), .decompose = decompose}));
+  Lighting lighting;
+  lighting.environment = read_environment(sky);
+  relit.set_lighting(lighting);
+  EXPECT_GT(psnr_of(srgb_from_linear_image(relit.picture(capture.views[0]).radiance), out / "relit.png"), 28);
+
+  EXPECT_NE(r["keys"][0], r["keys"][1]);
+  EXPECT_NE(r["keys"][1], r["keys"][2]);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(r["keys"][0][c].get<double>(), r["keys"][3][c].get<double>(), 1e-6);
+  EXPECT_NE(r["dragged"], r["keys"][3]);
+  EXPECT_NE(r["wheel"], r["dragged"]);
+  EXPECT_EQ(r["refused"], "none.hdr is no HDRI: it begins like a JPEG picture. Drop a .hdr or .exr file.");
+  EXPECT_EQ(r["light"], "sky.exr");
+  EXPECT_LE(r["turned"], 3);
+  EXPECT_NEAR(r["furnace"][0].get<double>(), 1, 0.03);
+  EXPECT_LT(r["furnace"][1].get<double>(), 0.03);
+  EXPECT_GT(r["glass"], 1);
+  EXPECT_NE(r["distance"].get<std::string>().find("scale unknown"), std::string::npos) << r["distance"];
+  EXPECT_EQ(r["photo"][0], "50%");
+  const std::string split = r["photo"][1];
+  EXPECT_NEAR(std::stod(split), 80, 4) << split;
+  EXPECT_EQ(r["photo"][2], true);
+  EXPECT_NE(r["address"].get<std::string>().find("mode=photo"), std::string::npos);
+  EXPECT_NEAR(r["reopened"][0].get<double>(), 0.5, 1e-3);
+  EXPECT_EQ(r["plain"][0], true);
+  EXPECT_EQ(r["plain"][1], "This browser has no WebGL2: the mesh alone is shown, in its plain colours.");
+
+  // What it saved is a camera path for the programs.
+  const std::vector<View> one = read_camera_path({.file = out / "view.json", .size = {}, .usual_size = {}});
+  ASSERT_EQ(one.size(), 1u);
+  const Vec3d eye = one[0].centre_in_world(), first = capture.views[0].centre_in_world();
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(eye[c], first[c], 1e-4);
+  EXPECT_EQ(read_camera_path({.file = out / "path.json", .size = {}, .usual_size = {}}).size(), 2u);
+  EXPECT_FALSE(read_srgb(out / "view.png").empty());
+}
+
+}  // namespace
+}  // namespace vitrine
