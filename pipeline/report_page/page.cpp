@@ -13,6 +13,7 @@
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/sections.h"
+#include "pipeline/view_page.h"
 
 namespace vitrine {
 
@@ -113,7 +114,8 @@ std::string report_page(const PageDesc& desc) {
     links += fmt::format("<a href=\"#{}\">{}</a>", c.id, c.title);
   }
   std::error_code ec;
-  if (fs::exists(desc.project / "view.html", ec)) links += "<a href=\"view.html\">The scene itself</a>";
+  if (const fs::path scene = view_page_path(desc.project); fs::exists(scene, ec))
+    links += fmt::format("<a href=\"{}\">The scene itself</a>", scene.filename().string());
   std::string line = escaped(name);
   const auto also = [&](const std::string& text) {
     if (!text.empty()) line += " <span aria-hidden=\"true\">·</span> " + escaped(text);
