@@ -55,6 +55,14 @@ TEST_F(TinyRoom, WholeRunMeetsItsFiguresAndRerunsOnlyWhatChanged) {
        {"<h1>", "class=\"compare\"", "<section id=\"mesh\"", "<section id=\"cameras\"", "<section id=\"cost\""})
     EXPECT_NE(page.find(part), std::string::npos) << part;
 
+  if (fs::exists(fs::path(VITRINE_BIN_DIR) / "vitrine-view.html")) {  // the build had npm
+    EXPECT_TRUE(first.has("view: " + (out() / "view.html").string())) << first.text;
+    EXPECT_NE(page.find("href=\"view.html\""), std::string::npos);
+    EXPECT_NE(read_file(out() / "view.html").find("\"relit\":true"), std::string::npos);
+  } else {
+    EXPECT_TRUE(first.has("note: there is no view.html of this run")) << first.text;
+  }
+
   const double before_s = cpu_seconds(RUSAGE_CHILDREN);  // CPU time: a busy machine must not decide
   const Outcome second = room(poses, full_size());
   EXPECT_LT(cpu_seconds(RUSAGE_CHILDREN) - before_s, 2.0);

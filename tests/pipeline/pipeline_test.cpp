@@ -42,6 +42,17 @@ TEST_F(Sandbox, RenderWantsATrainedScene) {
   EXPECT_EQ(call({"relight", out().string(), "--turntable", "many"}).exit, 2);
 }
 
+TEST_F(Sandbox, ViewWantsATrainedScene) {
+  EXPECT_EQ(call({"view", folder.path().string()}).exit, 3);
+  const Outcome done = run();
+  ASSERT_EQ(done.exit, 0);
+  EXPECT_FALSE(done.has("view.html")) << done.text;  // nothing was trained, and nothing is said
+  const Outcome untrained = call({"view", out().string()});
+  EXPECT_EQ(untrained.exit, 3);
+  EXPECT_TRUE(untrained.has("there is no trained scene to view yet")) << untrained.text;
+  EXPECT_EQ(call({"view", out().string(), "more"}).exit, 2);
+}
+
 TEST_F(Sandbox, OneOptionRerunsExactlyItsDependants) {
   ASSERT_EQ(run().exit, 0);
   const Outcome dry = run({"--set", "upper.word=other", "--dry-run"});
