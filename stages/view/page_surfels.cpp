@@ -17,11 +17,12 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kMostAlbedo = 8;  // of what stands behind glass, its radiance over the light that it had; the page's unit of it
-constexpr float kLeastIrradiance = 1e-3f;  // of the light in the open
-constexpr int kByteZero = 128, kByteOne = 127;
-constexpr uint8_t kNoSide = 255;      // of a normal, otherwise 0 to 254
-constexpr int kBouncedDegree = 1;     // light from the scene is smooth
-constexpr float kTransferSteps = 48;  // of a coefficient, in the constant one
+constexpr float kLeastIrradiance = 1e-3f;      // of the light in the open
+constexpr int kByteZero = 128, kByteOne = 63;  // of bytes of either sign: 0 and 1
+constexpr int kTurnStep = 8;                   // of 65536: what normals need, and no noise to keep beside
+constexpr uint8_t kNoSide = 255;               // of a normal, otherwise 0 to 254
+constexpr int kBouncedDegree = 1;              // light from the scene is smooth
+constexpr float kTransferSteps = 48;           // of a coefficient, in the constant one
 
 // How much of the pictures a surfel covers, in a unit of no meaning.
 float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
@@ -54,7 +55,7 @@ SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std:
   return out;
 }
 
-// The signed values of `per_item` numbers each as bytes 128 + 127 v / scale, scale the largest magnitude of the item.
+// The signed values of `per_item` numbers each as bytes 128 + 63 v / scale, scale the largest magnitude of the item.
 void add_scaled(std::string_view name, std::span<const float> values, size_t per_item, PageBlocks& blocks) {
   const size_t items = per_item == 0 ? 0 : values.size() / per_item;
   std::vector<uint8_t> bytes(values.size());
@@ -108,7 +109,8 @@ std::vector<uint16_t> turns(const SplatLayer& layer) {
     const float* q = layer.at(Attribute::Rotation, i);
     const Quatf unit = normalized(Quatf{q[0], q[1], q[2], q[3]});
     const float sign = unit.w < 0 ? -1.f : 1.f;
-    for (const float v : {unit.x, unit.y, unit.z}) out.push_back(static_cast<uint16_t>(std::lround(32767.5f + 32767 * sign * v)));
+    for (const float v : {unit.x, unit.y, unit.z})
+      out.push_back(static_cast<uint16_t>(kTurnStep * std::lround((32768 + 32760 * sign * v) / kTurnStep)));
   }
   return out;
 }

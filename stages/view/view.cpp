@@ -176,7 +176,6 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"reflection_near", image.reflection.near},
              {"blend", image.composite.blend == LayerBlend::Layered ? "layered" : "rtrgs"},
              {"near_z", image.diffuse.near_z},
-             {"rough_reflections", image.reflection.lobe != Lobe::Mirror},
              {"middle", numbers(middle)},
              {"radius", s.info.radius},
              {"scale_known", s.info.scale_known},

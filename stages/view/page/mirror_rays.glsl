@@ -26,7 +26,7 @@ void blend(float alpha, int surfel) {
   ivec2 at = texel(surfel, textureSize(sh0, 0).x);
   float scale = texelFetch(scales, at, 0).x;
   vec3 color = 0.5 + kSh0 * texelFetch(sh0, at, 0).rgb;
-  for (int k = 0; k < sh_count; ++k) color += harmonics[k + 1] * scale * coefficient(sh, surfel, k, 127.0);
+  for (int k = 0; k < sh_count; ++k) color += harmonics[k + 1] * scale * coefficient(sh, surfel, k, 63.0);
   sum += alpha * light * max(color, 0.0);
   light *= 1.0 - alpha;
 }

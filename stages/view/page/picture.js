@@ -228,7 +228,7 @@ export class Picture {
     for (let i = 0; i < u.facet_facts.value.length; i += 4) u.facet_facts.value[i] = -1;
     if (state.panes !== false && !this.plain(mode)) this.draw_panes(camera, lit);
     const into = (target, what) => {
-      const with_materials = { ...what, lit: lit || mode === 'albedo' };
+      const with_materials = { ...what, lit: lit || (this.scene.relit && (mode === 'albedo' || mode === 'roughness')) };
       surfels.paint(camera, { paint, ...with_materials });
       target.setSize(camera.width, camera.height);
       renderer.setRenderTarget(target);

@@ -39,7 +39,7 @@ export function surfel_places(words) {
 export function surfel_turns(words) {
   const out = new Float32Array((words.length / 3) * 4);
   for (let i = 0; 3 * i < words.length; ++i) {
-    const [x, y, z] = [0, 1, 2].map((c) => (words[3 * i + c] - 32767.5) / 32767);
+    const [x, y, z] = [0, 1, 2].map((c) => (words[3 * i + c] - 32768) / 32760);
     out.set([Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z)), x, y, z], 4 * i);
   }
   return out;

@@ -38,7 +38,7 @@ void main() {
     float y[16];
     basis(normalize(mean - eye), y);
     vec3 sum = 0.5 + kSh0 * texelFetch(sh0, at, 0).rgb;
-    for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 127.0);
+    for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 63.0);
     color = vec4(max(sum, 0.0), 1.0);
     return;
   }
