@@ -16,18 +16,28 @@ uniform vec2 depth_range;
 out vec4 shown;
 
 const float kLobe = 4.0 / 3.14159;  // width of a lobe in GGX alphas, over the angle of half a circle
+const float kFirstStep = 0.1, kGrowth = 1.2;  // of the way along a reflected ray
+const int kSteps = 28, kHalvings = 5;
 const float kSheetSpecular = 0.002;
 
-// Along the ray until it is as far from the middle of the probe as what is seen in that direction.
+// Along the ray until it is as far from the middle of the probe as what is seen in that direction; to the sky, if it never is.
 vec3 met(sampler2D probe, vec3 centre, vec3 origin, vec3 d, float level) {
-  vec3 q = origin - centre, to = d;
-  float b = dot(q, d), qq = dot(q, q);
-  for (int i = 0; i < 6; ++i) {
-    float r = textureLod(probe, octahedral_place(to), 0.0).a;
-    if (r <= 0.0) r = 1e4;
-    to = normalize(q + (sqrt(max(b * b - qq + r * r, 0.0)) - b) * d);
+  vec3 q = origin - centre;
+  float before = 0.0, t = kFirstStep * length(q) + 1e-4;
+  bool found = false;
+  for (int i = 0; i < kSteps && !found; ++i) {
+    vec3 p = q + t * d;
+    if (length(p) >= textureLod(probe, octahedral_place(p), 0.0).a) found = true;
+    else before = t, t *= kGrowth;
   }
-  return textureLod(probe, octahedral_place(to), level).rgb;
+  if (!found) return textureLod(probe, octahedral_place(d), level).rgb;
+  for (int i = 0; i < kHalvings; ++i) {
+    float middle = 0.5 * (before + t);
+    vec3 p = q + middle * d;
+    if (length(p) >= textureLod(probe, octahedral_place(p), 0.0).a) t = middle;
+    else before = middle;
+  }
+  return textureLod(probe, octahedral_place(q + t * d), level).rgb;
 }
 vec3 mirrored(vec3 origin, vec3 d, float roughness) {
   int nearest = 0;
