@@ -9,7 +9,6 @@
 #include "core/light/octahedral.h"
 #include "core/math/quantile.h"
 #include "core/model/opened_scene.h"
-#include "core/scene/activation.h"
 
 namespace vitrine {
 
@@ -28,9 +27,9 @@ struct Stand {
   const Shape* shape = nullptr;  // that it is, where it is known
 };
 
-std::vector<Stand> stands(const TrainedScene& scene, const Vec3d& middle) {
+std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
   std::vector<Stand> out;
-  if (const ShapeSet* set = scene.image.shape.set.get())
+  if (const ShapeSet* set = scene.trained.image.shape.set.get())
     for (const ShapeSet::Entry& e : set->entries) {
       if (e.role == ShapeRole::Sheet || e.parent >= 0 || out.size() == kMostProbes) continue;
       const Bounds3 b = bounds(e.shape);
@@ -38,9 +37,10 @@ std::vector<Stand> stands(const TrainedScene& scene, const Vec3d& middle) {
     }
   if (!out.empty()) return out;
   std::array<std::vector<float>, 3> places;
-  const SplatLayer& surfels = scene.surfels.diffuse;
+  const SplatLayer& surfels = scene.trained.surfels.diffuse;
   for (size_t i = 0; i < surfels.size(); ++i) {
-    if (!(sigmoid(*surfels.at(Attribute::SpecularWeight, i)) > kPolished) || is_glass(surfels, i)) continue;
+    const RelitMaterial m = scene.material(i);
+    if (is_glass(surfels, i) || std::max(m.specular, (m.f0.x + m.f0.y + m.f0.z) / 3) <= kPolished) continue;
     for (size_t c = 0; c < 3; ++c) places[c].push_back(surfels.at(Attribute::Mean, i)[c]);
   }
   if (places[0].empty()) return {{.centre = middle, .extent = {}}};
@@ -73,9 +73,9 @@ float way_out(const Stand& stand, const Vec3f& direction, float near) {
 
 }  // namespace
 
-std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
+std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
-  const float lift = std::max(scene.image.reflection.near, kLift * transfer.surface().grain());
+  const float lift = std::max(scene.trained.image.reflection.near, kLift * transfer.surface().grain());
   std::vector<Probe> out;
   for (const Stand& stand : stands(scene, middle)) {
     Probe p{

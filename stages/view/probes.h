@@ -7,7 +7,6 @@
 
 #include <vector>
 
-#include "core/picture/trained_scene.h"
 #include "stages/view/page_surfels.h"
 
 namespace vitrine {
@@ -24,7 +23,7 @@ struct Probe {
 };
 
 // In the middle of each known opaque shape; without any, of the polished surfels; without those, in `middle`. Never empty.
-std::vector<Probe> probes(const TrainedScene& scene, const LightTransfer& transfer, const Vec3d& middle);
+std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle);
 
 // Blocks probe, probe_constant (add_transfers) and probe_way (open, depth): one probe behind the other.
 void add_probes(std::span<const Probe> probes, PageBlocks& blocks);

@@ -151,7 +151,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     const SceneSurface surface(*s.relit);
     const LightTransfer transfer(surface, {.rays = config.rays});
     light = page_light(*s.relit, transfer, surfels);
-    stands = probes(s.trained, transfer, middle);
+    stands = probes(*s.relit, transfer, middle);
     add_environment(s.relit->captured, blocks);
     add_probes(stands, blocks);
   } else {

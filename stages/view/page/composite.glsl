@@ -24,11 +24,13 @@ const float kSheetSpecular = 0.002;
 vec3 met(sampler2D probe, vec3 centre, vec3 origin, vec3 d, float level) {
   vec3 q = origin - centre;
   float before = 0.0, t = kFirstStep * length(q) + 1e-4;
-  bool found = false;
+  bool found = false, before_it = false;  // a ray that begins behind what the probe sees must come out first
   for (int i = 0; i < kSteps && !found; ++i) {
     vec3 p = q + t * d;
-    if (length(p) >= textureLod(probe, octahedral_place(p), 0.0).a) found = true;
-    else before = t, t *= kGrowth;
+    bool behind = length(p) >= textureLod(probe, octahedral_place(p), 0.0).a;
+    found = behind && before_it;
+    before_it = before_it || !behind;
+    if (!found) before = t, t *= kGrowth;
   }
   if (!found) return textureLod(probe, octahedral_place(d), level).rgb;
   for (int i = 0; i < kHalvings; ++i) {
