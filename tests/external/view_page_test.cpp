@@ -25,8 +25,10 @@ void add_case(const test::TinyCapture& capture) {
   ImageOptions image;
   image.transmission.glass = Glass::Thin;
   auto set = std::make_shared<ShapeSet>();
-  set->entries.push_back(
-      {.shape = Box{Mat3d::identity(), {-0.45, -0.45, -0.45}, {0.45, 0.45, 0.45}}, .role = ShapeRole::Sheet, .tolerance = 0.02});
+  set->entries.push_back({.shape = Box{Mat3d::identity(), {-0.45, -0.45, -0.45}, {0.45, 0.45, 0.45}},
+                          .role = ShapeRole::Sheet,
+                          .tolerance = 0.02,
+                          .clear = {}});
   image.shape.set = set;
   write_image_options(capture.optimize() / "optimize/model.json", image);
   const SplatLayer around = test::sphere_layer(3, 800);

@@ -94,7 +94,6 @@ TEST_F(ViewStage, TooManySurfelsLeaveOutThoseThatShowLeast) {
 }
 
 TEST_F(ViewStage, NamesOfPhotosStayInTheirElement) {
-  RecordingContext context(inputs());
   const std::string text = page_of(kPage, {.scene = {{"name", "</script><script>alert(1)"}}, .photos = {}, .blocks = {}});
   EXPECT_EQ(text.find("</script><script>alert"), std::string::npos);
   EXPECT_EQ(json::parse(part(text, "scene"))["name"], "</script><script>alert(1)");
@@ -140,7 +139,8 @@ TEST(PageSurfels, GlassStandsBehindTheRestUnlessItsShapeIsKnown) {
   for (size_t k = 0; k < open.solid; ++k) inside += (open.flags[k] & kInsideSurfel) != 0;
   EXPECT_EQ(inside, 5u);
   auto set = std::make_shared<ShapeSet>();
-  set->entries.push_back({.shape = Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}}, .role = ShapeRole::Sheet, .tolerance = 0.02});
+  set->entries.push_back(
+      {.shape = Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}}, .role = ShapeRole::Sheet, .tolerance = 0.02, .clear = {}});
   scene.image.shape.set = set;
   const PageSurfels shaped = page_surfels(scene, eyes, 1000);
   EXPECT_EQ(shaped.drawn, shaped.solid);
