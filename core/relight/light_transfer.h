@@ -3,11 +3,11 @@
 //
 //   E(x) = sum_c V_c(x) n.d_c F_c + sum_k T_k(x) L_k
 //
-// Direct light: the sphere in 256 cells of the octahedral map, V_c whether a ray into the cell leaves the scene, F_c what the
+// Direct light: the sphere in 576 cells of the octahedral map, V_c whether a ray into the cell leaves the scene, F_c what the
 // light sends out of the cell (radiance times solid angle) and d_c where in it from, in the mean. Light from the scene: harmonics
 // Y_k up to degree 3 with the light's coefficients L_k = integral of L Y_k over all directions,
 //   T_k = integral of (1 - V) n.l rho/pi (T_k + integral of V Y_k n.l')(x') dl
-// per channel, x' being the place of the mesh that a ray meets. Edges of shadows are soft over a cell, some 13 degrees.
+// per channel, x' being the place of the mesh that a ray meets. Edges of shadows are soft over a cell, some 9 degrees.
 //
 // Same scene and desc: same bytes, whatever the number of threads.
 #pragma once
@@ -34,7 +34,7 @@ using LightHarmonics = std::array<Vec3f, kTransferSize>;
 
 LightHarmonics light_harmonics(const Environment& environment);
 
-inline constexpr int kCellSide = 16;
+inline constexpr int kCellSide = 24;
 inline constexpr size_t kCells = size_t(kCellSide) * size_t(kCellSide);
 struct CellLight {
   std::array<Vec3f, kCells> flux{};       // F_c

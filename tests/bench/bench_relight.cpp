@@ -82,7 +82,7 @@ void light_on_mesh(benchmark::State& state) {
 }
 BENCHMARK(light_on_mesh)->Name("relight/light_on_mesh/25k_vertices")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
-// Items are surfels: 256 rays into cells of the sky, of which half are below the horizon, and 64 for light from the scene.
+// Items are surfels: 576 rays into cells of the sky, of which half are below the horizon, and 64 for light from the scene.
 void light_transfer(benchmark::State& state) {
   const RelitScene scene = ball(112);
   const SceneSurface surface(scene);

@@ -2,7 +2,7 @@
 // the scene by harmonics of degree 1.
 import { DataUtils } from 'three';
 
-const kWords = 8, kNoSide = 255, kBounced = 3, kSteps = 48, kZero = 128;
+const kWords = 18, kNoSide = 255, kBounced = 3, kSteps = 48, kZero = 128;
 
 // -> [3 count]. cells: {flux, directions} (sky.js); harmonics: 16 of three.
 export function irradiance({ open, side, bounced, bounced_constant }, count, cells, harmonics) {

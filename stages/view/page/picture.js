@@ -23,7 +23,7 @@ import surface_glsl from './surface.glsl';
 const kMostPictures = 8;       // of panes in one picture; more are left to the probes
 const kMirrorNear = 1e-3;
 const kProbes = 4;
-const kCellSide = 16, kTransferSteps = 48;  // core/relight/light_transfer.h, stages/view/page_surfels.cpp
+const kCellSide = 24, kTransferSteps = 48;  // core/relight/light_transfer.h, stages/view/page_surfels.cpp
 
 // Modes, their names for people, and whether they need materials.
 export const kModes = {
