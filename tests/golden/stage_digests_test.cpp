@@ -28,7 +28,7 @@ struct StageDigest {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageDigest, version, key, digest)
 
 struct DigestFile {
-  std::map<std::string, std::string> made_with;  // compiler, libraries: others round differently
+  std::map<std::string, std::string> made_with;  // compiler, libraries, maker of the processor: others round differently
   std::map<std::string, std::string> tools;      // "sfm.tool.colmap": parts of the keys that differ from machine to machine
   std::map<std::string, StageDigest> stages;
 };
@@ -100,9 +100,14 @@ class StageDigests : public TinyRoom {
     ASSERT_TRUE(r.ok()) << r.tail;
   }
 
+  // Approximate reciprocals, which Embree refines, are not the same numbers everywhere.
+  static const char* maker() {
+    return __builtin_cpu_is("intel") ? "Intel" : __builtin_cpu_is("amd") ? "AMD" : "another";
+  }
+
   DigestFile taken() const {
     DigestFile now;
-    now.made_with = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}, {"build", VITRINE_BUILD_TYPE}};
+    now.made_with = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}, {"build", VITRINE_BUILD_TYPE}, {"processor", maker()}};
     const ArtifactStore store(store_of(out()));
     for (const ArtifactStore::Entry& entry : store.entries()) {
       if (!entry.committed) continue;
