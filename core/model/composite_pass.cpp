@@ -149,8 +149,7 @@ void CompositePass::mirrors_backward(Frame& frame, const GBuffer& buffer, size_t
   for (uint32_t i = s.begin[group]; i < s.begin[group + 1]; ++i) {
     const uint32_t pixel = s.pixels[i];
     if (!frame.panes.teaches[pixel]) continue;
-    const LayerWeights<float> w =
-        layer_weights(frame.options.composite.blend, buffer.material(pixel), present(frame, group, i));
+    const LayerWeights<float> w = layer_weights(frame.options.composite.blend, buffer.material(pixel), present(frame, group, i));
     const Vec3f grad = hadamard(buffer.rgb(frame.grad_linear, pixel), w.reflection);
     write(frame.panes.grad_near, frame.pixel_count(), pixel, grad);
     frame.panes.grad_open[pixel] = dot(grad, beyond);

@@ -26,8 +26,8 @@ constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind t
 void PaneImages::clear() {
   shown.clear();
   teaches.clear();
-  for (auto* plane : {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine, &grad_near, &grad_open,
-                      &picture_weight})
+  for (auto* plane :
+       {&near_color, &far_color, &near_open, &far_open, &far_share, &far_cosine, &grad_near, &grad_open, &picture_weight})
     plane->clear();
 }
 
@@ -176,7 +176,8 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
   const size_t mirrored = frame.options.panes.mirrored;
   drawn.choose(opened, window.view(mirrored_view(*frame.view, plane.normal, plane.offset)), [&](size_t i) {
     const float* m = opened.at(Attribute::Mean, i);
-    return (i >= opaque.size() || (opaque[i] < mirrored && own_[opaque[i]] != entry + 1)) && dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
+    return (i >= opaque.size() || (opaque[i] < mirrored && own_[opaque[i]] != entry + 1)) &&
+           dot(normal, Vec3f{m[0], m[1], m[2]}) > offset;
   });
   const RasterImages& picture = drawn.draw({.features = FeatureSet::ColorOnly,
                                             .sh_degree = opened.sh_degree(),

@@ -10,9 +10,9 @@
 // from its faint picture in a pane; what lies beyond all of it (a sky, above) is left to the rays of the reflection layer.
 // Flat mirrors, the facets of known shapes that are opaque, show the scene the same way, with a near pane alone.
 // Pixels take part that ask for a transmission and look through a sheet first (SheetPass), or show a mirror (ShapePass). A flat
-// mirror of known place is one more camera: gradients go through its picture to what it shows, and its own surfels, which training
-// moves a little before it, do not hide the scene from it. None go through the faint pictures in panes. Nothing to do without a
-// facet.
+// mirror of known place is one more camera: gradients go through its picture to what it shows, and its own surfels, which
+// training moves a little before it, do not hide the scene from it. None go through the faint pictures in panes. Nothing to do
+// without a facet.
 #pragma once
 
 #include <array>
@@ -71,7 +71,7 @@ class PanePass final : public Pass {
   std::vector<Pane> panes_;                       // the facets of all shapes
   std::vector<uint32_t> first_pane_;              // [entry + 1]
   std::array<std::vector<uint32_t>, 2> pane_of_;  // [side] [h,w] index of panes_, or kNoPane
-  std::vector<uint32_t> own_;  // [diffuse surfel] 1 + entry of the flat mirror that it shows; 0: none
+  std::vector<uint32_t> own_;                     // [diffuse surfel] 1 + entry of the flat mirror that it shows; 0: none
   WindowPicture window_picture_;
   std::vector<uint8_t> wanted_;
   std::vector<MirrorPicture> mirrors_;

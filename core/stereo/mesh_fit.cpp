@@ -18,14 +18,15 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInside = 0.5f;         // coverage
-constexpr double kSampleStep = 0.5;     // pixels, along the search for the edge of a mask
-constexpr double kBeside = 1.5;         // pixels outside a contact: where the mesh is there as well, it is no silhouette
-constexpr double kLeastReach = 2.5;     // pixels
-constexpr double kRobust = 0.25;        // of the mean edge: residuals that weigh half
-constexpr int kReweighted = 3;          // solves of a round
-constexpr double kRelaxed = 0.5;        // of the way to the middle of its neighbours, along the surface, that a vertex goes
-constexpr double kMostStep = 1.0;       // mean edges that a vertex moves at once
+constexpr double kInFront = 0.97;    // of a contact's depth: an opaque surface nearer than that hides it
+constexpr float kInside = 0.5f;      // coverage
+constexpr double kSampleStep = 0.5;  // pixels, along the search for the edge of a mask
+constexpr double kBeside = 1.5;      // pixels outside a contact: where the mesh is there as well, it is no silhouette
+constexpr double kLeastReach = 2.5;  // pixels
+constexpr double kRobust = 0.25;     // of the mean edge: residuals that weigh half
+constexpr int kReweighted = 3;       // solves of a round
+constexpr double kRelaxed = 0.5;     // of the way to the middle of its neighbours, along the surface, that a vertex goes
+constexpr double kMostStep = 1.0;    // mean edges that a vertex moves at once
 
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -94,7 +95,7 @@ bool hidden(const Silhouette& s, Vec2d p, double z) {
   const int u = int(p.x), v = int(p.y);
   if (u < 0 || v < 0 || u >= s.depth.width() || v >= s.depth.height()) return false;
   const float depth = s.depth.at(u, v);
-  return depth > 0 && double(depth) < 0.97 * z;
+  return depth > 0 && double(depth) < kInFront * z;
 }
 
 // Vertices between faces that look at the camera and faces that do not, where the photo sees nothing of the mesh beside them.

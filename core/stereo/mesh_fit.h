@@ -14,15 +14,15 @@ namespace vitrine {
 
 struct MeshFitDesc {
   int rounds = 40;
-  double reach = 0.08;                            // of the size of the mesh: how far from it the edge of a mask is looked for, at first
-  double last_reach = 0.03;                       // and at last
+  double reach = 0.08;       // of the size of the mesh: how far from it the edge of a mask is looked for, at first
+  double last_reach = 0.03;  // and at last
   double first_stiffness = 300, stiffness = 3;  // weight of bending against one photo's contact, for edges of mean length
 };
 
 struct MeshFit {
-  TriMesh mesh;           // with normals
-  double residual = 0;    // median distance between contacts and edges of masks, scene units
-  double contacts = 0;    // share of the vertices that photos see at a silhouette
+  TriMesh mesh;         // with normals
+  double residual = 0;  // median distance between contacts and edges of masks, scene units
+  double contacts = 0;  // share of the vertices that photos see at a silhouette
 };
 
 // `start`: closed, counter-clockwise from outside, such as a hull; edges of about one length. Unknown pixels (value < 0) and

@@ -19,26 +19,24 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInMirror = 0.9f;         // share of a surfel's pixels that the specular masks mark: it is seen in a mirror alone
-constexpr float kBesideMirror = 0.5f;     // less: it stands before it
-constexpr float kSolid = 0.5f;            // opacity of surfels that tell a surface
-constexpr size_t kMostPairs = 1500;       // surfels that are registered
-constexpr float kCell = 0.04f;            // scene units
+constexpr float kInMirror = 0.9f;      // share of a surfel's pixels that the specular masks mark: it is seen in a mirror alone
+constexpr float kBesideMirror = 0.5f;  // less: it stands before it
+constexpr float kSolid = 0.5f;         // opacity of surfels that tell a surface
+constexpr size_t kMostPairs = 1500;    // surfels that are registered
+constexpr float kCell = 0.04f;         // scene units
 constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // scene units, of the rounds
-constexpr float kLikeColor = 0.3f;        // mean difference of diffuse colours of a pair
+constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
 constexpr size_t kFewestPairs = 60;
-constexpr double kAgreeing = 0.1;        // of the surfels must have a pair in the last round
-constexpr double kFurthestTurn = 0.2;     // radians that a plane may turn in all
-constexpr double kSteady = 1e-6;          // added to the normal equations
+constexpr double kAgreeing = 0.1;      // of the surfels must have a pair in the last round
+constexpr double kFurthestTurn = 0.2;  // radians that a plane may turn in all
+constexpr double kSteady = 1e-6;       // added to the normal equations
 
 Vec3d place_of(const SplatLayer& layer, size_t i) {
   const float* m = layer.at(Attribute::Mean, i);
   return {m[0], m[1], m[2]};
 }
 
-Vec3d reflected(const Vec3d& p, const Facet& mirror) {
-  return p - 2 * (dot(mirror.normal, p) - mirror.offset) * mirror.normal;
-}
+Vec3d reflected(const Vec3d& p, const Facet& mirror) { return p - 2 * (dot(mirror.normal, p) - mirror.offset) * mirror.normal; }
 
 // The same surfel, looked at from the other side.
 void reflect(const Facet& mirror, SplatLayer& layer, size_t i) {
@@ -125,7 +123,8 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   Facet plane = start.facets().front();
   Scenery scenery;
   for (uint32_t i = 0; i < diffuse_.size(); ++i) {
-    if (gloss_.share(i) > kBesideMirror || is_glass(diffuse_, i) || sigmoid(*diffuse_.at(Attribute::Opacity, i)) < kSolid) continue;
+    if (gloss_.share(i) > kBesideMirror || is_glass(diffuse_, i) || sigmoid(*diffuse_.at(Attribute::Opacity, i)) < kSolid)
+      continue;
     const Vec3d place = place_of(diffuse_, i);
     if (dot(plane.normal, place) < plane.offset) continue;
     const float* q = diffuse_.at(Attribute::Rotation, i);
@@ -190,8 +189,9 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   }
   const double turn = std::acos(std::clamp(dot(plane.normal, start.axes.c2), -1.0, 1.0));
   const bool agrees = last[1] >= kAgreeing * double(sample.size()) && turn < kFurthestTurn;
-  log_info("a flat mirror: {} of {} surfels behind it lie on what stands before it, {:.4f} off (median); it turns by {:.2f} degrees{}",
-           size_t(last[1]), sample.size(), last[0], turn * 57.29578, agrees ? "" : ": not taken");
+  log_info(
+      "a flat mirror: {} of {} surfels behind it lie on what stands before it, {:.4f} off (median); it turns by {:.2f} degrees{}",
+      size_t(last[1]), sample.size(), last[0], turn * 57.29578, agrees ? "" : ": not taken");
   return agrees ? turned(start, plane.normal, plane.offset, eye) : start;
 }
 

@@ -309,7 +309,8 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const bool shaped = told && std::ranges::any_of(hull.points, &HullPoint::known);
   // As many for a pixel as the rest of the scene has.
   const auto fair = std::max(kFewestShapePoints, static_cast<size_t>(pictured * double(diffuse_cap)));
-  const size_t wanted = shaped ? std::min(static_cast<size_t>(phase.known_hull_points), fair) : static_cast<size_t>(phase.hull_points);
+  const size_t wanted =
+      shaped ? std::min(static_cast<size_t>(phase.known_hull_points), fair) : static_cast<size_t>(phase.hull_points);
   const auto taken = append_hull(desc, hull, std::min(room, wanted), color, diffuse);
   counts.hull = taken.size();
   if (told) {

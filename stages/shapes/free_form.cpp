@@ -13,7 +13,8 @@ namespace {
 constexpr size_t kFaces = 6000;
 constexpr double kTolerance_rel = 0.02;  // of the mesh's size: surfels that show it lie so near
 constexpr double kLeastInside = 0.85;    // of its pixels, that the masks mark
-constexpr double kExactInside = 0.92;    // where less are inside something hides much of the object: its normals are those of a hull
+constexpr double kExactInside =
+    0.92;  // where less are inside something hides much of the object: its normals are those of a hull
 
 }  // namespace
 
@@ -28,8 +29,8 @@ std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole r
   ShapeSet set;
   set.entries.push_back({.shape = std::move(shape), .role = role, .tolerance = kTolerance_rel * size, .clear = {}});
   const MaskAgreement agreement = mask_agreement(set, 0, object.silhouettes);
-  log_info("a mesh of size {:.2f}: {:.3f} of it inside the masks, residual {:.5f}, {:.2f} of its vertices seen at silhouettes", size,
-           agreement.inside, fit.residual, fit.contacts);
+  log_info("a mesh of size {:.2f}: {:.3f} of it inside the masks, residual {:.5f}, {:.2f} of its vertices seen at silhouettes",
+           size, agreement.inside, fit.residual, fit.contacts);
   if (agreement.inside < kLeastInside) return std::nullopt;
   set.entries.front().exact = agreement.inside >= kExactInside;
   return std::move(set.entries.front());

@@ -101,13 +101,12 @@ class StageDigests : public TinyRoom {
   }
 
   // Approximate reciprocals, which Embree refines, are not the same numbers everywhere.
-  static const char* maker() {
-    return __builtin_cpu_is("intel") ? "Intel" : __builtin_cpu_is("amd") ? "AMD" : "another";
-  }
+  static const char* maker() { return __builtin_cpu_is("intel") ? "Intel" : __builtin_cpu_is("amd") ? "AMD" : "another"; }
 
   DigestFile taken() const {
     DigestFile now;
-    now.made_with = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}, {"build", VITRINE_BUILD_TYPE}, {"processor", maker()}};
+    now.made_with = {
+        {"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}, {"build", VITRINE_BUILD_TYPE}, {"processor", maker()}};
     const ArtifactStore store(store_of(out()));
     for (const ArtifactStore::Entry& entry : store.entries()) {
       if (!entry.committed) continue;

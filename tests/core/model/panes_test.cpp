@@ -371,8 +371,7 @@ TEST(Panes, GradientsOfAFlatMirrorMatchFiniteDifferences) {
   const size_t pixels = frame.pixel_count();
   frame.grad_srgb.assign(frame.srgb.size(), 0.f);
   for (size_t i = 0; i < pixels; ++i)
-    for (size_t c = 0; c < 3 && frame.panes.teaches[i]; ++c)
-      frame.grad_srgb[c * pixels + i] = frame.srgb[c * pixels + i] - 0.3f;
+    for (size_t c = 0; c < 3 && frame.panes.teaches[i]; ++c) frame.grad_srgb[c * pixels + i] = frame.srgb[c * pixels + i] - 0.3f;
   SplatScene grad = s.scene.zeros_like();
   model.backward(s.scene, frame, grad);
   double moved = 0;

@@ -44,7 +44,8 @@ TriMesh bulging(double bulge, int divisions = 3) {
   }
   for (Vec3f& p : ball.positions)
     for (size_t c = 0; c < 3; ++c)
-      p[c] = static_cast<float>(kEllipsoid[c] + (kSemiAxes[c] + bulge * (1 + 0.5 * std::sin(17 * double(p[0]) + 11 * double(p[2])))) * double(p[c]));
+      p[c] = static_cast<float>(
+          kEllipsoid[c] + (kSemiAxes[c] + bulge * (1 + 0.5 * std::sin(17 * double(p[0]) + 11 * double(p[2])))) * double(p[c]));
   return ball;
 }
 
