@@ -83,4 +83,17 @@ std::vector<Vec3f> vertex_normals(const TriMesh& mesh) {
   return normals;
 }
 
+VertexNeighbours::VertexNeighbours(const TriMesh& mesh) : first(mesh.positions.size() + 1, 0) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges;
+  for (const auto& f : mesh.faces)
+    for (size_t c = 0; c < 3; ++c) {
+      edges.emplace_back(f[c], f[(c + 1) % 3]);
+      edges.emplace_back(f[(c + 1) % 3], f[c]);
+    }
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (const auto& [from, to] : edges) ++first[from + 1], vertex.push_back(to);
+  for (size_t v = 0; v + 1 < first.size(); ++v) first[v + 1] += first[v];
+}
+
 }  // namespace vitrine

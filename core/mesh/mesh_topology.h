@@ -42,6 +42,14 @@ FaceComponents face_components(const TriMesh& mesh);
 // The faces with keep[f] != 0 and the vertices they use, in the old order.
 TriMesh submesh(const TriMesh& mesh, std::span<const uint8_t> keep);
 
+// The vertices that share an edge with one, ascending.
+struct VertexNeighbours {
+  explicit VertexNeighbours(const TriMesh& mesh);
+  std::span<const uint32_t> of(size_t v) const { return std::span(vertex).subspan(first[v], first[v + 1] - first[v]); }
+
+  std::vector<uint32_t> first, vertex;  // [v + 1], those of v
+};
+
 // Mean of the unit face normals around a vertex, weighted by the corner angles (Thuermer and Wuethrich 1998): not misled by how
 // the surface happens to be cut into triangles. (0,0,1) where there is no area.
 std::vector<Vec3f> vertex_normals(const TriMesh& mesh);

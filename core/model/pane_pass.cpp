@@ -16,7 +16,6 @@ namespace {
 
 constexpr uint32_t kNoPane = UINT32_MAX;
 constexpr size_t kPaneGrain = 1024;
-constexpr double kAtPane_rel = 0.4;    // of the tolerance of the sheet (Pane::at_pane)
 constexpr double kOnePane_rel = 1e-5;  // of the way to a sheet: who leaves it so soon has passed one pane, not two
 constexpr double kOwnSurfels = 3;      // tolerances of a mirror: polished surfels so near to it are its own
 constexpr float kMirrorNear = 1e-3f;   // scene units before the camera behind the mirror; the pane cuts, not the camera
@@ -36,8 +35,6 @@ void PaneImages::start(size_t pixels) {
   for (auto* plane : {&near_color, &far_color}) plane->assign(3 * pixels, 0.f);
   for (auto* plane : {&near_open, &far_open}) plane->assign(pixels, 1.f);
   for (auto* plane : {&far_share, &far_cosine}) plane->assign(pixels, 0.f);
-  teaches.clear();
-  for (auto* plane : {&grad_near, &grad_open, &picture_weight}) plane->clear();
 }
 
 // Behind the plane everything is mirrored, S = 1 - 2 n n^T. A camera cannot be, so it sees the mirrored room mirrored once more,

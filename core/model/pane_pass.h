@@ -26,6 +26,9 @@
 
 namespace vitrine {
 
+// Of the tolerance of a sheet: what stands nearer to a pane is its frame or its floor, and not seen in it.
+inline constexpr double kAtPane_rel = 0.4;
+
 // The camera behind a mirror: its picture, turned left to right, is what `view` sees in the plane dot(normal, p) = offset.
 View mirrored_view(const View& view, const Vec3d& normal, double offset);
 
@@ -48,7 +51,7 @@ class PanePass final : public Pass {
   struct Pane {
     Facet plane;
     bool clear;
-    double at_pane;  // what stands this near to it is its frame or its floor, and not seen in it; scene units
+    double at_pane;  // kAtPane_rel, scene units
   };
   void find_own(const SplatScene& scene, const ShapeSet& set, float polished);
   void list_panes(const ShapeSet& set);

@@ -40,21 +40,13 @@ double corner_angle(const Vec3d& at, const Vec3d& a, const Vec3d& b) {
 
 // How the faces hang together, whatever places the vertices have: faces and neighbours around them.
 struct Topology {
-  std::vector<uint32_t> first_corner, first_neighbour;  // [vertex + 1]
-  std::vector<uint32_t> corners, neighbours;            // faces; vertices
+  std::vector<uint32_t> first_corner, corners;  // [vertex + 1], faces
+  VertexNeighbours neighbours;
 
-  explicit Topology(const TriMesh& mesh) : first_corner(mesh.positions.size() + 1, 0), first_neighbour(first_corner) {
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
+  explicit Topology(const TriMesh& mesh) : first_corner(mesh.positions.size() + 1, 0), neighbours(mesh) {
     for (const auto& f : mesh.faces)
-      for (size_t c = 0; c < 3; ++c) {
-        ++first_corner[f[c] + 1];
-        edges.emplace_back(f[c], f[(c + 1) % 3]), edges.emplace_back(f[(c + 1) % 3], f[c]);
-      }
-    std::ranges::sort(edges);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    for (const auto& [from, to] : edges) ++first_neighbour[from + 1], neighbours.push_back(to);
-    for (size_t v = 0; v < mesh.positions.size(); ++v)
-      first_corner[v + 1] += first_corner[v], first_neighbour[v + 1] += first_neighbour[v];
+      for (const uint32_t v : f) ++first_corner[v + 1];
+    for (size_t v = 0; v < mesh.positions.size(); ++v) first_corner[v + 1] += first_corner[v];
     corners.resize(first_corner.back());
     std::vector<uint32_t> next(first_corner.begin(), first_corner.end() - 1);
     for (uint32_t f = 0; f < mesh.faces.size(); ++f)
@@ -187,15 +179,15 @@ void TriangleShape::place_vjp(const ShapeHit& hit, const Vec3d&, const Vec3d& gr
 }
 
 void TriangleShape::smooth(std::span<double> slope) const {
-  const Topology& around = state_->topology();
+  const VertexNeighbours& neighbours = state_->topology().neighbours;
   for (int pass = 0; pass < kVertexMixing; ++pass) {
     const std::vector<double> before(slope.begin(), slope.end());
     for (size_t v = 0; v < slope.size(); ++v) {
-      const uint32_t first = around.first_neighbour[v], last = around.first_neighbour[v + 1];
-      if (first == last) continue;
+      const auto around = neighbours.of(v);
+      if (around.empty()) continue;
       double sum = 0;
-      for (uint32_t k = first; k < last; ++k) sum += before[around.neighbours[k]];
-      slope[v] = 0.5 * (before[v] + sum / double(last - first));
+      for (const uint32_t o : around) sum += before[o];
+      slope[v] = 0.5 * (before[v] + sum / double(around.size()));
     }
   }
 }

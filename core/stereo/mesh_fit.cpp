@@ -18,7 +18,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInFront = 0.97;    // of a contact's depth: an opaque surface nearer than that hides it
 constexpr float kInside = 0.5f;      // coverage
 constexpr double kSampleStep = 0.5;  // pixels, along the search for the edge of a mask
 constexpr double kBeside = 1.5;      // pixels outside a contact: where the mesh is there as well, it is no silhouette
@@ -26,6 +25,7 @@ constexpr double kLeastReach = 2.5;  // pixels
 constexpr double kRobust = 0.25;     // of the mean edge: residuals that weigh half
 constexpr int kReweighted = 3;       // solves of a round
 constexpr double kRelaxed = 0.5;     // of the way to the middle of its neighbours, along the surface, that a vertex goes
+constexpr double kRest = 1e-3;       // weight of staying, for what no photo tells
 constexpr double kMostStep = 1.0;    // mean edges that a vertex moves at once
 
 using Sparse = Eigen::SparseMatrix<double>;
@@ -36,44 +36,16 @@ struct Contact {
   double away;  // scene units
 };
 
-struct Neighbours {
-  std::vector<uint32_t> first, vertex;  // [v + 1], of v
-  explicit Neighbours(const TriMesh& mesh) : first(mesh.positions.size() + 1, 0) {
-    std::vector<std::pair<uint32_t, uint32_t>> edges;
-    for (const auto& f : mesh.faces)
-      for (size_t c = 0; c < 3; ++c) {
-        edges.emplace_back(f[c], f[(c + 1) % 3]);
-        edges.emplace_back(f[(c + 1) % 3], f[c]);
-      }
-    std::ranges::sort(edges);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    for (const auto& [from, to] : edges) ++first[from + 1], vertex.push_back(to);
-    for (size_t v = 0; v + 1 < first.size(); ++v) first[v + 1] += first[v];
-  }
-  std::span<const uint32_t> of(size_t v) const { return std::span(vertex).subspan(first[v], first[v + 1] - first[v]); }
-};
-
-double mean_edge(const TriMesh& mesh, const Neighbours& near) {
+double mean_edge(const TriMesh& mesh, const VertexNeighbours& near) {
   double sum = 0;
   for (size_t v = 0; v < mesh.positions.size(); ++v)
     for (const uint32_t n : near.of(v)) sum += double(length(mesh.positions[n] - mesh.positions[v]));
   return near.vertex.empty() ? 0 : sum / double(near.vertex.size());
 }
 
-// Between pixel centres; negative where one of the four is unknown, or outside the picture.
-float coverage(const ImageF& mask, double x, double y) {
-  x -= 0.5, y -= 0.5;
-  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-  if (x0 < 0 || y0 < 0 || x0 + 1 >= mask.width() || y0 + 1 >= mask.height()) return -1;
-  const float u = float(x - x0), v = float(y - y0);
-  const float a = mask.at(x0, y0), b = mask.at(x0 + 1, y0), c = mask.at(x0, y0 + 1), d = mask.at(x0 + 1, y0 + 1);
-  if (a < 0 || b < 0 || c < 0 || d < 0) return -1;
-  return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
-}
-
 // The nearest place along `out` where the mask ends, pixels from (x, y), at most `reach` away; nothing where it is unknown.
 std::optional<double> edge_along(const ImageF& mask, Vec2d at, Vec2d out, double reach) {
-  const auto value = [&](double s) { return coverage(mask, at.x + s * out.x, at.y + s * out.y); };
+  const auto value = [&](double s) { return coverage_at(mask, at.x + s * out.x, at.y + s * out.y); };
   const float here = value(0);
   if (here < 0) return std::nullopt;
   const double sign = here >= kInside ? 1 : -1;
@@ -88,14 +60,6 @@ std::optional<double> edge_along(const ImageF& mask, Vec2d at, Vec2d out, double
     before = now;
   }
   return std::nullopt;
-}
-
-bool hidden(const Silhouette& s, Vec2d p, double z) {
-  if (s.depth.empty()) return false;
-  const int u = int(p.x), v = int(p.y);
-  if (u < 0 || v < 0 || u >= s.depth.width() || v >= s.depth.height()) return false;
-  const float depth = s.depth.at(u, v);
-  return depth > 0 && double(depth) < kInFront * z;
 }
 
 // Vertices between faces that look at the camera and faces that do not, where the photo sees nothing of the mesh beside them.
@@ -121,7 +85,6 @@ std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const S
     const double pixels = std::hypot(outwards.x, outwards.y);
     if (!(pixels > 0.5)) continue;
     outwards = (1 / pixels) * outwards;
-    if (hidden(s, {at->x, at->y}, at->z)) continue;
     const Vec3d way = transposed_times(s.view.cam_from_world.rotation,
                                        s.view.intrinsics.ray(at->x + kBeside * outwards.x, at->y + kBeside * outwards.y));
     if (hits.first_face(cast<float>(eye), cast<float>(way))) continue;
@@ -147,7 +110,7 @@ class Plate {
     laplacian.setFromTriplets(entries.begin(), entries.end());
     bending_ = laplacian.transpose() * laplacian;
   }
-  const Neighbours& neighbours() const { return near_; }
+  const VertexNeighbours& neighbours() const { return near_; }
 
   std::vector<double> steps(const TriMesh& mesh, const std::vector<Contact>& contacts, double stiffness, double edge) {
     const auto n = static_cast<Eigen::Index>(mesh.positions.size());
@@ -165,7 +128,7 @@ class Plate {
         it.valueRef() *= stiffness * normal.row(it.row()).dot(normal.row(it.col()));
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
     for (int pass = 0; pass < kReweighted; ++pass) {
-      Eigen::VectorXd weight = Eigen::VectorXd::Constant(n, 1e-3), right = -pull;
+      Eigen::VectorXd weight = Eigen::VectorXd::Constant(n, kRest), right = -pull;
       for (const Contact& c : contacts) {
         const double w = 1 / (1 + std::abs(c.away - step[c.vertex]) / (kRobust * edge));
         weight[c.vertex] += w;
@@ -182,14 +145,14 @@ class Plate {
   }
 
  private:
-  Neighbours near_;
+  VertexNeighbours near_;
   Sparse bending_;
   Eigen::SimplicialLDLT<Sparse> solver_;
   bool analysed_ = false;
 };
 
 // Along the surface towards the middle of the neighbours.
-void relax(const Neighbours& near, TriMesh& mesh) {
+void relax(const VertexNeighbours& near, TriMesh& mesh) {
   const std::vector<Vec3f> before = mesh.positions;
   for (size_t v = 0; v < before.size(); ++v) {
     const auto around = near.of(v);

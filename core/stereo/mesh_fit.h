@@ -25,8 +25,8 @@ struct MeshFit {
   double contacts = 0;  // share of the vertices that photos see at a silhouette
 };
 
-// `start`: closed, counter-clockwise from outside, such as a hull; edges of about one length. Unknown pixels (value < 0) and
-// opaque surfaces in front (Silhouette::depth) say nothing. The same for any number of threads.
+// `start`: closed, counter-clockwise from outside, such as a hull; edges of about one length. Unknown pixels (value < 0) say
+// nothing. The same for any number of threads.
 MeshFit fit_mesh(std::span<const Silhouette> masks, TriMesh start, const MeshFitDesc& desc = {});
 
 }  // namespace vitrine

@@ -116,7 +116,7 @@ class Rims {
   // What the photo says about the place at a radius, in one direction.
   static float said(const Silhouette& m, const Disc& disc, const Vec3d& direction, double r) {
     const auto p = projection(disc.centre + r * direction, m.view, 1e-6);
-    return p ? value(m.value, p->x - 0.5, p->y - 0.5) : -1;
+    return p ? coverage_at(m.value, p->x, p->y) : -1;
   }
 
   // The radius in that direction where the mask ends, the nearest to `from`; nothing if the photo does not know.
@@ -145,16 +145,6 @@ class Rims {
       (said(m, disc, direction, middle) >= 0.5f ? good : bad) = middle;
     }
     return good;
-  }
-
-  // Between pixels; -1 = unknown or outside the picture.
-  static float value(const ImageF& mask, double x, double y) {
-    const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-    if (x0 < 0 || y0 < 0 || x0 + 1 >= mask.width() || y0 + 1 >= mask.height()) return -1;
-    const float u = float(x - x0), v = float(y - y0);
-    const float a = mask.at(x0, y0), b = mask.at(x0 + 1, y0), c = mask.at(x0, y0 + 1), d = mask.at(x0 + 1, y0 + 1);
-    if (a < 0 || b < 0 || c < 0 || d < 0) return -1;
-    return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
   }
 
   std::span<const Silhouette> masks_;

@@ -1,6 +1,7 @@
 #include "core/stereo/silhouette.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vitrine {
 
@@ -8,6 +9,16 @@ Silhouette silhouette(const View& view, const std::vector<uint8_t>& inside) {
   Silhouette out{view, ImageF(view.intrinsics.width, view.intrinsics.height, 1)};
   std::copy(inside.begin(), inside.end(), out.value.data().begin());
   return out;
+}
+
+float coverage_at(const ImageF& value, double x, double y) {
+  x -= 0.5, y -= 0.5;
+  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+  if (x0 < 0 || y0 < 0 || x0 + 1 >= value.width() || y0 + 1 >= value.height()) return -1;
+  const float u = float(x - x0), v = float(y - y0);
+  const float a = value.at(x0, y0), b = value.at(x0 + 1, y0), c = value.at(x0, y0 + 1), d = value.at(x0 + 1, y0 + 1);
+  if (a < 0 || b < 0 || c < 0 || d < 0) return -1;
+  return (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
 }
 
 }  // namespace vitrine

@@ -20,6 +20,9 @@ struct Silhouette {
 // Coverage 0 or 1, [h,w] of the view.
 Silhouette silhouette(const View& view, const std::vector<uint8_t>& inside);
 
+// Coverage between pixel centres, at (x, y) of the picture; negative where one of the four pixels is unknown or outside.
+float coverage_at(const ImageF& value, double x, double y);
+
 // 1 where meets(pixel, eye, direction of the pixel's ray), [h,w] of the view.
 template <class Meets>
 std::vector<uint8_t> mask_of_rays(const View& view, const Meets& meets) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -26,9 +26,11 @@ constexpr size_t kMostPairs = 1500;    // surfels that are registered
 constexpr float kCell = 0.04f;         // scene units
 constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // scene units, of the rounds
 constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
+constexpr size_t kCandidates = 4;   // nearest surfels, the first of which with a like colour is the pair
 constexpr size_t kFewestPairs = 60;
 constexpr double kAgreeing = 0.1;      // of the surfels must have a pair in the last round
 constexpr double kFurthestTurn = 0.2;  // radians that a plane may turn in all
+constexpr double kHalfWeight = 0.3;    // of the reach: a pair so far apart counts by half
 constexpr double kSteady = 1e-6;       // added to the normal equations
 
 Vec3d place_of(const SplatLayer& layer, size_t i) {
@@ -150,13 +152,14 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
     double away = 0;      // of the reflected place along the normal
   };
   std::vector<Pair> pairs(sample.size());
-  std::vector<double> first, last;
+  size_t agreeing = 0;
+  double off = 0;  // median
   for (const float reach : kReaches) {
     parallel_for(sample.size(), 32, [&](size_t k) {
       thread_local std::vector<PointGrid::Near> near;
       const Vec3d behind = place_of(diffuse_, sample[k]), before = reflected(behind, plane);
       pairs[k] = {};
-      grid.nearest(cast<float>(before), 4, reach, near);
+      grid.nearest(cast<float>(before), kCandidates, reach, near);
       for (const PointGrid::Near& n : near) {
         if (color_difference(diffuse_, sample[k], scenery.surfels[n.index]) > kLikeColor) continue;
         const Vec3d& normal = scenery.normals[n.index];
@@ -175,23 +178,21 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
       const double facing = dot(p.normal, plane.normal), depth = dot(plane.normal, p.place) - plane.offset;
       const Vec3d to_normal = -2. * (facing * p.place + depth * p.normal);
       const Eigen::Vector3d row(dot(to_normal, u), dot(to_normal, v), 2 * facing);
-      const double w = 1 / (1 + (p.away / (0.3 * double(reach))) * (p.away / (0.3 * double(reach))));
+      const double outlying = p.away / (kHalfWeight * double(reach)), w = 1 / (1 + outlying * outlying);
       a += w * row * row.transpose();
       b -= w * p.away * row;
     }
     if (residuals.size() < kFewestPairs) return start;
-    const double median = quantile_of(residuals, 0.5);
-    if (first.empty()) first = {median, double(residuals.size())};
-    last = {median, double(residuals.size())};
+    agreeing = residuals.size(), off = quantile_of(residuals, 0.5);
     const Eigen::Vector3d step = a.ldlt().solve(b);
     plane.normal = normalized(plane.normal + step[0] * u + step[1] * v);
     plane.offset += step[2];
   }
   const double turn = std::acos(std::clamp(dot(plane.normal, start.axes.c2), -1.0, 1.0));
-  const bool agrees = last[1] >= kAgreeing * double(sample.size()) && turn < kFurthestTurn;
+  const bool agrees = double(agreeing) >= kAgreeing * double(sample.size()) && turn < kFurthestTurn;
   log_info(
       "a flat mirror: {} of {} surfels behind it lie on what stands before it, {:.4f} off (median); it turns by {:.2f} degrees{}",
-      size_t(last[1]), sample.size(), last[0], turn * 57.29578, agrees ? "" : ": not taken");
+      agreeing, sample.size(), off, turn * 180 / std::numbers::pi, agrees ? "" : ": not taken");
   return agrees ? turned(start, plane.normal, plane.offset, eye) : start;
 }
 

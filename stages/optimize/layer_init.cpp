@@ -41,7 +41,7 @@ constexpr double kMirrorDepth = 0.5;  // of its size: where what is seen in a co
 // of gloss in all photos do not tell what it reflects. A polished solid in 36 photos of 320x240 gains up to 1.4 dB, a ball in
 // fifteen photos of 48x36 loses 3.
 constexpr size_t kTellingPixels = 20000;
-constexpr size_t kFewestShapePoints = 500;
+constexpr size_t kFewestShapePoints = 500;  // on shapes of mirrors, however little photos show of them
 constexpr float kHullOpacity = 0.97f, kHullScale = 0.7f;
 constexpr float kLargestGrowth = 2.5f;  // of copies that are fewer than what they copy
 
@@ -231,18 +231,20 @@ void move_behind_glass(const MaskEvidence& seen, size_t cap, SplatScene& scene) 
   keep_surfels(diffuse, stay);
 }
 
-// Of all training photos, inside the specular mask and outside the transparent one; `share`: of all their pixels.
-size_t gloss_pixels(const LayerInitDesc& desc, double& share) {
-  size_t count = 0, all = 0;
+// Pixels of all training photos; of them, inside the specular mask and outside the transparent one.
+struct GlossPixels {
+  size_t gloss = 0, all = 0;
+};
+GlossPixels gloss_pixels(const LayerInitDesc& desc) {
+  GlossPixels out;
   for (uint32_t photo : desc.capture.train) {
     const Intrinsics& k = desc.capture.photos[photo].levels[kEvidenceLevel].view.intrinsics;
-    all += size_t(k.width) * size_t(k.height);
+    out.all += size_t(k.width) * size_t(k.height);
     const auto& masks = desc.targets.photos[photo][kEvidenceLevel].masks;
     const auto &specular = masks[size_t(MaskClass::Specular)], &transparent = masks[size_t(MaskClass::Transparent)];
-    for (size_t i = 0; i < specular.size(); ++i) count += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);
+    for (size_t i = 0; i < specular.size(); ++i) out.gloss += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);
   }
-  share = all > 0 ? double(count) / double(all) : 0;
-  return count;
+  return out;
 }
 
 }  // namespace
@@ -304,11 +306,13 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const Vec3f color = mean_color(diffuse, gone.empty() ? dull : gone);
   keep_surfels(diffuse, stay);
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
-  double pictured = 0;
-  const bool told = gloss_pixels(desc, pictured) >= kTellingPixels;
+  const GlossPixels pictured = gloss_pixels(desc);
+  const bool told = pictured.gloss >= kTellingPixels;
   const bool shaped = told && std::ranges::any_of(hull.points, &HullPoint::known);
   // As many for a pixel as the rest of the scene has.
-  const auto fair = std::max(kFewestShapePoints, static_cast<size_t>(pictured * double(diffuse_cap)));
+  const auto fair =
+      std::max(kFewestShapePoints,
+               static_cast<size_t>(double(pictured.gloss) / double(std::max<size_t>(pictured.all, 1)) * double(diffuse_cap)));
   const size_t wanted =
       shaped ? std::min(static_cast<size_t>(phase.known_hull_points), fair) : static_cast<size_t>(phase.hull_points);
   const auto taken = append_hull(desc, hull, std::min(room, wanted), color, diffuse);

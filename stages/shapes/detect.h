@@ -6,8 +6,8 @@
 
 namespace vitrine {
 
-// A box; else a surface of revolution with its appendages as meshes, one entry a solid; else nothing. Of role Sheet for glass,
-// Mirror for the rest. `propagated`: the masks are not drawn to a pixel.
+// A box; else a surface of revolution with its appendages as meshes, one entry a solid; else, with `free_forms`, a mesh
+// (free_form.h); else nothing. Of role Sheet for glass, Mirror for the rest. `propagated`: the masks are not drawn to a pixel.
 ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bool propagated, bool free_forms = true);
 
 // How shapes and masks agree, over all photos.

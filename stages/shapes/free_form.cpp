@@ -13,8 +13,8 @@ namespace {
 constexpr size_t kFaces = 6000;
 constexpr double kTolerance_rel = 0.02;  // of the mesh's size: surfels that show it lie so near
 constexpr double kLeastInside = 0.85;    // of its pixels, that the masks mark
-constexpr double kExactInside =
-    0.92;  // where less are inside something hides much of the object: its normals are those of a hull
+// Where less of them are, something hides much of the object: its normals are no better than those of a hull.
+constexpr double kExactInside = 0.92;
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 
 namespace vitrine {
 
-// Nothing where the mesh does not explain the masks: where it lies outside them, or leaves much of the hull's silhouettes.
+// Nothing where 15 % or more of the mesh's pixels lie outside the masks; not exact from 8 % on.
 std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole role);
 
 }  // namespace vitrine

@@ -121,8 +121,7 @@ class ShapesRun {
       }
       throw_if_interrupted();
       view_dependence_[i] = coat_test().view_dependence_of(found_, i);
-      if (!given_ && entry.role == ShapeRole::Mirror)
-        entry.role = is_paint(view_dependence_[i]) ? ShapeRole::Coat : ShapeRole::Mirror;
+      if (!given_ && entry.role == ShapeRole::Mirror && is_paint(view_dependence_[i])) entry.role = ShapeRole::Coat;
     }
   }
 

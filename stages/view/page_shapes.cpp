@@ -2,13 +2,13 @@
 
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/model/pane_pass.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr double kSpacing_rel = 1.0 / 24;  // of the size of a curved shape: length of its edges
-constexpr double kAtPane_rel = 0.4;        // of the tolerance, as in core/model/pane_pass.cpp
 constexpr size_t kMostFaces = 6000;        // of a shape
 constexpr uint16_t kCurved = UINT16_MAX;
 constexpr const char* kRoles[] = {"mirror", "sheet", "coat"};

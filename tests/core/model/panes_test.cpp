@@ -11,67 +11,15 @@
 #include "core/model/opened_scene.h"
 #include "core/model/pane_pass.h"
 #include "core/trace/tracer.h"
-#include "tests/core/model/exact_model.h"
-#include "tests/core/model/tiny_rooms.h"
+#include "tests/core/model/showcase.h"
 #include "tests/support/gradcheck.h"
 
 namespace vitrine {
 namespace {
 
-constexpr double kHalf = 0.5, kSheetTolerance = 0.05;  // of the case, a cube about the origin
-
-// A case of glass before a camera that looks into it over a corner; around it and in it large surfels.
-struct Showcase {
-  SplatScene scene{.diffuse = SplatLayer(LayerKind::Diffuse, 1, 0),
-                   .reflection = SplatLayer(LayerKind::Reflection, 1, 0),
-                   .transmittance = SplatLayer(LayerKind::Transmittance, 1, 0)};
-  View view;
-  const Box box{Mat3d::identity(), {-kHalf, -kHalf, -kHalf}, {kHalf, kHalf, kHalf}};
-  std::shared_ptr<ShapeSet> set = std::make_shared<ShapeSet>(ShapeSet{{{box, ShapeRole::Sheet, kSheetTolerance, -1, {}}}});
-  size_t panes = 0;
-
-  Showcase() {
-    const Vec3d eye{1.4, -1.9, 0.8}, z = normalized(-eye), x = normalized(cross(z, Vec3d{0, 0, 1})), y = cross(z, x);
-    view.intrinsics = {32, 28, 46, 45, 16.4, 13.7};
-    view.cam_from_world.rotation = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
-    view.cam_from_world.translation = -(view.cam_from_world.rotation * eye);
-    for (size_t f = 0; f < Box::kFaces; ++f) pane(Box::face(f));
-    panes = scene.diffuse.size();
-    Rng rng(4, 4);
-    const auto colour = [&] { return Vec3d{rng.uniform_double(), rng.uniform_double(), rng.uniform_double()}; };
-    // Walls, each seen in one pane or another, and something small in the case.
-    for (const Vec3d& at : {Vec3d{2.3, 2.4, -1}, {-1.7, -2.8, -1}, {-1.7, 2.3, 1.5}, {1.7, 3.2, -1.3}, {-2.4, -2.5, -1.3}})
-      dull(scene.diffuse, {.mean = at, .normal = -at, .size = 1.2, .opacity = 0.8, .rgb = colour()});
-    dull(scene.transmittance,
-         {.mean = {-0.15, -0.1, -0.1}, .normal = {0.5, -0.8, 0.2}, .size = 0.15, .opacity = 0.95, .rgb = colour()});
-    dull(scene.reflection, {.mean = {0, 0, 6}, .normal = {0, 0, -1}, .size = 4, .opacity = 0.9, .rgb = {0.9, 0.6, 0.3}});
-    dull(scene.reflection, {.mean = {-3, -4.5, -2}, .normal = {3, 4.5, 2}, .size = 2, .opacity = 0.7, .rgb = {0.3, 0.6, 0.8}});
-  }
-  void dull(SplatLayer& layer, const RoomSurfel& s) {
-    const size_t i = add_surfel(layer, s, layer.size() + 7);
-    for (Attribute a : {Attribute::SpecularWeight, Attribute::Transmission})
-      if (layer.width(a) > 0) *layer.at(a, i) = logit(1e-4f);
-    // The rasteriser has one view direction per surfel, rays have their own.
-    std::fill_n(layer.at(Attribute::ShRest, i), layer.width(Attribute::ShRest), 0.f);
-  }
-  void pane(Box::Face face) {
-    const Vec3d n = box.normal(face), u{n.y, n.z, n.x}, v = cross(n, u);
-    for (double a : {-0.3, 0.0, 0.3})
-      for (double b : {-0.3, 0.0, 0.3}) {
-        const size_t i = add_surfel(scene.diffuse, {kHalf * n + a * u + b * v, n, 0.12, 0.97, {0.5, 0.5, 0.5}}, 1);
-        for (size_t c = 0; c < 3; ++c) scene.diffuse.at(Attribute::F0, i)[c] = logit(0.06f + 0.01f * float(c));
-        *scene.diffuse.at(Attribute::SpecularWeight, i) = logit(0.01f);
-        *scene.diffuse.at(Attribute::Transmission, i) = logit(0.97f);
-        *scene.diffuse.at(Attribute::Roughness, i) = logit(0.05f);
-      }
-  }
-  ImageOptions options() const {
-    ImageOptions o = exact_options();
-    o.transmission.glass = Glass::Thin;
-    o.shape.set = set;
-    return o;
-  }
-};
+using test::kHalf;
+using test::kSheetTolerance;
+using test::Showcase;
 
 TEST(MirroredView, SeesThroughTheMirrorWhatTheViewSeesInIt) {
   const Showcase s;
@@ -228,40 +176,6 @@ TEST(Panes, OfSheetsThatOverlapAreThoseOfTheNearest) {
   EXPECT_GT(of_the_case, 100u);
 }
 
-// The side of the showcase that faces the camera is a flat mirror, with surfels `before` it that show it.
-void hang_mirror(Showcase& s, double before = 0) {
-  const Plane plane{{0, -kHalf, 0}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {kHalf, kHalf}};
-  s.set->entries = {{plane, ShapeRole::Mirror, kSheetTolerance, -1, {}}};
-  for (double x = -0.45; x < 0.5; x += 0.1)
-    for (double z = -0.45; z < 0.5; z += 0.1) {
-      const size_t i = add_surfel(s.scene.diffuse, {{x, -kHalf - before, z}, {0, -1, 0}, 0.08, 0.97, {0, 0, 0}}, 1);
-      *s.scene.diffuse.at(Attribute::SpecularWeight, i) = logit(0.9f);
-      *s.scene.diffuse.at(Attribute::Transmission, i) = logit(1e-4f);
-    }
-}
-
-// A flat mirror shows what a sheet at its place mirrors, and nothing stands behind it.
-TEST(Panes, AFlatMirrorShowsTheScene) {
-  Showcase s;
-  const Plane plane{{0, -kHalf, 0}, {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {kHalf, kHalf}};
-  s.set->entries = {{plane, ShapeRole::Sheet, kSheetTolerance, -1, {}}};
-  Frame sheet, mirror;
-  LayeredModel(s.options()).forward(s.scene, s.view, sheet);
-  hang_mirror(s);
-  LayeredModel(s.options()).forward(s.scene, s.view, mirror);
-  ASSERT_FALSE(mirror.panes.empty());
-  size_t both = 0;
-  const size_t pixels = mirror.pixel_count();
-  for (size_t i = 0; i < pixels; ++i) {
-    if (sheet.panes.shown[i] == 0 || mirror.panes.shown[i] == 0) continue;
-    for (size_t c = 0; c < 3; ++c)
-      EXPECT_NEAR(mirror.panes.near_color[c * pixels + i], sheet.panes.near_color[c * pixels + i], 2e-3);
-    EXPECT_EQ(mirror.panes.far_share[i], 0);
-    ++both;
-  }
-  EXPECT_GT(both, 100u);
-}
-
 TEST(Panes, AddUpToThePixelAsWritten) {
   const Showcase s;
   ImageOptions options = s.options();
@@ -327,65 +241,6 @@ TEST(Panes, MirrorNoGuesses) {
   model.forward(s.scene, s.view, frame);
   ASSERT_FALSE(frame.panes.empty());
   for (size_t i = 0; i < frame.pixel_count(); ++i) EXPECT_EQ(frame.panes.near_open[i], 1);
-}
-
-// Training moves the surfels of a mirror a little before it: they do not hide the scene from the camera behind it.
-TEST(Panes, AFlatMirrorIsNotHiddenByItsOwnSurfels) {
-  Showcase on, before;
-  hang_mirror(on);
-  hang_mirror(before, 0.6 * kSheetTolerance);
-  Frame a, b;
-  LayeredModel(on.options()).forward(on.scene, on.view, a);
-  LayeredModel(before.options()).forward(before.scene, before.view, b);
-  ASSERT_FALSE(a.panes.empty());
-  ASSERT_FALSE(b.panes.empty());
-  size_t both = 0;
-  const size_t pixels = a.pixel_count();
-  for (size_t i = 0; i < pixels; ++i) {
-    if (a.panes.shown[i] == 0 || b.panes.shown[i] == 0) continue;
-    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(a.panes.near_color[c * pixels + i], b.panes.near_color[c * pixels + i]);
-    ++both;
-  }
-  EXPECT_GT(both, 100u);
-}
-
-// A flat mirror is one more camera: what it shows learns through it, colour and place.
-TEST(Panes, GradientsOfAFlatMirrorMatchFiniteDifferences) {
-  Showcase s;
-  hang_mirror(s);
-  ImageOptions options = s.options();
-  options.surface.ray_budget = 0;
-  LayeredModel model(options);
-  Frame frame;
-  const auto loss = [&] {
-    model.forward(s.scene, s.view, frame);
-    double sum = 0;
-    const size_t pixels = frame.pixel_count();
-    for (size_t i = 0; i < pixels; ++i)  // of the mirror alone: what else shows the surfels learns as ever
-      for (size_t c = 0; c < 3 && !frame.panes.empty() && frame.panes.teaches[i]; ++c)
-        sum += 0.5 * std::pow(double(frame.srgb[c * pixels + i]) - 0.3, 2);
-    return sum;
-  };
-  loss();
-  ASSERT_FALSE(frame.panes.grad_near.empty());
-  const size_t pixels = frame.pixel_count();
-  frame.grad_srgb.assign(frame.srgb.size(), 0.f);
-  for (size_t i = 0; i < pixels; ++i)
-    for (size_t c = 0; c < 3 && frame.panes.teaches[i]; ++c) frame.grad_srgb[c * pixels + i] = frame.srgb[c * pixels + i] - 0.3f;
-  SplatScene grad = s.scene.zeros_like();
-  model.backward(s.scene, frame, grad);
-  double moved = 0;
-  for (const Attribute a : {Attribute::ShDc, Attribute::Opacity, Attribute::Mean}) {
-    // Walls, which no pixel of the mirror shows but in the mirror.
-    const size_t width = s.scene.diffuse.width(a), walls = 5;
-    const auto of_walls = [&](auto values) { return values.subspan(s.panes * width, walls * width); };
-    const std::vector<double> differences = extrapolated_differences(of_walls(s.scene.diffuse.values(a)), loss);
-    const auto actual = of_walls(grad.diffuse.values(a));
-    for (const double d : differences) moved += std::abs(d);
-    expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
-                      {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.05}, std::string(row(a).name));
-  }
-  EXPECT_GT(moved, 1e-3);
 }
 
 // Pictures in glass count as known: gradients are those of everything else.
