@@ -27,11 +27,6 @@ constexpr double kLeastDensity_rel = 1e-3;
 
 double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
-double texel_solid_angle(int y, int width, int height) {
-  const double top = std::cos(std::numbers::pi * y / height), bottom = std::cos(std::numbers::pi * (y + 1) / height);
-  return 2 * std::numbers::pi / width * (top - bottom);
-}
-
 // Interval of a table that rises from 0 to 1, and the place in it.
 std::pair<int, float> found(const float* cdf, int n, float u) {
   const int i = std::clamp(static_cast<int>(std::upper_bound(cdf, cdf + n + 1, u) - cdf) - 1, 0, n - 1);
@@ -48,6 +43,11 @@ Texel texel_of(const Vec2f& uv, int width, int height) {
 }
 
 }  // namespace
+
+double texel_solid_angle(int y, int width, int height) {
+  const double top = std::cos(std::numbers::pi * y / height), bottom = std::cos(std::numbers::pi * (y + 1) / height);
+  return 2 * std::numbers::pi / width * (top - bottom);
+}
 
 Vec3f lat_long_direction(float u, float v) {
   const float azimuth = -2.f * kPi * (u - 0.5f), elevation = kPi * (0.5f - v), c = std::cos(elevation);

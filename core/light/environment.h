@@ -16,6 +16,7 @@
 namespace vitrine {
 
 Vec3f lat_long_direction(float u, float v);               // unit
+double texel_solid_angle(int y, int width, int height);   // of the texels of row y, steradians
 Vec2f lat_long_coordinates(const Vec3f& unit_direction);  // u in [0, 1), v in [0, 1]
 
 class Environment {

@@ -23,12 +23,6 @@ constexpr float kFromAllSides = 0.25f;  // pi over the sphere's 4 pi
 constexpr float kMostlyOpen = 0.5f;     // share of a ray that panes let through
 constexpr uint64_t kVertexStream = 0x21, kSurfelStream = 0x22;
 
-// Of a texel of a lat-long map.
-double row_solid_angle(int row, int width, int height) {
-  return 2 * std::numbers::pi / width *
-         (std::cos(std::numbers::pi * row / height) - std::cos(std::numbers::pi * (row + 1) / height));
-}
-
 void add(Transfer& sum, const Vec3f& direction, float share) {
   float basis[kTransferSize];
   sh_basis(kTransferDegree, direction, basis);
@@ -42,7 +36,7 @@ LightHarmonics light_harmonics(const Environment& environment) {
   const int w = map.width(), h = map.height();
   std::array<Vec3d, kTransferSize> sum{};
   for (int y = 0; y < h; ++y) {
-    const double solid_angle = row_solid_angle(y, w, h);
+    const double solid_angle = texel_solid_angle(y, w, h);
     for (int x = 0; x < w; ++x) {
       const Vec3f d =
           environment.world_from_map() * lat_long_direction((float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h));
@@ -69,7 +63,7 @@ CellLight cell_light(const Environment& environment) {
       const Vec2f p = octahedral_place(d);
       const auto at = [](float v) { return std::clamp(static_cast<int>((0.5f * v + 0.5f) * kCellSide), 0, kCellSide - 1); };
       const size_t cell = static_cast<size_t>(at(p.y) * kCellSide + at(p.x));
-      const double angle = row_solid_angle(y, w, h);
+      const double angle = texel_solid_angle(y, w, h);
       const float* rgb = map.pixel(x, y);
       const Vec3d light = angle * Vec3d{double(rgb[0]), double(rgb[1]), double(rgb[2])};
       flux[cell] += light;
