@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <numbers>
-#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/model/opened_scene.h"
+#include "core/model/sheet_pass.h"
+#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
@@ -28,17 +29,16 @@ void set_color(SplatLayer& layer, size_t i, const Vec3f& color) {
 
 GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
     : scene_(&scene), surface_(&surface), renderer_(make_renderer(Backend::Cpu)) {
-  if (empty()) return;
-  const SplatLayer &diffuse = scene.trained.surfels.diffuse, &inside = scene.trained.surfels.transmittance;
-  if (scene.trained.image.transmission.glass == Glass::Thin) opaque_ = opaque_surfels(diffuse);
-  std::erase_if(opaque_, [&](uint32_t i) { return scene.materials.shows_sky(i); });
-  merged_ = SplatLayer(LayerKind::Transmittance, inside.sh_degree(), opaque_.size() + inside.size());
-  const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {
-    for (Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
-      std::copy_n(from.at(a, i), from.width(a), merged_.at(a, to));
-  };
-  for (size_t k = 0; k < opaque_.size(); ++k) copy(diffuse, opaque_[k], k);
-  for (size_t i = 0; i < inside.size(); ++i) copy(inside, i, opaque_.size() + i);
+  const ImageOptions& image = scene.trained.image;
+  if (scene.trained.surfels.transmittance.size() == 0 && !draws_sheets(image)) return;
+  const int degree = scene.trained.surfels.transmittance.size() > 0 ? scene.trained.surfels.transmittance.sh_degree() : 0;
+  SplatScene parts{.diffuse = material_layer(scene), .transmittance = scene.trained.surfels.transmittance};
+  if (image.transmission.glass != Glass::Thin) parts.diffuse.resize(0);
+  OpenedScene opened;
+  without_glass_with_materials(parts, {.diffuse = 0, .transmittance = degree}, opened);
+  opaque_ = std::move(opened.opaque);
+  merged_ = std::move(opened.surfels);
+  if (image.transmission.thick) matt_ = merged_;
 }
 
 std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
@@ -52,17 +52,16 @@ std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
   return out;
 }
 
-// From the place of the mesh that the surfel lies on; a surfel off the mesh gets the light from all sides.
-Vec3f GlassContent::matt_radiance(const LitScene& lit, size_t surfel) const {
+// Irradiance / pi of the place of the mesh that the surfel lies on; a surfel off the mesh gets the light from all sides.
+Vec3f GlassContent::arriving_at(const LitScene& lit, size_t surfel) const {
   const SplatLayer& layer = scene_->trained.surfels.diffuse;
   const float *m = layer.at(Attribute::Mean, surfel), *q = layer.at(Attribute::Rotation, surfel);
   const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
-  const Vec3f reflectance = bounce_reflectance(scene_->blend(), scene_->material(surfel));
   const float reach = kGlassReach * surface_->grain();
   for (const Vec3f& n : {normal, -normal})
     if (const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach))
-      return hadamard(reflectance, surface_->at(lit.irradiance(), *place)) / std::numbers::pi_v<float>;
-  return hadamard(reflectance, lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples));
+      return surface_->at(lit.irradiance(), *place) / std::numbers::pi_v<float>;
+  return lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples);
 }
 
 void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
@@ -75,7 +74,10 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
   const std::vector<Vec3f> now = fluence(lit);
   parallel_for(opaque_.size(), kTask, [&](size_t k) {
     throw_if_interrupted();
-    set_color(merged_, k, matt_radiance(lit, opaque_[k]));
+    const Vec3f light = arriving_at(lit, opaque_[k]);
+    const RelitMaterial material = scene_->material(opaque_[k]);
+    set_color(merged_, k, hadamard(light, scattered_reflectance(scene_->blend(), material)));
+    if (matt_.size() > 0) set_color(matt_, k, hadamard(light, bounce_reflectance(scene_->blend(), material)));
   });
   const SplatLayer& inside = scene_->trained.surfels.transmittance;
   const Vec3f mean = scene_->captured.mean();
@@ -87,6 +89,9 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
       merged_.at(Attribute::ShDc, to)[c] = (ratio * (0.5f + kShDc * inside.at(Attribute::ShDc, i)[c]) - 0.5f) / kShDc;
       for (size_t k = c; k < width; k += 3) merged_.at(Attribute::ShRest, to)[k] = ratio * inside.at(Attribute::ShRest, i)[k];
     }
+    if (matt_.size() == 0) continue;
+    for (const Attribute a : {Attribute::ShDc, Attribute::ShRest})
+      std::copy_n(merged_.at(a, to), merged_.width(a), matt_.at(a, to));
   }
 }
 
@@ -95,10 +100,11 @@ void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
   desc.cam_from_world = frame.view->cam_from_world;
-  desc.features = FeatureSet::Surface;
+  desc.features = FeatureSet::Material;
   desc.sh_degree = merged_.sh_degree();
   desc.near_z = scene_->trained.image.diffuse.near_z;
-  renderer_->forward(merged_, desc, picture_);
+  picture_.view = frame.view;
+  renderer_->forward(merged_, desc, picture_.diffuse);
   bent_.clear();
   if (!options.thick) return;
   std::vector<GlassPath> path(frame.pixel_count(), GlassPath::Straight);
@@ -107,9 +113,9 @@ void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
   if (legs_.pixels.empty()) return;
   if (!tracer_) {
     tracer_ = make_tracer();
-    tracer_->build(merged_);
+    tracer_->build(matt_);
   }
-  tracer_->forward(legs_.batch(), {.sh_degree = merged_.sh_degree(), .min_transmittance = options.min_transmittance}, leg_values_,
+  tracer_->forward(legs_.batch(), {.sh_degree = matt_.sh_degree(), .min_transmittance = options.min_transmittance}, leg_values_,
                    nullptr);
   for (uint32_t p = 0; p < legs_.pixels.size(); ++p) bent_[legs_.pixels[p]] = p + 1;
 }
@@ -121,12 +127,24 @@ GlassContent::Seen GlassContent::seen(uint32_t pixel, const Vec3f& origin, const
     const Vec3f& d = legs_.directions[last];
     return {shown.color, shown.transmittance, legs_.origins[last] + kBeyond * surface_->grain() * d, d};
   }
-  const auto color = std::as_const(picture_).plane(Aov::Color);
-  const size_t n = color.size() / 3;
-  return {{color[pixel], color[n + pixel], color[2 * n + pixel]},
-          1 - std::as_const(picture_).plane(Aov::Alpha)[pixel],
-          origin,
-          direction};
+  const GBuffer g(picture_);
+  return {g.rgb(g.color, pixel), 1 - g.alpha[pixel], origin, direction};
+}
+
+std::optional<ShownSurface> GlassContent::gloss(uint32_t pixel, const PixelRay<float>& ray) const {
+  if (!bent_.empty() && bent_[pixel] > 0) return std::nullopt;
+  const GBuffer g(picture_);
+  const float alpha = g.alpha[pixel], z = g.zdepth[pixel];
+  if (!(g.specular[pixel] > float(kMinSpecular) && alpha > 0 && z > 0)) return std::nullopt;
+  const RelitMaterial material{.f0 = g.rgb(g.f0, pixel) / alpha,
+                               .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
+                               .specular = g.specular[pixel] / alpha};
+  return ShownSurface{.ray = ray,
+                      .normal = g.rgb(g.normal, pixel),
+                      .alpha = alpha,
+                      .z = surface_depth(z, alpha, picture_.diffuse.plane(Aov::MedianZ)[pixel]),
+                      .material = material,
+                      .behind_glass = true};
 }
 
 }  // namespace vitrine

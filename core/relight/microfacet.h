@@ -98,7 +98,11 @@ class Microfacet {
 
 constexpr float kTypicalCosine = 0.7f;
 
-// Share of light that a surface sends on in all directions, roughly: what bounces between surfaces.
+// Share of light that a surface scatters in all directions, roughly.
+inline Vec3f scattered_reflectance(LayerBlend blend, const RelitMaterial& m) {
+  return hadamard(relit_weights(blend, m, kTypicalCosine).diffuse, m.albedo);
+}
+// Share of light that a surface sends on, roughly: what bounces between surfaces.
 inline Vec3f bounce_reflectance(LayerBlend blend, const RelitMaterial& m) {
   const LayerWeights<float> w = relit_weights(blend, m, kTypicalCosine);
   const Vec3f out = hadamard(w.diffuse, m.albedo) + w.reflection;

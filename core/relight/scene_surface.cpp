@@ -92,6 +92,16 @@ void SceneSurface::take_materials(const RelitScene& scene) {
   }
 }
 
+std::optional<MeshHit> SceneSurface::first_solid_hit(const Vec3f& origin, const Vec3f& direction) const {
+  float near = 0;
+  for (int panes = 0; panes <= MeshHits::kMostPanes; ++panes) {
+    auto hit = hits_.first_hit(origin, direction, near);
+    if (!hit || !(face_transmittance(hit->face) > 0)) return hit;
+    near = next_near(hit->t);
+  }
+  return std::nullopt;
+}
+
 float SceneSurface::visibility(const Vec3f& origin, const Vec3f& direction, float far) const {
   if (!glass_) return hits_.occluded(origin, direction, 0, far) ? 0.f : 1.f;
   return hits_.transmittance(origin, direction, far, {transmittance_, kLeastShare, kSamePlace * grain_});

@@ -30,6 +30,8 @@ class SceneSurface {
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0) const {
     return hits_.first_hit(origin, direction, near);
   }
+  // The same past all panes.
+  std::optional<MeshHit> first_solid_hit(const Vec3f& origin, const Vec3f& direction) const;
   // Nothing, not even a pane, stands between.
   bool free_between(const Vec3f& a, const Vec3f& b) const { return !hits_.occluded(a, b - a, 0, 1); }
   // The place where a ray meets the front of the mesh before `far`.

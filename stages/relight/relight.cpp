@@ -154,7 +154,7 @@ void write_settings(const fs::path& path, const RelightConfig& c, double exposur
   const Vec3f mean = lighting.environment.mean();
   json["environment_mean"] = {mean.x, mean.y, mean.z};
   json["lamps"] = lighting.lamps();
-  json["approximations"] = {"what stands behind glass keeps its trained colours, scaled by the ratio of the light there",
+  json["approximations"] = {"what only glass shows keeps its trained colours, scaled by the ratio of the light there",
                             "light bounces between matt copies of the surfaces; no caustics"};
   if (solid_glass)
     json["approximations"].push_back(
@@ -243,7 +243,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
 Stage relight_stage() {
   StageInfo info{
       .name = "relight",
-      .version = 8,
+      .version = 9,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

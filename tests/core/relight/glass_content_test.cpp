@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/shape/shape_set.h"
 #include "tests/core/relight/relit_ball.h"
 
 namespace vitrine {
@@ -26,6 +27,74 @@ TEST(GlassContent, FollowsTheLightThatReachesItThroughTheGlass) {
     EXPECT_NEAR(before.at(24, 2, 0), 1, 0.02);
     EXPECT_NEAR(twice.at(24, 2, 0), 2, 0.04);
   }
+}
+
+// A polished ball, and around it a ball of clear glass that belongs to the surfels.
+RelitScene metal_in_glass(float glass_transmission) {
+  RelitScene s = test::relit_ball({}, 0.2);
+  const RelitScene around = test::relit_ball({}, 0.4);
+  const size_t inner = s.materials.size(), outer = around.materials.size();
+  std::fill_n(s.materials.specular_weight.begin(), inner, 1.f);
+  std::fill_n(s.materials.f0.begin(), inner, Vec3f{1, 1, 1});
+  std::fill_n(s.materials.roughness.begin(), inner, 0.05f);
+  s.materials.resize(inner + outer);
+  SplatLayer& layer = s.trained.surfels.diffuse;
+  layer.resize(inner + outer);
+  for (size_t i = 0; i < outer; ++i) {
+    for (const Attribute a : {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity})
+      std::copy_n(around.trained.surfels.diffuse.at(a, i), layer.width(a), layer.at(a, inner + i));
+    s.materials.albedo[inner + i] = {0.01f, 0.01f, 0.01f};
+    s.materials.transmission[inner + i] = glass_transmission;
+  }
+  const auto first = static_cast<uint32_t>(s.mesh.positions.size());
+  s.mesh.positions.insert(s.mesh.positions.end(), around.mesh.positions.begin(), around.mesh.positions.end());
+  s.mesh.normals.insert(s.mesh.normals.end(), around.mesh.normals.begin(), around.mesh.normals.end());
+  for (const auto& f : around.mesh.faces) s.mesh.faces.push_back({f[0] + first, f[1] + first, f[2] + first});
+  // Next to nothing that only glass shows.
+  s.trained.surfels.transmittance = SplatLayer(LayerKind::Transmittance, 0, 1);
+  *s.trained.surfels.transmittance.at(Attribute::Opacity, 0) = -20;
+  s.trained.surfels.transmittance.at(Attribute::Mean, 0)[2] = 9;
+  s.trained.image.transmission.glass = Glass::Thin;
+  return s;
+}
+
+TEST(GlassContent, MetalBehindItMirrorsTheNewLight) {
+  Lighting probe;
+  probe.environment = axis_probe(128);
+  const auto middle = [&](float clear) {
+    RelitPainter painter(metal_in_glass(clear));
+    painter.set_lighting(probe);
+    const ImageF p = painter.picture(test::view_from({1, 0, 0}), {.samples = 64}).radiance;
+    return Vec3f{p.at(24, 18, 0), p.at(24, 18, 1), p.at(24, 18, 2)};
+  };
+  // Seen from +x, the middle of the ball mirrors +x: red.
+  const Vec3f seen = middle(1);
+  EXPECT_GT(seen.x, 0.75);
+  EXPECT_LT(seen.z, 0.2);
+  EXPECT_LT(middle(0).x, 0.1);  // glass that lets nothing through
+}
+
+// A sheet that training knew as a shape, and nothing that only glass shows.
+TEST(GlassContent, KnownSheetsAreClearWithoutATransmittanceLayer) {
+  RelitScene scene = test::relit_ball({0.5f, 0.5f, 0.5f}, 0.2);
+  Lighting sun;
+  sun.directionals.push_back({{1, 0, 0}, {1, 1, 1}});
+  const auto red = [&](RelitScene s) {  // of a slope of the ball
+    RelitPainter painter(std::move(s));
+    painter.set_lighting(sun);
+    return painter.picture(test::view_from({1, 0, 0}), {.samples = 16}).radiance.at(33, 18, 0);
+  };
+  const float open = red(scene);
+  scene.trained.image.transmission.glass = Glass::Thin;
+  auto known = std::make_shared<ShapeSet>();
+  ShapeSet::Entry& box = known->entries.emplace_back();
+  box.shape = Box{.axes = Mat3d::identity(), .low = {-0.4, -0.4, -0.4}, .high = {0.4, 0.4, 0.4}};
+  box.role = ShapeRole::Sheet;
+  box.tolerance = 0.01;
+  scene.trained.image.shape.set = known;
+  const float behind = red(scene);
+  EXPECT_GT(behind, 0.7f * open);  // the sheet mirrors a tenth
+  EXPECT_LT(behind, 1.05f * open);
 }
 
 TEST(GlassContent, SolidThingsKeepTheLightOut) {

@@ -1,0 +1,64 @@
+#include "core/relight/lit_place.h"
+
+#include <cmath>
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
+constexpr float kMirrorLift = 1;        // in grains: where rays start above it
+constexpr float kMattLift = 2.5f;       // the same where light is scattered: terraces of the mesh throw no shadow
+constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
+constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
+
+// More than it scatters or lets through.
+bool mirrors(LayerBlend blend, const RelitMaterial& m) {
+  const LayerWeights<float> w = relit_weights(blend, m, 1);
+  const Vec3f rest = hadamard(w.diffuse, m.albedo) + w.transmission;
+  return w.reflection.x + w.reflection.y + w.reflection.z > rest.x + rest.y + rest.z;
+}
+
+Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
+  const float cosine = dot(normal, view);
+  return cosine >= kLeastCosine ? normal : normalized(normal + (kLeastCosine - cosine) * view);
+}
+
+}  // namespace
+
+float mirror_lift(const SceneSurface& surface) { return kMirrorLift * surface.grain(); }
+
+// Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show (thin
+// coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside. Mirrors have its
+// normals, too: training leaves theirs as the pictures in them want them. And their rays start right there, for a picture in a
+// mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels fill.
+LitPlace lit_place(const SceneSurface& surface, LayerBlend blend, const ShownSurface& shown) {
+  const PixelRay<float>& ray = shown.ray;
+  const float snap = kSnap * surface.grain(), lift = mirror_lift(surface), t = shown.z * length(ray.direction_per_z);
+  const bool mirror = mirrors(blend, shown.material);
+  LitPlace out;
+  out.normal = turned_to(squared_length(shown.normal) > 0 ? normalized(shown.normal) : ray.view, ray.view);
+  out.place = out.on_mesh = ray.eye + shown.z * ray.direction_per_z;
+  // At a rim the blended normal looks at nothing in particular; that of the mesh is one surface's.
+  out.agreement = normal_agreement(shown.normal, shown.alpha);
+  Vec3f outwards = ray.view;
+  // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
+  // their front has the light that falls on it, not the dark behind it.
+  const auto hit = shown.behind_glass ? surface.first_solid_hit(ray.eye, -ray.view) : surface.first_hit(ray.eye, -ray.view);
+  if (hit && hit->t < t + snap && (!surface.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
+    out.on_mesh = ray.eye - hit->t * ray.view;
+    if (mirror || hit->t < t) out.place = out.on_mesh;
+    if (!hit->from_inside && mirror) {
+      out.normal = turned_to(surface.smooth_normal(*hit), ray.view);
+      out.agreement = 1;
+    }
+    outwards = normalized(out.normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
+  }
+  // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.
+  const Vec3f free = out.place + lift * ray.view;
+  const Vec3f above = out.place + (mirror ? lift : kMattLift * surface.grain()) * outwards;
+  out.origin = surface.free_between(free, above) ? above : free;
+  return out;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,33 @@
+// Where the light of a pixel is found (README 4): surfels and mesh agree to about an edge length of the mesh, and rays must start
+// free of it.
+#pragma once
+
+#include "core/model/kernels/surface_point.h"
+#include "core/relight/microfacet.h"
+#include "core/relight/scene_surface.h"
+
+namespace vitrine {
+
+// What a pixel shows, as the rasteriser has it.
+struct ShownSurface {
+  PixelRay<float> ray;
+  Vec3f normal{};  // sum of the blended normals, not zero where there is one
+  float alpha = 0, z = 0;
+  RelitMaterial material;  // its agreement is found below
+  bool behind_glass = false;
+};
+
+struct LitPlace {
+  Vec3f normal{};   // unit, facing the eye
+  Vec3f place{};    // of the surface
+  Vec3f on_mesh{};  // where the eye's ray meets the mesh, if that is the same surface; else `place`
+  Vec3f origin{};   // of rays, a little above
+  float agreement = 1;
+};
+
+LitPlace lit_place(const SceneSurface& surface, LayerBlend blend, const ShownSurface& shown);
+
+// How far rays start above a mirror, scene units.
+float mirror_lift(const SceneSurface& surface);
+
+}  // namespace vitrine
