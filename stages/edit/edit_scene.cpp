@@ -33,22 +33,23 @@ DecomposedMaterials remaining(const DecomposedMaterials& m, const std::vector<ui
           remaining(m.transmission, keep)};
 }
 
-// Mirrors that most of their specular surfels still lie on, coats that most of their paint does, appendages with what they stand
-// out of; sheets stay.
+// Mirrors that most of their specular surfels still lie on, coats that most of their paint does, sheets that most of their glass
+// does (no surfel of glass: all of them), appendages with what they stand out of.
 std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
                                           const std::vector<uint8_t>& keep) {
   if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
   std::vector<uint8_t> stays;
   for (const ShapeSet::Entry& e : set->entries) {
     size_t all = 0, left = 0;
-    for (size_t i = 0; i < surfels.size() && e.role != ShapeRole::Sheet; ++i) {
+    for (size_t i = 0; i < surfels.size(); ++i) {
       const float* m = surfels.at(Attribute::Mean, i);
       const Vec3d p{m[0], m[1], m[2]};
       if (e.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
+      if (e.role == ShapeRole::Sheet && *surfels.at(Attribute::Transmission, i) < 0) continue;     // tau below a half
       if (length(nearest(e.shape, p).position - p) > kOnShape * e.tolerance) continue;
       ++all, left += keep[i];
     }
-    stays.push_back(e.role == ShapeRole::Sheet || (all > 0 && 2 * left >= all));
+    stays.push_back(all > 0 ? 2 * left >= all : e.role == ShapeRole::Sheet);
   }
   ShapeSet out = set->kept(stays);
   return out.entries.empty() ? nullptr : std::make_shared<const ShapeSet>(std::move(out));

@@ -233,6 +233,29 @@ TEST_F(EditStage, ASelectionOfNothingIsAnErrorAtItsLine) {
   EXPECT_TRUE(masks.detail().where.ends_with("edits.yaml:2:5")) << masks.what();
 }
 
+TEST_F(EditStage, AKnownSheetGoesWithItsGlass) {
+  const fs::path refine = folder_.path() / "refined";
+  make_folders(refine / "refine/gaussians");
+  SplatLayer glass = balls().layer;
+  for (float& v : glass.values(Attribute::Transmission)) v = 2;
+  write_layer(refine / "refine/gaussians/diffuse.ply", glass);
+  ImageOptions options;
+  ShapeSet known;
+  for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}})
+    known.entries.push_back({turned_ball(centre, radius), ShapeRole::Sheet, 0.06 * double(radius), -1, {}});
+  options.shape.set = std::make_shared<const ShapeSet>(known);
+  write_image_options(refine / "refine/model.json", options);
+  write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
+  auto inputs = with_edits();
+  inputs["refine"] = refine;
+  RecordingContext context(inputs);
+  run_edit({}, context);
+  const TrainedScene scene = read_trained_scene(context.output() / "edited");
+  ASSERT_NE(scene.image.shape.set, nullptr);
+  ASSERT_EQ(scene.image.shape.set->entries.size(), 1u);
+  EXPECT_EQ(std::get<SurfaceOfRevolution>(scene.image.shape.set->entries[0].shape).origin, TwoBalls::kA);
+}
+
 TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   const fs::path refine = folder_.path() / "refined";
   make_folders(refine / "refine/gaussians");
@@ -263,7 +286,7 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
   ASSERT_NE(scene.image.shape.set, nullptr);
   ASSERT_EQ(scene.image.shape.set->entries.size(), 3u) << "a shape goes with its specular surfels, and so does its appendage";
-  EXPECT_TRUE(scene.image.shape.set->has(ShapeRole::Sheet)) << "a case does not";
+  EXPECT_TRUE(scene.image.shape.set->has(ShapeRole::Sheet)) << "a case without a surfel of glass does not";
   EXPECT_EQ(std::get<SurfaceOfRevolution>(scene.image.shape.set->entries[0].shape).origin, TwoBalls::kA);
   EXPECT_EQ(scene.surfels.transmittance.size(), 0u) << "the refined scene has none";
   EXPECT_EQ(scene.image.composite.blend, LayerBlend::RtrGs);
