@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
@@ -12,6 +13,7 @@
 #include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
+#include "core/shape/shape_set.h"
 #include "core/stereo/visible_paint.h"
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
@@ -35,6 +37,7 @@ constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none 
 constexpr float kPaintShows = 0.75f;                              // of a thing's lower-half mean ratio: less is metal
 constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
 constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
+constexpr double kOnShape = 2;                                    // tolerances between a face and the shape that it lies on
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
 struct PolishedPixels {
@@ -116,19 +119,46 @@ class PolishedFinder {
     return squared_length(n) > 0 ? normalized(n) : normalized(g);
   }
 
-  // Polished faces that share a corner, numbered in the order of the faces.
+  // The known mirror or coat that a face lies on, -1: none. Appendages are of one thing with what they stand out of.
+  int known_at(size_t face) const {
+    const ShapeSet* set = d_.scene.image.shape.set.get();
+    if (set == nullptr) return -1;
+    const auto& f = d_.mesh.faces[face];
+    const Vec3d p = cast<double>(d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.0;
+    int best = -1;
+    double least = kOnShape;
+    for (size_t i = 0; i < set->entries.size(); ++i) {
+      const ShapeSet::Entry& e = set->entries[i];
+      if (e.role == ShapeRole::Sheet) continue;
+      const double off = length(nearest(e.shape, p).position - p) / e.tolerance;
+      if (off < least) least = off, best = int(i);
+    }
+    while (best >= 0 && set->entries[size_t(best)].parent >= 0) best = set->entries[size_t(best)].parent;
+    return best;
+  }
+
+  // Polished faces that share a corner, those of each known shape apart, numbered in the order of the faces.
   void connect() {
-    DisjointSets corners(d_.mesh.positions.size());
+    const size_t corners = d_.mesh.positions.size();
+    DisjointSets joined(corners);
     thing_.assign(d_.mesh.faces.size(), -1);
+    std::vector<int> known(thing_.size(), -1);
     const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
-    for (size_t f = 0; f < thing_.size(); ++f)
-      if (polished(f))
-        for (size_t i = 1; i < 3; ++i) corners.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
-    std::vector<int> number(d_.mesh.positions.size(), -1);
     for (size_t f = 0; f < thing_.size(); ++f) {
       if (!polished(f)) continue;
-      int& n = number[corners.representative(d_.mesh.faces[f][0])];
-      if (n < 0) n = count_++;
+      known[f] = known_at(f);
+      for (size_t i = 1; i < 3 && known[f] < 0; ++i) joined.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
+    }
+    std::vector<int> number(corners, -1);
+    std::map<int, int> number_of_known;
+    for (size_t f = 0; f < thing_.size(); ++f) {
+      if (!polished(f)) continue;
+      int& n = known[f] >= 0 ? number_of_known.try_emplace(known[f], -1).first->second
+                             : number[joined.representative(d_.mesh.faces[f][0])];
+      if (n < 0) {
+        n = count_++;
+        known_.push_back(known[f]);
+      }
       thing_[f] = n;
     }
   }
@@ -141,7 +171,11 @@ class PolishedFinder {
     std::vector<int> number(pixels.size(), -1);
     count_ = 0;
     for (size_t t = 0; t < pixels.size(); ++t)
-      if (pixels[t] >= kFewestPixels) number[t] = count_++;
+      if (pixels[t] >= kFewestPixels) {
+        known_[size_t(count_)] = known_[t];
+        number[t] = count_++;
+      }
+    known_.resize(size_t(count_));
     for (int& t : thing_)
       if (t >= 0) t = number[size_t(t)];
   }
@@ -223,8 +257,12 @@ class PolishedFinder {
         if (thing_[f] == int(t) && faces[f].views > 0) lower_half.push_back(faces[f].lower_half);
       Polished& thing = things[t];
       thing.lower_half = lower_half.empty() ? 1.f : float(upper_median(lower_half));
-      const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
-      thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;
+      if (known_[t] >= 0) {
+        thing.metal = d_.scene.image.shape.set->entries[size_t(known_[t])].role == ShapeRole::Mirror;
+      } else {
+        const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
+        thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;
+      }
       thing.reflectance = {kGlaze, kGlaze, kGlaze};
       Vec3d photo[2]{}, light[2]{};
       size_t well_known = 0;
@@ -338,6 +376,7 @@ class PolishedFinder {
   std::vector<Vec3f> normals_;
   std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
   std::vector<int> thing_;                           // [face]
+  std::vector<int> known_;                           // [thing] entry of the scene's shapes, or -1
   int count_ = 0;
   std::unique_ptr<Tracer> tracer_;
   std::vector<bool> deep_;  // [surfel] so far inside a metal that it is a picture in it

@@ -1,7 +1,8 @@
 // Polished things, where the masks mark mirrors that are not glass. Training leaves them as they look: a mirror keeps pictures of
 // the old surroundings in its diffuse colours, a glaze its highlights. What they are is told by the photos and the mesh, whose
 // shape is that of their silhouettes (stages/mesh). A face is polished when most pixels that show it are marked; connected faces
-// are one thing. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
+// are one thing, but those on a known shape are a thing of their own, a metal where its role is a mirror, a glaze where it is a
+// coat. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
 //   metal   shows little from its dim sides: the lower-half mean ratio of the views has less than three quarters of their mean
 //   (median face).
 //           F0 = sum C / sum L  per channel, over the rays that meet what is dull of the mesh, which the photos know well;

@@ -165,7 +165,8 @@ void MirrorShape::mark_coats(const ShapeSet& shapes, const std::vector<ShapePoin
   for (size_t i = 0; i < parts_.size(); ++i) parts_[i].coat = 2 * on_coat[i] > all[i];
 }
 
-// Shapes that metal lies on, with their appendages.
+// Shapes that metal lies on, with their appendages; all that training learnt, which knows them for metal: a hull that merges them
+// with a glazed thing beside does not.
 void MirrorShape::find_shapes(const MirrorShapeDesc& desc) {
   const std::vector<ShapePoint> surface = hull_->surface();
   mark_coats(desc.found, surface);
@@ -173,7 +174,7 @@ void MirrorShape::find_shapes(const MirrorShapeDesc& desc) {
   const ShapeSet found = (learnt_ ? *desc.learnt : desc.found).without(ShapeRole::Sheet).without(ShapeRole::Coat);
   std::vector<uint8_t> keep(found.entries.size(), 1);
   for (size_t i = 0; i < keep.size(); ++i) {
-    if (found.entries[i].parent >= 0) continue;
+    if (found.entries[i].parent >= 0 || learnt_) continue;
     size_t metal = 0, known = 0;
     for (const ShapePoint& p : surface) {
       if (length(nearest(found.entries[i].shape, p.position).position - p.position) > kOnShape * hull_->voxel()) continue;
@@ -224,7 +225,7 @@ std::optional<double> MirrorShape::hull_share(const ShapeSet::Entry& entry, cons
 }
 
 void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
-  if (std::ranges::none_of(parts_, &Part::metal) || marks_[i].empty()) return;
+  if ((std::ranges::none_of(parts_, &Part::metal) && shapes_.entries.empty()) || marks_[i].empty()) return;
   const bool all_metal = std::ranges::all_of(parts_, &Part::metal);
   const ImageF& marks = marks_[i];
   const Intrinsics& k = frame.intrinsics;
@@ -250,18 +251,20 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
         set(p, first->t, first->normal, direction);
         continue;
       }
-      // A shape instead of the hull where that lies on it, or passes the ray by.
-      const auto share = [&](const ShapeSet::Entry& e) { return hit ? hull_share(e, *hit, place) : std::optional<double>(0); };
+      // A shape instead of the hull: one that training learnt as it is, another where the hull lies on it, or passes the ray by.
+      const auto share = [&](const ShapeSet::Entry& e) {
+        return hit && !learnt_ ? hull_share(e, *hit, place) : std::optional<double>(0);
+      };
       const auto shown = shapes_.first_hit(ray, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
         return shapes_.entries[h.entry].parent < 0 && share(shapes_.entries[h.entry]).has_value();
       });
       if (shown) {
-        const double hulls = share(shapes_.entries[shown->entry]).value_or(0);
+        const double hulls = *share(shapes_.entries[shown->entry]);
         set(p, hulls > 0 ? (1 - hulls) * shown->t + hulls * hit->t : shown->t, shown->normal, direction);
         continue;
       }
       const bool passed_by = hit && std::ranges::any_of(shapes_.entries, [&](const ShapeSet::Entry& e) {
-                               return e.parent < 0 && share(e).value_or(1) < 1;
+                               return e.parent < 0 && hull_share(e, *hit, place).value_or(1) < 1;
                              });
       if (!(mark > kHalf)) continue;
       if (passed_by || !hit) {

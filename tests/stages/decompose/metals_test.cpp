@@ -10,6 +10,7 @@
 #include "stages/decompose/light_solver.h"
 #include "tests/support/error_of.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/turned_ball.h"
 
 namespace vitrine {
 namespace {
@@ -84,6 +85,30 @@ TEST(Metals, TheMeshStageHasTheFirstWord) {
   EXPECT_FALSE(copper.metals(1, {{beside, true}, {around, false}}).things.at(0).metal);
   EXPECT_TRUE(copper.metals(1, {{around, true}}).things.at(0).metal);
   EXPECT_TRUE(copper.metals(1, {{beside, false}}).things.at(0).metal) << "of something else";
+}
+
+// Silhouettes of things that touch are one hull, with one verdict.
+TEST(Metals, KnownShapesAreThingsOfTheirOwn) {
+  PolishedBall copper({}, [](float) { return PolishedBall::kCopper; });
+  const Bounds3 around{{-1, -1, -1}, {1, 1, 1}};
+  const auto as = [&](ShapeRole role, bool verdict) {
+    copper.scene.image.shape.set = std::make_shared<const ShapeSet>(
+        ShapeSet{{{test::turned_ball({0, 0, 0}, test::TinyCapture::kRadius), role, 0.01, -1, {}}}});
+    return copper.metals(1, {{around, verdict}}).things.at(0);
+  };
+  const Polished mirror = as(ShapeRole::Mirror, false);
+  EXPECT_TRUE(mirror.metal);
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(mirror.reflectance[c], PolishedBall::kCopper[c], 0.04);
+  EXPECT_FALSE(as(ShapeRole::Coat, true).metal);
+
+  // One half of the ball alone is known, by a shape that leaves it further down.
+  SurfaceOfRevolution upper = test::turned_ball({0, 0, 0}, test::TinyCapture::kRadius);
+  for (Vec2d& p : upper.profile)
+    if (p.y < 0) p.x *= 0.3;
+  copper.scene.image.shape.set = std::make_shared<const ShapeSet>(ShapeSet{{{upper, ShapeRole::Mirror, 0.01, -1, {}}}});
+  const Metals halves = copper.metals(1, {{around, false}});
+  ASSERT_EQ(halves.things.size(), 2u);
+  EXPECT_NE(halves.things[0].metal, halves.things[1].metal);
 }
 
 TEST(MeshVerdicts, AreReadFromTheReportOfTheMesh) {

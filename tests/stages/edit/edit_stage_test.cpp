@@ -13,6 +13,7 @@
 #include "tests/stages/edit/two_balls.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/turned_ball.h"
 
 namespace vitrine {
 namespace {
@@ -24,16 +25,6 @@ using test::TwoBalls;
 const TwoBalls& balls() {
   static const TwoBalls scene;
   return scene;
-}
-
-SurfaceOfRevolution turned_ball(const Vec3d& centre, double radius) {
-  constexpr int kLines = 32;
-  SurfaceOfRevolution out{centre, {0, 0, 1}, {}};
-  for (int i = 0; i <= kLines; ++i) {
-    const double angle = std::numbers::pi * (double(i) / kLines - 0.5);
-    out.profile.push_back({i % kLines == 0 ? 0 : radius * std::cos(angle), radius * std::sin(angle)});
-  }
-  return out;
 }
 
 class EditStage : public testing::Test {
@@ -242,7 +233,7 @@ TEST_F(EditStage, AKnownSheetGoesWithItsGlass) {
   ImageOptions options;
   ShapeSet known;
   for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}})
-    known.entries.push_back({turned_ball(centre, radius), ShapeRole::Sheet, 0.06 * double(radius), -1, {}});
+    known.entries.push_back({test::turned_ball(centre, radius), ShapeRole::Sheet, 0.06 * double(radius), -1, {}});
   options.shape.set = std::make_shared<const ShapeSet>(known);
   write_image_options(refine / "refine/model.json", options);
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
@@ -270,7 +261,7 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   ShapeSet known;
   for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}}) {
     const auto whole = static_cast<int>(known.entries.size());
-    known.entries.push_back({turned_ball(centre, radius), ShapeRole::Mirror, 0.06 * double(radius), -1, {}});
+    known.entries.push_back({test::turned_ball(centre, radius), ShapeRole::Mirror, 0.06 * double(radius), -1, {}});
     known.entries.push_back(
         {TriangleShape(test::sphere_mesh(radius, centre, 6, 12)), ShapeRole::Mirror, 0.06 * double(radius), whole, {}});
   }

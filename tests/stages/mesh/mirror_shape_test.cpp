@@ -102,6 +102,28 @@ TEST_F(PolishedVase, KeepsItsOwnDepthUnderACoat) {
   EXPECT_TRUE(std::ranges::all_of(frame.zdepth, [](float z) { return z == 0; }));
 }
 
+// Whatever the hull that it is a part of looks like: one that merges it with paint beside it is paint.
+TEST_F(PolishedVase, KeepsWhatTrainingLearntBesidePaint) {
+  ShapeSet coat = found();
+  coat.entries[0].role = ShapeRole::Coat;
+  const ShapeSet known = found();
+  const MirrorShape shape({sfm, masks, views, views, &known, coat, [&](size_t i) { return nothing_learnt(views[i]); }});
+  ASSERT_EQ(shape.parts().size(), 1u);
+  EXPECT_FALSE(shape.parts()[0].metal());
+  RgbdFrame frame = nothing_learnt(views[0]);
+  shape.put(0, frame, 0.01);
+  size_t count = 0;
+  each_ray(views[0], [&](int x, int y, const Vec3d& eye, const Vec3d& ray) {
+    const float z = frame.zdepth[size_t(y * frame.intrinsics.width + x)];
+    if (!(z > 0)) return;
+    const auto t = entry(eye, ray);
+    ASSERT_TRUE(t);
+    EXPECT_NEAR(double(z), *t, 1e-6);
+    ++count;
+  });
+  EXPECT_GT(count, 500u);
+}
+
 // Silhouettes say little about level parts: what training learnt from mirrored pictures is taken as it is, lids included.
 TEST_F(PolishedVase, IsTheSolidThatTrainingLearnt) {
   SurfaceOfRevolution learnt = vase;
