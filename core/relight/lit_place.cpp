@@ -10,6 +10,7 @@ constexpr float kSnap = 3;              // in grains: a surfel's place and the m
 constexpr float kMirrorLift = 1;        // in grains: where rays start above it
 constexpr float kMattLift = 2.5f;       // the same where light is scattered: terraces of the mesh throw no shadow
 constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
+constexpr double kBehindMirror = 36;    // tolerances of a known shape that surfels of its far side may lie behind it
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 
 // More than it scatters or lets through.
@@ -24,6 +25,18 @@ Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
   return cosine >= kLeastCosine ? normal : normalized(normal + (kLeastCosine - cosine) * view);
 }
 
+// Where a mirror of known shape is met that surfels show about there: a little before it, or well behind, through gaps of the
+// near side.
+std::optional<ShapeSet::Hit> mirror_shape_at(const ShapeSet* shapes, const ShownSurface& shown) {
+  if (!knows(shapes, ShapeRole::Mirror)) return std::nullopt;
+  const Vec3d per_z = cast<double>(shown.ray.direction_per_z);
+  const double z = double(shown.z), speed = length(per_z);
+  return shapes->first_hit({cast<double>(shown.ray.eye), per_z}, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
+    const double in_front = (h.t - z) * speed, tolerance = shapes->entries[h.entry].tolerance;
+    return in_front <= tolerance && in_front >= -kBehindMirror * tolerance && dot(h.normal, per_z) < 0;
+  });
+}
+
 }  // namespace
 
 float mirror_lift(const SceneSurface& surface) { return kMirrorLift * surface.grain(); }
@@ -31,16 +44,18 @@ float mirror_lift(const SceneSurface& surface) { return kMirrorLift * surface.gr
 // Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show (thin
 // coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside. Mirrors have its
 // normals, too: training leaves theirs as the pictures in them want them. And their rays start right there, for a picture in a
-// mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels fill.
-LitPlace lit_place(const SceneSurface& surface, LayerBlend blend, const ShownSurface& shown) {
+// mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels fill. A mirror of
+// known shape has place and normal of that.
+LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBlend blend, const ShownSurface& shown) {
   const PixelRay<float>& ray = shown.ray;
   const float snap = kSnap * surface.grain(), lift = mirror_lift(surface), t = shown.z * length(ray.direction_per_z);
   const bool mirror = mirrors(blend, shown.material);
   LitPlace out;
   out.normal = turned_to(squared_length(shown.normal) > 0 ? normalized(shown.normal) : ray.view, ray.view);
   out.place = out.on_mesh = ray.eye + shown.z * ray.direction_per_z;
-  // At a rim the blended normal looks at nothing in particular; that of the mesh is one surface's.
-  out.agreement = normal_agreement(shown.normal, shown.alpha);
+  // At a rim the blended normal looks at nothing in particular; that of the mesh is one surface's. What reflects alone would be
+  // black there.
+  out.agreement = mirror ? 1 : normal_agreement(shown.normal, shown.alpha);
   Vec3f outwards = ray.view;
   // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
   // their front has the light that falls on it, not the dark behind it.
@@ -50,10 +65,19 @@ LitPlace lit_place(const SceneSurface& surface, LayerBlend blend, const ShownSur
     if (mirror || hit->t < t) out.place = out.on_mesh;
     if (!hit->from_inside && mirror) {
       out.normal = turned_to(surface.smooth_normal(*hit), ray.view);
-      out.agreement = 1;
     }
     outwards = normalized(out.normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
   }
+  if (mirror)
+    if (const auto known = mirror_shape_at(shapes, shown)) {
+      // Before the mesh, which may stand before the shape: from behind it everything is dark.
+      if (!hit || hit->t > float(known->t) * length(ray.direction_per_z))
+        out.place = ray.eye + float(known->t) * ray.direction_per_z;
+      else
+        out.place = ray.eye - hit->t * ray.view;
+      out.normal = turned_to(cast<float>(known->normal), ray.view);
+      outwards = out.normal;
+    }
   // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.
   const Vec3f free = out.place + lift * ray.view;
   const Vec3f above = out.place + (mirror ? lift : kMattLift * surface.grain()) * outwards;

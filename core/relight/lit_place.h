@@ -5,6 +5,7 @@
 #include "core/model/kernels/surface_point.h"
 #include "core/relight/microfacet.h"
 #include "core/relight/scene_surface.h"
+#include "core/shape/shape_set.h"
 
 namespace vitrine {
 
@@ -25,7 +26,8 @@ struct LitPlace {
   float agreement = 1;
 };
 
-LitPlace lit_place(const SceneSurface& surface, LayerBlend blend, const ShownSurface& shown);
+// `shapes`: known surfaces of mirrors, or nullptr.
+LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBlend blend, const ShownSurface& shown);
 
 // How far rays start above a mirror, scene units.
 float mirror_lift(const SceneSurface& surface);

@@ -129,9 +129,8 @@ void LitScene::smooth(std::vector<Vec3f>& values) const {
 
 LitScene::Arrival LitScene::arriving(const Vec3f& origin, const Vec3f& direction) const {
   Arrival a;
-  a.from_outside = surface_->follow(origin, direction, [&](const SceneSurface::Meeting& m) {
-    if (m.front) a.from_scene += m.share * surface_->at(radiance_, m.place);
-  });
+  a.from_outside = surface_->follow(
+      origin, direction, [&](const SceneSurface::Meeting& m) { a.from_scene += m.share * surface_->at(radiance_, m.place); });
   return a;
 }
 

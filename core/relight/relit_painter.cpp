@@ -66,7 +66,7 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     Vec3f radiance, transmission;
   };
   const auto shaded = [&](ShownSurface shown, const SamplePoints& points) {
-    const LitPlace at = lit_place(surface_, scene_.blend(), shown);
+    const LitPlace at = lit_place(surface_, scene_.trained.image.shape.set.get(), scene_.blend(), shown);
     shown.material.agreement = at.agreement;
     const ShadingFrame frame(at.normal);
     const Microfacet scatter(scene_.blend(), shown.material, frame.local(shown.ray.view));

@@ -10,6 +10,7 @@
 #include "core/base/process.h"
 #include "core/base/rng.h"
 #include "tests/core/relight/relit_ball.h"
+#include "tests/support/turned_ball.h"
 
 namespace vitrine {
 namespace {
@@ -269,6 +270,44 @@ TEST(RelitPainter, MirrorsHaveTheNormalsOfTheMesh) {
   };
   EXPECT_NEAR(centre(true, 1), centre(false, 1), 0.05);
   EXPECT_GT(std::abs(centre(true, 0) - centre(false, 0)), 0.05);
+}
+
+// And those of known shape have its place and normals, whatever the mesh is.
+TEST(RelitPainter, MirrorsOfKnownShapeHaveItsNormals) {
+  ImageF sky(32, 16, 3);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 32; ++x)
+      for (int c = 0; c < 3; ++c) sky.at(x, y, c) = 1 - float(y) / 16;
+  const auto above_centre = [&](bool pressed, bool known) {
+    RelitScene scene = test::relit_ball({});
+    std::ranges::fill(scene.materials.specular_weight, 1.f);
+    std::ranges::fill(scene.materials.roughness, 0.05f);
+    if (pressed)
+      for (Vec3f& p : scene.mesh.positions) p.z *= 0.8f;
+    scene.mesh.normals.clear();
+    if (known)
+      scene.trained.image.shape.set =
+          std::make_shared<const ShapeSet>(ShapeSet{{{test::turned_ball({0, 0, 0}, 0.4), ShapeRole::Mirror, 0.02, -1, {}}}});
+    RelitPainter painter(std::move(scene));
+    painter.set_lighting({.environment = Environment(sky), .points = {}, .directionals = {}, .areas = {}});
+    return painter.picture(test::view_from({1, 0, 0}), {.samples = 64}).radiance.at(24, 12, 0);
+  };
+  const float truth = above_centre(false, false);
+  EXPECT_NEAR(above_centre(true, true), truth, 0.01);
+  EXPECT_GT(std::abs(above_centre(true, false) - truth), 0.03);
+}
+
+// Photos show backs of things in mirrors alone; the mesh has their fronts.
+TEST(RelitPainter, BacksInAMirrorAreNotBlack) {
+  RelitScene scene = test::relit_ball({});
+  std::ranges::fill(scene.materials.specular_weight, 1.f);
+  std::ranges::fill(scene.materials.roughness, 0.05f);
+  scene.surroundings.positions = {{2, -1, -1}, {2, 1, -1}, {2, 1, 1}, {2, -1, 1}};
+  scene.surroundings.colors.assign(4, {0.5f, 0.5f, 0.5f});
+  scene.surroundings.faces = {{0, 1, 2}, {0, 2, 3}};  // facing away
+  RelitPainter painter(std::move(scene));
+  painter.set_lighting(test::constant_light(1));
+  EXPECT_NEAR(painter.picture(test::view_from({1, 0, 0}), {.samples = 16}).radiance.at(24, 18, 0), 0.5, 0.1);
 }
 
 TEST(RelitPainter, StopsWhenAskedToWhileTheLightIsSetUp) {
