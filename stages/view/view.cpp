@@ -4,7 +4,6 @@
 
 #include "core/base/base64.h"
 #include "core/base/file.h"
-#include "core/base/hash.h"
 #include "core/base/process.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_set.h"
@@ -18,9 +17,9 @@
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
+#include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
-#include "stages/view/page_text.h"
 #include "stages/view/probes.h"
 
 namespace vitrine {
@@ -185,7 +184,8 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"cameras", cameras},
              {"blocks", blocks.directory()}};
   const Json photos = small_photos(s, context.input("sfm"), config.photo_side);
-  const std::string text = page_of(page, {.scene = scene, .photos = photos, .blocks = deflated(blocks.buffer())});
+  const std::string text =
+      page_of(page, {json_part("scene", scene), json_part("photos", photos), bytes_part("blocks", deflated(blocks.buffer()))});
   write_file(context.output() / "view.html", text);
   context.metric("size_bytes", double(text.size()));
   context.summary(
@@ -194,7 +194,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
 
 void run_view(const ViewConfig& config, StageContext& context) {
   // A build without a page is told before anything is computed.
-  write_view(empty_page(), config, context);
+  write_view(empty_page("view", "to view a scene in"), config, context);
 }
 
 Stage view_stage() {
@@ -207,10 +207,8 @@ Stage view_stage() {
                             {.name = "mesh", .optional = true, .doc = "The mesh that throws shadows."},
                             {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."}}};
   return make_stage<ViewConfig>(std::move(info), run_view, [] {
-    std::error_code ec;
-    const fs::path page = empty_page_path();
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
-                                              {"page", fs::exists(page, ec) ? digest_file(page).short_hex() : "none"}};
+                                              {"page", empty_page_digest("view")}};
   });
 }
 

@@ -16,7 +16,7 @@ struct ViewConfig {
 };
 void describe(Describer& d, ViewConfig& c);
 
-// `page`: without a scene (page_text.h).
+// `page`: without a scene (stages/page_text.h).
 void write_view(const std::string& page, const ViewConfig& config, StageContext& context);
 void run_view(const ViewConfig& config, StageContext& context);
 Stage view_stage();

@@ -8,7 +8,7 @@
 #include "core/light/lighting.h"
 #include "core/picture/view_picture.h"
 #include "core/relight/relit_painter.h"
-#include "stages/view/page_text.h"
+#include "stages/page_text.h"
 #include "stages/view/view.h"
 #include "tests/core/relight/relit_ball.h"
 #include "tests/external/programs.h"
@@ -66,7 +66,7 @@ TEST(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
   write_file(none, "\xff\xd8\xff\xe0 no light");
   test::RecordingContext context(
       {{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose}});
-  write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path().filename()), {}, context);
+  write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path("view").filename()), {}, context);
   const fs::path page = context.output() / "view.html", out = fs::path(EXTERNAL_DIR) / "view";
   EXPECT_LT(fs::file_size(page), 3u << 20);
 

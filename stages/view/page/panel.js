@@ -1,21 +1,6 @@
 // The controls beside the picture.
+import { button, download, element } from '../../page/elements.js';
 import { kModes } from './picture.js';
-
-function element(tag, more = {}, ...children) {
-  const e = document.createElement(tag);
-  for (const [key, value] of Object.entries(more)) key in e ? (e[key] = value) : e.setAttribute(key, value);
-  e.append(...children);
-  return e;
-}
-const button = (text, act, more = {}) => element('button', { type: 'button', textContent: text, onclick: act, ...more });
-
-export function download(name, blob) {
-  const link = element('a', { href: URL.createObjectURL(blob), download: name });
-  document.body.append(link);
-  link.click();
-  link.remove();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-}
 
 function slider(text, id, least, most, step, unit, set) {
   const shown = element('output', { htmlFor: id });

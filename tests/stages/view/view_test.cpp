@@ -5,9 +5,9 @@
 #include <zlib.h>
 
 #include "core/picture/decomposed_materials.h"
+#include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
-#include "stages/view/page_text.h"
 #include "tests/core/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 using test::RecordingContext;
 
-constexpr const char* kPage = "<html><!-- the scene --></html>";
+constexpr const char* kPage = "<html><!-- the data --></html>";
 
 class ViewStage : public testing::Test {
  protected:
@@ -94,7 +94,7 @@ TEST_F(ViewStage, TooManySurfelsLeaveOutThoseThatShowLeast) {
 }
 
 TEST_F(ViewStage, NamesOfPhotosStayInTheirElement) {
-  const std::string text = page_of(kPage, {.scene = {{"name", "</script><script>alert(1)"}}, .photos = {}, .blocks = {}});
+  const std::string text = page_of(kPage, {json_part("scene", {{"name", "</script><script>alert(1)"}})});
   EXPECT_EQ(text.find("</script><script>alert"), std::string::npos);
   EXPECT_EQ(json::parse(part(text, "scene"))["name"], "</script><script>alert(1)");
 }

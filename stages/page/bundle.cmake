@@ -1,0 +1,15 @@
+# cmake -DNODE= -DSTAGE=name -DFROM=name/page -DSHARED=page -DWORK=folder -DPAGE=file.html -P bundle.cmake: writes PAGE, where the
+# packages are installed. WORK has the folders as stages/ has them, so that a page finds what all pages share.
+if(NOT EXISTS ${WORK}/node_modules/esbuild)
+  file(REMOVE ${PAGE})
+  return()
+endif()
+file(GLOB sources ${FROM}/*)
+file(GLOB shared ${SHARED}/*)
+file(REMOVE_RECURSE ${WORK}/${STAGE})
+file(COPY ${sources} DESTINATION ${WORK}/${STAGE}/page)
+file(COPY ${shared} DESTINATION ${WORK}/page)
+execute_process(COMMAND ${NODE} page/bundle.mjs ${STAGE}/page ${PAGE} WORKING_DIRECTORY ${WORK} RESULT_VARIABLE broken)
+if(broken)
+  message(FATAL_ERROR "the page of `vitrine ${STAGE}` could not be bundled")
+endif()
