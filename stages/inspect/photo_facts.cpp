@@ -5,9 +5,8 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
 #include "core/photo/linear_photo.h"
+#include "core/photo/reduced_photo.h"
 
 namespace vitrine {
 
@@ -15,33 +14,19 @@ namespace {
 
 constexpr int kMeasuredSide = 1000;  // the longest side is decoded at this size or more, less than twice as much
 
-ImageF reduced(ImageF image) {
-  const int longest = std::max(image.width(), image.height());
-  if (longest <= kMeasuredSide) return image;
-  const double s = double(kMeasuredSide) / longest;
-  return resized(image, std::max(int(image.width() * s + 0.5), 1), std::max(int(image.height() * s + 0.5), 1));
-}
-
-Image8 small_picture(const fs::path& path, const PhotoHead& head) {
-  const Probe& probe = head.probe;
-  if (probe.format == PhotoFormat::Exr || probe.float_samples)
-    return srgb8_from_linear(reduced(read_linear_photo(path, head).linear));
-  int reduction = 1;
-  while (reduction < 8 && int(std::max(probe.width, probe.height)) / (2 * reduction) >= kMeasuredSide) reduction *= 2;
-  return srgb_of(read_srgb8(path, reduction), head.color);
-}
-
 PhotoFacts facts_of(const PhotoFile& file) {
   PhotoFacts f;
   f.name = file.name;
   try {
     const PhotoHead head = read_photo_head(file.path);
-    const Image8 picture = small_picture(file.path, head);
+    const Image8 picture = reduced_photo(file.path, head, kMeasuredSide);
     f.measures = measured(picture);
-    const bool turned = head.exif.orientation >= 5;
-    f.width = int(head.probe.width), f.height = int(head.probe.height);
-    if (f.width == 0 || f.height == 0) f.width = picture.width(), f.height = picture.height();
-    if (turned) std::swap(f.width, f.height);
+    const PhotoSize size = upright_size(head);
+    f.width = size.width, f.height = size.height;
+    if (f.width == 0 || f.height == 0) {
+      f.width = picture.width(), f.height = picture.height();
+      if (head.exif.orientation >= 5) std::swap(f.width, f.height);
+    }
     if (const auto focal = focal_of(head.exif, f.width, f.height)) f.focal_px = focal->px;
     f.exposure_ev = exposure_ev(head.exif);
     f.camera = head.exif.camera;

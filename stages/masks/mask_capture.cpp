@@ -1,69 +1,13 @@
-#include <algorithm>
-#include <map>
-
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/json_file.h"
+#include "core/camera/photo_lenses.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {
 
-namespace {
-
-struct SfmReport {
-  std::map<uint32_t, ColmapCamera> photographed;  // lenses as photographed, by camera id
-  std::vector<std::string> without_camera;
-};
-
-SfmReport read_sfm_report(const fs::path& report) {
-  SfmReport out;
-  std::error_code ec;
-  if (!fs::exists(report, ec)) return out;
-  read_json_file(report, "report of the sfm stage", [&](const nlohmann::json& j) {
-    for (const nlohmann::json& row : j.at("cameras")) {
-      const nlohmann::json& p = row.at("photographed");
-      const ColmapCameraType* type = colmap_camera_type(p.at("model").get<std::string>());
-      if (type == nullptr) throw std::invalid_argument("unknown camera model " + p.at("model").dump());
-      ColmapCamera camera{
-          .id = p.at("id"), .model_id = type->id, .width = p.at("width"), .height = p.at("height"), .params = p.at("params")};
-      if (camera.params.size() != type->parameter_count)
-        throw std::invalid_argument("a camera has the wrong number of parameters");
-      out.photographed[camera.id] = camera;
-    }
-    for (const nlohmann::json& photo : j.value("photos", nlohmann::json::array()))
-      if (!photo.at("registered").get<bool>()) out.without_camera.push_back(photo.at("name"));
-  });
-  return out;
-}
-
-}  // namespace
-
-MaskCapture read_mask_capture(const fs::path& sfm_folder) {
+MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder) {
   MaskCapture capture{.sfm_folder = sfm_folder, .set = load_view_set(sfm_folder), .undistortions = {}};
-  const auto folder = find_colmap_model(sfm_folder);
-  VITRINE_CHECK(folder, "a view set was read from {}", sfm_folder.string());
-  const ColmapModel model = read_colmap_model(*folder);
-  SfmReport report = read_sfm_report(sfm_folder / "sfm/report.json");
-  capture.without_camera = std::move(report.without_camera);
-  for (const View& view : capture.set.views) {
-    const auto image =
-        std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });
-    VITRINE_CHECK(image != model.images.end(), "view {} is not in the model", view.name);
-    Undistortion u{.source = colmap_pinhole(image->camera_id, view.intrinsics), .target = view.intrinsics, .identity = true};
-    if (const auto found = report.photographed.find(image->camera_id); found != report.photographed.end()) {
-      u = undistortion(found->second);
-      if (u.target.width != view.intrinsics.width || u.target.height != view.intrinsics.height)
-        throw Error(ErrorKind::Input, "cameras and report of the sfm stage disagree",
-                    {.where = view.name,
-                     .why = fmt::format("undistorted photos have {} x {} pixels, the lens of the report leaves {} x {}",
-                                        view.intrinsics.width, view.intrinsics.height, u.target.width, u.target.height),
-                     .hint = "run the sfm stage again",
-                     .code = "MASKS_SFM_MISMATCH"});
-    }
-    capture.undistortions.push_back(std::move(u));
-  }
+  PhotoLenses lenses = read_photo_lenses(sfm_folder, capture.set);
+  capture.undistortions = std::move(lenses.undistortions);
+  capture.without_camera = std::move(lenses.without_camera);
   return capture;
 }
 
