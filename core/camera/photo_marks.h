@@ -20,6 +20,9 @@ struct MarkedRegion {
   std::vector<Vec2d> corners;  // in the pixels of the file; three or more
   bool box = false;
 };
+// A box that is none, an outline that crosses itself or encloses nothing: nullopt, complained at its corner.
 std::optional<MarkedRegion> marked_region(YamlReader& in, const YamlNode& mark);
+// Where the file has that corner of the mark's region: what complaints about it point at.
+const YamlNode& corner_node(const YamlNode& mark, size_t corner);
 
 }  // namespace vitrine

@@ -84,7 +84,8 @@ class Reader {
     for (size_t i = 0; i < points.size(); ++i) {
       const Vec2d &a = points[i], &b = points[(i + 1) % points.size()];
       if (a.x < 0 || a.y < 0 || a.x > size.x || a.y > size.y) {
-        in_.complain(mark, fmt::format("({:.0f}, {:.0f}) lies outside a photo of {:.0f}x{:.0f}", a.x, a.y, size.x, size.y));
+        in_.complain(corner_node(mark, i),
+                     fmt::format("({:.0f}, {:.0f}) lies outside a photo of {:.0f}x{:.0f}", a.x, a.y, size.x, size.y));
         return std::nullopt;
       }
       for (int step = 0; step < kEdgeSteps; ++step) {

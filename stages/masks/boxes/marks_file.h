@@ -31,9 +31,9 @@ struct Marks {
   std::vector<std::string> without_camera;  // marked photos that sfm could not place, as the file calls them
 };
 
-// Throws Error{Usage} that shows every mistake at its line: unknown photos and classes, boxes that are none, marks outside the
-// picture or where the lens cannot be undone, things that are marked in one photo only. A photo that sfm could not place is no
-// mistake: its marks are left out.
+// Throws Error{Usage} that shows every mistake at its line: unknown photos and classes, boxes that are none, outlines that
+// cross themselves, marks outside the picture or where the lens cannot be undone, things that are marked in one photo only. A
+// photo that sfm could not place is no mistake: its marks are left out.
 Marks read_marks(const std::filesystem::path& path, const MaskCapture& capture);
 
 }  // namespace vitrine
