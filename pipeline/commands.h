@@ -12,6 +12,7 @@ int run_command(const Words& words);
 int render_command(const Words& words);
 int relight_command(const Words& words);
 int view_command(const Words& words);
+int mark_command(const Words& words);
 int export_command(const Words& words);
 int inspect_command(const Words& words);
 int report_command(const Words& words);

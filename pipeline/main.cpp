@@ -23,6 +23,7 @@ struct Command {
 
 constexpr Command kCommands[] = {
     {"inspect", "what a folder of photos promises, and what a run would take", inspect_command},
+    {"mark", "one page to mark glass and metal in: writes marks.yaml for a run", mark_command},
     {"run", "photos in, scene out; computes what is not up to date", run_command},
     {"render", "pictures of the trained scene, from its cameras or along a path", render_command},
     {"relight", "pictures of the scene under another light: an HDRI, lamps", relight_command},

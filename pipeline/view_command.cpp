@@ -2,27 +2,13 @@
 // vitrine-view, which stands beside the stages but not in their graph.
 #include <iostream>
 
-#include "core/base/error.h"
-#include "core/base/process.h"
 #include "core/config/cli.h"
+#include "pipeline/browser.h"
 #include "pipeline/commands.h"
 #include "pipeline/project.h"
 #include "pipeline/view_page.h"
 
 namespace vitrine {
-
-namespace {
-
-void open_in_browser(const fs::path& page) {
-  const auto opener = find_program("xdg-open");
-  if (opener && run_and_tell({opener->string(), page.string()}) == 0) return;
-  throw Error(ErrorKind::Dependency, "no program opens a browser here",
-              {.why = opener ? "xdg-open found none" : "xdg-open is missing",
-               .hint = "open the page by hand: " + page.string(),
-               .code = "NO_BROWSER"});
-}
-
-}  // namespace
 
 int view_command(const Words& words) {
   std::string output;

@@ -20,7 +20,7 @@ struct Exception {
 };
 
 constexpr Exception kExceptions[] = {
-    {"main.cpp", "inspect render relight view edit export", "words of the command line, not stages"},
+    {"main.cpp", "inspect mark render relight view edit export", "words of the command line, not stages"},
     {"run_command.cpp", "masks shapes normals", "flags --masks, --shapes and --normals"},
     {"inspect_command.cpp", "masks", "flag --masks"},
     {"given_inputs.cpp", "masks", "the outside input that --masks gives; advice with options of the stage that reads it"},
@@ -33,6 +33,7 @@ constexpr Exception kExceptions[] = {
     {"render_command.cpp", "render sfm optimize", "vitrine render"},
     {"relight_command.cpp", "relight sfm optimize mesh decompose", "vitrine relight"},
     {"view_command.cpp", "view", "vitrine view"},
+    {"mark_command.cpp", "mark sfm masks", "vitrine mark: cameras and masks of an earlier run"},
     {"view_page.cpp", "view sfm optimize refine mesh decompose", "vitrine view"},
     {"picture_tool.h", "refine", "vitrine render and relight: taken where it is there"},
     {"picture_tool.cpp", "relight", "vitrine relight: report.html shows its pictures"},

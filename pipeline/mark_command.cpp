@@ -1,0 +1,129 @@
+// vitrine mark PHOTOS|PROJECT: one HTML page to draw in what is glass and metal, which saves marks.yaml for a run. Of the output
+// folder of a run it also shows what marks became in every photo. The work is done by the program vitrine-mark, which stands
+// beside the stages but not in their graph.
+#include <iostream>
+
+#include "core/artifact/current.h"
+#include "core/artifact/store.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/process.h"
+#include "core/config/cli.h"
+#include "core/config/yaml.h"
+#include "pipeline/browser.h"
+#include "pipeline/commands.h"
+#include "pipeline/graph.h"
+#include "pipeline/project.h"
+#include "pipeline/tool.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr const char* kPage = "mark.html";
+
+struct MarkSubject {
+  fs::path photos;
+  fs::path marks = {};                   // to go on with
+  std::optional<fs::path> project = {};  // made by an earlier run
+  std::string command = {};              // to run with the marks
+};
+
+MarkSubject subject_of(const std::string& word, const std::string& marks) {
+  const fs::path what = fs::absolute(word).lexically_normal();
+  MarkSubject s{.photos = what};
+  if (!marks.empty()) s.marks = fs::absolute(marks);
+  if (!is_project(what)) {
+    s.command = join_command({"vitrine", "run", word, "-o", default_project(what).filename().string(), "--masks", "marks.yaml"});
+    return s;
+  }
+  s.project = what;
+  s.command = join_command({"vitrine", "run", word, "--masks", "marks.yaml"});
+  Settings settings(load_graph(stage_folder()));
+  settings.load({.project = what});
+  settings.log_warnings();
+  s.photos = settings.text("input.photos");
+  std::error_code ec;
+  const fs::path before = settings.text("input.masks");
+  if (marks.empty() && is_yaml_file(before)) {
+    if (fs::exists(before, ec))
+      s.marks = before;
+    else
+      log_warning("warning: the marks of this run are not there any more ({}): the page begins without marks", before.string());
+  }
+  return s;
+}
+
+// Inputs from the run, as far as it came.
+Words results_of(const fs::path& project) {
+  const auto current = current_keys(project);
+  Words words;
+  for (const std::string stage : {"sfm", "masks"}) {
+    const auto key = current.find(stage);
+    if (key == current.end()) {
+      log_warning(
+          "warning: the stage '{}' of this run has not been computed: the page does not show what it knows (try: vitrine run {})",
+          stage, join_command({project.string()}));
+      return words;
+    }
+    words.insert(words.end(), {"--input", fmt::format("{}={}", stage, (store_of(project) / stage / key->second).string())});
+  }
+  return words;
+}
+
+}  // namespace
+
+int mark_command(const Words& words) {
+  std::string output, marks;
+  Words sets;
+  bool open = false, quiet = false, no_progress = false, help = false;
+  int threads = 0;
+  CommandLine cli("vitrine mark", "PHOTOS|PROJECT [options]",
+                  "One HTML page that shows the photos and lets you draw what is glass, metal, the object, or not to be used; it "
+                  "saves marks.yaml for `vitrine run --masks`. Any browser opens it, without a server or a network. Of PROJECT, "
+                  "the output folder of `vitrine run`, it begins with the marks of that run and shows what they became in every "
+                  "photo.");
+  cli.value("output", 'o', "FILE", output, "The page; default: mark.html in the current folder, or PROJECT/mark.html.");
+  cli.value("masks", 0, "FILE", marks, "A file of marks to go on with; default: that of PROJECT.");
+  cli.flag("open", 0, open, "Open it in the browser.");
+  cli.values("set", 0, "OPTION=VALUE", sets, "An option of vitrine-mark.");
+  cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all. The page does not depend on it.");
+  cli.flag("no-progress", 0, no_progress, "No progress bar, no progress lines.");
+  cli.flag("quiet", 'q', quiet, "Warnings and errors only.");
+  cli.flag("help", 'h', help, "Print this text.");
+  const Words rest = cli.parse(words);
+  if (help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  if (rest.size() != 1)
+    throw Error(ErrorKind::Usage,
+                rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
+                {.hint = "vitrine mark PHOTOS", .code = "USAGE"});
+  if (!marks.empty() && !is_yaml_file(marks))
+    throw Error(
+        ErrorKind::Usage, "this is no file of marks",
+        {.where = marks, .why = "marks are a .yaml file", .hint = "vitrine mark PHOTOS --masks marks.yaml", .code = "USAGE"});
+  const MarkSubject subject = subject_of(rest[0], marks);
+  const TemporaryFolder folder("vitrine-mark");
+  const fs::path made = folder.path() / "page";
+  Words call = {tool_program("mark").string(), "--input", "photos=" + subject.photos.string(), "--output", made.string(), "--set",
+                "command=" + subject.command};
+  if (!subject.marks.empty()) call.insert(call.end(), {"--input", "marks=" + subject.marks.string()});
+  if (subject.project) {
+    const Words results = results_of(*subject.project);
+    call.insert(call.end(), results.begin(), results.end());
+  }
+  for (const std::string& set : sets) call.insert(call.end(), {"--set", set});
+  if (threads > 0) call.insert(call.end(), {"--threads", std::to_string(threads)});
+  if (no_progress) call.emplace_back("--no-progress");
+  if (quiet) call.emplace_back("--quiet");
+  if (const int exit = run_and_tell(call); exit != 0) return exit;
+  const fs::path file = output.empty() ? subject.project.value_or(fs::current_path()) / kPage : fs::absolute(output);
+  write_file(file, read_file(made / kPage));
+  if (!quiet) fmt::print("{}\n", file.string());
+  if (open) open_in_browser(file);
+  return 0;
+}
+
+}  // namespace vitrine
