@@ -1,0 +1,118 @@
+// Mouse, pen and fingers on the sheet. One pointer draws or moves corners; dragged where there is nothing to drag, it moves the
+// photo. Two fingers move and zoom it. What is drawn goes to `work` (main.js).
+import { inside, mark_in, marks_in, outline_of } from './marks.js';
+import { middle } from './sheet.js';
+
+const kStill = { mouse: 4, pen: 6, touch: 10 };    // pixels that a click may move
+const kReach = { mouse: 9, pen: 12, touch: 22 };   // of a corner
+const kLeastBox = 4;
+
+const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+
+export class Hand {
+  constructor(sheet, work) {
+    this.sheet = sheet, this.work = work, this.pointers = new Map(), this.space = false;
+    const c = sheet.canvas;
+    c.addEventListener('pointerdown', (e) => this.down(e));
+    c.addEventListener('pointermove', (e) => this.move(e));
+    for (const name of ['pointerup', 'pointercancel']) c.addEventListener(name, (e) => this.up(e, name === 'pointercancel'));
+    c.addEventListener('pointerleave', () => work.hover(null));
+    c.addEventListener('wheel', (e) => this.wheel(e), { passive: false });
+    c.addEventListener('dblclick', (e) => (e.preventDefault(), work.close()));
+    c.addEventListener('contextmenu', (e) => e.preventDefault());
+  }
+  place(e) {
+    const box = this.sheet.canvas.getBoundingClientRect();
+    return [e.clientX - box.left, e.clientY - box.top];
+  }
+  wheel(e) {
+    e.preventDefault();
+    const lines = e.deltaMode === 1 ? 16 : 1;
+    this.sheet.zoom_at(this.place(e), Math.exp(-e.deltaY * lines * (e.ctrlKey ? 0.01 : 0.0015)));
+  }
+
+  // What a press at `at` would take: a corner of what is being drawn; with the tool "change" a corner or the middle of a side.
+  grip(at, reach) {
+    const { sheet, work } = this, near = (p) => distance(sheet.to_screen(p), at) <= reach;
+    if (work.drawing && !work.drawing.box) {
+      const i = work.drawing.corners.findLastIndex(near);
+      return i >= 0 ? { drawn: i } : null;
+    }
+    if (work.tool !== 'change') return null;
+    const here = marks_in(work.doc, sheet.photo.name), first = work.selected?.mark ?? mark_in(work.doc, work.thing, sheet.photo.name);
+    for (const mark of [first, ...here].filter((m) => m && here.includes(m))) {
+      const corner = outline_of(mark).findIndex(near);
+      if (corner >= 0) return { mark, corner };
+    }
+    const mark = work.selected?.mark;
+    if (!mark || mark.box || !here.includes(mark)) return null;
+    const side = mark.corners.findIndex((a, i) => near(middle(a, mark.corners[(i + 1) % mark.corners.length])));
+    return side >= 0 ? { mark, side } : null;
+  }
+
+  down(e) {
+    if (!this.sheet.photo) return;
+    this.sheet.canvas.focus({ preventScroll: true });
+    this.sheet.canvas.setPointerCapture(e.pointerId);
+    const at = this.place(e);
+    this.pointers.set(e.pointerId, at);
+    if (this.pointers.size > 1) return this.drop();
+    const pans = e.button > 0 || this.space;
+    this.press = { id: e.pointerId, from: at, still: kStill[e.pointerType] ?? 6, reach: kReach[e.pointerType] ?? 12, what: pans ? 'pan' : 'click' };
+    if (pans) return;
+    const grip = this.grip(at, this.press.reach);
+    if (grip) this.press.grip = grip;
+    else if (this.work.tool === 'box') this.press.what = 'box';
+  }
+  // Two fingers: what one of them began is given up.
+  drop() {
+    if (this.press?.what === 'box') this.work.cancel_drawing();
+    if (this.press?.what === 'corner') this.work.put_down();
+    this.press = null;
+  }
+
+  move(e) {
+    const at = this.place(e), before = this.pointers.get(e.pointerId);
+    if (!before) return e.pointerType === 'mouse' && this.sheet.photo ? this.work.hover(this.sheet.in_photo(at)) : undefined;
+    if (this.pointers.size === 2) this.pinch(e.pointerId, before, at);
+    this.pointers.set(e.pointerId, at);
+    const press = this.press;
+    if (!press || press.id !== e.pointerId) return;
+    if (press.what === 'click' && distance(at, press.from) > press.still) press.what = press.grip ? 'corner' : 'pan';
+    if (press.what === 'pan') this.sheet.pan(at[0] - before[0], at[1] - before[1]);
+    if (press.what === 'corner') press.grip = this.work.move_corner(press.grip, this.sheet.in_photo(at));
+    if (press.what === 'box' && distance(at, press.from) > press.still) this.work.draw_box(this.sheet.in_photo(press.from), this.sheet.in_photo(at));
+  }
+  pinch(id, before, at) {
+    const other = [...this.pointers].find(([key]) => key !== id)[1];
+    const from = middle(before, other), to = middle(at, other);
+    this.sheet.pan(to[0] - from[0], to[1] - from[1]);
+    this.sheet.zoom_at(to, distance(at, other) / Math.max(1, distance(before, other)));
+  }
+
+  up(e, cancelled) {
+    if (!this.pointers.delete(e.pointerId)) return;
+    const press = this.press;
+    if (!press || press.id !== e.pointerId) return;
+    this.press = null;
+    const at = this.place(e);
+    if (cancelled) return press.what === 'box' ? this.work.cancel_drawing() : press.what === 'corner' ? this.work.put_down() : undefined;
+    if (press.what === 'click') this.click(at, press);
+    if (press.what === 'corner') this.work.put_down();
+    if (press.what === 'box') this.work.finish_box(distance(at, press.from) >= kLeastBox);
+  }
+  click(at, press) {
+    const { work, sheet } = this;
+    if (work.tool === 'outline') {
+      const corners = work.drawing?.corners ?? [];
+      if (press.grip?.drawn === 0 && corners.length > 2) return work.close();
+      if (press.grip) return;  // a double click gives one corner
+      return work.add_corner(sheet.in_photo(at));
+    }
+    if (press.grip?.corner !== undefined) return work.select(press.grip.mark, press.grip.corner);
+    const [x, y] = sheet.to_photo(at);
+    const hit = marks_in(work.doc, sheet.photo.name).filter((m) => inside(outline_of(m), [x, y]));
+    const next = hit[(hit.indexOf(work.selected?.mark) + 1) % Math.max(1, hit.length)];
+    work.select(next ?? null, null);
+  }
+}

@@ -1,0 +1,107 @@
+// What is marked: objects, each of a class, and at most one mark of each in a photo. Corners are in pixels of the photo as taken,
+// upright; of a box there are two, left top and right bottom. The rules are those of stages/masks.
+export const kClasses = {
+  transparent: { word: 'Glass', doc: 'what is behind it shows through', colors: ['#2b87c8', '#79b9e6', '#12568a'] },
+  specular: { word: 'Metal or mirror', doc: 'polished: it mirrors', colors: ['#e0861a', '#f2b566', '#a45a06'] },
+  object: { word: 'Object', doc: 'what the photos are about', colors: ['#3f9d56', '#7fc28d', '#1f6b35'] },
+  ignore: { word: 'Not to be used', doc: 'a passer-by, a tripod, a hand', colors: ['#c2456b', '#e08aa4', '#86233f'] },
+};
+export const kEnough = 2, kWell = 3;  // photos that an object must, and should be marked in
+
+export const empty_marks = () => ({ things: [], marks: [] });
+export const words_of = (thing) => kClasses[thing.kind].word + (thing.name ? ` \u201c${thing.name}\u201d` : '');
+
+export function color_of(doc, thing) {
+  const alike = doc.things.filter((t) => t.kind === thing.kind), { colors } = kClasses[thing.kind];
+  return colors[alike.indexOf(thing) % colors.length];
+}
+
+export function add_thing(doc, kind) {
+  const alike = doc.things.filter((t) => t.kind === kind), taken = new Set(alike.map((t) => t.name));
+  let name = '';
+  for (let n = 2; taken.has(name); ++n) name = String(n);
+  const thing = { id: 1 + Math.max(0, ...doc.things.map((t) => t.id)), kind, name };
+  doc.things.push(thing);
+  return thing;
+}
+export function remove_thing(doc, id) {
+  doc.things = doc.things.filter((t) => t.id !== id);
+  doc.marks = doc.marks.filter((m) => m.thing !== id);
+}
+
+export const mark_in = (doc, thing, photo) => doc.marks.find((m) => m.thing === thing && m.photo === photo);
+export const marks_in = (doc, photo) => doc.marks.filter((m) => m.photo === photo);
+
+// In the place of the mark that the object had in this photo, if any.
+export function put_mark(doc, mark) {
+  const before = mark_in(doc, mark.thing, mark.photo);
+  if (before) doc.marks[doc.marks.indexOf(before)] = mark;
+  else doc.marks.push(mark);
+  return !!before;
+}
+
+export function outline_of({ box, corners }) {
+  if (!box) return corners;
+  const [[l, t], [r, b]] = corners;
+  return [[l, t], [r, t], [r, b], [l, b]];
+}
+
+const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+
+// Sides that cross, by their first corners; sides that only touch do not.
+export function crossing(corners) {
+  const n = corners.length, end = (i) => corners[(i + 1) % n];
+  for (let i = 0; i < n; ++i)
+    for (let j = i + 1; j < n; ++j) {
+      const a = corners[i], b = end(i), c = corners[j], d = end(j);
+      if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0) return [i, j];
+    }
+  return null;
+}
+
+export function area(corners) {
+  let twice = 0;
+  for (let i = 1; i + 1 < corners.length; ++i) twice += turn(corners[0], corners[i], corners[i + 1]);
+  return Math.abs(twice) / 2;
+}
+
+// Even-odd, as the masks are filled.
+export function inside(corners, [x, y]) {
+  let odd = false;
+  corners.forEach((a, i) => {
+    const b = corners[(i + 1) % corners.length];
+    if (a[1] <= y !== b[1] <= y && x < a[0] + ((y - a[1]) / (b[1] - a[1])) * (b[0] - a[0])) odd = !odd;
+  });
+  return odd;
+}
+
+// What a run would refuse of one mark.
+export function problem_of(mark, photo) {
+  const corners = outline_of(mark);
+  if (photo && corners.some(([x, y]) => x < 0 || y < 0 || x > photo.width || y > photo.height)) return 'leaves the photo';
+  if (area(corners) === 0) return 'encloses nothing';
+  return crossing(corners) ? 'crosses itself' : '';
+}
+
+// One state at a time, with what leads to each: undo and redo.
+export class History {
+  constructor(doc) {
+    this.states = [JSON.stringify(doc)], this.at = 0;
+  }
+  push(doc) {
+    const state = JSON.stringify(doc);
+    if (state === this.states[this.at]) return false;
+    this.states.splice(++this.at, Infinity, state);
+    return true;
+  }
+  get can_undo() {
+    return this.at > 0;
+  }
+  get can_redo() {
+    return this.at + 1 < this.states.length;
+  }
+  step(by) {
+    this.at = Math.min(Math.max(this.at + by, 0), this.states.length - 1);
+    return JSON.parse(this.states[this.at]);
+  }
+}
