@@ -23,7 +23,7 @@ class Work {
     this.tool = 'outline', this.selected = null, this.drawing = null, this.hovered = null;
     this.hidden = false, this.masks_shown = true;
     this.kept = new Kept(this.scene.id);
-    this.sheet = new Sheet(document.getElementById('sheet'), () => this.shown());
+    this.sheet = new Sheet(document.getElementById('sheet'), () => this.shown(), document.getElementById('tools'), document.getElementById('turn'));
     this.begin();
     this.hand = new Hand(this.sheet, this);
     addEventListener('keydown', (e) => this.key(e));
@@ -32,6 +32,7 @@ class Work {
     for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => this.dragged(e));
     make_panel(this);
     this.show(this.photo_index);
+    this.sheet.fit();  // the tools are there now
   }
 
   // The marks of the run or the file; above them those that the browser kept, if they were not saved.

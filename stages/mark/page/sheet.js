@@ -8,8 +8,9 @@ const kHandle = 5;
 const kFill = '2b';      // alpha of what is marked
 
 export class Sheet {
-  constructor(canvas, changed) {
-    this.canvas = canvas, this.context = canvas.getContext('2d'), this.changed = changed;
+  // `above`, `below`: what covers the canvas there.
+  constructor(canvas, changed, above, below) {
+    this.canvas = canvas, this.context = canvas.getContext('2d'), this.changed = changed, this.covers = [above, below];
     this.zoom = 1, this.left = 0, this.top = 0, this.fitted = true;
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
@@ -29,12 +30,18 @@ export class Sheet {
     if (other) this.fit();
     this.draw_soon();
   }
+  // Top and height of what is not covered.
+  free() {
+    const [above, below] = this.covers.map((e) => e.offsetHeight + kMargin);
+    return [above, Math.max(1, this.height - above - below)];
+  }
   fit_zoom() {
-    return Math.max(1e-3, Math.min((this.width - 2 * kMargin) / this.photo.width, (this.height - 2 * kMargin) / this.photo.height));
+    return Math.max(1e-3, Math.min((this.width - 2 * kMargin) / this.photo.width, (this.free()[1] - 2 * kMargin) / this.photo.height));
   }
   fit() {
+    const [top, height] = this.free();
     this.zoom = this.fit_zoom(), this.fitted = true;
-    this.left = (this.width - this.photo.width * this.zoom) / 2, this.top = (this.height - this.photo.height * this.zoom) / 2;
+    this.left = (this.width - this.photo.width * this.zoom) / 2, this.top = top + (height - this.photo.height * this.zoom) / 2;
     this.draw_soon();
   }
   to_photo([x, y]) {
