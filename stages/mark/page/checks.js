@@ -2,14 +2,14 @@
 import { kEnough, kWell, problem_of, words_of } from './marks.js';
 import { sides } from './sides.js';
 
-// level: none, few (a run refuses it), enough, well. problems: [{ photo, text }]. next: a photo worth marking.
+// level: none, few (a run refuses it), enough, well. problems: [{ photo, here, text }]. next: a photo worth marking.
 export function state_of(doc, thing, scene) {
   const marks = doc.marks.filter((m) => m.thing === thing.id), photo = (name) => scene.photos.find((p) => p.name === name);
-  const problems = marks.map((m) => ({ photo: m.photo, text: problem_of(m, photo(m.photo)) })).filter((p) => p.text);
+  const problems = marks.map((m) => ({ photo: m.photo, here: !!photo(m.photo), text: problem_of(m, photo(m.photo)) })).filter((p) => p.text);
   const twins = doc.things.filter((t) => t.kind === thing.kind && t.name === thing.name);
   if (twins.length > 1) problems.push({ photo: null, text: 'has the class and the name of another one: give each its own name' });
-  const usable = scene.has_cameras ? marks.filter((m) => photo(m.photo)?.camera) : marks;
-  const lost = marks.length - usable.length;
+  const here = marks.filter((m) => photo(m.photo)), usable = scene.has_cameras ? here.filter((m) => photo(m.photo).camera) : here;
+  const lost = here.length - usable.length;
   const view = scene.has_cameras && usable.length > 0 ? sides(usable, scene.photos) : null;
   const tight = marks.every((m) => !m.box), in_photos = (n) => `${n} photo${n === 1 ? '' : 's'}`;
   const state = { problems, next: view?.next ?? null, marks: marks.length };
@@ -22,13 +22,13 @@ export function state_of(doc, thing, scene) {
   return { ...state, level: 'well', text: `Marked in ${in_photos(usable.length)}. ${more}${but}`, next: null };
 }
 
-// Sentences about all that a run would refuse.
+// Sentences about all that a run would refuse: mistakes, and objects that are not marked enough.
 export function refusals(doc, scene) {
   if (!doc.marks.length) return ['Nothing is marked yet.'];
   return doc.things.flatMap((thing) => {
-    const { level, text, problems } = state_of(doc, thing, scene), word = words_of(thing);
+    const { level, text, problems, marks } = state_of(doc, thing, scene), word = words_of(thing);
     const wrong = problems.map((p) => (p.photo ? `${word}: the outline in ${p.photo} ${p.text}.` : `${word} ${p.text}.`));
-    return level === 'few' ? [`${word}: ${text}`, ...wrong] : wrong;
+    return level === 'few' || (level === 'none' && marks > 0) ? [`${word}: ${text}`, ...wrong] : wrong;
   });
 }
 

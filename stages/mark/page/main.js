@@ -53,8 +53,9 @@ class Work {
     if (kept?.doc && (kept.doc.marks.length || kept.drawing) && (!this.scene.marks || JSON.stringify(kept.doc) !== kept.saved)) {
       this.doc = kept.doc, this.drawing = kept.drawing ?? null, this.saved = kept.saved ?? this.saved;
       this.photo_index = Math.max(0, this.scene.photos.findIndex((p) => p.name === kept.photo)), this.thing = kept.thing;
-      if (this.history.push(this.doc) && this.dirty)
-        this.tell(`What you drew here until ${new Date(kept.time).toLocaleString()} and did not save is back.`, ['Begin without it', () => this.undo()]);
+      this.history.push(this.doc);
+      if (this.dirty)
+        this.tell(`What you drew here until ${new Date(kept.time).toLocaleString()} and did not save is back.`, ['Begin without it', () => ((this.drawing = null), this.travel(-1))]);
     }
     if (!this.doc.things.some((t) => t.id === this.thing)) this.thing = this.doc.things[0]?.id ?? null;
   }
@@ -142,6 +143,10 @@ class Work {
     this.selected = null;
     if (this.thing === id) this.thing = this.doc.things[0]?.id ?? null;
     if (marks) this.tell(`${words_of(thing)} and its marks are gone.`, ['Undo', () => this.undo()]);
+    this.commit();
+  }
+  remove_mark(id, photo) {
+    this.doc.marks = this.doc.marks.filter((m) => m.thing !== id || m.photo !== photo);
     this.commit();
   }
   rename(id, name) {

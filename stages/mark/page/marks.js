@@ -78,9 +78,10 @@ export function inside(corners, [x, y]) {
 // What a run would refuse of one mark.
 export function problem_of(mark, photo) {
   const corners = outline_of(mark);
-  if (photo && corners.some(([x, y]) => x < 0 || y < 0 || x > photo.width || y > photo.height)) return 'leaves the photo';
-  if (area(corners) === 0) return 'encloses nothing';
-  return crossing(corners) ? 'crosses itself' : '';
+  if (!photo) return 'is of a photo that is not here';
+  if (corners.some(([x, y]) => x < 0 || y < 0 || x > photo.width || y > photo.height)) return 'leaves the photo';
+  if (crossing(corners)) return 'crosses itself';
+  return area(corners) === 0 ? 'encloses nothing' : '';
 }
 
 // One state at a time, with what leads to each: undo and redo.

@@ -61,7 +61,8 @@ function thing_row(work, thing, number) {
   row.append(text);
   for (const p of state.problems) {
     const line = element('p', { className: 'wrong' });
-    if (p.photo) line.append('The outline in ', button(p.photo, (e) => (e.stopPropagation(), work.choose(thing.id), work.show_named(p.photo)), { className: 'link' }), ` ${p.text}.`);
+    if (p.photo && p.here) line.append('The outline in ', button(p.photo, (e) => (e.stopPropagation(), work.choose(thing.id), work.show_named(p.photo)), { className: 'link' }), ` ${p.text}.`);
+    else if (p.photo) line.append(`The outline in ${p.photo} ${p.text}. `, button('Remove it', (e) => (e.stopPropagation(), work.remove_mark(thing.id, p.photo)), { className: 'link' }));
     else line.append(`It ${p.text}.`);
     row.append(line);
   }
@@ -111,20 +112,19 @@ function masks(work) {
 
 function file(work) {
   const open = element('input', { type: 'file', id: 'open_file', accept: '.yaml,.yml', onchange: () => open.files[0] && work.open(open.files[0]).then(() => (open.value = '')) });
-  const text = element('textarea', { id: 'yaml', readOnly: true, ariaLabel: 'the file' }), refused = element('ul', { className: 'refused wrong', id: 'refused' });
+  const text = element('textarea', { id: 'yaml', readOnly: true, ariaLabel: 'the file' });
   const state = element('p', { id: 'unsaved' });
   work.on_change(() => {
     text.value = work.yaml();
-    const sentences = work.doc.marks.length ? work.refusals() : [];
-    refused.hidden = !sentences.length;
-    refused.replaceChildren(...sentences.map((s) => element('li', { textContent: s })));
-    state.textContent = work.dirty ? 'Not saved yet.' : work.doc.marks.length ? 'Saved.' : '';
+    const refused = work.doc.marks.length ? work.refusals().length : 0;
+    state.textContent = [work.dirty ? 'Not saved yet.' : work.doc.marks.length ? 'Saved.' : '', refused ? 'A run would refuse it as it is: see above.' : ''].join(' ').trim();
+    state.classList.toggle('wrong', refused > 0);
   });
   const command = element('pre', { className: 'command', id: 'command', textContent: work.scene.command });
   return [
     element('div', { className: 'row' }, button('Save marks.yaml', () => work.save(), { id: 'save', className: 'primary', title: 'Save (Ctrl S)' }), element('label', { className: 'file', textContent: 'Open\u2026' }, open),
             button('Copy', () => copy(work.yaml(), () => work.tell('The text of marks.yaml is copied.')), { id: 'copy' })),
-    state, refused, element('p', { textContent: 'Then run, with the path of the saved file:' }), command,
+    state, element('p', { textContent: 'Then run, with the path of the saved file:' }), command,
     element('div', { className: 'row' }, button('Copy command', () => copy(work.scene.command, () => work.tell('The command is copied.')), { id: 'copy_command' })),
     element('details', {}, element('summary', { textContent: 'Text of the file' }), text),
   ];
