@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/base/parallel.h"
+#include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
 #include "core/config/text.h"
@@ -385,6 +386,9 @@ int inspect_command(const Words& words) {
   if (report.contains("coverage")) say_coverage(report["coverage"]);
   if (a.verbose) say_each_photo(report);
   say_costs(costs, threads, subject.has_masks());
+  if (!subject.has_masks())
+    say("masks", "Glass, polished metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
+                     join_command({"vitrine", "mark", rest[0]}));
   return 0;
 }
 

@@ -13,7 +13,7 @@ VITRINE_PACKAGES=(
   libsqlite3-dev libdnnl-dev
   colmap
 )
-# The page of `vitrine view` is bundled by npm, of Debian or of any other origin.
+# The pages of `vitrine view` and `vitrine mark` are bundled by npm, of Debian or of any other origin.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
 VITRINE_TEST_PACKAGES=(libgtest-dev libbenchmark-dev)
 

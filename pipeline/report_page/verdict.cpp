@@ -171,8 +171,13 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
   if ((soft || shiny) && !commands.better().empty())
     add("Train longer and finer.", commands.again({"--preset", commands.better()}));
   if (outcome.masks.empty() && soft)
-    add("If there is glass or polished metal in the scene, mark it in two or three photos.",
-        commands.with_photos({"--masks", "marks.yaml"}));
+    add("If there is glass, polished metal or a mirror in the scene, mark it in two or three photos: this opens a page that "
+        "saves the "
+        "marks and says what to run then.",
+        commands.of({"mark", "--open"}));
+  if (!outcome.masks.empty() && shiny)
+    add("Look whether the masks of glass and metal fit the photos, and mark them where they do not.",
+        commands.of({"mark", "--open"}));
   if (rating("reprojection") != Rating::Good)
     add("Take sharper photos with a fixed focus and nothing moving; leave blurred ones out.", commands.with_photos());
   if (rating("gap") == Rating::Borderline) add("Take more photos, from places in between.", commands.with_photos());

@@ -222,7 +222,8 @@ void run_masks(const MasksConfig& config, StageContext& context) {
       context.timing("proposed", timer.seconds());
       if (proposal->vote.unsure)
         context.warning("MASKS_UNSURE",
-                        "the photos do not show clearly enough what changes with the view: no glass or mirror is proposed");
+                        "the photos do not show clearly enough what changes with the view: no glass or mirror is proposed; "
+                        "vitrine mark lets you draw them");
     }
     sources[size_t(kind)] = std::make_unique<ProposedSource>(proposal, kind);
   }

@@ -11,7 +11,7 @@
 //   dialogs      of leaving with marks that are not saved, and with saved ones;  restored  text before and after that, and the notice
 //   opened       text of the file after MARKS was opened, and the notice;  refused  what is said to NO_MARKS
 //   nudged       how far an arrow key moved a corner;  shown  photos after n, n, p
-//   kept         corners of an outline that was not closed, before and after another visit
+//   kept         corners of an outline that was not closed: after another photo was looked at, and after another visit
 import { mkdirSync, readdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -142,6 +142,8 @@ try {
   await show(3);
   await page.keyboard.press('1');
   for (const p of [[300, 300], [500, 300]]) await page.mouse.click(...(await on_screen(p)));
+  await page.keyboard.press('n');
+  await page.keyboard.press('p');
   result.kept = [await page.evaluate(() => vitrine.drawing.corners)];
   result.restored = [await text()];
   await page.reload();
@@ -166,6 +168,7 @@ try {
     result.shown.push(await page.evaluate(() => vitrine.photo.name));
   }
   await page.click('#save');
+  await page.click('#notice button');  // all the same
   for (let k = 0; k < 100 && !readdirSync(out).includes('marks.yaml'); ++k) await new Promise((r) => setTimeout(r, 100));
   result.saved = await notice();
   const leaves = result.dialogs.length;

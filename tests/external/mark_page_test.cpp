@@ -214,6 +214,23 @@ TEST(MarkPage, MarksOfThreePhotosGiveTheMasksOfAll) {
     RecordProperty(kind, std::to_string(iou));
     EXPECT_GT(iou, least) << kind;
   }
+
+  // The page of that run.
+  const fs::path of_run = folder.path() / "of_run.html";
+  const Said marked =
+      run_external({std::string(VITRINE_BIN_DIR) + "/vitrine", "mark", run.string(), "-o", of_run.string(), "-q"});
+  ASSERT_EQ(marked.code, 0) << marked.out;
+  const Said looked = run_external({"node", "mark_run.mjs", of_run.string(), out.string()});
+  ASSERT_EQ(looked.code, 0) << looked.out;
+  const json seen = answer(looked);
+  EXPECT_TRUE(seen["messages"].empty()) << seen["messages"];
+  EXPECT_EQ(seen["states"], json({"well", "well"}));
+  EXPECT_EQ(seen["sources"], "What the run took in every photo: metal or mirror from marks; glass from marks.");
+  EXPECT_GT(seen["masks"][0], 1);
+  EXPECT_EQ(seen["masks"][0], seen["masks"][1]);
+  EXPECT_NE(seen["first"].get<std::string>().find("Marked in one photo. It needs a second one"), std::string::npos)
+      << seen["first"];
+  EXPECT_NE(seen["second"].get<std::string>().find("2 photos that look from the same side"), std::string::npos) << seen["second"];
 }
 
 }  // namespace

@@ -41,6 +41,8 @@ TEST_F(GoldenMessages, OnTheCommandLine) {
   told("a stage that there is not", {"vitrine", "config", "reference", "mehs"});
   told("no project to edit", {"vitrine", "edit"});
   told("two folders of photos", {"vitrine", "inspect", photos_, "b"});
+  told("no photos to mark", {"vitrine", "mark"});
+  told("marks in no file of marks", {"vitrine", "mark", photos_, "--masks", "marks.txt"});
   told("an option of a stage that there is not", {"vitrine-mesh", "--thread", "2"});
   told("a word that is no option of a stage", {"vitrine-mesh", "stray"});
   told("an input that a stage does not have", {"vitrine-mesh", "-i", "photos=" + photos_, "-o", "m"});

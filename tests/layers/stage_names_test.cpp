@@ -46,7 +46,7 @@ constexpr Exception kExceptions[] = {
     {"report_page/regions.cpp", "normals", "pictures of the confidence"},
     {"report_page/sections_pictures.cpp", "decompose masks mesh normals shapes", "the pictures of the page, and a section"},
     {"report_page/sections_run.cpp", "ingest", "copies of the photos"},
-    {"report_page/verdict.cpp", "relight", "advice: the command vitrine relight"},
+    {"report_page/verdict.cpp", "relight mark", "advice: the commands vitrine relight and vitrine mark"},
 };
 
 std::set<std::string> words_of(const std::string& text) {

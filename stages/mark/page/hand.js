@@ -73,7 +73,7 @@ export class Hand {
 
   move(e) {
     const at = this.place(e), before = this.pointers.get(e.pointerId);
-    if (!before) return e.pointerType === 'mouse' && this.sheet.photo ? this.work.hover(this.sheet.in_photo(at)) : undefined;
+    if (!before) return e.pointerType !== 'touch' && this.sheet.photo ? this.work.hover(this.sheet.in_photo(at)) : undefined;
     if (this.pointers.size === 2) this.pinch(e.pointerId, before, at);
     this.pointers.set(e.pointerId, at);
     const press = this.press;

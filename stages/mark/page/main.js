@@ -22,6 +22,7 @@ class Work {
     this.pictures = new Map(), this.masks = new Map(), this.listeners = [];
     this.tool = 'outline', this.selected = null, this.drawing = null, this.hovered = null;
     this.hidden = false, this.masks_shown = true;
+    this.begun = new Map();  // photo -> outline that was left open there
     this.kept = new Kept(this.scene.id);
     this.sheet = new Sheet(document.getElementById('sheet'), () => this.shown(), document.getElementById('tools'), document.getElementById('turn'));
     this.begin();
@@ -155,8 +156,9 @@ class Work {
   }
   choose(id) {
     if (this.thing === id) return;
-    this.cancel_drawing(false);
+    this.leave_drawing();
     this.thing = id;
+    this.go_on_drawing();
     if (this.selected?.mark.thing !== id) this.selected = null;
     this.keep(), this.changed();
   }
@@ -217,6 +219,18 @@ class Work {
     if (!this.drawing) return;
     this.drawing = null;
     if (change) this.keep(), this.changed();
+  }
+
+  // An outline that is open waits where it was begun, for its object.
+  leave_drawing() {
+    if (this.drawing && !this.drawing.box) this.begun.set(`${this.thing} ${this.photo.name}`, this.drawing);
+    this.cancel_drawing(false);
+  }
+  go_on_drawing() {
+    const key = `${this.thing} ${this.photo.name}`;
+    if (this.tool !== 'outline' || !this.begun.has(key)) return;
+    this.drawing = this.begun.get(key);
+    this.begun.delete(key);
   }
 
   // --- changing
@@ -287,8 +301,9 @@ class Work {
   }
   async show(i) {
     const n = this.scene.photos.length, other = i !== this.photo_index;
-    if (other) this.cancel_drawing(false);
+    if (other) this.leave_drawing();
     this.photo_index = (i + n) % n;
+    if (other) this.go_on_drawing();
     const mark = this.tool === 'change' && mark_in(this.doc, this.thing, this.photo.name);
     this.selected = mark ? { mark, corner: null } : null, this.hovered = null;
     this.sheet.show(this.photo, null);

@@ -33,11 +33,17 @@ function meeting(rays) {
   return [0, 1, 2].map((k) => det(a.map((row, i) => row.map((v, j) => (j === k ? b[i] : v)))) / whole);
 }
 
+// Of one ray alone: its place nearest to what all cameras look at.
+function before_the_middle({ eye, d }, photos) {
+  const middle = meeting(photos.filter((p) => p.camera).map((p) => ({ eye: p.camera.eye, d: p.camera.ahead })));
+  return middle && add(eye, d, dot(add(middle, eye, -1), d));
+}
+
 // `marks`: of one object, in photos that have a camera. one_sided: they all look from one side; next: the photo that adds most.
 export function sides(marks, photos) {
   const of = (mark) => photos.find((p) => p.name === mark.photo);
   const rays = marks.map((m) => ({ eye: of(m).camera.eye, d: ray(of(m), middle_of(m)) }));
-  const place = meeting(rays);
+  const place = rays.length > 1 ? meeting(rays) : before_the_middle(rays[0], photos);
   if (!place) return { one_sided: marks.length > 1, next: null };
   const towards = (eye) => unit(add(eye, place, -1));
   const known = rays.map(({ eye }) => towards(eye));

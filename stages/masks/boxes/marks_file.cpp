@@ -36,7 +36,9 @@ class Reader {
       if (thing.marks.size() < 2)
         in_.complain(fmt::format("'{}' is marked in {}{}; where it stands takes two from different sides", thing.name,
                                  thing.marks.empty() ? "no photo that has a camera" : "one photo only", lost_marks_of(thing)));
-    in_.finish("mark the same thing in another photo, better in three; give different things of a class a 'thing' each");
+    in_.finish(
+        "mark the same thing in another photo, better in three (vitrine mark shows them); give different things of a class a "
+        "'thing' each");
     std::vector<std::string> lost;
     for (const auto& [thing, photo] : lost_)
       if (std::ranges::find(lost, photo) == lost.end()) lost.push_back(photo);
