@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/inside.h"
 #include "core/camera/json_file.h"
+#include "core/camera/photo_marks.h"
 #include "core/camera/photo_masks.h"
 #include "core/config/photo_name_finder.h"
 #include "core/config/text.h"
@@ -16,21 +17,22 @@ namespace vitrine {
 
 namespace {
 
+// Photos and outlines; the masks stage, which knows the cameras, reads the rest.
 void check_marks(const std::string& path, const std::string& photos) {
-  const YamlFile file = read_yaml(path);
+  YamlReader in(read_yaml(path));
   const PhotoNames names(photos);
-  const YamlNode* marks = file.root.find("marks");
+  const YamlNode* marks = in.root().find("marks");
   if (names.empty() || marks == nullptr) return;  // ingest and masks have something to say about that
-  ConfigErrors errors;
   for (const YamlNode& mark : marks->items) {
-    const YamlNode* photo = mark.kind == YamlNode::Kind::Map ? mark.find("photo") : nullptr;
+    if (mark.kind != YamlNode::Kind::Map) continue;
+    if (mark.find("box") != nullptr || mark.find("polygon") != nullptr) marked_region(in, mark);
+    const YamlNode* photo = mark.find("photo");
     if (photo == nullptr || photo->kind != YamlNode::Kind::Scalar || names.has_by_part(photo->text)) continue;
     const std::string near = names.nearest(photo->text);
-    errors.add(
-        file, photo->mark, photo->text.size(),
-        fmt::format("there is no photo '{}'{}", photo->text, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
+    in.complain(*photo, fmt::format("there is no photo '{}'{}", photo->text,
+                                    near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
   }
-  errors.throw_if_any(fmt::format("marks name photos of {}", photos));
+  in.finish(fmt::format("marks name photos of {}, and outline things in them: vitrine mark shows and draws them", photos));
 }
 
 // A folder or transforms.json of masks, as the sfm and masks stages will read it.

@@ -36,8 +36,8 @@ class PhotoNames {
 void check_inputs_apart(const fs::path& project, const Graph& graph, const Settings& settings);
 
 // Of what this command gives or its chosen stages read. Error{Input}: it does not exist. Error{Usage}: a file of marks that
-// cannot be read as YAML, or marks a photo that is not there. Error{Input}: masks in folders that are no classes, or of other
-// photos.
+// cannot be read as YAML, marks a photo that is not there, or has an outline that is none. Error{Input}: masks in folders that
+// are no classes, or of other photos.
 void check_given_inputs(const Planner& planner, const Settings& settings);
 
 // "preset preview -> standard, masks marks.yaml -> none"; empty where nothing differs. Of two presets only their names and the

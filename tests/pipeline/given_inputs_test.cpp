@@ -80,6 +80,10 @@ TEST_F(GivenInputs, MarksAreReadBeforeAnythingIsComputed) {
     EXPECT_NE(photo.text.find(std::string(name) + ":2:12"), std::string::npos) << photo.text;
     EXPECT_NE(photo.text.find("did you mean 'img_0002.jpg'"), std::string::npos) << photo.text;
   }
+  const char* crossing = "marks:\n  - {photo: img_0002.jpg, class: specular, polygon: [[1, 1], [9, 9],\n    [9, 1], [1, 9]]}\n";
+  const Answer crosses = dry_run({"--masks", marks(crossing).string()});
+  EXPECT_EQ(crosses.code, 2);
+  EXPECT_NE(crosses.text.find("marks.yaml:3:5: error: the outline crosses itself"), std::string::npos) << crosses.text;
 }
 
 TEST_F(GivenInputs, MasksInFoldersThatAreNoClassesEndTheRunAtOnce) {
