@@ -9,7 +9,7 @@
 #include "core/base/log.h"
 #include "core/base/process.h"
 #include "core/config/cli.h"
-#include "core/config/yaml.h"
+#include "core/config/text.h"
 #include "pipeline/browser.h"
 #include "pipeline/commands.h"
 #include "pipeline/graph.h"
@@ -21,6 +21,12 @@ namespace vitrine {
 namespace {
 
 constexpr const char* kPage = "mark.html";
+
+// By its name: there may be no such file.
+bool called_marks(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".yaml" || extension == ".yml";
+}
 
 struct MarkSubject {
   fs::path photos;
@@ -45,7 +51,7 @@ MarkSubject subject_of(const std::string& word, const std::string& marks) {
   s.photos = settings.text("input.photos");
   std::error_code ec;
   const fs::path before = settings.text("input.masks");
-  if (marks.empty() && is_yaml_file(before)) {
+  if (marks.empty() && called_marks(before)) {
     if (fs::exists(before, ec))
       s.marks = before;
     else
@@ -100,10 +106,15 @@ int mark_command(const Words& words) {
     throw Error(ErrorKind::Usage,
                 rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
                 {.hint = "vitrine mark PHOTOS", .code = "USAGE"});
-  if (!marks.empty() && !is_yaml_file(marks))
-    throw Error(
-        ErrorKind::Usage, "this is no file of marks",
-        {.where = marks, .why = "marks are a .yaml file", .hint = "vitrine mark PHOTOS --masks marks.yaml", .code = "USAGE"});
+  if (!marks.empty() && !called_marks(marks))
+    throw Error(ErrorKind::Usage, "this is no file of marks",
+                {.where = marks,
+                 .why = "marks are a file called .yaml",
+                 .hint = "vitrine mark PHOTOS --masks marks.yaml",
+                 .code = "USAGE"});
+  if (std::error_code ec; !marks.empty() && !fs::is_regular_file(marks, ec))
+    throw Error(ErrorKind::Input, "there is no such file of marks",
+                {.where = marks, .hint = "leave out --masks to begin without marks", .code = "MISSING_INPUT"});
   const MarkSubject subject = subject_of(rest[0], marks);
   const TemporaryFolder folder("vitrine-mark");
   const fs::path made = folder.path() / "page";

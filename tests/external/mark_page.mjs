@@ -5,6 +5,7 @@
 //   classes      of the buttons that add an object;  zoom  screen pixels a photo pixel, of a
 //   drawn        text of the file after four clicks on the corners of the rectangle and one on the first;  undone  redone  the same
 //   box          after a box was dragged over the rectangle of b;  zoomed  after a corner of a was moved to the rectangle's middle, at 6 x
+//   stayed       how far that corner went from the mouse while the wheel turned
 //   deleted      marks before and after Backspace;  inserted  corners before and after the middle of a side was dragged
 //   touched      corners of three taps and one on the first;  pinched  zoom before and after two fingers moved apart
 //   crossed      what stands beside the object whose outline crosses, and what saving says
@@ -94,7 +95,9 @@ try {
   await page.mouse.move(l, t);
   for (let k = 0; k < 12; ++k) await page.mouse.wheel({ deltaY: -100 });
   await frame();
-  await drag([l, t], [l + 60, t + 30]);  // the corner stayed below the mouse
+  const [x, y] = await on_screen(await page.evaluate(() => vitrine.doc.marks[0].corners[0]));
+  await drag([x + 3, y - 2], [x + 63, y + 28]);  // held beside its middle
+  result.stayed = [x - l, y - t];
   result.zoomed = [await text(), await zoom()];
   await page.keyboard.press('ArrowRight');
   await page.keyboard.press('f');

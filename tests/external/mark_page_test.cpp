@@ -118,6 +118,7 @@ marks:
   expect_corners(boxed[1], {{200, 300}, {600, 300}, {600, 900}, {200, 900}}, 1);  // larger on the screen than half
   const double zoomed = r["zoomed"][1];
   EXPECT_GT(zoomed, 5 * r["zoom"].get<double>());
+  for (const double off : r["stayed"]) EXPECT_LT(std::abs(off), 7);  // wheels have whole pixels, six times as large
   const Vec2d moved = marks_of(r["zoomed"][0])[0].corners[0];
   EXPECT_NEAR(moved.x, drawn[0].corners[0].x + 60 / zoomed, 0.2);
   EXPECT_NEAR(moved.y, drawn[0].corners[0].y + 30 / zoomed, 0.2);

@@ -38,6 +38,7 @@ constexpr Exception kExceptions[] = {
     {"picture_tool.h", "refine", "vitrine render and relight: taken where it is there"},
     {"picture_tool.cpp", "relight", "vitrine relight: report.html shows its pictures"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks", "vitrine edit, and which results an edit replaces"},
+    {"inspect_command.cpp", "mark", "advice: the command vitrine mark"},
     {"inspect_command.cpp", "inspect sfm", "vitrine inspect: cameras of an earlier run"},
     {"rehearsal.cpp", "ingest sfm", "vitrine inspect --poses: a run up to sfm on small copies of the photos"},
     // Results that are no figures.

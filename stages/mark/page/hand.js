@@ -61,8 +61,12 @@ export class Hand {
     this.press = { id: e.pointerId, from: at, still: kStill[e.pointerType] ?? 6, reach: kReach[e.pointerType] ?? 12, what: pans ? 'pan' : 'click' };
     if (pans) return;
     const grip = this.grip(at, this.press.reach);
-    if (grip) this.press.grip = grip;
-    else if (this.work.tool === 'box') this.press.what = 'box';
+    if (grip) {
+      const place = this.sheet.to_screen(this.work.place_of(grip));
+      Object.assign(this.press, { grip, off: [place[0] - at[0], place[1] - at[1]] });  // it does not jump to the pointer
+    } else if (this.work.tool === 'box') {
+      this.press.what = 'box';
+    }
   }
   // Two fingers: what one of them began is given up.
   drop() {
@@ -80,7 +84,7 @@ export class Hand {
     if (!press || press.id !== e.pointerId) return;
     if (press.what === 'click' && distance(at, press.from) > press.still) press.what = press.grip ? 'corner' : 'pan';
     if (press.what === 'pan') this.sheet.pan(at[0] - before[0], at[1] - before[1]);
-    if (press.what === 'corner') press.grip = this.work.move_corner(press.grip, this.sheet.in_photo(at));
+    if (press.what === 'corner') press.grip = this.work.move_corner(press.grip, this.sheet.in_photo([at[0] + press.off[0], at[1] + press.off[1]]));
     if (press.what === 'box' && distance(at, press.from) > press.still) this.work.draw_box(this.sheet.in_photo(press.from), this.sheet.in_photo(at));
   }
   pinch(id, before, at) {

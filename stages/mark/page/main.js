@@ -4,10 +4,10 @@ import { mask_pictures } from './carried.js';
 import { refusals, state_of } from './checks.js';
 import { Hand } from './hand.js';
 import { Kept } from './kept.js';
-import { add_thing, empty_marks, History, kClasses, mark_in, put_mark, remove_thing, words_of } from './marks.js';
+import { add_thing, empty_marks, History, kClasses, mark_in, outline_of, put_mark, remove_thing, words_of } from './marks.js';
 import { marks_of } from './opened.js';
 import { make_panel } from './panel.js';
-import { Sheet } from './sheet.js';
+import { middle, Sheet } from './sheet.js';
 import { read_yaml, yaml_of } from './yaml.js';
 
 const kFile = 'marks.yaml';
@@ -240,6 +240,12 @@ class Work {
     if (mark) this.thing = mark.thing;
     this.changed();
   }
+  // What the hand holds: a corner, or the middle of a side.
+  place_of({ drawn, mark, corner, side }) {
+    if (drawn !== undefined) return this.drawing.corners[drawn];
+    const corners = outline_of(mark);
+    return side === undefined ? corners[corner] : middle(corners[side], corners[(side + 1) % corners.length]);
+  }
   // Returns where the corner is held from now on.
   move_corner(grip, place) {
     if (grip.drawn !== undefined) {
@@ -267,8 +273,7 @@ class Work {
     this.commit();
   }
   nudge(dx, dy) {
-    const { mark, corner } = this.selected, of = mark.box ? [[mark.corners[0][0], mark.corners[0][1]], [mark.corners[1][0], mark.corners[0][1]], mark.corners[1], [mark.corners[0][0], mark.corners[1][1]]][corner] : mark.corners[corner];
-    const [x, y] = this.sheet.to_screen(of);
+    const { mark, corner } = this.selected, [x, y] = this.sheet.to_screen(this.place_of({ mark, corner }));
     this.move_corner({ mark, corner }, this.sheet.in_photo([x + dx, y + dy]));
     this.put_down();
   }
@@ -377,7 +382,7 @@ class Work {
     act();
   }
   action(e) {
-    const { sheet } = this, middle = [sheet.width / 2, sheet.height / 2], on_button = e.target.closest?.('button, summary, label');
+    const { sheet } = this, centre = [sheet.width / 2, sheet.height / 2], on_button = e.target.closest?.('button, summary, label');
     if (e.ctrlKey || e.metaKey) {
       const k = e.key.toLowerCase();
       if (k === 's') return () => this.save();
@@ -399,8 +404,8 @@ class Work {
       case 'n': case 'PageDown': return () => this.show(this.photo_index + 1);
       case 'p': case 'PageUp': return () => this.show(this.photo_index - 1);
       case 'f': case '0': return () => sheet.fit();
-      case '+': case '=': return () => sheet.zoom_at(middle, 1.25);
-      case '-': return () => sheet.zoom_at(middle, 0.8);
+      case '+': case '=': return () => sheet.zoom_at(centre, 1.25);
+      case '-': return () => sheet.zoom_at(centre, 0.8);
       case 'h': return () => ((this.hidden = !this.hidden), this.changed());
       case 'm': return () => ((this.masks_shown = !this.masks_shown), this.changed());
       case 'Enter': return () => this.close();
