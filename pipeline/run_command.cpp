@@ -46,7 +46,7 @@ CommandLine run_command_line(RunArguments& a) {
   cli.value("masks", 0, "PATH", a.masks,
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
             "YAML file that "
-            "marks things in a few photos.");
+            "marks things in a few photos (vitrine mark).");
   cli.value("shapes", 0, "FILE", a.shapes,
             "Known shapes of glass and metal: shapes/shapes.json of an earlier run, corrected by hand; instead of fitted ones.");
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
