@@ -87,7 +87,8 @@ void warn_of(const PhotoFolder& folder, const std::vector<PagePhoto>& photos, St
 }  // namespace
 
 void describe(Describer& d, MarkConfig& c) {
-  d.option("photo_side", c.photo_side, "Longest side of the photos in the page, pixels; marks count those of the photos.")
+  d.option("photo_side", c.photo_side,
+           "Longest side of the photos in the page, pixels; marks are in pixels of the photos as taken.")
       .range(kLeastSide, 8192);
   d.option("megapixels", c.megapixels,
            fmt::format("All photos of the page together: where there are many, each is smaller, down to {} pixels a side.",

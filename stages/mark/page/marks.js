@@ -3,7 +3,7 @@
 export const kClasses = {
   transparent: { word: 'Glass', doc: 'what is behind it shows through', colors: ['#2b87c8', '#79b9e6', '#12568a'] },
   specular: { word: 'Metal or mirror', doc: 'polished: it mirrors', colors: ['#e0861a', '#f2b566', '#a45a06'] },
-  object: { word: 'Object', doc: 'what the photos are about', colors: ['#3f9d56', '#7fc28d', '#1f6b35'] },
+  object: { word: 'Main object', doc: 'what the photos are about', colors: ['#3f9d56', '#7fc28d', '#1f6b35'] },
   ignore: { word: 'Not to be used', doc: 'a passer-by, a tripod, a hand', colors: ['#c2456b', '#e08aa4', '#86233f'] },
 };
 export const kEnough = 2, kWell = 3;  // photos that an object must, and should be marked in
