@@ -31,6 +31,17 @@ std::string problem(const ExportConfig& config) {
   return {};
 }
 
+namespace {
+
+Error without_albedo(const ExportFormat& format) {
+  return Error(ErrorKind::Input, fmt::format("the format {} needs the decompose stage", format.name),
+               {.why = "it holds albedo, and the colours as trained have the photos' light in them",
+                .hint = "vitrine run PROJECT --to decompose, or a format without albedo, as ply-3dgs",
+                .code = "NO_ALBEDO"});
+}
+
+}  // namespace
+
 void run_export(const ExportConfig& config, StageContext& context) {
   ExportSource source({.sfm = context.input("sfm"),
                        .optimize = context.input("optimize"),
@@ -48,7 +59,13 @@ void run_export(const ExportConfig& config, StageContext& context) {
     const ExportFormat* known = find_export_format(name);
     VITRINE_CHECK(known, "'{}' passed the list of choices", name);
     const ExportFormat& format = *known;
-    const std::vector<std::string> files = format.write(source, folder);
+    std::vector<std::string> files;
+    if (!format.of_albedo || source.has_albedo())
+      files = format.write(source, folder);
+    else if (config.formats == export_format_names())
+      source.add_note("not written: it needs the decompose stage");
+    else
+      throw without_albedo(format);
     // They are exported, kept and replaced one by one: none may be part of two.
     for (const std::string& file : files) VITRINE_CHECK(all.insert(file).second, "two formats write {}", file);
     written.push_back({{"format", format.name},
@@ -90,7 +107,7 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 9;
+  info.version = 10;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},

@@ -7,6 +7,8 @@
 
 #include "core/base/json.h"
 #include "core/image/ldr.h"
+#include "core/math/color.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/render/renderer.h"
 #include "stages/export/export.h"
 #include "stages/export/formats/display_color.h"
@@ -25,18 +27,33 @@ class External : public testing::Test {
   static void SetUpTestSuite() {
     installed_ = install();
     const TemporaryFolder root;
-    test::PaneScene().write(root.path());
+    const test::PaneScene scene;
+    scene.write(root.path());
     context_ = new test::RecordingContext(
         {{"sfm", root.path() / "sfm"}, {"optimize", root.path() / "optimize"}, {"mesh", root.path() / "mesh"}});
     run_export({.formats = {"mesh-glb", "ply-3dgs"}, .texture_size = 512}, *context_);
+    DecomposedMaterials materials;
+    materials.resize(scene.diffuse.size());
+    for (size_t i = 0; i < materials.size(); ++i) materials.albedo[i] = albedo(i), materials.roughness[i] = kRoughness;
+    write_decomposed_materials(root.path() / "decompose", materials);
+    albedo_ = new test::RecordingContext({{"sfm", root.path() / "sfm"},
+                                          {"optimize", root.path() / "optimize"},
+                                          {"mesh", root.path() / "mesh"},
+                                          {"decompose", root.path() / "decompose"}});
+    run_export({.formats = {"ply-albedo"}}, *albedo_);
   }
-  static void TearDownTestSuite() { delete context_; }
+  static void TearDownTestSuite() { delete context_, delete albedo_; }
   void SetUp() override { ASSERT_EQ(installed_.code, 0) << "npm install: " << installed_.out; }
 
   static std::string exported(const char* file) { return (context_->output() / "export" / file).string(); }
 
+  static std::string with_albedo() { return (albedo_->output() / "export/gaussians_albedo.ply").string(); }
+  // Stripes, unlike the trained colours.
+  static Vec3f albedo(size_t surfel) { return surfel / 200 % 2 == 0 ? Vec3f{0.1f, 0.6f, 0.2f} : Vec3f{0.7f, 0.7f, 0.1f}; }
+  static constexpr float kRoughness = 0.375f;
+
   static inline Said installed_;
-  static inline test::RecordingContext* context_ = nullptr;
+  static inline test::RecordingContext *context_ = nullptr, *albedo_ = nullptr;
 };
 
 TEST_F(External, TheKhronosValidatorFindsNoErrorInTheGlb) {
@@ -106,27 +123,31 @@ ImageF display_picture(SplatLayer layer, const View& view) {
   return out;
 }
 
-TEST_F(External, SparkShowsTheGaussiansAsWeDo) {
+// PSNR of Spark's picture of the file against ours of the layer; a grey picture would have `blind`. Both are kept to look at.
+struct SplatPicture {
+  double psnr, blind;
+};
+void compare_with_spark(const std::string& file, const SplatLayer& layer, const std::string& name, SplatPicture& out) {
   View view;
   view.intrinsics = {320, 240, 280, 280, 160, 120};
   const Vec3d eye{1.6, -2.0, 1.4}, forward = normalized(Vec3d{0, 0, 0.25} - eye),
                                    right = normalized(cross(forward, Vec3d{0, 0, 1}));
   const Rigid world_from_cam{Mat3d{right, cross(forward, right), forward}, eye};
   view.cam_from_world = inverse(world_from_cam);
-  const ImageF ours = display_picture(test::PaneScene().diffuse, view);
+  const ImageF ours = display_picture(layer, view);
   const fs::path folder = EXTERNAL_DIR;
   Image8 shown(ours.width(), ours.height(), 3);
   for (size_t i = 0; i < shown.data().size(); ++i) shown.data()[i] = uint8_t(std::lround(255 * ours.data()[i]));
-  write_ldr(folder / "splats_ours.png", shown);  // to look at, beside splats.png
+  write_ldr(folder / (name + "_ours.png"), shown);
   json camera{{"width", 320}, {"height", 240}, {"fx", 280}, {"fy", 280}, {"world_from_cam", json::array()}};
   for (size_t r = 0; r < 3; ++r) {
     for (size_t c = 0; c < 3; ++c) camera["world_from_cam"].push_back(world_from_cam.rotation(r, c));
     camera["world_from_cam"].push_back(world_from_cam.translation[r]);
   }
   write_file(folder / "splats_camera.json", camera.dump());
-  const Said said = run_external({"node", "splats.mjs", exported("gaussians_3dgs.ply"), "splats_camera.json", "splats.png"});
+  const Said said = run_external({"node", "splats.mjs", file, "splats_camera.json", name + ".png"});
   ASSERT_EQ(said.code, 0) << said.out;
-  const ImageF theirs = read_srgb(folder / "splats.png");
+  const ImageF theirs = read_srgb(folder / (name + ".png"));
   ASSERT_EQ(theirs.data().size(), ours.data().size());
   double square = 0, flat = 0, mean = 0;
   for (float v : ours.data()) mean += double(v) / double(ours.data().size());
@@ -134,10 +155,45 @@ TEST_F(External, SparkShowsTheGaussiansAsWeDo) {
     square += std::pow(double(ours.data()[i]) - double(theirs.data()[i]), 2) / double(ours.data().size());
     flat += std::pow(double(ours.data()[i]) - mean, 2) / double(ours.data().size());
   }
-  const double psnr = -10 * std::log10(square), blind = -10 * std::log10(flat);
-  RecordProperty("psnr", std::to_string(psnr));
-  EXPECT_GT(psnr, 30) << "a grey picture would have " << blind;  // seen: 36.0
-  EXPECT_GT(psnr, blind + 8);
+  out = {-10 * std::log10(square), -10 * std::log10(flat)};
+}
+
+TEST_F(External, SparkShowsTheGaussiansAsWeDo) {
+  SplatPicture p{};
+  ASSERT_NO_FATAL_FAILURE(compare_with_spark(exported("gaussians_3dgs.ply"), test::PaneScene().diffuse, "splats", p));
+  RecordProperty("psnr", std::to_string(p.psnr));
+  EXPECT_GT(p.psnr, 30) << "a grey picture would have " << p.blind;  // seen: 36.0
+  EXPECT_GT(p.psnr, p.blind + 8);
+}
+
+TEST_F(External, SparkShowsTheAlbedo) {
+  SplatLayer layer = test::PaneScene().diffuse;
+  for (size_t i = 0; i < layer.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) layer.at(Attribute::ShDc, i)[c] = (albedo(i)[c] - 0.5f) / kShDc;
+  SplatPicture p{};
+  ASSERT_NO_FATAL_FAILURE(compare_with_spark(with_albedo(), layer, "albedo", p));
+  RecordProperty("psnr", std::to_string(p.psnr));
+  EXPECT_GT(p.psnr, 30) << "a grey picture would have " << p.blind;
+  EXPECT_GT(p.psnr, p.blind + 8);
+}
+
+// PlayCanvas' splat-transform keeps the columns of the materials; three's own reader of PLY files finds them by name.
+TEST_F(External, OthersReadTheMaterialsOfTheAlbedoPly) {
+  const Said said = run_external({"npx", "splat-transform", "-w", with_albedo(), "albedo.csv"});
+  ASSERT_EQ(said.code, 0) << said.out;
+  const std::string csv = read_file(fs::path(EXTERNAL_DIR) / "albedo.csv"), columns = csv.substr(0, csv.find('\n'));
+  for (const char* name : {"nx", "f_dc_0", "roughness", "f0_r", "specular_weight", "transmission"})
+    EXPECT_NE(columns.find(name), std::string::npos) << columns;
+  EXPECT_EQ(columns.find("f_rest"), std::string::npos);
+  const Said three = run_external({"node", "ply.mjs", with_albedo()});
+  ASSERT_EQ(three.code, 0) << three.out;
+  const json r = json::parse(three.out);
+  EXPECT_EQ(r["vertices"], test::PaneScene().diffuse.size());
+  EXPECT_EQ(r["roughness"], kRoughness);
+  for (size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(r["normal"][c].get<float>(), c == 2 ? 1 : 0, 1e-5);
+    EXPECT_NEAR(0.5f + kShDc * r["f_dc"][c].get<float>(), srgb_from_linear(albedo(0)[c]), 1e-5);
+  }
 }
 
 }  // namespace

@@ -106,6 +106,7 @@ TEST_F(GoldenMessagesOfScenes, AboutEditsAndExport) {
   told("a part that there is not", edit(put("part.yaml", "edits:\n  - select: {component: 7}\n    set: {roughness: 0.5}\n")));
   told("masks that there are not", edit(put("class.yaml", "edits:\n  - select: {class: specular}\n    set: {tint: 0.5}\n")));
   told("a format that there is not", exported({"--set", "formats=mesh-gbl"}));
+  told("albedo that nobody found", exported({"--set", "formats=ply-albedo"}));
   told("no length", exported({"--set", "scale=long"}));
   told("a frame that there is not", exported({"--set", "axes=up"}));
   told("an output folder without its pictures", exported({}));

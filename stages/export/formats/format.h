@@ -18,6 +18,7 @@ struct ExportFormat {
   std::string_view summary;  // one line
   std::string_view holds;    // what the files carry
   std::string_view loses;    // what the scene has and the files have not
+  bool of_albedo = false;    // needs the decompose stage: without it left out where all formats are written, else an error
   // Writes below `folder` and returns the paths written, relative to it.
   std::vector<std::string> (*write)(ExportSource& source, const std::filesystem::path& folder);
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/math/rigid.h"
 
@@ -26,6 +27,10 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
   property("opacity");
   for (size_t i = 0; i < (desc.thickness > 0 ? 3u : 2u); ++i) property(fmt::format("scale_{}", i));
   for (size_t i = 0; i < 4; ++i) property(fmt::format("rot_{}", i));
+  for (const MoreProperty& m : desc.more) {
+    VITRINE_CHECK(m.values.size() == layer.size(), "{} values of {} for {} surfels", m.values.size(), m.name, layer.size());
+    property(m.name);
+  }
   header += "end_header\n";
 
   std::string bytes = header;
@@ -42,8 +47,12 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
   for (size_t i = 0; i < layer.size(); ++i) {
     put_all(layer.at(Attribute::Mean, i), 3);
     const float* q = layer.at(Attribute::Rotation, i);
-    const Vec3f normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})) * Vec3f{0, 0, 1};
-    for (size_t c = 0; c < 3; ++c) put(desc.disk_normals ? normal[c] : 0.f);
+    Vec3f normal{};
+    if (!desc.normals.empty())
+      normal = desc.normals[i];
+    else if (desc.disk_normals)
+      normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})) * Vec3f{0, 0, 1};
+    for (size_t c = 0; c < 3; ++c) put(normal[c]);
     std::memcpy(sh.data(), layer.at(Attribute::ShDc, i), 3 * sizeof(float));
     if (rest > 0) std::memcpy(sh.data() + 3, layer.at(Attribute::ShRest, i), 3 * rest * sizeof(float));
     if (desc.convert_color) desc.convert_color(sh);
@@ -54,6 +63,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     put_all(layer.at(Attribute::LogScale, i), 2);
     if (desc.thickness > 0) put(std::log(desc.thickness));
     put_all(q, 4);
+    for (const MoreProperty& m : desc.more) put(m.values[i]);
   }
   write_file(path, bytes);
 }

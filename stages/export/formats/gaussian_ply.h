@@ -1,5 +1,5 @@
-// The PLY dialect of Gaussian splatting, shared by ply-2dgs and ply-3dgs. Binary little endian, all properties float:
-//   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3
+// The PLY dialect of Gaussian splatting, shared by ply-2dgs, ply-3dgs and ply-albedo. Binary little endian, all properties float:
+//   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3  [more]
 // f_rest is channel-major (all red coefficients, then green, then blue; 3k = 0, 9, 24 or 45 for degree 0 to 3), opacity is a
 // logit, scales are natural logarithms, rot is a quaternion w x y z. Readers show the colour 0.5 + 0.28209479 f_dc.
 #pragma once
@@ -15,10 +15,18 @@
 
 namespace vitrine {
 
+// A property that the dialect does not have; readers of it pass over such a one.
+struct MoreProperty {
+  std::string name;
+  std::vector<float> values;  // [surfels]
+};
+
 struct GaussianPlyDesc {
-  std::vector<std::string> comments;  // header lines, without the word "comment"
-  bool disk_normals = false;          // nx ny nz = third column of the rotation; else 0
-  float thickness = 0;                // file units: write it as scale_2; 0: two scales only
+  std::vector<std::string> comments;    // header lines, without the word "comment"
+  bool disk_normals = false;            // nx ny nz = third column of the rotation; else 0
+  std::span<const Vec3f> normals = {};  // [surfels] or none: nx ny nz, whatever the disks' own
+  std::span<const MoreProperty> more = {};
+  float thickness = 0;  // file units: write it as scale_2; 0: two scales only
   // Colour of one surfel, coefficient-major [k][rgb], DC first: may be changed in place before it is written.
   std::function<void(std::span<float> sh)> convert_color = {};
 };

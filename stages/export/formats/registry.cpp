@@ -6,6 +6,7 @@
 #define VITRINE_EXPORT_FORMATS(FORMAT) \
   FORMAT(ply_2dgs)                     \
   FORMAT(ply_3dgs)                     \
+  FORMAT(ply_albedo)                   \
   FORMAT(colmap)                       \
   FORMAT(mesh_ply)                     \
   FORMAT(mesh_obj)                     \

@@ -8,7 +8,6 @@
 #include "core/mesh/mesh_topology.h"
 #include "core/model/kernels/layer_blend.h"
 #include "core/model/opened_scene.h"
-#include "core/picture/decomposed_materials.h"
 #include "core/scene/activation.h"
 #include "stages/export/bake/preview_fit.h"
 
@@ -55,18 +54,9 @@ std::vector<SurfelMaterial> trained_materials(const TrainedScene& scene) {
   return out;
 }
 
-std::vector<SurfelMaterial> relit_materials(const std::filesystem::path& folder, const TrainedScene& scene) {
-  const size_t surfels = scene.surfels.diffuse.size();
-  const LayerBlend blend = scene.image.composite.blend;
-  const DecomposedMaterials found = read_decomposed_materials(folder);
-  if (found.size() != surfels)
-    throw Error(ErrorKind::Input, "the materials belong to another scene",
-                {.where = decomposed_materials_path(folder).string(),
-                 .why = fmt::format("{} materials, {} surfels", found.size(), surfels),
-                 .hint = "run the decompose stage again",
-                 .code = "MATERIALS_MISMATCH"});
-  std::vector<SurfelMaterial> out(surfels);
-  for (size_t i = 0; i < surfels; ++i)
+std::vector<SurfelMaterial> relit_materials(const DecomposedMaterials& found, LayerBlend blend) {
+  std::vector<SurfelMaterial> out(found.size());
+  for (size_t i = 0; i < out.size(); ++i)
     out[i] = {found.albedo[i], reflectance(blend, found.specular_weight[i], found.f0[i], found.transmission[i]),
               found.roughness[i], transmission(blend, found.specular_weight[i], found.transmission[i])};
   return out;
@@ -151,8 +141,23 @@ const TriMesh& ExportSource::mesh() {
   return *mesh_;
 }
 
+const DecomposedMaterials& ExportSource::decomposed() {
+  if (decomposed_) return *decomposed_;
+  VITRINE_CHECK(inputs_.decompose, "asked for materials of a stage that did not run");
+  DecomposedMaterials found = read_decomposed_materials(*inputs_.decompose);
+  if (found.size() != diffuse().size())
+    throw Error(ErrorKind::Input, "the materials belong to another scene",
+                {.where = decomposed_materials_path(*inputs_.decompose).string(),
+                 .why = fmt::format("{} materials, {} surfels", found.size(), diffuse().size()),
+                 .hint = "run the decompose stage again",
+                 .code = "MATERIALS_MISMATCH"});
+  decomposed_ = std::move(found);
+  return *decomposed_;
+}
+
 const std::vector<SurfelMaterial>& ExportSource::materials() {
-  if (!materials_) materials_ = inputs_.decompose ? relit_materials(*inputs_.decompose, scene()) : trained_materials(scene());
+  if (!materials_)
+    materials_ = has_albedo() ? relit_materials(decomposed(), scene().image.composite.blend) : trained_materials(scene());
   return *materials_;
 }
 

@@ -11,6 +11,7 @@
 #include "core/camera/scene_info.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/frame.h"
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/formats/frame.h"
@@ -46,6 +47,8 @@ class ExportSource {
   // Of every diffuse surfel, and whether their colour is an albedo (of the decompose stage) or has the photos' light in it.
   const std::vector<SurfelMaterial>& materials();
   bool has_albedo() const { return inputs_.decompose.has_value(); }
+  // As the decompose stage wrote them, checked: one of every diffuse surfel. Only where has_albedo().
+  const DecomposedMaterials& decomposed();
   // At the vertices of mesh().
   const std::vector<SurfaceSample>& vertex_samples();
   const PbrMesh& pbr_mesh();
@@ -70,6 +73,7 @@ class ExportSource {
   uint32_t first_behind_glass_ = 0;
   OpenedScene content_;
   std::vector<SurfelMaterial> content_materials_;
+  std::optional<DecomposedMaterials> decomposed_;
   std::optional<std::vector<SurfelMaterial>> materials_;
   std::optional<SurfaceSampler> sampler_;  // reads scene_ and materials_
   std::optional<std::vector<SurfaceSample>> vertex_samples_;
