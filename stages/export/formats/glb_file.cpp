@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
+constexpr int kByte = 5120, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963, kNoTarget = 0;
 
 void append_u32(std::string& out, uint32_t v) {
@@ -59,9 +59,36 @@ int GlbFile::add(std::span<const Vec3f> values, bool bounds) {
   }
   return accessor;
 }
-int GlbFile::add(std::span<const Vec2f> values) { return add_floats(values, "VEC2"); }
 int GlbFile::add(std::span<const std::array<float, 4>> values) { return add_floats(values, "VEC4"); }
 int GlbFile::add(std::span<const float> values) { return add_floats(values, "SCALAR"); }
+
+template <class T>
+int GlbFile::add_rows(std::span<const T> values, size_t components, int component_type) {
+  const size_t row = components * sizeof(T), stride = (row + 3) / 4 * 4, count = values.size() / components;
+  std::string bytes(count * stride, '\0');
+  for (size_t i = 0; i < count; ++i) std::memcpy(bytes.data() + i * stride, &values[i * components], row);
+  const int view = add_view(bytes.data(), bytes.size(), kArrayBuffer);
+  json["bufferViews"].back()["byteStride"] = stride;
+  const int accessor = add_accessor(view, fmt::format("VEC{}", components), component_type, count);
+  json["accessors"].back()["normalized"] = true;
+  return accessor;
+}
+
+int GlbFile::add_normalized(std::span<const uint16_t> values, size_t components, bool bounds) {
+  const int accessor = add_rows(values, components, kUnsignedShort);
+  if (bounds && !values.empty()) {
+    std::vector<uint16_t> low(values.begin(), values.begin() + long(components)), high = low;
+    for (size_t i = 0; i < values.size(); ++i) {
+      low[i % components] = std::min(low[i % components], values[i]);
+      high[i % components] = std::max(high[i % components], values[i]);
+    }
+    json["accessors"].back()["min"] = low;
+    json["accessors"].back()["max"] = high;
+  }
+  return accessor;
+}
+int GlbFile::add_normalized(std::span<const int16_t> values, size_t components) { return add_rows(values, components, kShort); }
+int GlbFile::add_normalized(std::span<const int8_t> values, size_t components) { return add_rows(values, components, kByte); }
 
 int GlbFile::add_indices(std::span<const std::array<uint32_t, 3>> faces, size_t vertex_count) {
   if (vertex_count <= 65535) {
@@ -85,6 +112,12 @@ int GlbFile::add_texture(std::string_view name, std::string_view png) {
 void GlbFile::use_extension(std::string_view name) {
   Json& used = json["extensionsUsed"];
   if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+}
+
+void GlbFile::require_extension(std::string_view name) {
+  use_extension(name);
+  Json& required = json["extensionsRequired"];
+  if (std::find(required.begin(), required.end(), name) == required.end()) required.push_back(name);
 }
 
 void GlbFile::write(const std::filesystem::path& path) {

@@ -3,8 +3,10 @@
 // thin-walled case: light goes straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a
 // single sheet. Glass that the refine stage found solid has KHR_materials_volume beside it, which bends light by the index of
 // refraction; its thickness is in the mesh's own space, like the positions, and what it absorbs is not said: nothing measured
-// it. The file is +Y up whatever the axes of the other formats: glTF knows no other.
+// it. The file is +Y up whatever the axes of the other formats: glTF knows no other. Its geometry is that of compact_mesh.h: the
+// node has the place and the size of the mesh.
 #include "core/image/png.h"
+#include "stages/export/formats/compact_mesh.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/glb_file.h"
 
@@ -22,6 +24,7 @@ struct TextureIndices {
   int base_color, metallic_roughness, normal, specular_color, transmission, thickness;
 };
 
+// `scale`: units of the mesh's own space per scene unit.
 Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, FaceClass kind, double scale) {
   const auto use = [](int index) { return Json{{"index", index}}; };
   const bool solid = kind == FaceClass::SolidGlass;
@@ -59,23 +62,27 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   const std::string file = "mesh.glb";
   const PbrMesh& mesh = source.pbr_mesh();
   const ExportFrame frame = source.frame("rhyu");
-  std::vector<Vec3f> positions, normals;
-  std::vector<std::array<float, 4>> tangents;
+  std::vector<Vec3f> positions, normals, tangents;
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     positions.push_back(frame.point(mesh.positions[i]));
     normals.push_back(frame.direction(mesh.normals[i]));
-    const Vec3f t = frame.direction(mesh.tangents[i]);
-    tangents.push_back({t.x, t.y, t.z, 1});
+    tangents.push_back(frame.direction(mesh.tangents[i]));
   }
+  const CompactMesh geometry =
+      compact({.positions = positions, .normals = normals, .tangents = tangents, .uv = mesh.uv, .parts = mesh.faces});
   GlbFile glb("vitrine");
   glb.json["asset"]["extras"] = {{"base_color", color_note(source)},
                                  {"unit", source.metric() ? "metre" : "the scene's: camera ring of radius 1"}};
   glb.json["scenes"] = {{{"nodes", {0}}}};
-  glb.json["nodes"] = {{{"name", "scene"}, {"mesh", 0}}};
-  const Json attributes = {{"POSITION", glb.add(positions, true)},
-                           {"NORMAL", glb.add(normals)},
-                           {"TANGENT", glb.add(tangents)},
-                           {"TEXCOORD_0", glb.add(mesh.uv)}};
+  const double side = shortest(geometry.side);
+  Json node{{"name", "scene"}, {"mesh", 0}, {"translation", Json::array()}, {"scale", {side, side, side}}};
+  for (size_t c = 0; c < 3; ++c) node["translation"].push_back(shortest(geometry.origin[c]));
+  glb.json["nodes"].push_back(std::move(node));
+  glb.require_extension("KHR_mesh_quantization");
+  const Json attributes = {{"POSITION", glb.add_normalized(geometry.positions, 3, true)},
+                           {"NORMAL", glb.add_normalized(geometry.normals, 3)},
+                           {"TANGENT", glb.add_normalized(geometry.tangents, 4)},
+                           {"TEXCOORD_0", glb.add_normalized(geometry.uv, 2)}};
   const PbrTextures& t = mesh.textures;
   TextureIndices texture{};
   texture.base_color = glb.add_texture("base_color", png_bytes(t.base_color));
@@ -87,10 +94,10 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   Json& primitives = glb.json["meshes"] = {{{"name", "mesh"}, {"primitives", Json::array()}}};
   for (const FaceClass kind : kFaceClasses) {
     if (!mesh.has(kind)) continue;
-    const auto& faces = mesh.of(kind);
-    glb.json["materials"].push_back(material(glb, mesh, texture, kind, frame.scale));
+    const Triangles& faces = geometry.parts[static_cast<size_t>(kind)];
+    glb.json["materials"].push_back(material(glb, mesh, texture, kind, frame.scale / side));
     primitives[0]["primitives"].push_back({{"attributes", attributes},
-                                           {"indices", glb.add_indices(faces, positions.size())},
+                                           {"indices", glb.add_indices(faces, geometry.vertex_count())},
                                            {"material", glb.json["materials"].size() - 1},
                                            {"mode", 4}});
   }

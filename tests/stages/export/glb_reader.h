@@ -41,15 +41,31 @@ struct Glb {
     EXPECT_LE(size_t(v["byteOffset"]) + size_t(v["byteLength"]), binary.size());
     return binary.substr(v["byteOffset"], v["byteLength"]);
   }
-  // All components of a float accessor.
+  // All components of an accessor of floats, or of normalised integers.
   std::vector<float> floats(size_t accessor, const std::string& type) const {
     const nlohmann::json& a = doc["accessors"][accessor];
     EXPECT_EQ(a["type"], type);
-    EXPECT_EQ(a["componentType"], 5126);
+    const int kind = a["componentType"];
+    EXPECT_EQ(a.value("normalized", false), kind != 5126);
     const std::string bytes = view(a["bufferView"]);
-    std::vector<float> out(bytes.size() / 4);
-    std::memcpy(out.data(), bytes.data(), bytes.size());
-    EXPECT_EQ(out.size(), size_t(a["count"]) * (type == "SCALAR" ? 1 : size_t(type[3] - '0')));
+    const size_t width = type == "SCALAR" ? 1 : size_t(type[3] - '0'),
+                 size = kind == 5126   ? 4
+                        : kind == 5120 ? 1
+                                       : 2,
+                 stride = doc["bufferViews"][size_t(a["bufferView"])].value("byteStride", width * size);
+    EXPECT_EQ(bytes.size(), size_t(a["count"]) * stride);
+    EXPECT_EQ(stride % 4, 0u);
+    std::vector<float> out;
+    for (size_t i = 0; i < size_t(a["count"]); ++i)
+      for (size_t c = 0; c < width; ++c) out.push_back(number(bytes.data() + i * stride + c * size, kind));
+    return out;
+  }
+  // Of a POSITION, where the node puts them.
+  std::vector<float> positions(size_t accessor) const {
+    std::vector<float> out = floats(accessor, "VEC3");
+    const nlohmann::json& node = doc["nodes"][0];
+    for (size_t i = 0; i < out.size(); ++i)
+      out[i] = node["translation"][i % 3].get<float>() + node["scale"][i % 3].get<float>() * out[i];
     return out;
   }
   std::vector<uint32_t> indices(size_t accessor) const {
@@ -74,6 +90,27 @@ struct Glb {
     for (const nlohmann::json& p : doc["meshes"][0]["primitives"])
       if (doc["materials"][size_t(p["material"])]["name"] == material) return p;
     return {};
+  }
+
+ private:
+  static float number(const char* at, int kind) {
+    const auto as = [&](auto value) {
+      std::memcpy(&value, at, sizeof value);
+      return float(value);
+    };
+    switch (kind) {
+      case 5126:
+        return as(0.f);
+      case 5123:
+        return as(uint16_t(0)) / 65535;
+      case 5122:
+        return std::max(as(int16_t(0)) / 32767, -1.f);
+      case 5120:
+        return std::max(as(int8_t(0)) / 127, -1.f);
+      default:
+        ADD_FAILURE() << "component type " << kind;
+        return 0;
+    }
   }
 };
 

@@ -52,9 +52,9 @@ TEST_F(SolidGlassExport, TheBallIsAVolumeAndThePaneIsNot) {
   EXPECT_EQ(ball["extensions"]["KHR_materials_ior"]["ior"], 1.33);
   EXPECT_EQ(ball["extensions"]["KHR_materials_transmission"]["transmissionFactor"], 1.0);
   const Document& volume = ball["extensions"]["KHR_materials_volume"];
-  // In the mesh's own space: the node has no scale of its own.
-  EXPECT_FALSE(glb.doc["nodes"][0].contains("scale"));
-  EXPECT_NEAR(volume["thicknessFactor"].get<double>(), kScale * 2 * double(SolidBallScene::kRadius), 2e-3);
+  // In the mesh's own space, which the node scales.
+  const double side = glb.doc["nodes"][0]["scale"][0];
+  EXPECT_NEAR(side * volume["thicknessFactor"].get<double>(), kScale * 2 * double(SolidBallScene::kRadius), 2e-3);
   EXPECT_FALSE(volume.contains("attenuationColor"));
   EXPECT_FALSE(volume.contains("attenuationDistance"));
   const auto& used = glb.doc["extensionsUsed"];
@@ -65,7 +65,7 @@ TEST_F(SolidGlassExport, TheBallIsAVolumeAndThePaneIsNot) {
   const Document p = glb.primitive("solid_glass");
   const auto uvs = glb.floats(p["attributes"]["TEXCOORD_0"], "VEC2");
   const auto normals = glb.floats(p["attributes"]["NORMAL"], "VEC3");
-  const auto positions = glb.floats(p["attributes"]["POSITION"], "VEC3");
+  const auto positions = glb.positions(p["attributes"]["POSITION"]);
   const ImageF bumps = glb.picture(ball["normalTexture"]["index"]);
   const Vec3f centre = float(kScale) * Vec3f{SolidBallScene::kCentre.x, SolidBallScene::kCentre.z, -SolidBallScene::kCentre.y};
   for (const uint32_t i : glb.indices(p["indices"])) {
