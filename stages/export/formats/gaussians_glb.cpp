@@ -1,8 +1,8 @@
 // gaussians-glb: the merged preview (preview_3dgs.cpp) as glTF with KHR_gaussian_splatting. A primitive of points with the
 // attributes
 //   POSITION, KHR_gaussian_splatting:ROTATION (x y z w), :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (vec3)
-// and COLOR_0 for viewers that show points only. The extension is a release candidate: of its drafts, the one that
-// splat-transform 2.7 writes is followed (SCALE is linear there).
+// and COLOR_0 for viewers that show points only. The extension is a release candidate as of July 2026. SCALE is linear since
+// February 2026; drafts before had logarithms.
 #include <algorithm>
 #include <cmath>
 
