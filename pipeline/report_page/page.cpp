@@ -13,14 +13,13 @@
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/sections.h"
-#include "pipeline/view_page.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr std::string_view kStateMark = "<meta name=\"vitrine-state\" content=\"";
-constexpr std::string_view kPageVersion = "2";
+constexpr std::string_view kPageVersion = "3";
 
 struct Chapter {
   const char *id, *title;
@@ -113,9 +112,6 @@ std::string report_page(const PageDesc& desc) {
     chapters += text;
     links += fmt::format("<a href=\"#{}\">{}</a>", c.id, c.title);
   }
-  std::error_code ec;
-  if (const fs::path scene = view_page_path(desc.project); fs::exists(scene, ec))
-    links += fmt::format("<a href=\"{}\">The scene itself</a>", scene.filename().string());
   std::string line = escaped(name);
   const auto also = [&](const std::string& text) {
     if (!text.empty()) line += " <span aria-hidden=\"true\">·</span> " + escaped(text);
@@ -124,7 +120,8 @@ std::string report_page(const PageDesc& desc) {
   also(m.outcome.finished.substr(0, 10));
   return head(fmt::format("{}: {}", name, m.verdict.word), page_state(desc)) +
          fmt::format("<header><p class=\"brand\">vitrine report</p><p class=\"run\">{}</p></header>\n<main>\n", line) +
-         verdict_section(m) + (links.empty() ? "" : "<nav aria-label=\"Sections\">" + links + "</nav>\n") + chapters +
+         opening_section(m) + verdict_section(m) + (links.empty() ? "" : "<nav aria-label=\"Sections\">" + links + "</nav>\n") +
+         chapters +
          fmt::format(
              "</main>\n<footer><p>Made by vitrine {} from the files of this folder. What each figure means: "
              "<code>eval/metrics.json</code>, "

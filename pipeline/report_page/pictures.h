@@ -14,7 +14,8 @@ struct Picture {
   int width = 0, height = 0;
 };
 
-inline constexpr int kLargePicture = 800, kMiddlePicture = 480, kSmallPicture = 300;  // longest side, pixels
+inline constexpr int kOpeningPicture = 1200, kLargePicture = 800, kMiddlePicture = 480,
+                     kSmallPicture = 300;  // longest side, pixels
 
 // Nothing when the file is missing or damaged. 8-bit pictures: JPEG, PNG.
 std::optional<Picture> picture_of_file(const fs::path& path, int max_side);

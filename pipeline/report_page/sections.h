@@ -21,6 +21,7 @@ struct Material {
   std::set<std::string> heldout;  // names of views
 };
 
+std::string opening_section(const Material& m);  // a large picture, and the way to view.html
 std::string verdict_section(const Material& m);
 std::string figures_section(const Material& m);
 std::string regions_section(const Material& m);

@@ -10,15 +10,18 @@
 #include "pipeline/report_page/pictures.h"
 #include "pipeline/report_page/sections.h"
 #include "pipeline/report_page/surface_views.h"
+#include "pipeline/view_page.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr size_t kMostCompared = 8, kMostLayered = 2, kMostSurfaceViews = 3, kMostRelit = 4, kMostLights = 6;
+constexpr int kOpeningScale = 3;
 
+// Loaded at once: a picture that waits for being scrolled to is blank where the page is printed.
 std::string image(const Picture& p, const std::string& alt, std::string_view css_class = {}) {
-  return fmt::format("<img{} src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\" loading=\"lazy\" decoding=\"async\">",
+  return fmt::format("<img{} src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">",
                      css_class.empty() ? std::string() : fmt::format(" class=\"{}\"", css_class), p.uri, p.width, p.height,
                      escaped(alt));
 }
@@ -111,7 +114,56 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
   return all;
 }
 
+// Folders of pictures under one light each.
+std::vector<fs::path> lights_of(const Material& m) {
+  std::vector<fs::path> lights = folders_in(m.project / "relit");
+  for (const fs::path& folder : folders_in(m.project))
+    for (const fs::path& light : folders_in(folder / "relit")) lights.push_back(light);
+  if (lights.size() > kMostLights) lights.resize(kMostLights);
+  return lights;
+}
+
+struct Opening {
+  Picture picture;
+  std::string caption;
+};
+// The first view under the first light, or the best of the held-out views.
+std::optional<Opening> opening_of(const Material& m) {
+  for (const fs::path& light : lights_of(m))
+    for (const fs::path& frame : frames_of(light))
+      if (auto p = picture_of_file(frame, kOpeningPicture))
+        return Opening{std::move(*p),
+                       fmt::format("The scene under the light {}, view {}.", light.filename().string(), frame.stem().string())};
+  const std::vector<PhotoScore> views = heldout_by_psnr(m);
+  for (auto v = views.rbegin(); v != views.rend(); ++v)
+    if (auto p = picture_of_file(eval_file(m, stem_of(v->name), "pred"), kOpeningPicture))
+      return Opening{
+          std::move(*p),
+          fmt::format("The scene as photographed, rendered from the camera of {}, which training never saw.", v->name)};
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::string opening_section(const Material& m) {
+  const std::optional<Opening> opening = opening_of(m);
+  std::error_code ec;
+  const fs::path scene = view_page_path(m.project);
+  const bool linked = fs::exists(scene, ec);
+  if (!opening && !linked) return {};
+  const std::string target = linked ? scene.filename().string() : std::string();
+  std::string text = "<figure id=\"opening\">";
+  if (opening) {
+    // Not much larger than it is, or it is but blurred.
+    const std::string shown = fmt::format("<div style=\"max-width:{}px\">{}</div>", kOpeningScale * opening->picture.width,
+                                          image(opening->picture, opening->caption));
+    text += linked ? fmt::format("<a href=\"{}\">{}</a>", target, shown) : shown;
+  }
+  text += "<figcaption>";
+  if (opening) text += fmt::format("<span>{}</span>", escaped(opening->caption));
+  if (linked) text += fmt::format("<a class=\"open\" href=\"{}\">Open the scene: any side, any light</a>", target);
+  return text + "</figcaption></figure>\n";
+}
 
 std::string compare_section(const Material& m) {
   std::string body;
@@ -184,12 +236,8 @@ std::string surface_section(const Material& m) {
 }
 
 std::string relit_section(const Material& m) {
-  std::vector<fs::path> lights = folders_in(m.project / "relit");
-  for (const fs::path& folder : folders_in(m.project))
-    for (const fs::path& light : folders_in(folder / "relit")) lights.push_back(light);
   std::string body;
-  if (lights.size() > kMostLights) lights.resize(kMostLights);
-  for (const fs::path& light : lights) {
+  for (const fs::path& light : lights_of(m)) {
     std::string cells;
     for (const fs::path& frame : spread(frames_of(light), kMostRelit))
       if (const auto p = picture_of_file(frame, kMiddlePicture))

@@ -40,7 +40,7 @@ std::string left_out(const Material& m) {
     ++n;
     if (picture)
       cells += fmt::format(
-          "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\" loading=\"lazy\"><figcaption><b>{}</b> "
+          "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\"><figcaption><b>{}</b> "
           "{}</figcaption></figure>",
           picture->uri, picture->width, picture->height, escaped("Photo " + p.name), escaped(p.name), escaped(reason));
     else

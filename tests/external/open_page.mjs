@@ -3,6 +3,9 @@
 //   scroll     width of the document; more than WIDTH means that one has to scroll sideways
 //   readable   share of the text that stands inside the width in letters of at least 12 pixels
 //   pictures   [all, those that did not decode]
+//   blank      pictures that are not there yet when the page has been loaded, without scrolling
+//   printed    [pages, pictures in them] of the page as PDF, which OUT.pdf holds
+//   opening    where the link of the first picture leads; null without one
 //   split      where the border of the first slider is after its range input was set to 80; null without a slider
 //   colour     computed background of the page
 import { resolve } from 'node:path';
@@ -22,10 +25,12 @@ try {
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
   await page.setViewport({ width: Number(width), height: 844, isMobile: width < 600, hasTouch: width < 600 });
   await page.goto(address, { waitUntil: 'load' });
+  const pdf = Buffer.from(await page.pdf({ path: out.replace(/png$/, 'pdf'), format: 'A4', printBackground: true })).toString('latin1');
+  const printed = [pdf.match(/\/Type\s*\/Page\b/g)?.length ?? 0, pdf.match(/\/Subtype\s*\/Image\b/g)?.length ?? 0];
   const result = await page.evaluate(async () => {
-    for (const d of document.querySelectorAll('details')) d.open = true;
     const pictures = [...document.images];
-    for (const i of pictures) i.loading = 'eager';
+    const blank = pictures.filter((i) => i.offsetParent !== null && !(i.complete && i.naturalWidth > 0)).length;
+    for (const d of document.querySelectorAll('details')) d.open = true;
     const decoded = await Promise.all(pictures.map((i) => (i.offsetParent === null ? true : i.decode().then(() => true, () => false))));
     const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     let all = 0, inside = 0;
@@ -43,12 +48,13 @@ try {
     return {
       scroll: document.documentElement.scrollWidth, readable: inside / Math.max(1, all),
       pictures: [pictures.length, decoded.filter((d) => !d).length],
+      blank, opening: document.querySelector('#opening a')?.getAttribute('href') ?? null,
       split: slider ? slider.parentElement.style.getPropertyValue('--split') : null,
       colour: getComputedStyle(document.body).backgroundColor,
     };
   });
   await page.screenshot({ path: out, fullPage: true });
-  console.log(JSON.stringify({ ...result, messages }));
+  console.log(JSON.stringify({ ...result, printed, messages }));
 } finally {
   await browser.close();
 }

@@ -15,6 +15,7 @@ TEST(ReportPage, OpensOnDeskAndPhoneWithoutAWordOrARequest) {
   ASSERT_EQ(installed.code, 0) << installed.out;
   const TemporaryFolder folder;
   test::write_output(folder.path(), {.photo = "<script>alert(1)<img src=x onerror=alert(2)>.jpg", .psnr = 20, .registered = 2});
+  write_file(folder.path() / "view.html", "<html></html>");
   const fs::path file = folder.path() / "report.html";
   write_file(file, test::page(folder.path()));
   const auto opened = [&](const char* width, const char* scheme) {
@@ -32,6 +33,10 @@ TEST(ReportPage, OpensOnDeskAndPhoneWithoutAWordOrARequest) {
     EXPECT_GT(r["readable"], 0.95) << r;  // asked for: 0.8
     EXPECT_GT(r["pictures"][0], 8);
     EXPECT_EQ(r["pictures"][1], 0);
+    EXPECT_EQ(r["blank"], 0);
+    EXPECT_EQ(r["opening"], "view.html");
+    EXPECT_GE(r["printed"][0], 2);
+    EXPECT_GE(r["printed"][1], 8) << "pictures on paper: all of different contents";
     EXPECT_EQ(r["split"], "80%");
     EXPECT_EQ(r["colour"], std::string(scheme) == "dark" ? "rgb(22, 22, 20)" : "rgb(251, 250, 247)");
   }

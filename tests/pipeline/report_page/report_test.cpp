@@ -261,6 +261,25 @@ TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
   EXPECT_LT(html.size(), size_t(200) << 10);
 }
 
+TEST(Page, OpensWithALargePictureAndTheWayToTheScene) {
+  const TemporaryFolder folder;
+  write_output(folder.path());
+  const auto opening = [&] {
+    const std::string html = page(folder.path());
+    const size_t begin = html.find("<figure id=\"opening\">");
+    EXPECT_LT(begin, html.find("<section id=\"verdict\"")) << "it comes first";
+    return begin == std::string::npos ? std::string() : html.substr(begin, html.find("</figure>", begin) - begin);
+  };
+  EXPECT_TRUE(has(opening(), "The scene under the light studio, view a."));
+  EXPECT_FALSE(has(opening(), "href")) << "there is no view.html";
+  write_file(folder.path() / "view.html", "<html></html>");
+  EXPECT_TRUE(has(opening(), "<a href=\"view.html\"><div"));
+  EXPECT_TRUE(has(opening(), "Open the scene: any side, any light</a>"));
+  fs::remove_all(folder.path() / "relit");
+  EXPECT_TRUE(has(opening(), "rendered from the camera of b.jpg, which training never saw")) << "the best of the held-out views";
+  EXPECT_FALSE(has(page(folder.path()), "lazy")) << "pictures that wait are blank on paper";
+}
+
 TEST(Page, CommandsBreakBetweenWordsAndKeepEveryLetter) {
   const TemporaryFolder folder;
   write_output(folder.path(), {.psnr = 24, .train_psnr = 25});
