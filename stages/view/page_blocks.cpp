@@ -16,6 +16,10 @@ constexpr float kHalfMax = 65504;
 
 uint16_t half_bits(float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)).bits(); }
 
+float rounded_half(float value, int mantissa_bits) {
+  return half(std::clamp(value, -kHalfMax, kHalfMax)).round(static_cast<unsigned>(mantissa_bits));
+}
+
 void PageBlocks::add(std::string_view name, std::string_view type, const void* data, size_t count, size_t size, int width) {
   buffer_.resize((buffer_.size() + kAlignment - 1) / kAlignment * kAlignment, '\0');
   directory_.push_back({{"name", name}, {"type", type}, {"width", width}, {"offset", buffer_.size()}, {"count", count}});
@@ -28,9 +32,9 @@ void PageBlocks::add(std::string_view name, std::string_view type, const void* d
 void PageBlocks::floats(std::string_view name, std::span<const float> values, int width) {
   add(name, "f32", values.data(), values.size(), sizeof(float), width);
 }
-void PageBlocks::halves(std::string_view name, std::span<const float> values, int width) {
+void PageBlocks::halves(std::string_view name, std::span<const float> values, int width, int mantissa_bits) {
   std::vector<uint16_t> bits(values.size());
-  std::ranges::transform(values, bits.begin(), half_bits);
+  std::ranges::transform(values, bits.begin(), [&](float v) { return half_bits(rounded_half(v, mantissa_bits)); });
   add(name, "f16", bits.data(), bits.size(), sizeof(uint16_t), width);
 }
 void PageBlocks::bytes(std::string_view name, std::span<const uint8_t> values, int width) {

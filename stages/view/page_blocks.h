@@ -15,12 +15,14 @@ namespace vitrine {
 
 // Nearest half float (IEEE 754 binary16), clamped to its range.
 uint16_t half_bits(float value);
+// The nearest half float whose mantissa has at most so many of its ten bits: what is not there need not be kept.
+float rounded_half(float value, int mantissa_bits);
 
 class PageBlocks {
  public:
   // `width`: numbers of one item.
   void floats(std::string_view name, std::span<const float> values, int width);
-  void halves(std::string_view name, std::span<const float> values, int width);
+  void halves(std::string_view name, std::span<const float> values, int width, int mantissa_bits = 10);
   void bytes(std::string_view name, std::span<const uint8_t> values, int width);
   void words(std::string_view name, std::span<const uint16_t> values, int width);
   void indices(std::string_view name, std::span<const uint32_t> values, int width);

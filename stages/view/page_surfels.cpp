@@ -17,12 +17,14 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kMostAlbedo = 8;  // of what stands behind glass, its radiance over the light that it had; the page's unit of it
-constexpr float kLeastIrradiance = 1e-3f;      // of the light in the open
-constexpr int kByteZero = 128, kByteOne = 63;  // of bytes of either sign: 0 and 1
-constexpr int kTurnStep = 8;                   // of 65536: what normals need, and no noise to keep beside
-constexpr uint8_t kNoSide = 255;               // of a normal, otherwise 0 to 254
-constexpr int kBouncedDegree = 1;              // light from the scene is smooth
-constexpr float kTransferSteps = 48;           // of a coefficient, in the constant one
+constexpr float kLeastIrradiance = 1e-3f;                        // of the light in the open
+constexpr int kByteZero = 128, kByteOne = 63;                    // of bytes of either sign: 0 and 1
+constexpr int kTurnStep = 8;                                     // of 65536: what normals need, and no noise to keep beside
+constexpr uint8_t kNoSide = 255;                                 // of a normal, otherwise 0 to 254
+constexpr int kBouncedDegree = 1;                                // light from the scene is smooth
+constexpr float kTransferSteps = 48;                             // of a coefficient, in the constant one
+constexpr int kSpanBits = 7, kScaleBits = 6, kTransferBits = 6;  // of mantissas: to 0.4, 0.8 and 0.8 %
+constexpr float kColorSteps = 1023;                              // of the square root of a colour
 
 // How much of the pictures a surfel covers, in a unit of no meaning.
 float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
@@ -64,12 +66,12 @@ void add_scaled(std::string_view name, std::span<const float> values, size_t per
     const auto item = values.subspan(i * per_item, per_item);
     float most = 0;
     for (const float v : item) most = std::max(most, std::abs(v));
-    scales[i] = most * 1.001f;  // as a half float it is not shorter than `most`
+    scales[i] = rounded_half(most * 1.01f, kScaleBits);  // not shorter than `most`
     for (size_t k = 0; k < per_item; ++k)
       bytes[i * per_item + k] = static_cast<uint8_t>(kByteZero + (most > 0 ? std::lround(kByteOne * item[k] / scales[i]) : 0));
   }
   blocks.bytes(name, bytes, static_cast<int>(per_item));
-  blocks.halves(std::string(name) + "_scale", scales, 1);
+  blocks.halves(std::string(name) + "_scale", scales, 1, kScaleBits);
 }
 
 // Of [0, 1]; the square root keeps small ones apart.
@@ -111,6 +113,22 @@ std::vector<uint16_t> turns(const SplatLayer& layer) {
     const float sign = unit.w < 0 ? -1.f : 1.f;
     for (const float v : {unit.x, unit.y, unit.z})
       out.push_back(static_cast<uint16_t>(kTurnStep * std::lround((32768 + 32760 * sign * v) / kTurnStep)));
+  }
+  return out;
+}
+
+// Of the constant part of each colour, 0.5 + Y_0 h_0, the root with the colour's sign, fine where eyes see it: green, and how far
+// red and blue are from it.
+std::vector<uint16_t> constants(const SplatLayer& layer) {
+  std::vector<uint16_t> out;
+  const auto root = [&](float dc) {
+    const float color = 0.5f + kShDc * dc;
+    return static_cast<int>(std::lround(std::copysign(kColorSteps * std::sqrt(std::abs(color)), color)));
+  };
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float* dc = layer.at(Attribute::ShDc, i);
+    const int green = root(dc[1]);
+    for (const int v : {green, root(dc[0]) - green, root(dc[2]) - green}) out.push_back(static_cast<uint16_t>(v));
   }
   return out;
 }
@@ -219,7 +237,7 @@ void add_transfers(std::string_view name, std::span<const Transfer> transfers, i
       shape.push_back(static_cast<uint8_t>(std::clamp<long>(kByteZero + std::lround(kTransferSteps * share), 0, 255)));
     }
   }
-  blocks.halves(std::string(name) + "_constant", constant, 3);
+  blocks.halves(std::string(name) + "_constant", constant, 3, kTransferBits);
   blocks.bytes(name, shape, static_cast<int>(size) - 1);
 }
 
@@ -236,9 +254,9 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
   }
   blocks.words("place", places(layer), 3);
   blocks.words("turn", turns(layer), 3);
-  blocks.halves("span", spans, 2);
+  blocks.halves("span", spans, 2, kSpanBits);
   blocks.bytes("opacity", opacity, 1);
-  blocks.halves("sh0", layer.values(Attribute::ShDc), 3);
+  blocks.words("constant", constants(layer), 3);
   add_scaled("sh", layer.values(Attribute::ShRest), layer.width(Attribute::ShRest), blocks);
   blocks.bytes("material", material, 6);
   blocks.bytes("flags", surfels.flags, 1);

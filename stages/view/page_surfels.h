@@ -45,7 +45,7 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
 // degree in units of it, without colour.
 void add_transfers(std::string_view name, std::span<const Transfer> transfers, int degree, PageBlocks& blocks);
 
-// Blocks place, turn, span, opacity, sh0, sh, sh_scale, material, flags; with a light albedo, lit_material, open, side,
+// Blocks place, turn, span, opacity, constant, sh, sh_scale, material, flags; with a light albedo, lit_material, open, side,
 // bounced_constant, bounced (README, "What the file holds").
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks);
 

@@ -199,7 +199,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 1,
+                 .version = 2,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

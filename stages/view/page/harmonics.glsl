@@ -4,11 +4,9 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 
-const float kSh0 = 0.28209479177387814;
-
 void basis(vec3 d, out float y[16]) {
   float x = d.x, u = d.y, z = d.z, xx = x * x, yy = u * u, zz = z * z;
-  y[0] = kSh0;
+  y[0] = 0.28209479177387814;
   y[1] = -0.4886025119029199 * u, y[2] = 0.4886025119029199 * z, y[3] = -0.4886025119029199 * x;
   y[4] = 1.0925484305920792 * x * u, y[5] = -1.0925484305920792 * u * z, y[6] = 0.31539156525252005 * (2.0 * zz - xx - yy);
   y[7] = -1.0925484305920792 * x * z, y[8] = 0.5462742152960396 * (xx - yy);

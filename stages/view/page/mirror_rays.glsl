@@ -6,7 +6,7 @@ uniform sampler2D nodes;
 uniform usampler2D items;
 uniform int node_count;
 uniform sampler2D places, turns, spans;  // of surfels
-uniform sampler2D sh0, sh, scales;
+uniform sampler2D constants, sh, scales;
 uniform int sh_count;
 uniform float reflection_near;
 
@@ -23,9 +23,9 @@ float harmonics[16];
 
 void blend(float alpha, int surfel) {
   if (light < kMinTransmittance) return;
-  ivec2 at = texel(surfel, textureSize(sh0, 0).x);
+  ivec2 at = texel(surfel, textureSize(constants, 0).x);
   float scale = texelFetch(scales, at, 0).x;
-  vec3 color = 0.5 + kSh0 * texelFetch(sh0, at, 0).rgb;
+  vec3 color = texelFetch(constants, at, 0).rgb;
   for (int k = 0; k < sh_count; ++k) color += harmonics[k + 1] * scale * coefficient(sh, surfel, k, 63.0);
   sum += alpha * light * max(color, 0.0);
   light *= 1.0 - alpha;

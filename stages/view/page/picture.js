@@ -91,7 +91,7 @@ export class Picture {
     data.set(nodes), which.image.data.set(items), (which.needsUpdate = true);
     return {
       nodes: { value: texture(data, kWidth, FloatType) }, node_count: { value: nodes.length / 8 }, items: { value: which },
-      ...Object.fromEntries(['places', 'turns', 'spans', 'sh0', 'sh', 'scales'].map((name) => [name, { value: t[name] }])),
+      ...Object.fromEntries(['places', 'turns', 'spans', 'constants', 'sh', 'scales'].map((name) => [name, { value: t[name] }])),
       sh_count: { value: this.surfels.sh_count }, reflection_near: { value: scene.reflection_near },
     };
   }

@@ -44,3 +44,13 @@ export function surfel_turns(words) {
   }
   return out;
 }
+
+// The constant parts of their colours: roots of green, red and blue less green (page_surfels.cpp) -> [3 n] linear.
+export function surfel_constants(words) {
+  const out = new Float32Array(words.length), signed = (v) => (v << 16) >> 16, color = (root) => (root * Math.abs(root)) / 1023 ** 2;
+  for (let i = 0; i < words.length; i += 3) {
+    const green = signed(words[i]);
+    out[i] = color(signed(words[i + 1] + green)), out[i + 1] = color(green), out[i + 2] = color(signed(words[i + 2] + green));
+  }
+  return out;
+}

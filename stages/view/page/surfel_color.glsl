@@ -6,7 +6,7 @@ precision highp sampler2D;
 uniform sampler2D places;
 uniform sampler2D turns;          // quaternion w x y z
 uniform sampler2D weights;        // k_s, tau, of the picture
-uniform sampler2D sh0;            // constant harmonic
+uniform sampler2D constants;      // colour without the harmonics
 uniform sampler2D sh;             // 16 texels a surfel, bytes about 128/255; scale in scales.x
 uniform sampler2D scales;         // of sh, of albedo
 uniform sampler2D albedo;         // square root of
@@ -37,7 +37,7 @@ void main() {
   if (paint == 0) {
     float y[16];
     basis(normalize(mean - eye), y);
-    vec3 sum = 0.5 + kSh0 * texelFetch(sh0, at, 0).rgb;
+    vec3 sum = texelFetch(constants, at, 0).rgb;
     for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 63.0);
     color = vec4(max(sum, 0.0), 1.0);
     return;

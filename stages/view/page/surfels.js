@@ -7,7 +7,7 @@ import {
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { camera_uniforms, set_camera } from './cameras.js';
 import { kMap, Order } from './order.js';
-import { surfel_places, surfel_turns } from './scene_data.js';
+import { surfel_constants, surfel_places, surfel_turns } from './scene_data.js';
 import camera_glsl from './camera.glsl';
 import blend_glsl from './blend.glsl';
 import fragment_glsl from './surfel_fragment.glsl';
@@ -58,7 +58,7 @@ export class Surfels {
     this.solid = scene.solid;
     this.near_z = scene.near_z;
     this.places = surfel_places(b.place);
-    const turns = surfel_turns(b.turn), opacities = Float32Array.from(b.opacity, (v) => v / 255);
+    const turns = surfel_turns(b.turn), constants = surfel_constants(b.constant), opacities = Float32Array.from(b.opacity, (v) => v / 255);
     this.maps = texture(new Float32Array(kMap * kWidth * Math.ceil(n / kWidth)), 3 * kWidth, FloatType);
     this.by = new Order({
       places: this.places, turns, spans: Float32Array.from(b.span, DataUtils.fromHalfFloat), opacities, flags: b.flags,
@@ -79,7 +79,9 @@ export class Surfels {
       }),
       turns: per_surfel(n, Float32Array, FloatType, (o, at, i) => o.set(turns.subarray(4 * i, 4 * i + 4), at)),
       spans: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.span.subarray(2 * i, 2 * i + 2), at)),
-      sh0: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => o.set(b.sh0.subarray(3 * i, 3 * i + 3), at)),
+      constants: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
+        for (let c = 0; c < 3; ++c) o[at + c] = half(constants[3 * i + c]);
+      }),
       scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
         o[at] = b.sh_scale.length ? b.sh_scale[i] : 0, o[at + 1] = half(b.flags[i] & kInside ? kInsideAlbedo : 1);
       }),
@@ -93,7 +95,7 @@ export class Surfels {
       t.albedo = per_surfel(n, Uint8Array, UnsignedByteType, (o, at, i) => o.set(b.albedo.subarray(3 * i, 3 * i + 3), at));
       t.irradiance = per_surfel(n, Uint16Array, HalfFloatType, () => {});
     } else {
-      t.albedo = t.irradiance = t.sh0;
+      t.albedo = t.irradiance = t.constants;
     }
 
     this.color_target = new WebGLRenderTarget(kWidth, t.places.image.height, {
@@ -101,7 +103,7 @@ export class Surfels {
     });
     const textures = (...names) => Object.fromEntries(names.map((name) => [name, { value: t[name] }]));
     this.color_uniforms = {
-      ...textures('places', 'turns', 'weights', 'sh0', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'irradiance'),
+      ...textures('places', 'turns', 'weights', 'constants', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'irradiance'),
       eye: { value: null }, paint: { value: 0 }, clear: { value: false }, sh_count: { value: this.sh_count }, count: { value: n },
       layered: { value: scene.blend === 'layered' },
     };

@@ -119,6 +119,34 @@ TEST(PageBlocks, BytesOfAnArrayStandPlaneByPlane) {
   EXPECT_EQ(out, blocks.buffer());
   EXPECT_EQ(half_bits(1.f), 0x3c00);
   EXPECT_EQ(half_bits(1e9f), 0x7bff);  // the largest there is
+  EXPECT_EQ(rounded_half(1.1f, 3), 1.125f);
+  EXPECT_EQ(half_bits(rounded_half(-65000.f, 2)), 0xfb00) << "down where up is not finite";
+}
+
+TEST(PageSurfels, ConstantPartsOfColoursAreFineWhereItIsDark) {
+  PageSurfels surfels;
+  surfels.layer = SplatLayer(LayerKind::Diffuse, 0, 3);
+  const float colors[3][3] = {{0.001f, 0.0005f, 0}, {1, 0.25f, 9}, {-0.01f, 0.5f, 2}};
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t c = 0; c < 3; ++c) surfels.layer.at(Attribute::ShDc, i)[c] = (colors[i][c] - 0.5f) / kShDc;
+  for (size_t i = 0; i < 3; ++i) surfels.layer.at(Attribute::Rotation, i)[0] = 1;
+  surfels.flags.assign(3, 0);
+  PageBlocks blocks;
+  add_surfels(surfels, std::nullopt, blocks);
+  const auto entry = *std::ranges::find_if(blocks.directory(), [](const auto& b) { return b["name"] == "constant"; });
+  const size_t offset = entry["offset"];
+  const auto word = [&](size_t i, size_t c) {  // first all low bytes of c = 0, then their high ones, then those of c = 1
+    const auto byte = [&](size_t plane) { return uint8_t(blocks.buffer()[offset + 3 * plane + i]); };
+    return int16_t(byte(2 * c) | byte(2 * c + 1) << 8);
+  };
+  for (size_t i = 0; i < 3; ++i) {
+    const int green = word(i, 0);
+    const int roots[3] = {word(i, 1) + green, green, word(i, 2) + green};
+    for (size_t c = 0; c < 3; ++c) {
+      const float root = float(roots[c]) / 1023, now = root * std::abs(root);
+      EXPECT_NEAR(now, colors[i][c], 0.001f * std::sqrt(std::abs(colors[i][c])) + 1e-6f) << i << " " << c;
+    }
+  }
 }
 
 // Glass whose shape is known is drawn from it; the surfels that carry it for other programs stay out.
