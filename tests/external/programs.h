@@ -28,7 +28,7 @@ inline Said run_external(const std::vector<std::string>& arguments) {
 inline Said install() {
   make_folders(EXTERNAL_DIR);
   for (const char* file : {"package.json", "chromium.mjs", "validate.mjs", "render.mjs", "splats.mjs", "open_page.mjs",
-                           "view_page.mjs", "mark_page.mjs", "mark_sample.mjs", "mark_run.mjs", "ply.mjs"})
+                           "view_page.mjs", "mark_page.mjs", "mark_sample.mjs", "mark_run.mjs", "ply.mjs", "view_touch.mjs"})
     write_file(fs::path(EXTERNAL_DIR) / file, read_file(fs::path(VITRINE_SOURCE_DIR) / "tests/external" / file));
   return run_external({"npm", "install", "--no-audit", "--no-fund", "--prefer-offline"});
 }

@@ -45,35 +45,50 @@ void add_case(const test::TinyCapture& capture) {
 
 double psnr_of(const ImageF& a, const fs::path& png) { return psnr(a, read_srgb(png)); }
 
-TEST(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
-  const Said installed = install();
-  ASSERT_EQ(installed.code, 0) << installed.out;
+// A page of that scene, an HDRI and a file that is none.
+class ViewPage : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Said installed = install();
+    ASSERT_EQ(installed.code, 0) << installed.out;
+    add_case(capture);
+    make_folders(decompose / "decompose");
+    const RelitScene ball = test::relit_ball({0.8f, 0.4f, 0.2f});
+    write_decomposed_materials(decompose, ball.materials);
+    write_environment(decomposed_environment_path(decompose), Environment(ImageF(16, 8, 3, 1.f)));
+    ImageF soft(64, 32, 3);
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const Vec3f d = lat_long_direction((float(x) + 0.5f) / 64, (float(y) + 0.5f) / 32);
+        for (int c = 0; c < 3; ++c) soft.at(x, y, c) = 0.6f + 0.3f * d[size_t(c)];
+      }
+    write_environment(sky, Environment(soft));
+    write_file(none, "\xff\xd8\xff\xe0 no light");
+    context.emplace(std::map<std::string, fs::path>{
+        {"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose}});
+    write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path("view").filename()), {}, *context);
+  }
+  // What a script found that used the page; pictures are in `out`.
+  json used(const char* script, const fs::path& out) const {
+    fs::remove_all(out);
+    const fs::path page = context->output() / "view.html";
+    const Said said = run_external({"node", script, page.string(), sky.string(), none.string(), out.string()});
+    EXPECT_EQ(said.code, 0) << said.out;
+    const size_t begin = said.out.find("{\"messages");
+    return begin == std::string::npos ? json::object() : json::parse(said.out.substr(begin));
+  }
+
   const test::TinyCapture capture;
-  add_case(capture);
   const TemporaryFolder folder;
   const fs::path decompose = folder.path() / "artifact", sky = folder.path() / "sky.exr", none = folder.path() / "none.hdr";
-  make_folders(decompose / "decompose");
-  const RelitScene ball = test::relit_ball({0.8f, 0.4f, 0.2f});
-  write_decomposed_materials(decompose, ball.materials);
-  write_environment(decomposed_environment_path(decompose), Environment(ImageF(16, 8, 3, 1.f)));
-  ImageF soft(64, 32, 3);
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 64; ++x) {
-      const Vec3f d = lat_long_direction((float(x) + 0.5f) / 64, (float(y) + 0.5f) / 32);
-      for (int c = 0; c < 3; ++c) soft.at(x, y, c) = 0.6f + 0.3f * d[size_t(c)];
-    }
-  write_environment(sky, Environment(soft));
-  write_file(none, "\xff\xd8\xff\xe0 no light");
-  test::RecordingContext context(
-      {{"sfm", capture.sfm()}, {"optimize", capture.optimize()}, {"mesh", capture.mesh()}, {"decompose", decompose}});
-  write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path("view").filename()), {}, context);
-  const fs::path page = context.output() / "view.html", out = fs::path(EXTERNAL_DIR) / "view";
-  EXPECT_LT(fs::file_size(page), 3u << 20);
+  std::optional<test::RecordingContext> context;
+};
 
-  fs::remove_all(out);
-  const Said said = run_external({"node", "view_page.mjs", page.string(), sky.string(), none.string(), out.string()});
-  ASSERT_EQ(said.code, 0) << said.out;
-  const json r = json::parse(said.out.substr(said.out.find("{\"messages")));
+TEST_F(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
+  EXPECT_LT(fs::file_size(context->output() / "view.html"), 3u << 20);
+  const fs::path out = fs::path(EXTERNAL_DIR) / "view";
+  const json r = used("view_page.mjs", out);
+  ASSERT_FALSE(r.empty());
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];
   EXPECT_LT(r["first_ms"], 10000);
 
@@ -114,6 +129,36 @@ TEST(ViewPage, ShowsWhatTheProgramsShowAndDoesWhatAPersonAsks) {
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(eye[c], first[c], 1e-4);
   EXPECT_EQ(read_camera_path({.file = out / "path.json", .size = {}, .usual_size = {}}).size(), 2u);
   EXPECT_FALSE(read_srgb(out / "view.png").empty());
+}
+
+TEST_F(ViewPage, FollowsFingersAndTakesDroppedFiles) {
+  const json r = used("view_touch.mjs", fs::path(EXTERNAL_DIR) / "view_touch");
+  ASSERT_FALSE(r.empty());
+  EXPECT_TRUE(r["messages"].empty()) << r["messages"];
+  struct Stand {
+    Vec3d eye, target;
+    double distance() const { return length(eye - target); }
+  };
+  const auto stand = [&](const char* when) {
+    const json& s = r[when];
+    return Stand{{s[0][0], s[0][1], s[0][2]}, {s[1][0], s[1][1], s[1][2]}};
+  };
+  const Stand start = stand("start"), orbit = stand("orbit"), pinch = stand("pinch"), moved = stand("moved");
+  EXPECT_GT(length(orbit.eye - start.eye), 0.1) << "one finger turns";
+  EXPECT_LT(length(orbit.target - start.target), 1e-6);
+  EXPECT_NEAR(orbit.distance(), start.distance(), 1e-6);
+  EXPECT_NEAR(pinch.distance() / orbit.distance(), 0.5, 0.1) << "twice as far apart is twice as near";
+  EXPECT_GT(length(moved.target - pinch.target), 0.02) << "two fingers move";
+  EXPECT_NEAR(moved.distance(), pinch.distance(), 0.05 * pinch.distance());
+  EXPECT_EQ(r["page"], json::array({1, 0})) << "the window itself was neither zoomed nor scrolled";
+  EXPECT_EQ(r["tapped"], "albedo");
+  EXPECT_LE(r["overflow"], 0);
+  EXPECT_TRUE(r["small"].empty()) << r["small"];
+  EXPECT_EQ(r["dropping"], json::array({true, false}));
+  EXPECT_EQ(r["refused"][0], "none.hdr is no HDRI: it begins like a JPEG picture. Drop a .hdr or .exr file.");
+  EXPECT_EQ(r["refused"][1], "photo") << "what is shown stays";
+  EXPECT_EQ(r["dropped"], json::array({"sky.exr", "relit", ""}));
+  EXPECT_EQ(r["several"], "sky.exr");
 }
 
 }  // namespace
