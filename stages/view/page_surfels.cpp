@@ -193,6 +193,11 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
   return chosen(out, order);
 }
 
+void mark_sky(const DecomposedMaterials& materials, PageSurfels& surfels) {
+  for (size_t k = 0; k < surfels.drawn; ++k)
+    if (const uint32_t i = surfels.of_diffuse[k]; i != UINT32_MAX && materials.shows_sky(i)) surfels.flags[k] |= kSkySurfel;
+}
+
 PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels) {
   const size_t n = surfels.layer.size();
   SplatLayer drawn = surfels.layer;

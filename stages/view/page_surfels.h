@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
 #include "core/relight/light_transfer.h"
 #include "core/relight/relit_scene.h"
@@ -32,6 +33,9 @@ struct PageSurfels {
 // In the order of Morton's curve, each kind. At most `most` surfels are drawn: those stay that cover most of the pictures, by
 // opacity times area over the squared distance to the nearest of `eyes`.
 PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes, size_t most);
+
+// Flags those that show the light of the photos.
+void mark_sky(const DecomposedMaterials& materials, PageSurfels& surfels);
 
 // Materials and transfer of these surfels under other lights.
 struct PageLight {

@@ -138,7 +138,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   PageBlocks blocks;
   std::vector<Vec3d> eyes;
   for (const View& v : s.views) eyes.push_back(v.centre_in_world());
-  const PageSurfels surfels = page_surfels(s.trained, eyes, static_cast<size_t>(config.surfels));
+  PageSurfels surfels = page_surfels(s.trained, eyes, static_cast<size_t>(config.surfels));
   if (surfels.left_out > 0)
     context.warning("VIEW_SURFELS", fmt::format("the page leaves out {} of {} surfels, those that show least (--set surfels=N)",
                                                 surfels.left_out, surfels.left_out + surfels.drawn));
@@ -146,6 +146,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   std::optional<PageLight> light;
   std::vector<Probe> stands;
   if (s.relit) {
+    mark_sky(s.relit->materials, surfels);
     context.progress({.fraction = 0.1, .text = "light on the scene", .values = {}});
     const SceneSurface surface(*s.relit);
     const LightTransfer transfer(surface, {.rays = config.rays});
@@ -199,7 +200,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 2,
+                 .version = 3,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -123,6 +123,20 @@ TEST(PageBlocks, BytesOfAnArrayStandPlaneByPlane) {
   EXPECT_EQ(half_bits(rounded_half(-65000.f, 2)), 0xfb00) << "down where up is not finite";
 }
 
+TEST(PageSurfels, ThoseThatShowTheLightOfThePhotosAreFlagged) {
+  TrainedScene scene;
+  scene.surfels.diffuse = test::sphere_layer(0.4, 100);
+  scene.surfels.reflection = SplatLayer(LayerKind::Reflection, 0, 7);
+  DecomposedMaterials materials;
+  materials.resize(100);
+  for (size_t i = 0; i < 100; ++i) materials.albedo[i] = {i == 42 || i == 43 ? 0.f : 0.5f, 0, 0};
+  materials.f0[43] = {0.04f, 0.04f, 0.04f};  // black, and a surface
+  PageSurfels surfels = page_surfels(scene, std::vector<Vec3d>{{1, 0, 0}}, 1000);
+  mark_sky(materials, surfels);
+  for (size_t k = 0; k < surfels.layer.size(); ++k)
+    EXPECT_EQ((surfels.flags[k] & kSkySurfel) != 0, surfels.of_diffuse[k] == 42) << k;
+}
+
 TEST(PageSurfels, ConstantPartsOfColoursAreFineWhereItIsDark) {
   PageSurfels surfels;
   surfels.layer = SplatLayer(LayerKind::Diffuse, 0, 3);
