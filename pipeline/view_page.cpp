@@ -16,6 +16,7 @@ constexpr const char* kTool = "view";
 }
 
 fs::path view_page_path(const fs::path& project) { return project / "view.html"; }
+fs::path relit_sample_path(const fs::path& project) { return project / "view_relit.jpg"; }
 
 ToolInputs view_inputs(const fs::path& edited) {
   return {.stages = {"sfm", "optimize"},

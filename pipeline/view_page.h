@@ -11,6 +11,8 @@
 namespace vitrine {
 
 fs::path view_page_path(const fs::path& project);
+// A relit picture that is made with it (stages/view/relit_sample.h).
+fs::path relit_sample_path(const fs::path& project);
 // What the page is made from.
 ToolInputs view_inputs(const fs::path& edited = {});
 // Where a page that was made from the project lies from now on: in its folder, and in its record of what is current.

@@ -127,13 +127,15 @@ struct Opening {
   Picture picture;
   std::string caption;
 };
-// The first view under the first light, or the best of the held-out views.
+// The first view under the first light; or the picture that was made with view.html; or the best of the held-out views.
 std::optional<Opening> opening_of(const Material& m) {
   for (const fs::path& light : lights_of(m))
     for (const fs::path& frame : frames_of(light))
       if (auto p = picture_of_file(frame, kOpeningPicture))
         return Opening{std::move(*p),
                        fmt::format("The scene under the light {}, view {}.", light.filename().string(), frame.stem().string())};
+  if (auto p = picture_of_file(relit_sample_path(m.project), kOpeningPicture))
+    return Opening{std::move(*p), "The scene under the light of the photos, turned by 150 degrees."};
   const std::vector<PhotoScore> views = heldout_by_psnr(m);
   for (auto v = views.rbegin(); v != views.rend(); ++v)
     if (auto p = picture_of_file(eval_file(m, stem_of(v->name), "pred"), kOpeningPicture))

@@ -14,6 +14,7 @@
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/picture/picture_views.h"
+#include "core/relight/exposure.h"
 #include "core/relight/relit_painter.h"
 #include "stages/relight/turntable.h"
 
@@ -22,7 +23,6 @@ namespace vitrine {
 namespace {
 
 constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
-constexpr double kMiddleGrey = 0.18;
 
 // The folder of a light: the names of its files without what a file system or a shell might not like.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
@@ -60,20 +60,6 @@ std::vector<View> chosen_views(const RelightConfig& config, const StageContext& 
   if (config.turntable == 0) return picture_views(desc);
   desc.which = "all";
   return turntable_views(picture_views(desc), config.turntable);
-}
-
-// Stops that make the mean of what the mesh sends on a middle grey. The same for all pictures of a light.
-double exposure_of_scene(const LitScene& lit) {
-  double sum = 0;
-  for (const Vec3f& b : lit.radiance()) sum += 0.2126 * b.x + 0.7152 * b.y + 0.0722 * b.z;
-  return sum > 0 ? std::round(10 * std::log2(kMiddleGrey * double(lit.radiance().size()) / sum)) / 10 : 0;
-}
-
-Image8 developed(const ImageF& radiance, double exposure) {
-  ImageF scaled = radiance;
-  const auto gain = static_cast<float>(std::exp2(exposure));
-  for (float& v : scaled.data()) v *= gain;
-  return srgb8_from_linear(scaled);
 }
 
 // Small copies of pictures on one sheet, with their names.

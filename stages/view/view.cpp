@@ -21,6 +21,7 @@
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
 #include "stages/view/probes.h"
+#include "stages/view/relit_sample.h"
 
 namespace vitrine {
 
@@ -188,6 +189,12 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   const std::string text =
       page_of(page, {json_part("scene", scene), json_part("photos", photos), bytes_part("blocks", deflated(blocks.buffer()))});
   write_file(context.output() / "view.html", text);
+  if (s.relit && !s.views.empty()) {
+    context.progress({.fraction = 0.7, .text = "a relit picture", .values = {}});
+    const auto heldout = std::ranges::find(s.heldout, true);
+    const size_t shown = heldout == s.heldout.end() ? 0 : static_cast<size_t>(heldout - s.heldout.begin());
+    write_file(context.output() / "view_relit.jpg", relit_sample(*s.relit, s.views[shown]));
+  }
   context.metric("size_bytes", double(text.size()));
   context.summary(
       fmt::format("{} surfels{}, {:.1f} MB", surfels.drawn, light ? "" : ", not to be relit", double(text.size()) / 1e6));
@@ -200,7 +207,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 3,
+                 .version = 4,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -276,6 +276,9 @@ TEST(Page, OpensWithALargePictureAndTheWayToTheScene) {
   EXPECT_TRUE(has(opening(), "<a href=\"view.html\"><div"));
   EXPECT_TRUE(has(opening(), "Open the scene: any side, any light</a>"));
   fs::remove_all(folder.path() / "relit");
+  write_ldr(folder.path() / "view_relit.jpg", test::plain_picture(64, 48, 50));
+  EXPECT_TRUE(has(opening(), "under the light of the photos, turned by 150 degrees"));
+  fs::remove(folder.path() / "view_relit.jpg");
   EXPECT_TRUE(has(opening(), "rendered from the camera of b.jpg, which training never saw")) << "the best of the held-out views";
   EXPECT_FALSE(has(page(folder.path()), "lazy")) << "pictures that wait are blank on paper";
 }

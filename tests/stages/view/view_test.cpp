@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "core/image/ldr.h"
 #include "core/picture/decomposed_materials.h"
 #include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
@@ -63,17 +64,20 @@ TEST_F(ViewStage, ThePageHoldsCamerasPhotosAndSurfels) {
   ASSERT_EQ(photos.size(), 8u);
   EXPECT_TRUE(photos[0].get<std::string>().starts_with("data:image/jpeg;base64,/9j/"));
   EXPECT_TRUE(context.warnings.empty());
+  EXPECT_EQ(read_srgb(context.output() / "view_relit.jpg").width(), test::TinyCapture::kWidth);
 }
 
 TEST_F(ViewStage, SameBytesForAnyNumberOfThreads) {
-  std::vector<std::string> pages;
+  std::vector<std::string> pages, pictures;
   for (const int threads : {1, 3}) {
     set_thread_limit(threads);
     RecordingContext context(inputs());
     pages.push_back(page(context));
+    pictures.push_back(read_file(context.output() / "view_relit.jpg"));
   }
   set_thread_limit(0);
   EXPECT_EQ(pages[0], pages[1]);
+  EXPECT_EQ(pictures[0], pictures[1]);
 }
 
 TEST_F(ViewStage, WithoutMaterialsItSaysThatItCannotRelight) {
@@ -82,6 +86,7 @@ TEST_F(ViewStage, WithoutMaterialsItSaysThatItCannotRelight) {
   RecordingContext context(few);
   EXPECT_FALSE(json::parse(part(page(context), "scene"))["relit"]);
   EXPECT_TRUE(context.warnings.contains("VIEW_NO_LIGHT"));
+  EXPECT_FALSE(fs::exists(context.output() / "view_relit.jpg"));
 }
 
 TEST_F(ViewStage, TooManySurfelsLeaveOutThoseThatShowLeast) {
