@@ -23,12 +23,14 @@ export function from_three(eye, width, height) {
   return { rotation, translation, width, height, fx: f, fy: f, cx: width / 2, cy: height / 2 };
 }
 
-// Puts a three.js camera where a photo was taken; its target lies on the photo's axis, as far away as `middle`.
-export function stand_at(eye, target, camera, middle) {
+// Puts a three.js camera where a photo was taken; its target lies on the photo's axis, as far away as `middle`. In a window of this
+// aspect, width over height, it sees what the photo does, and above and below more where the window is narrower.
+export function stand_at(eye, target, camera, middle, aspect = Infinity) {
   const c = new Vector3(...centre_of(camera)), r = camera.rotation, forward = new Vector3(r[6], r[7], r[8]);
   eye.position.copy(c);
   target.copy(c).addScaledVector(forward, Math.max(0.1, forward.dot(new Vector3(...middle).sub(c))));
-  eye.fov = (2 * Math.atan(camera.height / 2 / camera.fy) * 180) / Math.PI;
+  const half = Math.max(camera.height / 2 / camera.fy, camera.width / 2 / camera.fx / aspect);
+  eye.fov = (2 * Math.atan(half) * 180) / Math.PI;
   eye.lookAt(target);
 }
 

@@ -87,7 +87,8 @@ export class View {
   // The first photo's place, with its angle of view.
   reset(draw = true) {
     this.leave_photo();
-    stand_at(this.eye, this.controls.target, this.scene.cameras[0], this.scene.middle);
+    const { clientWidth, clientHeight } = document.getElementById('stage');
+    stand_at(this.eye, this.controls.target, this.scene.cameras[0], this.scene.middle, clientWidth / clientHeight);
     this.controls.update();
     if (draw) this.changed(), this.draw();
   }
