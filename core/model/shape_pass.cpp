@@ -31,6 +31,14 @@ std::vector<Bounds3> coat_bounds(const ShapeSet& set) {
 
 }  // namespace
 
+std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, double z) {
+  const double speed = length(ray.direction);
+  return set.first_hit(ray, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
+    const double in_front = (h.t - z) * speed, tolerance = set.entries[h.entry].tolerance;
+    return in_front <= tolerance && in_front >= -kBehind * tolerance && dot(h.normal, ray.direction) < 0;
+  });
+}
+
 void CoatImages::clear() { shown.clear(), normal.clear(), z.clear(); }
 
 void CoatImages::start(size_t pixels) {
@@ -64,11 +72,7 @@ void ShapePass::show_mirrors(Frame& frame) {
       const float alpha = g.alpha[pixel];
       if (!(alpha > options_.min_alpha) || !(g.specular[pixel] > options_.polished * alpha)) continue;
       const Vec3d per_z = cast<double>(g.ray(pixel).direction_per_z);
-      const double z = double(g.zdepth[pixel]) / double(alpha), speed = length(per_z);
-      const auto hit = set.first_hit({eye, per_z}, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
-        const double in_front = (h.t - z) * speed, tolerance = set.entries[h.entry].tolerance;
-        return in_front <= tolerance && in_front >= -kBehind * tolerance && dot(h.normal, per_z) < 0;
-      });
+      const auto hit = shown_mirror(set, {eye, per_z}, double(g.zdepth[pixel]) / double(alpha));
       if (!hit) continue;
       for (size_t c = 0; c < 3; ++c) normal[c * g.pixels + pixel] = alpha * static_cast<float>(hit->normal[c]);
       zdepth[pixel] = alpha * static_cast<float>(hit->t);

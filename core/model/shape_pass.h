@@ -10,12 +10,17 @@
 // Coat, Frame::coats has the position and the normal for reflections, if the shape is exact. Such a shape does not learn.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/model/image_options.h"
 #include "core/model/pass.h"
 
 namespace vitrine {
+
+// The mirror of known shape that a ray meets where surfels show something at `z`, in units of its direction: the nearest that
+// faces it and that this depth agrees with.
+std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, double z);
 
 class ShapePass final : public Pass {
  public:

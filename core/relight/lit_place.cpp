@@ -1,6 +1,9 @@
 #include "core/relight/lit_place.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/model/shape_pass.h"
 
 namespace vitrine {
 
@@ -10,7 +13,6 @@ constexpr float kSnap = 3;              // in grains: a surfel's place and the m
 constexpr float kMirrorLift = 1;        // in grains: where rays start above it
 constexpr float kMattLift = 2.5f;       // the same where light is scattered: terraces of the mesh throw no shadow
 constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
-constexpr double kBehindMirror = 36;    // tolerances of a known shape that surfels of its far side may lie behind it
 constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
 
 // More than it scatters or lets through.
@@ -23,18 +25,6 @@ bool mirrors(LayerBlend blend, const RelitMaterial& m) {
 Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
   const float cosine = dot(normal, view);
   return cosine >= kLeastCosine ? normal : normalized(normal + (kLeastCosine - cosine) * view);
-}
-
-// Where a mirror of known shape is met that surfels show about there: a little before it, or well behind, through gaps of the
-// near side.
-std::optional<ShapeSet::Hit> mirror_shape_at(const ShapeSet* shapes, const ShownSurface& shown) {
-  if (!knows(shapes, ShapeRole::Mirror)) return std::nullopt;
-  const Vec3d per_z = cast<double>(shown.ray.direction_per_z);
-  const double z = double(shown.z), speed = length(per_z);
-  return shapes->first_hit({cast<double>(shown.ray.eye), per_z}, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
-    const double in_front = (h.t - z) * speed, tolerance = shapes->entries[h.entry].tolerance;
-    return in_front <= tolerance && in_front >= -kBehindMirror * tolerance && dot(h.normal, per_z) < 0;
-  });
 }
 
 }  // namespace
@@ -63,18 +53,14 @@ LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBle
   if (hit && hit->t < t + snap && (!surface.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
     out.on_mesh = ray.eye - hit->t * ray.view;
     if (mirror || hit->t < t) out.place = out.on_mesh;
-    if (!hit->from_inside && mirror) {
-      out.normal = turned_to(surface.smooth_normal(*hit), ray.view);
-    }
+    if (!hit->from_inside && mirror) out.normal = turned_to(surface.smooth_normal(*hit), ray.view);
     outwards = normalized(out.normal + (dot(hit->normal, ray.view) > 0 ? hit->normal : -hit->normal));
   }
-  if (mirror)
-    if (const auto known = mirror_shape_at(shapes, shown)) {
+  if (mirror && knows(shapes, ShapeRole::Mirror))
+    if (const auto known = shown_mirror(*shapes, {cast<double>(ray.eye), cast<double>(ray.direction_per_z)}, double(shown.z))) {
       // Before the mesh, which may stand before the shape: from behind it everything is dark.
-      if (!hit || hit->t > float(known->t) * length(ray.direction_per_z))
-        out.place = ray.eye + float(known->t) * ray.direction_per_z;
-      else
-        out.place = ray.eye - hit->t * ray.view;
+      const float there = float(known->t) * length(ray.direction_per_z);
+      out.place = ray.eye - (hit ? std::min(hit->t, there) : there) * ray.view;
       out.normal = turned_to(cast<float>(known->normal), ray.view);
       outwards = out.normal;
     }

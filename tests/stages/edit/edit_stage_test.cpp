@@ -48,6 +48,19 @@ class EditStage : public testing::Test {
     EXPECT_FALSE(fs::exists(context_.output() / "edited")) << "nothing is written";
     return e;
   }
+  // Without ball B, of a scene that the refine stage left with these surfels and options.
+  TrainedScene without_b(const SplatLayer& refined, const ImageOptions& options) const {
+    const fs::path refine = folder_.path() / "refined";
+    make_folders(refine / "refine/gaussians");
+    write_layer(refine / "refine/gaussians/diffuse.ply", refined);
+    write_image_options(refine / "refine/model.json", options);
+    write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
+    auto inputs = with_edits();
+    inputs["refine"] = refine;
+    RecordingContext context(inputs);
+    run_edit({}, context);
+    return read_trained_scene(context.output() / "edited");
+  }
   nlohmann::json report() const { return nlohmann::json::parse(read_file(context_.output() / "edited/report.json")); }
   // Exactly the surfels that `wanted` says have another albedo.
   void expect_tinted(const RelitScene& scene, const std::function<bool(size_t)>& wanted) const {
@@ -225,35 +238,23 @@ TEST_F(EditStage, ASelectionOfNothingIsAnErrorAtItsLine) {
 }
 
 TEST_F(EditStage, AKnownSheetGoesWithItsGlass) {
-  const fs::path refine = folder_.path() / "refined";
-  make_folders(refine / "refine/gaussians");
   SplatLayer glass = balls().layer;
   for (float& v : glass.values(Attribute::Transmission)) v = 2;
-  write_layer(refine / "refine/gaussians/diffuse.ply", glass);
   ImageOptions options;
   ShapeSet known;
   for (const auto& [centre, radius] : {std::pair{TwoBalls::kA, TwoBalls::kRadiusA}, {TwoBalls::kB, TwoBalls::kRadiusB}})
     known.entries.push_back({test::turned_ball(centre, radius), ShapeRole::Sheet, 0.06 * double(radius), -1, {}});
   options.shape.set = std::make_shared<const ShapeSet>(known);
-  write_image_options(refine / "refine/model.json", options);
-  write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
-  auto inputs = with_edits();
-  inputs["refine"] = refine;
-  RecordingContext context(inputs);
-  run_edit({}, context);
-  const TrainedScene scene = read_trained_scene(context.output() / "edited");
+  const TrainedScene scene = without_b(glass, options);
   ASSERT_NE(scene.image.shape.set, nullptr);
   ASSERT_EQ(scene.image.shape.set->entries.size(), 1u);
   EXPECT_EQ(std::get<SurfaceOfRevolution>(scene.image.shape.set->entries[0].shape).origin, TwoBalls::kA);
 }
 
 TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
-  const fs::path refine = folder_.path() / "refined";
-  make_folders(refine / "refine/gaussians");
   SplatLayer better = balls().layer;
   for (float& v : better.values(Attribute::ShDc)) v = 0.1f;
   for (float& v : better.values(Attribute::SpecularWeight)) v = 2;
-  write_layer(refine / "refine/gaussians/diffuse.ply", better);
   ImageOptions options;
   options.composite.blend = LayerBlend::RtrGs;
   const size_t all = better.size();
@@ -267,13 +268,7 @@ TEST_F(EditStage, StartsFromWhatTheRefineStageFound) {
   }
   known.entries.push_back({Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}}, ShapeRole::Sheet, 0.1, -1, {}});
   options.shape.set = std::make_shared<const ShapeSet>(known);
-  write_image_options(refine / "refine/model.json", options);
-  write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
-  auto inputs = with_edits();
-  inputs["refine"] = refine;
-  RecordingContext context(inputs);
-  run_edit({}, context);
-  const TrainedScene scene = read_trained_scene(context.output() / "edited");
+  const TrainedScene scene = without_b(better, options);
   EXPECT_EQ(scene.surfels.diffuse.at(Attribute::ShDc, 0)[0], 0.1f);
   ASSERT_NE(scene.image.shape.set, nullptr);
   ASSERT_EQ(scene.image.shape.set->entries.size(), 3u) << "a shape goes with its specular surfels, and so does its appendage";
