@@ -119,6 +119,7 @@ class PolishedFinder {
     return squared_length(n) > 0 ? normalized(n) : normalized(g);
   }
 
+  bool is_mirror(int known) const { return d_.scene.image.shape.set->entries[size_t(known)].role == ShapeRole::Mirror; }
   // The known mirror or coat that a face lies on, -1: none. Appendages are of one thing with what they stand out of.
   int known_at(size_t face) const {
     const ShapeSet* set = d_.scene.image.shape.set.get();
@@ -137,30 +138,41 @@ class PolishedFinder {
     return best;
   }
 
-  // Polished faces that share a corner, those of each known shape apart, numbered in the order of the faces.
+  // Polished faces that share a corner, those on each known shape apart, numbered in the order of the faces. What is left of
+  // metal by the verdict of the mesh stage, an appendage, belongs to the known mirror that it hangs together with.
   void connect() {
-    const size_t corners = d_.mesh.positions.size();
-    DisjointSets joined(corners);
-    thing_.assign(d_.mesh.faces.size(), -1);
-    std::vector<int> known(thing_.size(), -1);
+    DisjointSets corners(d_.mesh.positions.size());
     const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
+    const auto group_of = [&](size_t f) { return corners.representative(d_.mesh.faces[f][0]); };
+    for (size_t f = 0; f < shown_.size(); ++f)
+      if (polished(f))
+        for (size_t i = 1; i < 3; ++i) corners.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
+    thing_.assign(shown_.size(), -1);
+    std::map<std::pair<int, size_t>, int> numbers;    // [known shape, or -1 and group]
+    std::map<size_t, std::map<int, size_t>> mirrors;  // [group][thing] faces
+    std::vector<size_t> group;                        // [thing]
     for (size_t f = 0; f < thing_.size(); ++f) {
       if (!polished(f)) continue;
-      known[f] = known_at(f);
-      for (size_t i = 1; i < 3 && known[f] < 0; ++i) joined.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
-    }
-    std::vector<int> number(corners, -1);
-    std::map<int, int> number_of_known;
-    for (size_t f = 0; f < thing_.size(); ++f) {
-      if (!polished(f)) continue;
-      int& n = known[f] >= 0 ? number_of_known.try_emplace(known[f], -1).first->second
-                             : number[joined.representative(d_.mesh.faces[f][0])];
-      if (n < 0) {
-        n = count_++;
-        known_.push_back(known[f]);
+      const int known = known_at(f);
+      const auto [at, added] = numbers.try_emplace({known, known < 0 ? group_of(f) : 0}, count_);
+      if (added) {
+        known_.push_back(known), group.push_back(group_of(f));
+        ++count_;
       }
-      thing_[f] = n;
+      thing_[f] = at->second;
+      if (known >= 0 && is_mirror(known)) ++mirrors[group_of(f)][at->second];
     }
+    std::vector<int> belongs(known_.size());
+    for (size_t t = 0; t < known_.size(); ++t) {
+      belongs[t] = int(t);
+      const auto beside = mirrors.find(group[t]);
+      if (known_[t] >= 0 || beside == mirrors.end()) continue;
+      const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
+      if (verdict != nullptr && verdict->metal)
+        belongs[t] = std::ranges::max_element(beside->second, {}, [](const auto& m) { return m.second; })->first;
+    }
+    for (int& t : thing_)
+      if (t >= 0) t = belongs[size_t(t)];
   }
 
   // Things that few pixels show, and pixels of no thing, are forgotten.
@@ -258,7 +270,7 @@ class PolishedFinder {
       Polished& thing = things[t];
       thing.lower_half = lower_half.empty() ? 1.f : float(upper_median(lower_half));
       if (known_[t] >= 0) {
-        thing.metal = d_.scene.image.shape.set->entries[size_t(known_[t])].role == ShapeRole::Mirror;
+        thing.metal = is_mirror(known_[t]);
       } else {
         const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
         thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;

@@ -84,6 +84,11 @@ CellIndex MirrorShape::cell_of(const Vec3d& p) const {
   return {int(std::floor(p.x / cell_)), int(std::floor(p.y / cell_)), int(std::floor(p.z / cell_))};
 }
 
+bool MirrorShape::metal_at(const Vec3d& place) const {
+  const auto part = part_of_.find(cell_of(place));
+  return part != part_of_.end() && part->second >= 0 && parts_[size_t(part->second)].metal();
+}
+
 // What the photos show of places on the hull, and which of these hang together.
 void MirrorShape::find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& silhouettes) {
   const Vec3d extent = hull_->bounds().high - hull_->bounds().low;
@@ -251,9 +256,10 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
         set(p, first->t, first->normal, direction);
         continue;
       }
-      // A shape instead of the hull: one that training learnt as it is, another where the hull lies on it, or passes the ray by.
+      // A shape instead of the hull where that lies on it, or passes the ray by, or shows paint that silhouettes merge with it.
+      const bool hull_tells = hit && metal_at(place);
       const auto share = [&](const ShapeSet::Entry& e) {
-        return hit && !learnt_ ? hull_share(e, *hit, place) : std::optional<double>(0);
+        return hull_tells ? hull_share(e, *hit, place) : std::optional<double>(0);
       };
       const auto shown = shapes_.first_hit(ray, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
         return shapes_.entries[h.entry].parent < 0 && share(shapes_.entries[h.entry]).has_value();
@@ -271,8 +277,7 @@ void MirrorShape::put(size_t i, RgbdFrame& frame, double tolerance) const {
         if (passed_by || all_metal) frame.weight[p] = 0;
         continue;
       }
-      const auto part = part_of_.find(cell_of(place));
-      if (part == part_of_.end() || part->second < 0 || !parts_[size_t(part->second)].metal()) continue;
+      if (!hull_tells) continue;
       set(p, hit->t, hit->normal, direction);
     }
   });

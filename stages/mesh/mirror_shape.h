@@ -58,6 +58,7 @@ class MirrorShape {
 
  private:
   CellIndex cell_of(const Vec3d& p) const;
+  bool metal_at(const Vec3d& place) const;  // of the hull
   void find_parts(const MirrorShapeDesc& desc, const std::vector<Silhouette>& silhouettes);
   void mark_coats(const ShapeSet& shapes, const std::vector<ShapePoint>& surface);
   void find_shapes(const MirrorShapeDesc& desc);

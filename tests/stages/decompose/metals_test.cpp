@@ -109,6 +109,10 @@ TEST(Metals, KnownShapesAreThingsOfTheirOwn) {
   const Metals halves = copper.metals(1, {{around, false}});
   ASSERT_EQ(halves.things.size(), 2u);
   EXPECT_NE(halves.things[0].metal, halves.things[1].metal);
+  // What hangs together with it, and is metal to the mesh stage, belongs to it.
+  const Metals whole = copper.metals(1, {{around, true}});
+  ASSERT_EQ(whole.things.size(), 1u);
+  EXPECT_TRUE(whole.things[0].metal);
 }
 
 TEST(MeshVerdicts, AreReadFromTheReportOfTheMesh) {
