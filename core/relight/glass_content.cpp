@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/model/opened_scene.h"
 #include "core/model/sheet_pass.h"
-#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
@@ -31,11 +31,10 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
     : scene_(&scene), surface_(&surface), renderer_(make_renderer(Backend::Cpu)) {
   const ImageOptions& image = scene.trained.image;
   if (scene.trained.surfels.transmittance.size() == 0 && !draws_sheets(image)) return;
-  const int degree = scene.trained.surfels.transmittance.size() > 0 ? scene.trained.surfels.transmittance.sh_degree() : 0;
   SplatScene parts{.diffuse = material_layer(scene), .transmittance = scene.trained.surfels.transmittance};
   if (image.transmission.glass != Glass::Thin) parts.diffuse.resize(0);
   OpenedScene opened;
-  without_glass_with_materials(parts, {.diffuse = 0, .transmittance = degree}, opened);
+  without_glass_with_materials(parts, {.diffuse = 0, .transmittance = parts.transmittance.sh_degree()}, opened);
   opaque_ = std::move(opened.opaque);
   merged_ = std::move(opened.surfels);
   if (image.transmission.thick) matt_ = merged_;
@@ -105,6 +104,7 @@ void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {
   desc.near_z = scene_->trained.image.diffuse.near_z;
   picture_.view = frame.view;
   renderer_->forward(merged_, desc, picture_.diffuse);
+  content_.emplace(picture_);
   bent_.clear();
   if (!options.thick) return;
   std::vector<GlassPath> path(frame.pixel_count(), GlassPath::Straight);
@@ -127,24 +127,17 @@ GlassContent::Seen GlassContent::seen(uint32_t pixel, const Vec3f& origin, const
     const Vec3f& d = legs_.directions[last];
     return {shown.color, shown.transmittance, legs_.origins[last] + kBeyond * surface_->grain() * d, d};
   }
-  const GBuffer g(picture_);
-  return {g.rgb(g.color, pixel), 1 - g.alpha[pixel], origin, direction};
+  return {content_->rgb(content_->color, pixel), 1 - content_->alpha[pixel], origin, direction};
 }
 
 std::optional<ShownSurface> GlassContent::gloss(uint32_t pixel, const PixelRay<float>& ray) const {
   if (!bent_.empty() && bent_[pixel] > 0) return std::nullopt;
-  const GBuffer g(picture_);
-  const float alpha = g.alpha[pixel], z = g.zdepth[pixel];
-  if (!(g.specular[pixel] > float(kMinSpecular) && alpha > 0 && z > 0)) return std::nullopt;
-  const RelitMaterial material{.f0 = g.rgb(g.f0, pixel) / alpha,
-                               .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
-                               .specular = g.specular[pixel] / alpha};
-  return ShownSurface{.ray = ray,
-                      .normal = g.rgb(g.normal, pixel),
-                      .alpha = alpha,
-                      .z = surface_depth(z, alpha, picture_.diffuse.plane(Aov::MedianZ)[pixel]),
-                      .material = material,
-                      .behind_glass = true};
+  const GBuffer& g = *content_;
+  if (!(g.specular[pixel] > float(kMinSpecular) && g.alpha[pixel] > 0 && g.zdepth[pixel] > 0)) return std::nullopt;
+  ShownSurface shown = shown_surface(g, std::as_const(picture_).diffuse.plane(Aov::MedianZ), pixel, ray);
+  shown.material.albedo = {}, shown.material.transmission = 0;
+  shown.behind_glass = true;
+  return shown;
 }
 
 }  // namespace vitrine

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/model/bent_rays.h"
@@ -49,6 +50,7 @@ class GlassContent {
   std::vector<Vec3f> fluence_before_;
   std::unique_ptr<Renderer> renderer_;
   Frame picture_;                   // of merged_: its diffuse channels
+  std::optional<GBuffer> content_;  // the same, pixel by pixel
   std::unique_ptr<Tracer> tracer_;  // of matt_, as it is lit; null: not built yet
   BentLegs legs_;
   RayValues leg_values_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/model/shape_pass.h"
+#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
@@ -28,6 +29,19 @@ Vec3f turned_to(const Vec3f& normal, const Vec3f& view) {
 }
 
 }  // namespace
+
+ShownSurface shown_surface(const GBuffer& g, std::span<const float> median_z, uint32_t pixel, const PixelRay<float>& ray) {
+  const float alpha = g.alpha[pixel];
+  return {.ray = ray,
+          .normal = g.rgb(g.normal, pixel),
+          .alpha = alpha,
+          .z = surface_depth(g.zdepth[pixel], alpha, median_z[pixel]),
+          .material = {.albedo = g.rgb(g.color, pixel) / alpha,
+                       .f0 = g.rgb(g.f0, pixel) / alpha,
+                       .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
+                       .specular = g.specular[pixel] / alpha,
+                       .transmission = g.transmission[pixel] / alpha}};
+}
 
 float mirror_lift(const SceneSurface& surface) { return kMirrorLift * surface.grain(); }
 

@@ -2,7 +2,9 @@
 // free of it.
 #pragma once
 
-#include "core/model/kernels/surface_point.h"
+#include <span>
+
+#include "core/model/gbuffer.h"
 #include "core/relight/microfacet.h"
 #include "core/relight/scene_surface.h"
 #include "core/shape/shape_set.h"
@@ -17,6 +19,9 @@ struct ShownSurface {
   RelitMaterial material;  // its agreement is found below
   bool behind_glass = false;
 };
+
+// `surface`: channels of a picture, its alpha in the pixel above 0; `median_z`: the channel of that name.
+ShownSurface shown_surface(const GBuffer& surface, std::span<const float> median_z, uint32_t pixel, const PixelRay<float>& ray);
 
 struct LitPlace {
   Vec3f normal{};   // unit, facing the eye

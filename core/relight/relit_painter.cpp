@@ -9,7 +9,6 @@
 #include "core/model/gbuffer.h"
 #include "core/relight/lit_place.h"
 #include "core/relight/pixel_shader.h"
-#include "core/render/surface_depth.h"
 
 namespace vitrine {
 
@@ -78,15 +77,11 @@ RelitPicture RelitPainter::picture(const View& view, const RelitPictureDesc& des
     const float alpha = g.alpha[pixel];
     const Vec3f behind = alpha < 1 - kLeastCoverage ? (1 - alpha) * sky.radiance(-ray.view) : Vec3f{};
     if (alpha < kLeastCoverage) return sky.radiance(-ray.view);
-    const RelitMaterial material{.albedo = g.rgb(g.color, pixel) / alpha,
-                                 .f0 = g.rgb(g.f0, pixel) / alpha,
-                                 .roughness = std::min(g.roughness[pixel] / alpha, 1.f),
-                                 .specular = g.specular[pixel] / alpha,
-                                 .transmission = glass ? g.transmission[pixel] / alpha : 0.f};
-    const float z = surface_depth(g.zdepth[pixel], alpha, median_z[pixel]);
-    const ShadedSurface front = shaded({ray, g.rgb(g.normal, pixel), alpha, z, material}, SamplePoints(desc.seed, pixel));
+    ShownSurface shown = shown_surface(g, median_z, pixel, ray);
+    if (!glass) shown.material.transmission = 0;
+    const ShadedSurface front = shaded(shown, SamplePoints(desc.seed, pixel));
     Vec3f radiance = front.radiance;
-    if (material.transmission > kLeastCoverage) {
+    if (shown.material.transmission > kLeastCoverage) {
       const GlassContent::Seen seen = glass_.seen(pixel, front.at.on_mesh - mirror_lift(surface_) * front.at.normal, -ray.view);
       Vec3f through = seen.radiance;
       if (const auto gloss = glass_.gloss(pixel, ray))
