@@ -2,23 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/resample.h"
-#include "core/math/disjoint_sets.h"
 #include "core/math/median.h"
 #include "core/math/point_grid.h"
 #include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
-#include "core/shape/shape_set.h"
 #include "core/stereo/visible_paint.h"
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/metal_roughness.h"
+#include "stages/decompose/polished_faces.h"
 
 namespace vitrine {
 
@@ -37,7 +35,6 @@ constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none 
 constexpr float kPaintShows = 0.75f;                              // of a thing's lower-half mean ratio: less is metal
 constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
 constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
-constexpr double kOnShape = 2;                                    // tolerances between a face and the shape that it lies on
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
 struct PolishedPixels {
@@ -119,60 +116,12 @@ class PolishedFinder {
     return squared_length(n) > 0 ? normalized(n) : normalized(g);
   }
 
-  bool is_mirror(int known) const { return d_.scene.image.shape.set->entries[size_t(known)].role == ShapeRole::Mirror; }
-  // The known mirror or coat that a face lies on, -1: none. Appendages are of one thing with what they stand out of.
-  int known_at(size_t face) const {
-    const ShapeSet* set = d_.scene.image.shape.set.get();
-    if (set == nullptr) return -1;
-    const auto& f = d_.mesh.faces[face];
-    const Vec3d p = cast<double>(d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.0;
-    int best = -1;
-    double least = kOnShape;
-    for (size_t i = 0; i < set->entries.size(); ++i) {
-      const ShapeSet::Entry& e = set->entries[i];
-      if (e.role == ShapeRole::Sheet) continue;
-      const double off = length(nearest(e.shape, p).position - p) / e.tolerance;
-      if (off < least) least = off, best = int(i);
-    }
-    while (best >= 0 && set->entries[size_t(best)].parent >= 0) best = set->entries[size_t(best)].parent;
-    return best;
-  }
-
-  // Polished faces that share a corner, those on each known shape apart, numbered in the order of the faces. What is left of
-  // metal by the verdict of the mesh stage, an appendage, belongs to the known mirror that it hangs together with.
   void connect() {
-    DisjointSets corners(d_.mesh.positions.size());
-    const auto polished = [&](size_t f) { return 2 * marked_[f] > shown_[f]; };
-    const auto group_of = [&](size_t f) { return corners.representative(d_.mesh.faces[f][0]); };
-    for (size_t f = 0; f < shown_.size(); ++f)
-      if (polished(f))
-        for (size_t i = 1; i < 3; ++i) corners.unite(d_.mesh.faces[f][i], d_.mesh.faces[f][0]);
-    thing_.assign(shown_.size(), -1);
-    std::map<std::pair<int, size_t>, int> numbers;    // [known shape, or -1 and group]
-    std::map<size_t, std::map<int, size_t>> mirrors;  // [group][thing] faces
-    std::vector<size_t> group;                        // [thing]
-    for (size_t f = 0; f < thing_.size(); ++f) {
-      if (!polished(f)) continue;
-      const int known = known_at(f);
-      const auto [at, added] = numbers.try_emplace({known, known < 0 ? group_of(f) : 0}, count_);
-      if (added) {
-        known_.push_back(known), group.push_back(group_of(f));
-        ++count_;
-      }
-      thing_[f] = at->second;
-      if (known >= 0 && is_mirror(known)) ++mirrors[group_of(f)][at->second];
-    }
-    std::vector<int> belongs(known_.size());
-    for (size_t t = 0; t < known_.size(); ++t) {
-      belongs[t] = int(t);
-      const auto beside = mirrors.find(group[t]);
-      if (known_[t] >= 0 || beside == mirrors.end()) continue;
-      const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
-      if (verdict != nullptr && verdict->metal)
-        belongs[t] = std::ranges::max_element(beside->second, {}, [](const auto& m) { return m.second; })->first;
-    }
-    for (int& t : thing_)
-      if (t >= 0) t = belongs[size_t(t)];
+    std::vector<uint8_t> polished(shown_.size());
+    for (size_t f = 0; f < polished.size(); ++f) polished[f] = 2 * marked_[f] > shown_[f];
+    PolishedFaces faces = polished_faces(d_.mesh, polished, d_.scene.image.shape.set.get(), d_.verdicts);
+    thing_ = std::move(faces.thing), known_ = std::move(faces.known);
+    count_ = int(known_.size());
   }
 
   // Things that few pixels show, and pixels of no thing, are forgotten.
@@ -270,7 +219,7 @@ class PolishedFinder {
       Polished& thing = things[t];
       thing.lower_half = lower_half.empty() ? 1.f : float(upper_median(lower_half));
       if (known_[t] >= 0) {
-        thing.metal = is_mirror(known_[t]);
+        thing.metal = is_mirror(*d_.scene.image.shape.set, known_[t]);
       } else {
         const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
         thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;
