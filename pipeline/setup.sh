@@ -16,6 +16,8 @@ VITRINE_PACKAGES=(
 # The pages of `vitrine view` and `vitrine mark` are bundled by npm, of Debian or of any other origin.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
 VITRINE_TEST_PACKAGES=(libgtest-dev libbenchmark-dev)
+# The pages are tested in a browser: Debian's, or Google's where it is already there.
+[ -x /usr/bin/google-chrome ] || VITRINE_TEST_PACKAGES+=(chromium)
 
 say() { printf '\n== %s\n' "$*"; }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The two pictures of view.html in README.md, from a finished run: as photographed, and under an HDRI. Needs Chromium and the packages
-# that `tests/run.sh --external` has installed.
+# of the tests of pages, which every build with tests installs.
 #
 #   sample_data/strip/page.sh RUN [HDRI] [OUT]
 #
@@ -10,9 +10,9 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 [ $# -ge 1 ] || { sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 page="$(realpath "$1")/view.html" light="$(realpath "${2:-$root/sample_data/tiny_room/truth/env/studio.exr}")" out="$(realpath -m "${3:-$root/sample_data/page}")"
 
-packages="$root/build/external"
-[ -d "$packages/node_modules" ] || { echo "error: there are no packages in $packages; tests/run.sh --external installs them" >&2; exit 7; }
-cp "$root/tests/external/chromium.mjs" "$root/sample_data/strip/page.mjs" "$packages"
+packages="$root/build/tests_pages"
+[ -d "$packages/node_modules" ] || { echo "error: there are no packages in $packages; building the target test_pages installs them" >&2; exit 7; }
+cp "$root/tests/pages/chromium.mjs" "$root/sample_data/strip/page.mjs" "$packages"
 (cd "$packages" && node page.mjs "$page" "$light" "$out")
 for picture in "${out}_photo.jpg" "${out}_relit.jpg"; do
   size=$(stat -c %s "$picture")

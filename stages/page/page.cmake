@@ -5,14 +5,23 @@ find_program(NPM npm)
 find_program(NODE node)
 set(VITRINE_PAGES_HOME ${CMAKE_CURRENT_LIST_DIR} CACHE INTERNAL "")
 set(VITRINE_PAGES_WORK ${CMAKE_BINARY_DIR}/page CACHE INTERNAL "")
+
+# vitrine_npm_packages(target FROM folder WORK folder WITHOUT sentence): the target installs what FROM/package-lock.json names into
+# WORK/node_modules. Where that fails the build says WITHOUT and goes on.
+function(vitrine_npm_packages target)
+  cmake_parse_arguments(P "" "FROM;WORK;WITHOUT" "" ${ARGN})
+  set(packages ${P_WORK}/node_modules/.package-lock.json)  # npm writes it when all packages are there
+  add_custom_command(OUTPUT ${packages}
+    COMMAND ${CMAKE_COMMAND} -DNPM=${NPM} -DFROM=${P_FROM} -DWORK=${P_WORK} -DWITHOUT=${P_WITHOUT} -P ${VITRINE_PAGES_HOME}/install.cmake
+    DEPENDS ${P_FROM}/package.json ${P_FROM}/package-lock.json ${VITRINE_PAGES_HOME}/install.cmake
+    COMMENT "npm packages of ${P_FROM}" VERBATIM)
+  add_custom_target(${target} DEPENDS ${packages})
+endfunction()
+
 if(NOT VITRINE_SANITIZE AND NPM AND NODE)
-  # npm writes the second lock file when all packages are there.
+  vitrine_npm_packages(vitrine_page_packages FROM ${VITRINE_PAGES_HOME} WORK ${VITRINE_PAGES_WORK}
+                       WITHOUT "`vitrine view` and `vitrine mark` have no page")
   set(VITRINE_PAGES_PACKAGES ${VITRINE_PAGES_WORK}/node_modules/.package-lock.json CACHE INTERNAL "")
-  add_custom_command(OUTPUT ${VITRINE_PAGES_PACKAGES}
-    COMMAND ${CMAKE_COMMAND} -DNPM=${NPM} -DFROM=${VITRINE_PAGES_HOME} -DWORK=${VITRINE_PAGES_WORK} -P ${VITRINE_PAGES_HOME}/install.cmake
-    DEPENDS ${VITRINE_PAGES_HOME}/package.json ${VITRINE_PAGES_HOME}/package-lock.json ${VITRINE_PAGES_HOME}/install.cmake
-    COMMENT "packages of the pages" VERBATIM)
-  add_custom_target(vitrine_page_packages DEPENDS ${VITRINE_PAGES_PACKAGES})
   add_custom_target(vitrine_page)  # all pages
 elseif(NOT VITRINE_SANITIZE)
   message(STATUS "npm or node is missing: `vitrine view` and `vitrine mark` will have no page (Debian: apt-get install nodejs npm)")

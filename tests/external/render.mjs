@@ -5,7 +5,7 @@
 //   outside   the same where there is none: it should be zero
 //   bent      mean difference of the first picture and one in which solid glass is thin, where glass is; 0 where none is solid
 //   spread    standard deviation of the first picture's brightness where glass is, and of the second's: what is seen through it
-import { draw } from './chromium.mjs';
+import { draw } from './draw.mjs';
 
 const [file, out, azimuth = '30', elevation = '25'] = process.argv.slice(2);
 

@@ -2,7 +2,7 @@
 //   width, height, fx, fy (the axis goes through the middle), world_from_cam: 16 numbers, row by row, camera x right, y down, z ahead
 // Prints JSON: splats, how many there are; covered, the share of the pixels that are not black.
 import { readFileSync } from 'node:fs';
-import { draw } from './chromium.mjs';
+import { draw } from './draw.mjs';
 
 const [file, camera_file, out] = process.argv.slice(2);
 const camera = JSON.parse(readFileSync(camera_file, 'utf8'));

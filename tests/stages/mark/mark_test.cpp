@@ -1,4 +1,4 @@
-// What the program behind `vitrine mark` puts into a page. How the page draws: tests/external.
+// What the program behind `vitrine mark` puts into a page. How the page draws: tests/pages.
 #include "stages/mark/mark.h"
 
 #include <gtest/gtest.h>

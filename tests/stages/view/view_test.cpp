@@ -1,4 +1,4 @@
-// What the program behind `vitrine view` puts into a page. How the page looks: tests/external.
+// What the program behind `vitrine view` puts into a page. How the page looks: tests/pages.
 #include "stages/view/view.h"
 
 #include <gtest/gtest.h>

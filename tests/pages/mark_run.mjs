@@ -35,7 +35,7 @@ try {
     });
   result.states = await page.$$eval('#things .thing', (all) => all.map((e) => e.className.split(' ')[1]));
   result.sources = await page.$eval('#panel', (e) => e.textContent.match(/What the run took in every photo: [^.]*\./)?.[0]);
-  await show('img_0005.jpg');
+  await show('img_0008.jpg');
   await page.screenshot({ path: join(out, 'masks.png') });
   await pixels();
   result.masks = [];

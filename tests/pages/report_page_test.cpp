@@ -1,8 +1,7 @@
 // report.html in headless Chromium, from file://: nothing said on the console, nothing asked of the network, readable on a phone.
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "tests/external/programs.h"
+#include "tests/pages/in_chromium.h"
 #include "tests/pipeline/report_page/small_output.h"
 
 namespace vitrine {
@@ -10,23 +9,19 @@ namespace {
 
 using nlohmann::json;
 
-TEST(ReportPage, OpensOnDeskAndPhoneWithoutAWordOrARequest) {
-  const Said installed = install();
-  ASSERT_EQ(installed.code, 0) << installed.out;
+using ReportPage = InChromium;
+
+TEST_F(ReportPage, OpensOnDeskAndPhoneWithoutAWordOrARequest) {
   const TemporaryFolder folder;
   test::write_output(folder.path(), {.photo = "<script>alert(1)<img src=x onerror=alert(2)>.jpg", .psnr = 20, .registered = 2});
   write_file(folder.path() / "view.html", "<html></html>");
   const fs::path file = folder.path() / "report.html";
   write_file(file, test::page(folder.path()));
-  const auto opened = [&](const char* width, const char* scheme) {
-    const Said said =
-        run_external({"node", "open_page.mjs", file.string(), fmt::format("report_{}_{}.png", width, scheme), width, scheme});
-    EXPECT_EQ(said.code, 0) << said.out;
-    return said.code == 0 ? json::parse(said.out.substr(said.out.find('{'))) : json::object();
-  };
+  const fs::path out = pictures("report");
   for (const auto& [width, scheme] : {std::pair("1280", "light"), std::pair("390", "dark")}) {
     SCOPED_TRACE(width);
-    const json r = opened(width, scheme);
+    const std::string picture = (out / fmt::format("{}_{}.png", width, scheme)).string();
+    const json r = answer(run_script({"open_page.mjs", file.string(), picture, width, scheme}));
     ASSERT_FALSE(r.empty());
     EXPECT_TRUE(r["messages"].empty()) << r["messages"];
     EXPECT_LE(r["scroll"], std::stoi(width));

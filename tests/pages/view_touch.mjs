@@ -12,24 +12,24 @@
 import { mkdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, software_webgl } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href;
-const browser = await open_chromium({ args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'], protocolTimeout: 600000 });
+const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
   const page = await browser.newPage();
   page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
   page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
   page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
-  await page.setViewport({ width: 390, height: 844, isMobile: true, hasTouch: true });
+  await page.setViewport({ width: 320, height: 480, isMobile: true, hasTouch: true });
   await page.goto(address);
   const ready = () => page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
   await ready();
   const devtools = await page.createCDPSession();
-  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false, { timeout: 120000 });
+  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   const stand = () => page.evaluate(() => [view.eye.position.toArray(), view.controls.target.toArray()]);
   const [x, y] = await page.evaluate(() => {
     const b = document.getElementById('picture').getBoundingClientRect();
@@ -65,12 +65,12 @@ try {
       .map((e) => e.textContent));
 
   // A file from the desk, in a window of that size.
-  await page.setViewport({ width: 640, height: 420 });  // which loads the page again
+  await page.setViewport({ width: 360, height: 280 });  // which loads the page again
   await ready();
   await page.evaluate(() => view.set({ mode: 'photo' }));
   await rest();
   const hang = (type, [x, y], ...files) => devtools.send('Input.dispatchDragEvent', { type, x, y, data: { items: [], files, dragOperationsMask: 1 } });
-  const over = [200, 200], outside = [-20, -20];
+  const over = [180, 100], outside = [-20, -20];
   const frame = () => page.evaluate(() => document.body.classList.contains('dropping'));
   const drop = async (...files) => {
     for (const type of ['dragEnter', 'dragOver', 'drop']) await hang(type, over, ...files);

@@ -1,17 +1,8 @@
-// Headless Chromium for the other scripts: where it is, and a page that draws a file with WebGL.
+// A page in headless Chromium that draws a file with WebGL.
 import { createReadStream, existsSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { extname, join } from 'node:path';
-import { launch } from 'puppeteer-core';
-
-export function open_chromium(options) {
-  const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
-  if (!chromium) {
-    console.error('chromium is missing: tests/run.sh --external installs it');
-    process.exit(7);
-  }
-  return launch({ executablePath: chromium, ...options, args: ['--no-sandbox', '--disable-dev-shm-usage', ...(options?.args ?? [])] });
-}
+import { open_chromium, software_webgl } from './chromium.mjs';
 
 const types = { '.js': 'text/javascript', '.wasm': 'application/wasm', '.glb': 'model/gltf-binary' };
 
@@ -28,12 +19,12 @@ export async function draw(source, file, out) {
     createReadStream(local).pipe(response);
   });
   await new Promise((ready) => server.listen(0, '127.0.0.1', ready));
-  const browser = await open_chromium({ args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'], protocolTimeout: 600000 });
+  const browser = await open_chromium({ args: software_webgl });
   try {
     const page = await browser.newPage();
     page.on('console', (m) => m.type() === 'error' && console.error(m.text()));
     await page.goto(`http://127.0.0.1:${server.address().port}/`);
-    await page.waitForFunction('window.result', { timeout: 300000 });
+    await page.waitForFunction('window.result');
     const result = await page.evaluate('window.result');
     const picture = await page.evaluate('window.picture');
     if (picture) writeFileSync(out, Buffer.from(picture.split(',')[1], 'base64'));

@@ -1,10 +1,10 @@
 // node mark_sample.mjs PAGE.html OUTLINES.json OUT_DIR: draws outlines in a page of `vitrine mark` with the mouse and saves them to OUT_DIR.
 // OUTLINES.json: [{ class, photos: { name: [[x, y], ...] } }], pixels of the photos. Prints JSON:
 //   messages  what the console said, and errors of scripts;  clicks  of the mouse, those on buttons and photos too;  states  of the objects
-import { mkdirSync, readFileSync, readdirSync } from 'node:fs';
+import { mkdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, saved } from './chromium.mjs';
 
 const [file, outlines, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -38,7 +38,7 @@ try {
   }
   result.states = await page.$$eval('#things .thing', (all) => all.map((e) => e.className.split(' ')[1]));
   await press('#save');
-  for (let k = 0; k < 100 && !readdirSync(out).includes('marks.yaml'); ++k) await new Promise((r) => setTimeout(r, 100));
+  await saved(out, 'marks.yaml');
 } finally {
   await browser.close();
 }

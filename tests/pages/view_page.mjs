@@ -12,13 +12,13 @@
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, saved } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href;
 const software = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
-const browser = await open_chromium({ args: software, protocolTimeout: 600000 });
+const browser = await open_chromium({ args: software });
 const result = { messages: [] };
 const watch = (page) => {
   page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
@@ -28,14 +28,14 @@ const watch = (page) => {
 try {
   const page = await browser.newPage();
   watch(page);
-  await page.setViewport({ width: 640, height: 420 });
+  await page.setViewport({ width: 360, height: 280 });
   const session = await browser.target().createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
   const began = Date.now();
   await page.goto(address);
   await page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
   result.first_ms = Date.now() - began;
-  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false, { timeout: 120000 });
+  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   const eye = () => page.evaluate(() => view.eye.position.toArray());
   const middle = await page.evaluate(() => {
     const b = document.getElementById('picture').getBoundingClientRect();
@@ -126,8 +126,7 @@ try {
   await page.mouse.click(middle[0] + 20, middle[1]);
   result.distance = await page.$eval('#distance', (e) => e.value);
   for (const id of ['save_view', 'add_path', 'add_path', 'save_path', 'screenshot']) await page.click(`#${id}`);
-  for (let k = 0; k < 100 && !['view.json', 'path.json', 'view.png'].every((f) => readdirSync(out).includes(f)); ++k)
-    await new Promise((r) => setTimeout(r, 100));
+  await saved(out, 'view.json', 'path.json', 'view.png');
   result.saved = readdirSync(out);
 
   // A photo and its slider.
@@ -158,7 +157,7 @@ const plain = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu']
 try {
   const page = await plain.newPage();
   watch(page);
-  await page.setViewport({ width: 640, height: 420 });
+  await page.setViewport({ width: 360, height: 280 });
   await page.goto(address);
   result.plain = await page.evaluate(() => window.vitrine.then((v) => [v.mesh_alone, document.getElementById('notice').textContent]));
   await page.screenshot({ path: join(out, 'plain.png') });

@@ -16,7 +16,7 @@
 import { mkdirSync, readdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, saved } from './chromium.mjs';
 
 const [file, marks, no_marks, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -172,7 +172,7 @@ try {
   }
   await page.click('#save');
   await page.click('#notice button');  // all the same
-  for (let k = 0; k < 100 && !readdirSync(out).includes('marks.yaml'); ++k) await new Promise((r) => setTimeout(r, 100));
+  await saved(out, 'marks.yaml');
   result.saved = await notice();
   const leaves = result.dialogs.length;
   await page.reload();

@@ -1,0 +1,33 @@
+// Headless Chromium for the other scripts. By itself (`node chromium.mjs`) it says by its exit code whether Chromium is here: 0 or 7.
+import { existsSync, readdirSync } from 'node:fs';
+import { launch } from 'puppeteer-core';
+
+const chromium = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
+if (!chromium) {
+  console.error('Chromium is missing (Debian: apt-get install chromium)');
+  process.exit(7);
+}
+
+export const software_webgl = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+const kPatience = 600000;  // milliseconds: other tests use the same processor
+
+export async function open_chromium({ args = [] } = {}) {
+  const browser = await launch({
+    executablePath: chromium, timeout: kPatience, protocolTimeout: kPatience, args: ['--no-sandbox', '--disable-dev-shm-usage', ...args],
+  });
+  const new_page = browser.newPage.bind(browser);
+  browser.newPage = async () => {
+    const page = await new_page();
+    page.setDefaultTimeout(kPatience);
+    return page;
+  };
+  return browser;
+}
+
+// Waits until a page has saved files of these names to a folder.
+export async function saved(folder, ...names) {
+  for (const end = Date.now() + kPatience; !names.every((name) => readdirSync(folder).includes(name)); ) {
+    if (Date.now() > end) throw new Error(`${names} did not come to ${folder}, which has ${readdirSync(folder)}`);
+    await new Promise((done) => setTimeout(done, 100));
+  }
+}
