@@ -147,14 +147,14 @@ try {
   for (const p of [[300, 300], [500, 300]]) await page.mouse.click(...(await on_screen(p)));
   await page.keyboard.press('n');
   await page.keyboard.press('p');
-  result.kept = [await page.evaluate(() => vitrine.drawing.corners)];
+  result.kept = [await page.evaluate(() => vitrine.pen.drawing.corners)];
   result.restored = [await text()];
   await page.reload();
   await ready();
   result.restored.push(await text(), await notice());
-  result.kept.push(await page.evaluate(() => vitrine.drawing.corners));
+  result.kept.push(await page.evaluate(() => vitrine.pen.drawing.corners));
   await page.click('#notice button');
-  result.restored.push(await page.evaluate(() => [vitrine.drawing, vitrine.doc.marks.length]));
+  result.restored.push(await page.evaluate(() => [vitrine.pen.drawing, vitrine.doc.marks.length]));
 
   // A file of marks.
   const input = await page.$('#open_file');

@@ -1,5 +1,5 @@
 // Mouse, pen and fingers on the sheet. One pointer draws or moves corners; dragged where there is nothing to drag, it moves the
-// photo. Two fingers move and zoom it. What is drawn goes to `work` (main.js).
+// photo. Two fingers move and zoom it. What is drawn goes to `work` (main.js): its pen and its selection.
 import { inside, mark_in, marks_in, outline_of } from './marks.js';
 import { middle } from './sheet.js';
 
@@ -16,9 +16,9 @@ export class Hand {
     c.addEventListener('pointerdown', (e) => this.down(e));
     c.addEventListener('pointermove', (e) => this.move(e));
     for (const name of ['pointerup', 'pointercancel']) c.addEventListener(name, (e) => this.up(e, name === 'pointercancel'));
-    c.addEventListener('pointerleave', () => work.hover(null));
+    c.addEventListener('pointerleave', () => work.pen.hover(null));
     c.addEventListener('wheel', (e) => this.wheel(e), { passive: false });
-    c.addEventListener('dblclick', (e) => (e.preventDefault(), work.close()));
+    c.addEventListener('dblclick', (e) => (e.preventDefault(), work.pen.close()));
     c.addEventListener('contextmenu', (e) => e.preventDefault());
   }
   place(e) {
@@ -34,17 +34,17 @@ export class Hand {
   // What a press at `at` would take: a corner of what is being drawn; with the tool "change" a corner or the middle of a side.
   grip(at, reach) {
     const { sheet, work } = this, near = (p) => distance(sheet.to_screen(p), at) <= reach;
-    if (work.drawing && !work.drawing.box) {
-      const i = work.drawing.corners.findLastIndex(near);
+    if (work.pen.drawing && !work.pen.drawing.box) {
+      const i = work.pen.drawing.corners.findLastIndex(near);
       return i >= 0 ? { drawn: i } : null;
     }
     if (work.tool !== 'change') return null;
-    const here = marks_in(work.doc, sheet.photo.name), first = work.selected?.mark ?? mark_in(work.doc, work.thing, sheet.photo.name);
+    const here = marks_in(work.doc, sheet.photo.name), first = work.selection.chosen?.mark ?? mark_in(work.doc, work.thing, sheet.photo.name);
     for (const mark of [first, ...here].filter((m) => m && here.includes(m))) {
       const corner = outline_of(mark).findIndex(near);
       if (corner >= 0) return { mark, corner };
     }
-    const mark = work.selected?.mark;
+    const mark = work.selection.chosen?.mark;
     if (!mark || mark.box || !here.includes(mark)) return null;
     const side = mark.corners.findIndex((a, i) => near(middle(a, mark.corners[(i + 1) % mark.corners.length])));
     return side >= 0 ? { mark, side } : null;
@@ -62,7 +62,7 @@ export class Hand {
     if (pans) return;
     const grip = this.grip(at, this.press.reach);
     if (grip) {
-      const place = this.sheet.to_screen(this.work.place_of(grip));
+      const place = this.sheet.to_screen(this.work.selection.place_of(grip));
       Object.assign(this.press, { grip, off: [place[0] - at[0], place[1] - at[1]] });  // it does not jump to the pointer
     } else if (this.work.tool === 'box') {
       this.press.what = 'box';
@@ -70,22 +70,22 @@ export class Hand {
   }
   // Two fingers: what one of them began is given up.
   drop() {
-    if (this.press?.what === 'box') this.work.cancel_drawing();
-    if (this.press?.what === 'corner') this.work.put_down();
+    if (this.press?.what === 'box') this.work.pen.cancel();
+    if (this.press?.what === 'corner') this.work.selection.put_down();
     this.press = null;
   }
 
   move(e) {
     const at = this.place(e), before = this.pointers.get(e.pointerId);
-    if (!before) return e.pointerType !== 'touch' && this.sheet.photo ? this.work.hover(this.sheet.in_photo(at)) : undefined;
+    if (!before) return e.pointerType !== 'touch' && this.sheet.photo ? this.work.pen.hover(this.sheet.in_photo(at)) : undefined;
     if (this.pointers.size === 2) this.pinch(e.pointerId, before, at);
     this.pointers.set(e.pointerId, at);
     const press = this.press;
     if (!press || press.id !== e.pointerId) return;
     if (press.what === 'click' && distance(at, press.from) > press.still) press.what = press.grip ? 'corner' : 'pan';
     if (press.what === 'pan') this.sheet.pan(at[0] - before[0], at[1] - before[1]);
-    if (press.what === 'corner') press.grip = this.work.move_corner(press.grip, this.sheet.in_photo([at[0] + press.off[0], at[1] + press.off[1]]));
-    if (press.what === 'box' && distance(at, press.from) > press.still) this.work.draw_box(this.sheet.in_photo(press.from), this.sheet.in_photo(at));
+    if (press.what === 'corner') press.grip = this.work.selection.move_corner(press.grip, this.sheet.in_photo([at[0] + press.off[0], at[1] + press.off[1]]));
+    if (press.what === 'box' && distance(at, press.from) > press.still) this.work.pen.draw_box(this.sheet.in_photo(press.from), this.sheet.in_photo(at));
   }
   pinch(id, before, at) {
     const other = [...this.pointers].find(([key]) => key !== id)[1];
@@ -100,23 +100,23 @@ export class Hand {
     if (!press || press.id !== e.pointerId) return;
     this.press = null;
     const at = this.place(e);
-    if (cancelled) return press.what === 'box' ? this.work.cancel_drawing() : press.what === 'corner' ? this.work.put_down() : undefined;
+    if (cancelled) return press.what === 'box' ? this.work.pen.cancel() : press.what === 'corner' ? this.work.selection.put_down() : undefined;
     if (press.what === 'click') this.click(at, press);
-    if (press.what === 'corner') this.work.put_down();
-    if (press.what === 'box') this.work.finish_box(distance(at, press.from) >= kLeastBox);
+    if (press.what === 'corner') this.work.selection.put_down();
+    if (press.what === 'box') this.work.pen.finish_box(distance(at, press.from) >= kLeastBox);
   }
   click(at, press) {
     const { work, sheet } = this;
     if (work.tool === 'outline') {
-      const corners = work.drawing?.corners ?? [];
-      if (press.grip?.drawn === 0 && corners.length > 2) return work.close();
+      const corners = work.pen.drawing?.corners ?? [];
+      if (press.grip?.drawn === 0 && corners.length > 2) return work.pen.close();
       if (press.grip) return;  // a double click gives one corner
-      return work.add_corner(sheet.in_photo(at));
+      return work.pen.add_corner(sheet.in_photo(at));
     }
-    if (press.grip?.corner !== undefined) return work.select(press.grip.mark, press.grip.corner);
+    if (press.grip?.corner !== undefined) return work.selection.select(press.grip.mark, press.grip.corner);
     const [x, y] = sheet.to_photo(at);
     const hit = marks_in(work.doc, sheet.photo.name).filter((m) => inside(outline_of(m), [x, y]));
-    const next = hit[(hit.indexOf(work.selected?.mark) + 1) % Math.max(1, hit.length)];
-    work.select(next ?? null, null);
+    const next = hit[(hit.indexOf(work.selection.chosen?.mark) + 1) % Math.max(1, hit.length)];
+    work.selection.select(next ?? null, null);
   }
 }

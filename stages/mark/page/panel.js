@@ -1,5 +1,6 @@
 // Tools above the photo, and beside it objects, photos and the file.
 import { button, element } from '../../page/elements.js';
+import { open_file, save, yaml_text } from './file.js';
 import { color_of, kClasses, marks_in } from './marks.js';
 
 const kTools = { outline: ['Outline', 'o'], box: ['Box', 'b'], change: ['Change', 'c'] };
@@ -30,7 +31,7 @@ function toolbar(work) {
   const group = (...children) => element('div', { className: 'group' }, ...children);
   const choices = Object.entries(kTools).map(([tool, [word, key]]) => button(word, () => work.set_tool(tool), { id: `tool_${tool}`, title: `${word} (${key})` }));
   const undo = button('Undo', () => work.undo(), { id: 'undo', title: 'Undo (Ctrl Z)' }), redo = button('Redo', () => work.redo(), { id: 'redo', title: 'Redo (Ctrl Y)' });
-  const close = button('Close', () => work.close(), { id: 'close', title: 'Close the outline (Enter)' });
+  const close = button('Close', () => work.pen.close(), { id: 'close', title: 'Close the outline (Enter)' });
   const away = button('Delete', () => work.delete(), { id: 'delete', title: 'Take back a corner, or remove what is selected (Backspace)' });
   tools.append(group(...choices), group(close, undo, redo, away),
                group(button('\u2212', () => sheet.zoom_at(middle(), 0.8), { title: 'Smaller (-)', ariaLabel: 'smaller' }), button('Fit', () => sheet.fit(), { id: 'fit', title: 'The whole photo (f)' }),
@@ -40,8 +41,8 @@ function toolbar(work) {
                     button('\u203a', () => work.show(work.photo_index + 1), { title: 'Next photo (n)', ariaLabel: 'next photo' })));
   work.on_change(() => {
     for (const b of choices) b.setAttribute('aria-pressed', b.id === `tool_${work.tool}`);
-    undo.disabled = !work.drawing && !work.history.can_undo, redo.disabled = !!work.drawing || !work.history.can_redo;
-    close.disabled = !(work.drawing?.corners.length > 2), away.disabled = !work.drawing && !marks_in(work.doc, work.photo.name).length;
+    undo.disabled = !work.pen.drawing && !work.history.can_undo, redo.disabled = !!work.pen.drawing || !work.history.can_redo;
+    close.disabled = !(work.pen.drawing?.corners.length > 2), away.disabled = !work.pen.drawing && !marks_in(work.doc, work.photo.name).length;
     const lost = work.scene.has_cameras && !work.photo.camera ? ' \u2013 no camera' : '';
     name.value = `${work.photo.name}  ${work.photo_index + 1} / ${work.scene.photos.length}${lost}`;
   });
@@ -111,19 +112,19 @@ function masks(work) {
 }
 
 function file(work) {
-  const open = element('input', { type: 'file', id: 'open_file', accept: '.yaml,.yml', onchange: () => open.files[0] && work.open(open.files[0]).then(() => (open.value = '')) });
+  const open = element('input', { type: 'file', id: 'open_file', accept: '.yaml,.yml', onchange: () => open.files[0] && open_file(work, open.files[0]).then(() => (open.value = '')) });
   const text = element('textarea', { id: 'yaml', readOnly: true, ariaLabel: 'the file' });
   const state = element('p', { id: 'unsaved' });
   work.on_change(() => {
-    text.value = work.yaml();
+    text.value = yaml_text(work);
     const refused = work.doc.marks.length ? work.refusals().length : 0;
     state.textContent = [work.dirty ? 'Not saved yet.' : work.doc.marks.length ? 'Saved.' : '', refused ? 'A run would refuse it as it is: see above.' : ''].join(' ').trim();
     state.classList.toggle('wrong', refused > 0);
   });
   const command = element('pre', { className: 'command', id: 'command', textContent: work.scene.command });
   return [
-    element('div', { className: 'row' }, button('Save marks.yaml', () => work.save(), { id: 'save', className: 'primary', title: 'Save (Ctrl S)' }), element('label', { className: 'file', textContent: 'Open\u2026' }, open),
-            button('Copy', () => copy(work.yaml(), () => work.tell('The text of marks.yaml is copied.')), { id: 'copy' })),
+    element('div', { className: 'row' }, button('Save marks.yaml', () => save(work), { id: 'save', className: 'primary', title: 'Save (Ctrl S)' }), element('label', { className: 'file', textContent: 'Open\u2026' }, open),
+            button('Copy', () => copy(yaml_text(work), () => work.tell('The text of marks.yaml is copied.')), { id: 'copy' })),
     state, element('p', { textContent: 'Then run, with the path of the saved file:' }), command,
     element('div', { className: 'row' }, button('Copy command', () => copy(work.scene.command, () => work.tell('The command is copied.')), { id: 'copy_command' })),
     element('details', {}, element('summary', { textContent: 'Text of the file' }), text),
