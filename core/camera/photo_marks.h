@@ -16,6 +16,10 @@ namespace vitrine {
 // nullopt: complained.
 std::optional<size_t> marked_view(YamlReader& in, const YamlNode& name, std::span<const View> views);
 
+// Marks in photos from one side do not tell how far away a thing is: length of the mean direction from it towards their cameras,
+// that of two photos 20 degrees apart.
+inline constexpr double kMostOneSided = 0.985;
+
 struct MarkedRegion {
   std::vector<Vec2d> corners;  // in the pixels of the file; three or more
   bool box = false;

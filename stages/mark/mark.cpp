@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/hash.h"
 #include "core/base/json.h"
+#include "core/camera/photo_marks.h"
 #include "core/config/yaml.h"
 #include "stages/mark/page_photos.h"
 #include "stages/mark/run_results.h"
@@ -138,6 +139,7 @@ void write_mark(const std::string& page, const MarkConfig& config, StageContext&
                    {"marks", marks},
                    {"marks_name", given ? Json(given->filename().string()) : Json()},
                    {"has_cameras", sfm.has_value()},
+                   {"most_one_sided", kMostOneSided},
                    {"mask_sources", run.sources},
                    {"command", config.command}};
   const std::string text = page_of(page, {json_part("scene", scene), json_part("small", small), json_part("photos", pictures)});
@@ -155,7 +157,7 @@ void run_mark(const MarkConfig& config, StageContext& context) {
 Stage mark_stage() {
   StageInfo info{
       .name = "mark",
-      .version = 1,
+      .version = 2,
       .summary = "one page that shows the photos, in which people draw what is glass and metal, and that saves marks.yaml",
       .inputs = {{.name = "photos", .artifact = false, .doc = "Folder of photos: JPEG, PNG, TIFF, EXR."},
                  {.name = "marks", .artifact = false, .optional = true, .doc = "Marks to go on with: a YAML file."},

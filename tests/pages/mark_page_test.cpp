@@ -229,6 +229,7 @@ TEST_F(MarkPage, MarksOfThreePhotosGiveTheMasksOfAll) {
   EXPECT_NE(seen["first"].get<std::string>().find("Marked in one photo. It needs a second one"), std::string::npos)
       << seen["first"];
   EXPECT_NE(seen["second"].get<std::string>().find("2 photos that look from the same side"), std::string::npos) << seen["second"];
+  EXPECT_EQ(seen["looser"], "enough");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 //   states    of the objects at the beginning: those of the marks that the run was given;  sources  what is said of its masks
 //   masks     how far the picture of a photo without marks changes, mean of 255, when the masks are hidden, and shown again
 //   first     what is said of an object that is boxed in img_0020;  second  in img_0032, too, taken from the same side
+//   looser    its level with a page whose data let photos look from any side
 import { mkdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -61,6 +62,10 @@ try {
   result.first = await box('img_0020.jpg', [84, 38, 330, 360]);
   result.second = await box('img_0032.jpg', [60, 20, 330, 360]);
   await page.screenshot({ path: join(out, 'same_side.png') });
+  result.looser = await page.evaluate(() => {
+    vitrine.scene.most_one_sided = 1;
+    return vitrine.state_of(vitrine.doc.things.at(-1)).level;
+  });
 } finally {
   await browser.close();
 }

@@ -10,7 +10,7 @@ export function state_of(doc, thing, scene) {
   if (twins.length > 1) problems.push({ photo: null, text: 'has the class and the name of another one: give each its own name' });
   const here = marks.filter((m) => photo(m.photo)), usable = scene.has_cameras ? here.filter((m) => photo(m.photo).camera) : here;
   const lost = here.length - usable.length;
-  const view = scene.has_cameras && usable.length > 0 ? sides(usable, scene.photos) : null;
+  const view = scene.has_cameras && usable.length > 0 ? sides(usable, scene) : null;
   const tight = marks.every((m) => !m.box), in_photos = (n) => `${n} photo${n === 1 ? '' : 's'}`;
   const state = { problems, next: view?.next ?? null, marks: marks.length };
   const but = lost ? ` ${in_photos(lost)} of the run ${lost === 1 ? 'has' : 'have'} no camera: what is marked there does not count.` : '';

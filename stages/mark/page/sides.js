@@ -1,8 +1,6 @@
 // Do the marked photos look from different sides? Known where a run has found the cameras.
 import { outline_of } from './marks.js';
 
-const kOneSided = 0.985;  // length of the mean direction towards the cameras, as the masks stage takes it: some 20 degrees apart
-
 const add = (a, b, s = 1) => a.map((v, i) => v + s * b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const unit = (a) => a.map((v) => v / Math.hypot(...a));
@@ -39,8 +37,9 @@ function before_the_middle({ eye, d }, photos) {
   return middle && add(eye, d, dot(add(middle, eye, -1), d));
 }
 
-// `marks`: of one object, in photos that have a camera. one_sided: they all look from one side; next: the photo that adds most.
-export function sides(marks, photos) {
+// `marks`: of one object, in photos that have a camera. one_sided: they all look from one side, the mean direction towards the cameras is
+// longer than the scene's `most_one_sided`; next: the photo that adds most.
+export function sides(marks, { photos, most_one_sided }) {
   const of = (mark) => photos.find((p) => p.name === mark.photo);
   const rays = marks.map((m) => ({ eye: of(m).camera.eye, d: ray(of(m), middle_of(m)) }));
   const place = rays.length > 1 ? meeting(rays) : before_the_middle(rays[0], photos);
@@ -56,5 +55,5 @@ export function sides(marks, photos) {
     const nearest = Math.max(...known.map((d) => dot(d, towards(p.camera.eye))));
     if (seen && nearest < least) least = nearest, next = p.name;
   }
-  return { one_sided: Math.hypot(...mean) > kOneSided, next };
+  return { one_sided: Math.hypot(...mean) > most_one_sided, next };
 }

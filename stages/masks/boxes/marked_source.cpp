@@ -9,6 +9,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/photo_marks.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/revolution_edges.h"
 #include "core/stereo/shape_fit.h"
@@ -22,7 +23,6 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kOneSided = 0.985;                // two photos 20 degrees apart
 constexpr size_t kFewestTight = 3;                 // polygons whose hull is nearly the thing
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
@@ -127,11 +127,11 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
   HullDesc desc{.resolution = config.resolution,
                 .rule = {.dissent = 0, .fewest_views = std::max<size_t>(whole, 2)},
                 .one_piece = true,
-                .most_one_sided = kOneSided};
+                .most_one_sided = kMostOneSided};
   const VisualHull hull(cones, desc);
   if (hull.empty())
     throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing.name),
-                {.why = hull.one_sidedness() > kOneSided
+                {.why = hull.one_sidedness() > kMostOneSided
                             ? "the marked photos look from the same side, so that nothing tells how far away it is"
                             : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
                  .hint = "mark the whole thing, and the same thing, in photos from different sides",

@@ -5,6 +5,7 @@
 
 #include "core/base/json.h"
 #include "core/camera/photo_lenses.h"
+#include "core/camera/photo_marks.h"
 #include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "stages/mark/page_photos.h"
@@ -182,6 +183,7 @@ TEST_F(MarkStage, OfARunCamerasAndMasksComeAlong) {
   RecordingContext context({{"photos", photos()}, {"sfm", capture.sfm()}, {"masks", masks}});
   const json scene = part(page(context), "scene");
   EXPECT_TRUE(scene["has_cameras"]);
+  EXPECT_EQ(scene["most_one_sided"], kMostOneSided);
   EXPECT_EQ(scene["mask_sources"]["transparent"], "boxes");
   ASSERT_EQ(scene["photos"].size(), 9u);
   const json &photo = scene["photos"][0], &other = scene["photos"][8];
