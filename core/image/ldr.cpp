@@ -240,6 +240,12 @@ ImageF mapped(const ImageF& image, F&& f) {
 
 }  // namespace
 
+ImageF floats_of(const Image8& image) {
+  ImageF out(image.width(), image.height(), image.channels());
+  std::transform(image.data().begin(), image.data().end(), out.data().begin(), [](uint8_t v) { return float(v) / 255; });
+  return out;
+}
+
 Image8 srgb8_from_linear(const ImageF& linear) {
   Image8 out(linear.width(), linear.height(), linear.channels());
   std::transform(linear.data().begin(), linear.data().end(), out.data().begin(),

@@ -24,6 +24,7 @@ ImageF read_as_oriented(const std::filesystem::path& path);
 void write_ldr(const std::filesystem::path& path, const Image8& image, int jpeg_quality = 95);
 void write_png16(const std::filesystem::path& path, const Image16& image);
 
+ImageF floats_of(const Image8& image);           // 255 is 1
 Image8 srgb8_from_linear(const ImageF& linear);  // clamp, encode, round
 ImageF srgb_from_linear_image(const ImageF& linear);
 ImageF linear_from_srgb_image(const ImageF& srgb);

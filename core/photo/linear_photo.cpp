@@ -60,8 +60,7 @@ LinearPhoto read_linear_photo(const fs::path& path, const PhotoHead& head) {
 
 Image8 srgb_of(const Image8& decoded, const PhotoColor& color) {
   if (color.profile->is_srgb()) return decoded;
-  ImageF image(decoded.width(), decoded.height(), decoded.channels());
-  std::transform(decoded.data().begin(), decoded.data().end(), image.data().begin(), [](uint8_t v) { return float(v) / 255.0f; });
+  ImageF image = floats_of(decoded);
   color.profile->to_linear(image);
   return srgb8_from_linear(image);
 }

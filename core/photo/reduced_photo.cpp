@@ -30,9 +30,7 @@ Image8 reduced_photo(const std::filesystem::path& path, const PhotoHead& head, i
 }
 
 Image8 upright_photo(const std::filesystem::path& path, const PhotoHead& head, int side) {
-  const Image8 stored = reduced_photo(path, head, side);
-  ImageF srgb(stored.width(), stored.height(), stored.channels());
-  std::ranges::transform(stored.data(), srgb.data().begin(), [](uint8_t v) { return float(v) / 255; });
+  const ImageF srgb = floats_of(reduced_photo(path, head, side));
   return srgb8_from_linear(limited(linear_from_srgb_image(upright(srgb, head.exif.orientation)), side));
 }
 

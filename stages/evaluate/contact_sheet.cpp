@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/image/bitmap_font.h"
+#include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/quantile.h"
 
@@ -27,8 +28,7 @@ void paint_ramp(double t, uint8_t* rgb) {
 }
 
 void paste(const Image8& picture, int x, int y, int width, int height, Image8& sheet) {
-  ImageF small(picture.width(), picture.height(), 3);
-  for (size_t i = 0; i < small.data().size(); ++i) small.data()[i] = float(picture.data()[i]) / 255.f;
+  ImageF small = floats_of(picture);
   if (small.width() != width || small.height() != height) small = resized(small, width, height);
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i)

@@ -206,9 +206,7 @@ std::optional<ImageF> Truth::mask_file(std::string_view kind, size_t view, const
                                        LookupFrame frame) const {
   const fs::path path = folder_ / "mask" / kind / (stems_[view] + ".png");
   if (!fs::exists(path)) return std::nullopt;
-  const Image8 grey = read_grey8(path);
-  ImageF map(grey.width(), grey.height(), 1);
-  for (size_t i = 0; i < map.data().size(); ++i) map.data()[i] = float(grey.data()[i]) / 255.f;
+  const ImageF map = floats_of(read_grey8(path));
   // Area vote: nearest samples on a 3x3 grid inside each of our pixels, so that thin parts survive a coarser render.
   const Intrinsics fine = intrinsics.scaled_to(intrinsics.width * kMaskSubsamples, intrinsics.height * kMaskSubsamples);
   const ImageF votes = sampled_by_direction(map, map_intrinsics(view, intrinsics, map, path), fine, turn(view, frame));

@@ -49,9 +49,7 @@ void add_pictures(const PhotoFile& file, const PhotoHead& head, int side, PagePh
     photo.jpeg = jpeg_bytes(picture, kQuality);
     const double s = std::min(1.0, double(kSmallSide) / std::max(picture.width(), picture.height()));
     const auto small = [&](int length) { return std::max(int(std::lround(length * s)), 1); };
-    ImageF values(picture.width(), picture.height(), picture.channels());
-    std::ranges::transform(picture.data(), values.data().begin(), [](uint8_t v) { return float(v) / 255; });
-    const ImageF linear = resized(linear_from_srgb_image(values), small(picture.width()), small(picture.height()));
+    const ImageF linear = resized(linear_from_srgb_image(floats_of(picture)), small(picture.width()), small(picture.height()));
     photo.small = jpeg_bytes(srgb8_from_linear(linear), kSmallQuality);
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::Input) throw;

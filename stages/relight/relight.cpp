@@ -69,9 +69,7 @@ class ContactSheet {
     if (cells_.size() == size_t(kMostSheetCells)) return;
     const int width = std::min(kSheetCell, picture.width());
     const int height = std::max(1, static_cast<int>(std::lround(double(picture.height()) * width / picture.width())));
-    ImageF whole(picture.width(), picture.height(), 3);
-    std::ranges::transform(picture.data(), whole.data().begin(), [](uint8_t v) { return float(v) / 255; });
-    const ImageF small = resized(whole, width, height);
+    const ImageF small = resized(floats_of(picture), width, height);
     Image8 cell(width, height, 3);
     std::ranges::transform(small.data(), cell.data().begin(), [](float v) { return uint8_t(std::lround(v * 255)); });
     draw_text(cell, 4, 4, name);

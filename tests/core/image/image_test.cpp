@@ -84,6 +84,20 @@ TEST(Ldr, PngRoundTripsAndBadFilesSayWhy) {
   EXPECT_THROW(read_srgb(folder.path() / "cut.jpg"), Error);
 }
 
+TEST(Ldr, BytesAsFloatsAreThoseOfTheDecoder) {
+  TemporaryFolder dir;
+  Image8 image(16, 16, 3);
+  for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] = uint8_t(i);
+  const ImageF values = floats_of(image);
+  write_ldr(dir.path() / "all.png", image);
+  const ImageF read = read_srgb(dir.path() / "all.png");
+  ASSERT_EQ(values.data().size(), read.data().size());
+  for (size_t i = 0; i < 256; ++i) EXPECT_FLOAT_EQ(values.data()[i], read.data()[i]) << i;
+  EXPECT_EQ(values.data()[0], 0);
+  EXPECT_EQ(values.data()[255], 1);
+  EXPECT_EQ(srgb8_from_linear(linear_from_srgb_image(values)).data()[100], 100);
+}
+
 TEST(Resize, ShrinkingKeepsTheMeanAndEnlargingKeepsConstants) {
   const ImageF image = noise(64, 48, 3, 5);
   const ImageF small = resized(image, 20, 13);
