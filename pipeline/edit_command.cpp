@@ -7,6 +7,7 @@
 #include "core/config/cli.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
+#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
@@ -26,32 +27,26 @@ void tell(const fs::path& report) {
 }  // namespace
 
 int edit_command(const Words& words) {
-  int threads = 0;
-  bool no_progress = false, quiet = false, help = false;
+  ToolOptions how;
   CommandLine cli(
       "vitrine edit", "PROJECT [EDITS.yaml] [options]",
       "Changes to a finished scene: materials by mask class, box, marks or component of the mesh; deletion. They go to "
       "PROJECT/edited, the originals stay; render, relight and export take --edited. Without a file: the edits of "
       "PROJECT/edited/edits.yaml once more. stages/edit/README.md shows the format.");
-  cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all. Files do not depend on it.");
-  cli.flag("no-progress", 0, no_progress, "No progress bar, no progress lines.");
-  cli.flag("quiet", 'q', quiet, "Warnings and errors only.");
-  cli.flag("help", 'h', help, "Print this text.");
+  add_usual_options(cli, how, "Files do");
   const Words rest = cli.parse(words, 2);
-  if (help) {
+  if (how.help) {
     std::cout << cli.help();
     return 0;
   }
   if (rest.empty()) throw Error(ErrorKind::Usage, "which project?", {.hint = "vitrine edit PROJECT edits.yaml", .code = "USAGE"});
   const fs::path project = project_of(rest[0]);
-  Words how;
-  if (threads > 0) how.insert(how.end(), {"--threads", std::to_string(threads)});
-  if (no_progress) how.emplace_back("--no-progress");
-  if (quiet) how.emplace_back("--quiet");
+  Words call;
+  for (const Words& more : {work_words(how), quietness(how)}) call.insert(call.end(), more.begin(), more.end());
   const ProjectLock lock(project);
-  const EditedScene edited = edited_scene(project, rest.size() == 2 ? fs::path(rest[1]) : fs::path(), how);
+  const EditedScene edited = edited_scene(project, rest.size() == 2 ? fs::path(rest[1]) : fs::path(), call);
   if (edited.exit_code != 0) return edited.exit_code;
-  if (quiet) return 0;
+  if (how.quiet) return 0;
   tell(edited.folder / "report.json");
   fmt::print("{}\n", edited_folder(project).string());
   return 0;

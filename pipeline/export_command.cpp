@@ -13,16 +13,15 @@
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
+#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
 namespace {
 
-struct ExportArguments {
+struct ExportArguments : ToolOptions {
   std::string output, formats, axes, scale;
-  std::vector<std::string> sets;
-  int threads = 0;
-  bool list = false, overwrite = false, edited = false, no_progress = false, quiet = false, help = false;
+  bool list = false, overwrite = false, edited = false;
 };
 
 CommandLine export_command_line(ExportArguments& a) {
@@ -35,19 +34,9 @@ CommandLine export_command_line(ExportArguments& a) {
   cli.flag("edited", 0, a.edited, "The scene with its edits (vitrine edit), into PROJECT/edited/export.");
   cli.value("output", 'o', "DIR", a.output, "Where the files go; default: PROJECT/export.");
   cli.flag("overwrite", 0, a.overwrite, "Replace files that are there with other contents.");
-  cli.values("set", 0, "OPTION=VALUE", a.sets, "An option of vitrine-export.");
-  cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Files do not depend on it.");
-  cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
-  cli.flag("quiet", 'q', a.quiet, "Warnings and errors only.");
-  cli.flag("help", 'h', a.help, "Print this text.");
+  add_set_option(cli, a, "export");
+  add_usual_options(cli, a, "Files do");
   return cli;
-}
-
-Words quietness(const ExportArguments& a) {
-  Words words;
-  if (a.no_progress) words.emplace_back("--no-progress");
-  if (a.quiet) words.emplace_back("--quiet");
-  return words;
 }
 
 // The stage says the same of `--set formats=...`; who typed --formats is told where to read what formats there are.
@@ -108,8 +97,8 @@ int export_command(const Words& words) {
   if (!a.formats.empty()) run.insert(run.end(), {"--set", "formats=[" + a.formats + "]"});
   if (!a.axes.empty()) run.insert(run.end(), {"--set", "axes=" + a.axes});
   if (!a.scale.empty()) run.insert(run.end(), {"--set", fmt::format("scale={}", metres(a.scale))});
-  for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
-  if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
+  const Words work = work_words(a);
+  run.insert(run.end(), work.begin(), work.end());
 
   const ToolResult result = run_tool("export", project, run, how);
   if (result.exit_code != 0) return result.exit_code;

@@ -15,6 +15,7 @@
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
+#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
@@ -81,9 +82,8 @@ Words results_of(const fs::path& project) {
 
 int mark_command(const Words& words) {
   std::string output, marks;
-  Words sets;
-  bool open = false, quiet = false, no_progress = false, help = false;
-  int threads = 0;
+  ToolOptions how;
+  bool open = false;
   CommandLine cli("vitrine mark", "PHOTOS|PROJECT [options]",
                   "One HTML page that shows the photos and lets you draw what is glass, metal, the object, or not to be used; it "
                   "saves marks.yaml for `vitrine run --masks`. Any browser opens it, without a server or a network. Of PROJECT, "
@@ -92,13 +92,10 @@ int mark_command(const Words& words) {
   cli.value("output", 'o', "FILE", output, "The page; default: mark.html in the current folder, or PROJECT/mark.html.");
   cli.value("masks", 0, "FILE", marks, "A file of marks to go on with; default: that of PROJECT.");
   cli.flag("open", 0, open, "Open it in the browser.");
-  cli.values("set", 0, "OPTION=VALUE", sets, "An option of vitrine-mark.");
-  cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all. The page does not depend on it.");
-  cli.flag("no-progress", 0, no_progress, "No progress bar, no progress lines.");
-  cli.flag("quiet", 'q', quiet, "Warnings and errors only.");
-  cli.flag("help", 'h', help, "Print this text.");
+  add_set_option(cli, how, "mark");
+  add_usual_options(cli, how, "The page does");
   const Words rest = cli.parse(words);
-  if (help) {
+  if (how.help) {
     std::cout << cli.help();
     return 0;
   }
@@ -125,14 +122,11 @@ int mark_command(const Words& words) {
     const Words results = results_of(*subject.project);
     call.insert(call.end(), results.begin(), results.end());
   }
-  for (const std::string& set : sets) call.insert(call.end(), {"--set", set});
-  if (threads > 0) call.insert(call.end(), {"--threads", std::to_string(threads)});
-  if (no_progress) call.emplace_back("--no-progress");
-  if (quiet) call.emplace_back("--quiet");
+  for (const Words& more : {work_words(how), quietness(how)}) call.insert(call.end(), more.begin(), more.end());
   if (const int exit = run_and_tell(call); exit != 0) return exit;
   const fs::path file = output.empty() ? subject.project.value_or(fs::current_path()) / kPage : fs::absolute(output);
   write_file(file, read_file(made / kPage));
-  if (!quiet) fmt::print("{}\n", file.string());
+  if (!how.quiet) fmt::print("{}\n", file.string());
   if (open) open_in_browser(file);
   return 0;
 }

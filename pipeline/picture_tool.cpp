@@ -53,13 +53,10 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureToo
             "heldout, train, all, or a camera path: a file like the scene's transforms.json, in its frame.");
   cli.value("size", 's', "WxH", a.size, "Size of the pictures; default: as trained, or as the path says.");
   cli.value("output", 'o', "DIR", a.output, fmt::format("Where the folder `{}` appears; default: PROJECT.", tool.folder));
-  cli.values("set", 0, "OPTION=VALUE", a.sets, fmt::format("An option of vitrine-{}.", tool.name));
+  add_set_option(cli, a, tool.name);
   cli.flag("edited", 0, a.edited, fmt::format("The scene with its edits (vitrine edit), into PROJECT/edited/{}.", tool.folder));
   cli.flag("force", 0, a.force, "Compute the pictures even if they are in the store.");
-  cli.value("threads", 'j', "N", a.threads, 0, "Threads; 0 = all. Pictures do not depend on it.");
-  cli.flag("no-progress", 0, a.no_progress, "No progress bar, no progress lines.");
-  cli.flag("quiet", 'q', a.quiet, "Warnings and errors only.");
-  cli.flag("help", 'h', a.help, "Print this text.");
+  add_usual_options(cli, a, "Pictures do");
 }
 
 fs::path picture_project(const Words& rest) { return project_of(rest.empty() ? "." : rest[0]); }
@@ -76,9 +73,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   const ProjectLock lock(project);
   const fs::path there = a.edited ? edited_folder(project) : project;
   const fs::path target = result_folder(project, there, a.output);
-  Words how;
-  if (a.no_progress) how.emplace_back("--no-progress");
-  if (a.quiet) how.emplace_back("--quiet");
+  Words how = quietness(a);
   ToolInputs inputs{.stages = tool.stages, .optional = tool.optional_stages, .missing = tool.missing};
   if (a.edited) {
     const EditedScene edited = edited_scene(project, {}, how);
@@ -89,8 +84,8 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   add_views(a.views, run);
   if (!a.size.empty()) add_size(a.size, run);
   run.insert(run.end(), tool.words.begin(), tool.words.end());
-  for (const std::string& set : a.sets) run.insert(run.end(), {"--set", set});
-  if (a.threads > 0) run.insert(run.end(), {"--threads", std::to_string(a.threads)});
+  const Words work = work_words(a);
+  run.insert(run.end(), work.begin(), work.end());
 
   if (a.force) how.emplace_back("--force");
   const ToolResult result = run_tool(tool.name, project, run, how);

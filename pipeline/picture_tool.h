@@ -5,14 +5,13 @@
 #include "core/base/file.h"
 #include "core/config/cli.h"
 #include "pipeline/commands.h"
+#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
-struct PictureArguments {
+struct PictureArguments : ToolOptions {
   std::string output, views = "heldout", size;
-  std::vector<std::string> sets;
-  int threads = 0;
-  bool edited = false, force = false, no_progress = false, quiet = false, help = false;
+  bool edited = false, force = false;
 };
 struct PictureTool {
   std::string name;                                       // "render": program vitrine-render, and its part of the store

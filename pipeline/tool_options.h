@@ -1,0 +1,28 @@
+// Options that all commands have which start one program on a project: render, relight, view, mark, export, edit.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/config/cli.h"
+#include "pipeline/commands.h"
+
+namespace vitrine {
+
+struct ToolOptions {
+  std::vector<std::string> sets;
+  int threads = 0;
+  bool no_progress = false, quiet = false, help = false;
+};
+// --set OPTION=VALUE, for the program vitrine-<tool>.
+void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool);
+// --threads, --no-progress, --quiet and --help, which end a list of options. `results`: "Files do", which depend on no number of
+// threads.
+void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view results);
+
+// What the program is given of them: how it works, and what it prints.
+Words work_words(const ToolOptions& o);
+Words quietness(const ToolOptions& o);
+
+}  // namespace vitrine
