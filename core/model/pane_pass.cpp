@@ -59,8 +59,7 @@ void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float poli
     const ShapeSet::Entry& e = set.entries[entry];
     if (e.role == ShapeRole::Sheet || facets(e.shape).empty()) continue;
     const double reach = kOwnSurfels * e.tolerance;
-    Bounds3 about = bounds(e.shape);
-    about.low -= Vec3d{reach, reach, reach}, about.high += Vec3d{reach, reach, reach};
+    const Bounds3 about = bounds(e.shape, reach);
     for (size_t i = 0; i < own_.size(); ++i) {
       const float* m = scene.diffuse.at(Attribute::Mean, i);
       const Vec3d mean{m[0], m[1], m[2]};

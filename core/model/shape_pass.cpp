@@ -21,10 +21,7 @@ std::vector<Bounds3> coat_bounds(const ShapeSet& set) {
   std::vector<Bounds3> out;
   for (const ShapeSet::Entry& e : set.entries) {
     if (e.role != ShapeRole::Coat) continue;
-    const double more = kBehindCoat * e.tolerance;
-    Bounds3 b = bounds(e.shape);
-    b.low -= Vec3d{more, more, more}, b.high += Vec3d{more, more, more};
-    out.push_back(b);
+    out.push_back(bounds(e.shape, kBehindCoat * e.tolerance));
   }
   return out;
 }

@@ -47,10 +47,7 @@ std::vector<Located> located(const ShapeSet& set) {
   std::vector<Located> out;
   for (const ShapeSet::Entry& e : set.entries) {
     if (e.role != ShapeRole::Mirror) continue;
-    const double more = e.tolerance + kRounded_rel * size_of(e.shape);
-    Bounds3 b = bounds(e.shape);
-    b.low -= Vec3d{more, more, more}, b.high += Vec3d{more, more, more};
-    out.push_back({&e, b});
+    out.push_back({&e, bounds(e.shape, e.tolerance + kRounded_rel * size_of(e.shape))});
   }
   return out;
 }

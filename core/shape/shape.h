@@ -35,9 +35,11 @@ inline std::vector<Vec3d> outer_points(const Shape& shape) {
 inline TriMesh tessellated(const Shape& shape, double spacing) {
   return std::visit([&](const auto& s) { return s.tessellated(spacing); }, shape);
 }
-inline Bounds3 bounds(const Shape& shape) {
+// Of the shape, and of all that lies no farther than `margin` from it.
+inline Bounds3 bounds(const Shape& shape, double margin = 0) {
   Bounds3 out;
   for (const Vec3d& p : outer_points(shape)) out.extend(p);
+  out.low -= Vec3d{margin, margin, margin}, out.high += Vec3d{margin, margin, margin};
   return out;
 }
 // A length that says how large it is: its longest side, its largest radius.

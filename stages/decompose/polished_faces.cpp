@@ -12,19 +12,31 @@ namespace {
 
 constexpr double kOnShape = 2;  // tolerances between a face and the shape that it lies on
 
-// The known mirror or coat at a place, -1: none. Appendages are of one thing with what they stand out of.
-int known_at(const ShapeSet* shapes, const Vec3d& p) {
-  int best = -1;
-  double least = kOnShape;
-  for (size_t i = 0; shapes != nullptr && i < shapes->entries.size(); ++i) {
-    const ShapeSet::Entry& e = shapes->entries[i];
-    if (e.role == ShapeRole::Sheet) continue;
-    const double off = length(nearest(e.shape, p).position - p) / e.tolerance;
-    if (off < least) least = off, best = int(i);
+// The known mirrors and coats, and where faces on them can be at all.
+class KnownPolished {
+ public:
+  explicit KnownPolished(const ShapeSet* shapes) : shapes_(shapes) {
+    if (shapes == nullptr) return;
+    for (const ShapeSet::Entry& e : shapes->entries)
+      reach_.push_back(e.role == ShapeRole::Sheet ? Bounds3{} : bounds(e.shape, kOnShape * e.tolerance));
   }
-  while (best >= 0 && shapes->entries[size_t(best)].parent >= 0) best = shapes->entries[size_t(best)].parent;
-  return best;
-}
+  // The entry at a place, -1: none. Appendages are of one thing with what they stand out of.
+  int at(const Vec3d& p) const {
+    int best = -1;
+    double least = kOnShape;
+    for (size_t i = 0; i < reach_.size(); ++i) {
+      if (!reach_[i].contains(p)) continue;
+      const ShapeSet::Entry& e = shapes_->entries[i];
+      const double off = length(nearest(e.shape, p).position - p) / e.tolerance;
+      if (off < least) least = off, best = int(i);
+    }
+    return best < 0 ? -1 : int(shapes_->root(uint32_t(best)));
+  }
+
+ private:
+  const ShapeSet* shapes_;
+  std::vector<Bounds3> reach_;  // [entry]; none: a sheet
+};
 
 }  // namespace
 
@@ -33,6 +45,7 @@ PolishedFaces polished_faces(const TriMesh& mesh, const std::vector<uint8_t>& po
   DisjointSets corners(mesh.positions.size());
   for (size_t f = 0; f < polished.size(); ++f)
     for (size_t i = 1; i < 3 && polished[f]; ++i) corners.unite(mesh.faces[f][i], mesh.faces[f][0]);
+  const KnownPolished known_shapes(shapes);
   PolishedFaces out{std::vector<int>(polished.size(), -1), {}};
   std::map<std::pair<int, uint32_t>, int> numbers;    // [known shape, or -1 and group]
   std::map<uint32_t, std::map<int, size_t>> mirrors;  // [group][thing] faces
@@ -41,7 +54,7 @@ PolishedFaces polished_faces(const TriMesh& mesh, const std::vector<uint8_t>& po
     if (!polished[f]) continue;
     const auto& v = mesh.faces[f];
     const uint32_t at = corners.representative(v[0]);
-    const int known = known_at(shapes, cast<double>(mesh.positions[v[0]] + mesh.positions[v[1]] + mesh.positions[v[2]]) / 3.0);
+    const int known = known_shapes.at(cast<double>(mesh.positions[v[0]] + mesh.positions[v[1]] + mesh.positions[v[2]]) / 3.0);
     const auto [number, added] = numbers.try_emplace({known, known < 0 ? at : 0}, int(out.known.size()));
     if (added) out.known.push_back(known), group.push_back(at);
     out.thing[f] = number->second;

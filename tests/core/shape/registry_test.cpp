@@ -75,6 +75,9 @@ TEST_P(Shapes, NothingOfItIsNearerThanTheNearestPointNorBeyondItsBounds) {
       EXPECT_LE(p[c], all.high[c] + precise());
     }
   EXPECT_LT(all.diagonal(), 1.2 * seen.diagonal());
+  const Bounds3 wider = bounds(shape, 0.25);
+  EXPECT_EQ(wider.low, (all.low - Vec3d{0.25, 0.25, 0.25}));
+  EXPECT_EQ(wider.high, (all.high + Vec3d{0.25, 0.25, 0.25}));
   for (int k = 0; k < 100; ++k) {
     const Vec3d p = 1.5 * vector();
     const ShapePoint near = nearest(shape, p);
