@@ -1,9 +1,9 @@
-// node page/bundle.mjs FOLDER FILE.html: FOLDER/index.html with its style, its script and all packages inside, and their licences.
-// Same sources and lock file, same bytes.
+// node page/bundle.mjs STAGE FILE.html: page/page.html with the body, the style and the script of STAGE/page, and all packages inside, and
+// their licences. Same sources and lock file, same bytes.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { build } from 'esbuild';
 
-const [folder, file] = process.argv.slice(2);
+const [stage, file] = process.argv.slice(2), folder = `${stage}/page`;
 const { outputFiles, metafile } = await build({
   entryPoints: [`${folder}/main.js`],
   bundle: true,
@@ -23,6 +23,7 @@ const licences = [...packages].sort().map((name) => {
   return `${name} ${version}\n\n${readFileSync(`node_modules/${name}/LICENSE`, 'utf8')}`;
 });
 const style = ['page/shared.css', `${folder}/style.css`].map((path) => readFileSync(path, 'utf8')).join('');
-const parts = { style, script, licences: licences.join('\n').replaceAll('<', '&lt;') };
+const body = readFileSync(`${folder}/body.html`, 'utf8');
+const parts = { stage, body, style, script, licences: licences.join('\n').replaceAll('<', '&lt;') };
 // A function, since what follows a dollar sign in a string would have a meaning.
-writeFileSync(file, readFileSync(`${folder}/index.html`, 'utf8').replace(/\/\*\{(\w+)\}\*\//g, (_, name) => parts[name]));
+writeFileSync(file, readFileSync('page/page.html', 'utf8').replace(/\/\*\{(\w+)\}\*\//g, (_, name) => parts[name]));
