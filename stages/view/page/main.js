@@ -1,6 +1,8 @@
 // The page: what it can draw in this browser, and the panel beside the picture.
+import { ClipPlane, clip_section } from './clip_plane.js';
 import { read_page } from './scene_data.js';
 import { show_mesh } from './mesh_canvas.js';
+import { read_state } from './url_state.js';
 import { View } from './view.js';
 import { make_panel } from './panel.js';
 
@@ -23,9 +25,16 @@ async function open() {
   const page = await read_page();
   const why = missing();
   if (why) {
-    const shown = show_mesh(document.getElementById('picture'), page);
+    const panel = document.getElementById('panel'), clip = new ClipPlane(page.scene.middle, page.blocks.mesh_position ?? []);
+    clip.restore(read_state().query);
+    const shown = show_mesh(document.getElementById('picture'), page, clip);
     tell(`${why}: ${shown ? 'the mesh alone is shown, in its plain colours' : 'and the scene has no mesh to show instead'}.`);
-    document.getElementById('panel').remove();
+    if (!shown) panel.remove();
+    else {
+      const { nodes, show } = clip_section(clip, page.scene.scale_known ? ' m' : '', () => shown.position.toArray()), draw = clip.on_change;
+      clip.on_change = () => (draw(), show());
+      panel.append(...nodes);
+    }
     return { mesh_alone: true, page };
   }
   const view = new View(page, tell);

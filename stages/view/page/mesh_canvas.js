@@ -1,11 +1,12 @@
 // The scene's mesh without WebGL: triangles painted from far to near. Dragging turns it, the wheel moves nearer.
 import { PerspectiveCamera, Vector3 } from 'three';
+import { clipped } from './clip_plane.js';
 import { from_three, projected, stand_at } from './cameras.js';
 
-// Draws into `canvas` from the first photo's camera; false where the page has no mesh.
-export function show_mesh(canvas, { scene, blocks }) {
+// Draws into `canvas` from the first photo's camera what `clip` shows of it; null where the page has no mesh. -> the camera
+export function show_mesh(canvas, { scene, blocks }, clip) {
   const { mesh_position: places, mesh_color: colors, mesh_face: faces } = blocks;
-  if (!faces?.length) return false;
+  if (!faces?.length) return null;
   const eye = new PerspectiveCamera(), target = new Vector3(), up = new Vector3(0, 0, 1);
   eye.up.copy(up);
   stand_at(eye, target, scene.cameras[0], scene.middle);
@@ -14,10 +15,13 @@ export function show_mesh(canvas, { scene, blocks }) {
     const width = (canvas.width = canvas.clientWidth), height = (canvas.height = canvas.clientHeight), context = canvas.getContext('2d');
     const camera = from_three(eye, width, height), on_screen = [];
     for (let v = 0; v < places.length; v += 3) on_screen.push(projected(camera, places.subarray(v, v + 3)));
-    const order = [];
+    const order = [], plane = clip.plane(camera), outlines = new Map();  // of faces that the plane cuts
+    const hidden = on_screen.map((_, v) => places[3 * v] * plane[0] + places[3 * v + 1] * plane[1] + places[3 * v + 2] * plane[2] < plane[3]);
     for (let f = 0; f < faces.length; f += 3) {
-      const [a, b, c] = [0, 1, 2].map((k) => on_screen[faces[f + k]]);
-      if (Math.min(a[2], b[2], c[2]) > 0.01) order.push([f, a[2] + b[2] + c[2]]);
+      const corners = [...faces.subarray(f, f + 3)], [a, b, c] = corners.map((v) => on_screen[v]), cut = corners.filter((v) => hidden[v]).length;
+      if (cut === 3 || Math.min(a[2], b[2], c[2]) <= 0.01) continue;
+      order.push([f, a[2] + b[2] + c[2]]);
+      if (cut > 0) outlines.set(f, clipped(corners.map((v) => [...places.subarray(3 * v, 3 * v + 3)]), plane).map((p) => projected(camera, p)));
     }
     order.sort((a, b) => b[1] - a[1]);
     context.fillStyle = '#777';
@@ -27,7 +31,7 @@ export function show_mesh(canvas, { scene, blocks }) {
       const rgb = [0, 1, 2].map((c) => Math.round(corners.reduce((sum, v) => sum + colors[3 * v + c], 0) / 3));
       context.fillStyle = context.strokeStyle = `rgb(${rgb})`;
       context.beginPath();
-      corners.forEach((v, k) => context[k ? 'lineTo' : 'moveTo'](on_screen[v][0], on_screen[v][1]));
+      (outlines.get(f) ?? corners.map((v) => on_screen[v])).forEach(([x, y], k) => context[k ? 'lineTo' : 'moveTo'](x, y));
       context.closePath();
       context.fill();
       context.stroke();
@@ -51,6 +55,7 @@ export function show_mesh(canvas, { scene, blocks }) {
     draw();
   }, { passive: false });
   addEventListener('resize', draw);
+  clip.on_change = draw;
   draw();
-  return true;
+  return eye;
 }

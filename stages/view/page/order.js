@@ -56,9 +56,10 @@ export class Order {
 
   // -> {tile: its side in pixels, columns, rows, left, top: of the first, count}. this.maps then has the surfels on the screen,
   // this.lists those of each tile, this.starts [tiles + 1] where a list begins. what: {first, last, near_z, without: flags of
-  // surfels that take no part, plane: [normal, offset] before which they must lie, window: [left, top, right, bottom] in pixels}
+  // surfels that take no part, plane: [normal, offset] before which they must lie, clip: the
+  // same for any part of them, window: [left, top, right, bottom] in pixels}
   tile_lists(camera, what) {
-    const { places, axes, opacities, flags, maps } = this, { first, last, near_z, without = 0, plane } = what;
+    const { places, axes, opacities, flags, maps } = this, { first, last, near_z, without = 0, plane, clip } = what;
     const r = camera.rotation, t = camera.translation, { fx, fy, cx, cy, width, height } = camera;
     const [w0, w1, w2, w3] = what.window ?? [0, 0, width, height];
     let tile = kTile;
@@ -71,13 +72,16 @@ export class Order {
       if (plane && plane[0] * x + plane[1] * y + plane[2] * w < plane[3]) continue;
       const z0 = r[6] * x + r[7] * y + r[8] * w + t[2];
       if (!(z0 > near_z)) continue;
+      const r2 = 2 * Math.log(255 * o), cu = clip[0] * axes[a] + clip[1] * axes[a + 1] + clip[2] * axes[a + 2];
+      const cv = clip[0] * axes[a + 3] + clip[1] * axes[a + 4] + clip[2] * axes[a + 5];
+      if (clip[0] * x + clip[1] * y + clip[2] * w + Math.sqrt(r2 * (cu * cu + cv * cv)) < clip[3]) continue;
       const X = r[0] * x + r[1] * y + r[2] * w + t[0], Y = r[3] * x + r[4] * y + r[5] * w + t[1];
       const ux = r[0] * axes[a] + r[1] * axes[a + 1] + r[2] * axes[a + 2], uy = r[3] * axes[a] + r[4] * axes[a + 1] + r[5] * axes[a + 2];
       const uz = r[6] * axes[a] + r[7] * axes[a + 1] + r[8] * axes[a + 2], vx = r[0] * axes[a + 3] + r[1] * axes[a + 4] + r[2] * axes[a + 5];
       const vy = r[3] * axes[a + 3] + r[4] * axes[a + 4] + r[5] * axes[a + 5], vz = r[6] * axes[a + 3] + r[7] * axes[a + 4] + r[8] * axes[a + 5];
       const xn = X / z0, yn = Y / z0, mx = fx * xn + cx, my = fy * yn + cy;
       // Around the middle, for the low-pass, and where the plane itself shows the disc u^2 + v^2 = r2.
-      const r2 = 2 * Math.log(255 * o), low_pass = Math.sqrt(0.5 * r2);
+      const low_pass = Math.sqrt(0.5 * r2);
       let left = mx - low_pass, right = mx + low_pass, top = my - low_pass, bottom = my + low_pass;
       const ww = r2 * (uz * uz + vz * vz) - z0 * z0;
       if (ww < -1e-12) {

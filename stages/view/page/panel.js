@@ -1,13 +1,9 @@
 // The controls beside the picture.
 import { button, download, element } from '../../page/elements.js';
+import { clip_section } from './clip_plane.js';
+import { slider } from './controls.js';
+import { measures_section } from './measures.js';
 import { kModes } from './picture.js';
-
-function slider(text, id, least, most, step, unit, set) {
-  const shown = element('output', { htmlFor: id });
-  const input = element('input', { type: 'range', id, min: least, max: most, step, oninput: () => set(Number(input.value)) });
-  const show = (value) => ((input.value = value), (shown.value = `${Math.round(value * 100) / 100}${unit}`));
-  return { row: element('div', { className: 'row' }, element('label', { htmlFor: id, textContent: text }), input, shown), show };
-}
 
 export function make_panel(view, { scene, photos }) {
   const panel = document.getElementById('panel'), changes = [];
@@ -52,13 +48,10 @@ export function make_panel(view, { scene, photos }) {
     button('Path', () => (view.path.length ? json(true) : view.tell('The path is empty: \u201cAdd to path\u201d puts this view on it.')), { id: 'save_path' }), count),
     element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
 
-  const measured = element('output', { id: 'distance' });
-  const measure = button('Measure', () => ((view.measuring = !view.measuring), (view.measures = []), view.draw_marks(), view.changed()), { id: 'measure' });
-  changes.push(() => {
-    measure.setAttribute('aria-pressed', view.measuring);
-    measured.value = view.distance_text() || (view.measuring ? 'click two points' : '');
-  });
-  section('Distance', element('div', { className: 'row' }, measure, measured));
+  for (const { nodes, show } of [clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray()), measures_section(view)]) {
+    panel.append(...nodes);
+    changes.push(show);
+  }
 
   if (photos.length) {
     const list = element('div', { className: 'photos', id: 'photos' });

@@ -5,6 +5,7 @@ import {
   WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
 } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
+import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
 import { Shapes } from './shapes.js';
 import { irradiance } from './irradiance.js';
@@ -217,10 +218,11 @@ export class Picture {
   }
 
   // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
-  // gain, panes (false: mirrored pictures are left out, while the camera moves)}
+  // gain, panes (false: mirrored pictures are left out, while the camera moves), clip: [normal, offset] (clip_plane.js)}
   draw(camera, state) {
     const { renderer, surfels, uniforms: u } = this, { mode } = state;
     const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
+    surfels.clip = this.shapes.uniforms.clip.value = state.clip ?? kNoClip;
     const paint = mode === 'albedo' ? Paint.Albedo : lit ? Paint.Matt : Paint.Photographed;
     if (lit) this.light_probes();
     const glass = mode !== 'open' && !this.plain(mode);

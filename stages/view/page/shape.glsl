@@ -17,10 +17,12 @@ void main() {
 }
 #else
 uniform int side;  // 0: surfaces that face the eye, 1: panes likewise, 2: those that look away, of closed shapes
+uniform vec4 clip;  // shown is where dot(clip.xyz, p) >= clip.w
 in vec3 place, outwards;
 flat in vec2 which, how;
 out vec4 seen;
 void main() {
+  if (dot(clip.xyz, place) < clip.w) discard;
   vec3 n = normalize(outwards);
   bool faces = dot(n, eye - place) > 0.0, closed = how.x > 0.5;
   if (closed ? faces == (side == 2) : side == 2) discard;

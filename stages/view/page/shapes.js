@@ -2,6 +2,7 @@
 import {
   BufferAttribute, BufferGeometry, Camera, DoubleSide, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, RawShaderMaterial, Scene, WebGLRenderTarget,
 } from 'three';
+import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, set_camera } from './cameras.js';
 import camera_glsl from './camera.glsl';
 import shape_glsl from './shape.glsl';
@@ -14,7 +15,7 @@ export class Shapes {
   constructor(renderer, { scene, blocks }) {
     this.renderer = renderer, this.blocks = blocks;
     const { entries, facets } = (this.table = scene.shapes);
-    this.uniforms = { ...camera_uniforms(), depths: { value: [0.01, 100] }, side: { value: 0 } };
+    this.uniforms = { ...camera_uniforms(), depths: { value: [0.01, 100] }, side: { value: 0 }, clip: { value: kNoClip } };
     const material = new RawShaderMaterial({
       glslVersion: GLSL3, uniforms: this.uniforms, side: DoubleSide, blending: NoBlending,
       vertexShader: `#define VERTEX\nprecision highp float;\n${camera_glsl}${shape_glsl}`,

@@ -13,6 +13,7 @@ uniform sampler2D maps;             // three texels a surfel: middle, z0, opacit
 uniform sampler2D colors, facings;  // surfel_color.glsl
 uniform sampler2D materials;        // f0, roughness
 uniform float near_z;
+uniform vec4 clip;                  // shown is where dot(clip.xyz, p) >= clip.w
 
 layout(location = 0) out vec4 color_sum;
 #ifdef SURFACE
@@ -56,6 +57,7 @@ void main() {
   int number = tile.y * tiles.y + tile.x;
   int first = int(texelFetch(starts, texel(number, starts_width), 0).r), last = int(texelFetch(starts, texel(number + 1, starts_width), 0).r);
 
+  float clip_rise = dot(clip.xyz, ray_per_z(pixel)), clip_start = dot(clip.xyz, eye) - clip.w;
   float zs[kWindow], alphas[kWindow];
   int surfels[kWindow];  // farthest first
   for (int k = 0; k < kWindow; ++k) zs[k] = -1.0, alphas[k] = 0.0, surfels[k] = 0;
@@ -71,6 +73,7 @@ void main() {
     float alpha = min(middle.w * exp(-0.5 * (on_plane ? plane : dot2)), kMaxAlpha);
     if (!(alpha >= kMinAlpha)) continue;
     float z = middle.z * (on_plane ? inv_den : 1.0);
+    if (clip_start + z * clip_rise < 0.0) continue;
     for (int k = 0; k < kWindow; ++k) {
       if (z > zs[k]) {
         float z_k = zs[k], alpha_k = alphas[k];

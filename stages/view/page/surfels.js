@@ -5,6 +5,7 @@ import {
   UnsignedByteType, UnsignedIntType, WebGLRenderTarget,
 } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
+import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, set_camera } from './cameras.js';
 import { kMap, Order } from './order.js';
 import { surfel_constants, surfel_places, surfel_turns } from './scene_data.js';
@@ -57,6 +58,7 @@ export class Surfels {
     this.renderer = renderer;
     this.solid = scene.solid;
     this.near_z = scene.near_z;
+    this.clip = kNoClip;  // clip_plane.js
     this.places = surfel_places(b.place);
     const turns = surfel_turns(b.turn), constants = surfel_constants(b.constant), opacities = Float32Array.from(b.opacity, (v) => v / 255);
     this.maps = texture(new Float32Array(kMap * kWidth * Math.ceil(n / kWidth)), 3 * kWidth, FloatType);
@@ -114,7 +116,7 @@ export class Surfels {
     }));
 
     this.uniforms = {
-      ...camera_uniforms(), ...textures('materials'), near_z: { value: 0 },
+      ...camera_uniforms(), ...textures('materials'), near_z: { value: 0 }, clip: { value: null },
       colors: { value: this.color_target.textures[0] }, facings: { value: this.color_target.textures[1] },
       maps: { value: this.maps }, lists: { value: null }, starts: { value: null }, tiles: { value: [1, 1, 0, 0] }, tile_rows: { value: [0, 0] },
     };
@@ -159,13 +161,13 @@ export class Surfels {
   draw(camera, what = {}) {
     const u = this.uniforms, near_z = what.near_z ?? this.near_z;
     const without = (what.mirrors ? kGuess : 0) | (what.lit ? kSky : 0);
-    const { tile, columns, rows, left, top, count } = this.by.tile_lists(camera, { first: 0, last: this.solid, ...what, near_z, without });
+    const { tile, columns, rows, left, top, count } = this.by.tile_lists(camera, { first: 0, last: this.solid, ...what, near_z, without, clip: this.clip });
     this.upload('lists', this.by.lists, count);
     this.upload('starts', this.by.starts, this.by.starts.length);
     this.maps.needsUpdate = true;
     u.tiles.value = [tile, columns, left, top], u.tile_rows.value = [rows, 0];
     set_camera(u, camera);
-    u.near_z.value = near_z;
+    u.near_z.value = near_z, u.clip.value = this.clip;
     u.materials.value = what.lit ? this.textures.lit_materials : this.textures.materials;
     (what.surface === false ? this.quads.color : this.quads.surface).render(this.renderer);
   }

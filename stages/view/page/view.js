@@ -1,8 +1,10 @@
-// What the page shows, and what people do to it: camera, mode, light, photo, measures. Pictures are drawn when something changed:
+// What the page shows, and what people do to it: camera, mode, light, photo, clicks. Pictures are drawn when something changed:
 // smaller and without what panes mirror while the camera moves in a slow browser, in full once it rests.
 import { PerspectiveCamera, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { ClipPlane } from './clip_plane.js';
 import { from_three, projected, resized, stand_at, transforms_json, unprojected } from './cameras.js';
+import { Measures } from './measures.js';
 import { kModes, Picture } from './picture.js';
 import { evening, read_sky, sky, studio } from './sky.js';
 import { read_state, write_state } from './url_state.js';
@@ -22,7 +24,13 @@ export class View {
     this.picture = new Picture(this.renderer, page);
     this.listeners = [];
     this.skies = this.scene.relit ? { photos: this.captured(), studio: studio(), evening: evening() } : {};
-    this.path = [], this.measures = [], this.measuring = false;
+    this.path = [];
+    this.clip = new ClipPlane(this.scene.middle, this.picture.surfels.places.subarray(0, 3 * this.scene.solid));
+    this.clip.on_change = () => (this.show_state(), this.adjusting());
+    this.measures = new Measures(this);
+    this.kept = [this.clip];        // what has a part of the address: address(), restore(query)
+    this.marked = [this.measures];  // what draws over the picture
+    this.tool = null;               // takes clicks on surfaces
 
     this.eye = new PerspectiveCamera();
     this.eye.up.set(0, 0, 1);
@@ -36,11 +44,12 @@ export class View {
 
     this.canvas.addEventListener('keydown', (e) => this.key(e));
     this.canvas.addEventListener('pointerdown', (e) => (this.pressed = [e.clientX, e.clientY]));
-    this.canvas.addEventListener('pointerup', (e) => this.measuring && this.released(e));
+    this.canvas.addEventListener('pointerup', (e) => this.tool && this.released(e));
     new ResizeObserver(() => this.draw()).observe(document.getElementById('stage'));
     for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => this.dragged(e));
     const wanted = read_state();
     this.set(wanted, false);
+    for (const part of this.kept) part.restore(wanted.query);
     if (wanted.eye && wanted.target) this.look(wanted.eye, wanted.target);
     if (wanted.photo) this.show_photo(this.scene.cameras.findIndex((c) => c.name === wanted.photo));
     this.first_picture = new Promise((done) => (this.first = done));
@@ -56,9 +65,13 @@ export class View {
   on_change(listener) {
     this.listeners.push(listener);
   }
-  changed() {
+  show_state() {
     for (const f of this.listeners) f(this.state);
-    write_state(this.state, this.eye.position.toArray(), this.controls.target.toArray(), this.photo === undefined ? null : this.scene.cameras[this.photo].name);
+  }
+  changed() {
+    this.show_state();
+    const photo = this.photo === undefined ? null : this.scene.cameras[this.photo].name;
+    write_state(this.state, this.eye.position.toArray(), this.controls.target.toArray(), photo, this.kept.flatMap((part) => part.address()));
   }
 
   // Some of: mode, light, turn (degrees), exposure (stops), background.
@@ -103,7 +116,10 @@ export class View {
   }
   moved() {
     if (this.photo !== undefined) this.leave_photo();
-    if (!this.state) return;
+    if (this.state) this.adjusting();
+  }
+  // Something is being moved: small pictures until it rests.
+  adjusting() {
     this.resting = false;
     this.draw();
     clearTimeout(this.rest);
@@ -197,7 +213,7 @@ export class View {
     this.renderer.setSize(camera.width, camera.height, false);
     const gain = this.photo === undefined ? [1, 1, 1] : this.scene.cameras[this.photo].gain;
     this.drawn = camera;
-    this.picture.draw(camera, { ...this.state, gain, ...more });
+    this.picture.draw(camera, { ...this.state, clip: this.clip.plane(camera), gain, ...more });
   }
   // A picture as a PNG, when the last change is drawn.
   async screenshot() {
@@ -233,33 +249,29 @@ export class View {
     else this.tell('This scene has no materials, so another light cannot fall on it: finish `vitrine run`, then `vitrine view`.');
   }
 
-  // ---- distances
+  // ---- clicks on surfaces
 
+  // Clicks go to this tool; to none, where it has them already.
+  use(tool) {
+    this.tool?.ended();
+    this.tool = this.tool === tool ? null : tool;
+    this.draw_marks(), this.changed();
+  }
   released(e) {
     if (!this.pressed || Math.hypot(e.clientX - this.pressed[0], e.clientY - this.pressed[1]) > 4) return;
     const box = this.canvas.getBoundingClientRect(), k = this.drawn;
     const x = ((e.clientX - box.left) / box.width) * k.width, y = ((e.clientY - box.top) / box.height) * k.height, z = this.picture.depth_at(x, y);
-    if (!(z > 0)) return this.tell('There is no surface to measure from.');
+    if (!(z > 0)) return this.tell(this.tool.nothing);
     this.tell('');
-    if (this.measures.length === 2) this.measures = [];
-    this.measures.push(unprojected(k, x, y, z));
+    this.tool.take(unprojected(k, x, y, z));
     this.draw_marks(), this.changed();
-  }
-  // Between the two marked points; null while there are fewer. In metres where the scale is known, else in radii of the camera ring.
-  distance() {
-    const [a, b] = this.measures;
-    return b ? Math.hypot(...a.map((v, i) => v - b[i])) : null;
-  }
-  distance_text() {
-    const d = this.distance();
-    if (d === null) return '';
-    if (!this.scene.scale_known) return `${d.toFixed(3)} units, scale unknown`;
-    return d < 1 ? `${(100 * d).toFixed(1)} cm` : `${d.toFixed(2)} m`;
   }
   draw_marks() {
     const svg = document.getElementById('marks'), k = this.drawn, sx = svg.clientWidth / k.width, sy = svg.clientHeight / k.height;
-    const at = this.measures.map((p) => projected(k, p)).filter((p) => p[2] > 0).map(([x, y]) => [x * sx, y * sy]);
-    const line = at.length === 2 ? `<line x1="${at[0][0]}" y1="${at[0][1]}" x2="${at[1][0]}" y2="${at[1][1]}"/><text x="${at[1][0] + 8}" y="${at[1][1]}">${this.distance_text()}</text>` : '';
-    svg.innerHTML = line + at.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="4"/>`).join('');
+    const on_screen = (place) => {
+      const [x, y, z] = projected(k, place);
+      return [x * sx, y * sy, z];
+    };
+    svg.replaceChildren(...this.marked.flatMap((part) => part.marks(on_screen)));
   }
 }
