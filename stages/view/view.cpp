@@ -20,6 +20,7 @@
 #include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
+#include "stages/view/photo_coverage.h"
 #include "stages/view/probes.h"
 #include "stages/view/relit_sample.h"
 
@@ -159,6 +160,11 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     context.warning("VIEW_NO_LIGHT", "there are no materials (stage decompose): the page shows the scene as photographed alone");
   }
   add_surfels(surfels, light, blocks);
+  context.progress({.fraction = 0.5, .text = "which photos saw what", .values = {}});
+  std::vector<View> trained_on;
+  for (size_t i = 0; i < s.views.size(); ++i)
+    if (!s.heldout[i]) trained_on.push_back(s.views[i]);
+  add_coverage(photo_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
   const Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
   if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), blocks);
 
@@ -207,7 +213,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 4,
+                 .version = 5,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -9,9 +9,11 @@ uniform vec3 probe_places[4];
 uniform int probe_count;
 uniform float probe_side;
 uniform bool background;
-uniform int show;           // 0 picture, 1 albedo, 2 normals, 3 roughness, 4 depth, 5 what the glass adds
+uniform int show;           // 0 picture, 1 albedo, 2 normals, 3 roughness, 4 depth, 5 what the glass adds, 6 confidence
 uniform vec3 gain;
 uniform vec2 depth_range;
+uniform vec3 scale[5];      // colours of confidences from 0 to 1, as the screen has them
+uniform float unseen;       // grey of what no photo saw
 
 out vec4 shown;
 
@@ -66,6 +68,12 @@ vec3 depth_color(float x) {  // near is warm and bright
   return clamp(vec3(1.5 - 1.6 * x, 1.05 - 1.1 * x, 0.55 - 0.1 * x + 0.3 * x * x), 0.0, 1.0);
 }
 
+vec3 confidence_color(vec3 sum, float alpha) {
+  float none = clamp(sum.y / alpha, 0.0, 1.0), x = 4.0 * clamp(sum.x / max(alpha - sum.y, 1e-4), 0.0, 1.0);
+  int k = min(int(x), 3);
+  return mix(mix(scale[k], scale[k + 1], x - float(k)), vec3(unseen), none);
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
@@ -113,6 +121,7 @@ void main() {
   if (show == 2) display = s.there ? 0.5 + 0.5 * s.normal : vec3(0.0);
   if (show == 3) display = s.there ? vec3(s.roughness) : vec3(0.0);
   if (show == 4) display = s.there ? depth_color(clamp((s.z - depth_range.x) / (depth_range.y - depth_range.x), 0.0, 1.0)) : vec3(0.0);
+  if (show == 6) display = s.there ? confidence_color(s.color, s.alpha) : vec3(0.0);
   if (show == 5) display = encoded(gain * added);
   shown = vec4(display, 1.0);
 }

@@ -1,6 +1,7 @@
 // The controls beside the picture.
 import { button, download, element } from '../../page/elements.js';
 import { clip_section } from './clip_plane.js';
+import { confidence_legend } from './confidence.js';
 import { slider } from './controls.js';
 import { measures_section } from './measures.js';
 import { kModes } from './picture.js';
@@ -16,7 +17,9 @@ export function make_panel(view, { scene, photos }) {
     changes.push((s) => b.setAttribute('aria-pressed', s.mode === mode));
     modes.append(b);
   }
-  section('Show', modes);
+  const legend = confidence_legend();
+  changes.push(legend.show);
+  section('Show', modes, ...legend.nodes);
   if (!scene.relit) panel.append(element('p', { textContent: 'No materials are there yet (stage decompose), so the scene cannot be relit: finish vitrine run, then vitrine view.' }));
 
   if (scene.relit) {
@@ -37,7 +40,7 @@ export function make_panel(view, { scene, photos }) {
   }
 
   section('Camera', element('div', { className: 'row' }, button('Start', () => view.reset(), { id: 'reset' }), button('Frame', () => view.frame_scene(), { id: 'frame_scene' })),
-          element('p', { textContent: 'Drag turns, right button or two fingers move, wheel or pinch zooms. Keys: arrows, shift and arrows, + and -, r, f, 1 to 8.' }));
+          element('p', { textContent: 'Drag turns, right button or two fingers move, wheel or pinch zooms. Keys: arrows, shift and arrows, + and -, r, f, 1 to 9.' }));
 
   const count = element('output', { id: 'path_count' });
   changes.push(() => (count.value = view.path.length ? `${view.path.length} on the path` : ''));

@@ -7,6 +7,7 @@ import {
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, centre_of, mirrored, projected, set_camera } from './cameras.js';
+import { scale_uniforms } from './confidence.js';
 import { Shapes } from './shapes.js';
 import { irradiance } from './irradiance.js';
 import { cell_light, harmonics, sky_texture, turned } from './sky.js';
@@ -31,8 +32,9 @@ export const kModes = {
   photo: { name: 'As photographed', lit: false }, relit: { name: 'Relit', lit: true },
   open: { name: 'Without the glass' }, glass: { name: 'The glass alone' },
   albedo: { name: 'Albedo', lit: true }, normals: { name: 'Normals' }, roughness: { name: 'Roughness' }, depth: { name: 'Depth' },
+  confidence: { name: 'Confidence' },
 };
-const kShow = { albedo: 1, normals: 2, roughness: 3, depth: 4, glass: 5 };
+const kShow = { albedo: 1, normals: 2, roughness: 3, depth: 4, glass: 5, confidence: 6 };
 
 const full_screen = 'in vec3 position; void main() { gl_Position = vec4(position, 1.0); }';
 
@@ -73,7 +75,7 @@ export class Picture {
       probe_places: { value: Array.from({ length: kProbes }, (_, i) => scene.probes[i] ?? [0, 0, 0]).flat() },
       probe_count: { value: scene.probes.length }, probe_side: { value: scene.probe_side },
       layered: { value: scene.blend === 'layered' }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
-      depth_range: { value: [0, 1] },
+      depth_range: { value: [0, 1] }, ...scale_uniforms(),
     };
     for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: this.lit_probes[Math.min(i, scene.probes.length - 1)]?.texture ?? null };
     const over_screen = (uniforms, fragmentShader) => new FullScreenQuad(new RawShaderMaterial({
@@ -214,7 +216,7 @@ export class Picture {
 
   // Modes that show a property of the surface alone.
   plain(mode) {
-    return ['albedo', 'normals', 'roughness', 'depth'].includes(mode);
+    return ['albedo', 'normals', 'roughness', 'depth', 'confidence'].includes(mode);
   }
 
   // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
@@ -223,7 +225,7 @@ export class Picture {
     const { renderer, surfels, uniforms: u } = this, { mode } = state;
     const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
     surfels.clip = this.shapes.uniforms.clip.value = state.clip ?? kNoClip;
-    const paint = mode === 'albedo' ? Paint.Albedo : lit ? Paint.Matt : Paint.Photographed;
+    const paint = mode === 'albedo' ? Paint.Albedo : mode === 'confidence' ? Paint.Confidence : lit ? Paint.Matt : Paint.Photographed;
     if (lit) this.light_probes();
     const glass = mode !== 'open' && !this.plain(mode);
     this.shapes.draw(camera);

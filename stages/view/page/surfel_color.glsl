@@ -8,13 +8,13 @@ uniform sampler2D turns;          // quaternion w x y z
 uniform sampler2D weights;        // k_s, tau, of the picture
 uniform sampler2D constants;      // colour without the harmonics
 uniform sampler2D sh;             // 16 texels a surfel, bytes about 128/255; scale in scales.x
-uniform sampler2D scales;         // of sh, of albedo
+uniform sampler2D scales;         // of sh, of albedo; confidence, 1 where no photo saw the surfel (confidence.js)
 uniform sampler2D albedo;         // square root of
 uniform sampler2D lit_materials;  // f0, roughness
 uniform sampler2D lit_weights;    // k_s, tau
 uniform sampler2D irradiance;     // of the light of now (irradiance.js)
 uniform vec3 eye;
-uniform int paint;                // 0 as photographed, 1 matt under the light, 2 albedo, 3 matt with what glossy surfaces return
+uniform int paint;                // 0 as photographed, 1 matt under the light, 2 albedo, 3 matt with what glossy surfaces return, 4 confidence
 uniform int sh_count;             // coefficients beyond the constant
 uniform int count;
 
@@ -40,6 +40,10 @@ void main() {
     vec3 sum = texelFetch(constants, at, 0).rgb;
     for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 63.0);
     color = vec4(max(sum, 0.0), 1.0);
+    return;
+  }
+  if (paint == 4) {
+    color = vec4(texelFetch(scales, at, 0).zw, 0.0, 1.0);
     return;
   }
   vec3 paint_color = texelFetch(albedo, at, 0).rgb;

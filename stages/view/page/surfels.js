@@ -7,6 +7,7 @@ import {
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
 import { kNoClip } from './clip_plane.js';
 import { camera_uniforms, set_camera } from './cameras.js';
+import { confidence } from './confidence.js';
 import { kMap, Order } from './order.js';
 import { surfel_constants, surfel_places, surfel_turns } from './scene_data.js';
 import camera_glsl from './camera.glsl';
@@ -20,7 +21,7 @@ const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfe
 const kGuess = 1, kSky = 2, kInside = 4;          // flags of surfels (stages/view/page_surfels.h)
 
 export const kInsideAlbedo = 8;       // what 1 is of theirs (kMostAlbedo in page_surfels.cpp)
-export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3 };
+export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3, Confidence: 4 };
 
 export function texture(data, width, type) {
   const t = new DataTexture(data, width, data.length / 4 / width, RGBAFormat, type);
@@ -86,6 +87,7 @@ export class Surfels {
       }),
       scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
         o[at] = b.sh_scale.length ? b.sh_scale[i] : 0, o[at + 1] = half(b.flags[i] & kInside ? kInsideAlbedo : 1);
+        o.set(confidence(b.seen?.[i] ?? 0).map(half), at + 2);
       }),
     });
     const sh_width = b.sh.length / Math.max(1, n);

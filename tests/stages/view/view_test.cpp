@@ -9,6 +9,7 @@
 #include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
+#include "stages/view/photo_coverage.h"
 #include "tests/core/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
@@ -166,6 +167,87 @@ TEST(PageSurfels, ConstantPartsOfColoursAreFineWhereItIsDark) {
       EXPECT_NEAR(now, colors[i][c], 0.001f * std::sqrt(std::abs(colors[i][c])) + 1e-6f) << i << " " << c;
     }
   }
+}
+
+// A ball among cameras: a photo sees what faces it. Near its rim a ball of flat surfels is none, and either is right.
+TEST(PhotoCoverage, IsOfThePhotosThatAConvexThingFaces) {
+  constexpr double kRim = 0.5;
+  const test::TinyCapture capture;
+  TrainedScene scene;
+  scene.surfels.diffuse = capture.layer;
+  std::vector<Vec3d> eyes;
+  for (const View& v : capture.views) eyes.push_back(v.centre_in_world());
+  const PageSurfels surfels = page_surfels(scene, eyes, 5000);
+  const auto found = photo_coverage(surfels, capture.views, 0.01f);
+  ASSERT_EQ(found.size(), surfels.drawn);
+  const auto widest = [](const std::vector<Vec3d>& ways) {
+    double most = 0;
+    for (const Vec3d& a : ways)
+      for (const Vec3d& b : ways) most = std::max(most, std::acos(std::min(1.0, dot(a, b))) * 180 / std::numbers::pi);
+    return most;
+  };
+  size_t certain = 0, unseen = 0;
+  for (size_t i = 0; i < found.size(); ++i) {
+    const float* m = surfels.layer.at(Attribute::Mean, i);
+    const Vec3d place{m[0], m[1], m[2]};
+    std::vector<Vec3d> faced, possible;
+    for (const Vec3d& eye : eyes) {
+      const Vec3d way = normalized(eye - place);
+      const double cosine = dot(way, normalized(place));
+      if (cosine >= kRim) faced.push_back(way);
+      if (cosine > -kRim) possible.push_back(way);
+    }
+    EXPECT_GE(found[i].photos, int(faced.size())) << i;
+    EXPECT_LE(found[i].photos, int(possible.size())) << i;
+    EXPECT_GE(found[i].widest_deg, widest(faced) - 1e-4) << i;
+    EXPECT_LE(found[i].widest_deg, widest(possible) + 1e-4) << i;
+    certain += faced.size() > 1, unseen += possible.empty();
+  }
+  EXPECT_GT(certain, 500u);
+  EXPECT_GT(unseen, 5u) << "no camera looks at the ball from below";
+}
+
+// A screen between the ball and one camera takes that photo from it; a screen of glass does not.
+TEST(PhotoCoverage, IsLessBehindAScreenAndTheSameBehindGlass) {
+  const test::TinyCapture capture;
+  const std::vector<View> photo{capture.views[0]};
+  const Vec3d eye = photo[0].centre_in_world();
+  TrainedScene scene;
+  scene.image.transmission.glass = Glass::Thin;
+  scene.surfels.transmittance =
+      SplatLayer(LayerKind::Transmittance, 0, 1);  // far away: with it, glass stands apart from the rest
+  scene.surfels.transmittance.at(Attribute::Mean, 0)[0] = -50;
+  scene.surfels.transmittance.at(Attribute::Rotation, 0)[0] = 1;
+  const auto seen_of_the_ball = [&](float transmission) {
+    scene.surfels.diffuse = capture.layer;
+    SplatLayer& all = scene.surfels.diffuse;
+    const size_t screen = all.size();
+    for (size_t i = 0; i < screen; ++i) *all.at(Attribute::Transmission, i) = -4;
+    all.resize(screen + 1);
+    for (size_t c = 0; c < 3; ++c) all.at(Attribute::Mean, screen)[c] = float(0.7 * eye[c]);
+    const Quatd q = quaternion(inverse(photo[0].cam_from_world).rotation);
+    const float rotation[] = {float(q.w), float(q.x), float(q.y), float(q.z)};
+    std::ranges::copy(rotation, all.at(Attribute::Rotation, screen));
+    for (size_t c = 0; c < 2; ++c) all.at(Attribute::LogScale, screen)[c] = 1;
+    *all.at(Attribute::Opacity, screen) = 20;
+    *all.at(Attribute::Transmission, screen) = transmission;
+    const PageSurfels surfels = page_surfels(scene, std::vector<Vec3d>{eye}, 5000);
+    const auto found = photo_coverage(surfels, photo, 0.01f);
+    size_t seen = 0;
+    for (size_t i = 0; i < found.size(); ++i) seen += surfels.of_diffuse[i] < screen && found[i].photos > 0;
+    return seen;
+  };
+  const size_t behind_glass = seen_of_the_ball(4);
+  EXPECT_GT(behind_glass, 300u);
+  EXPECT_LT(behind_glass, 1100u) << "the far side";
+  EXPECT_EQ(seen_of_the_ball(-4), 0u);
+}
+
+TEST(PhotoCoverage, IsAByteOfBoth) {
+  EXPECT_EQ(coverage_byte({0, 0}), 0);
+  EXPECT_EQ(coverage_byte({3, 29.9}), 8 * 3 + 2);
+  EXPECT_EQ(coverage_byte({12, 60}), 8 * 12 + 6);
+  EXPECT_EQ(coverage_byte({300, 175}), 8 * 12 + 6);
 }
 
 // Glass whose shape is known is drawn from it; the surfels that carry it for other programs stay out.

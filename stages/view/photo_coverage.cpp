@@ -1,0 +1,109 @@
+#include "stages/view/photo_coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/projection.h"
+#include "core/render/renderer.h"
+#include "core/scene/activation.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kSide = 320;  // pixels of the pictures that find what hides what
+constexpr double kSeenShare = 0.05;
+constexpr int kMostPhotos = 12;    // more say no more
+constexpr double kAngleStep = 10;  // degrees
+constexpr int kMostAngleSteps = 6;
+constexpr size_t kGrain = 1024;
+
+// Of surfel i alone in an empty picture: the sum of its blending weights over the pixels, for its plane as an affine map; 0 where
+// its middle is not in the picture.
+double alone(const SplatLayer& layer, size_t i, const View& view, double near_z) {
+  const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i), *s = layer.at(Attribute::LogScale, i);
+  const Vec3d p = view.cam_from_world * Vec3d{m[0], m[1], m[2]};
+  const Intrinsics& k = view.intrinsics;
+  if (!image_point(p, k, near_z)) return 0;
+  const Mat3d turned = view.cam_from_world.rotation * rotation_matrix(normalized(Quatd{q[0], q[1], q[2], q[3]}));
+  const auto on_screen = [&](size_t axis) {
+    const double span = std::exp(double(s[axis])) / p.z, along = turned(2, axis) / p.z;
+    return Vec2d{k.fx * span * (turned(0, axis) - p.x * along), k.fy * span * (turned(1, axis) - p.y * along)};
+  };
+  const Vec2d u = on_screen(0), v = on_screen(1);
+  const double low_pass = std::numbers::pi;  // what the screen-space low-pass leaves of the smallest (core/render/README.md)
+  return double(sigmoid(*layer.at(Attribute::Opacity, i))) *
+         std::max(2 * std::numbers::pi * std::abs(u.x * v.y - u.y * v.x), low_pass);
+}
+
+// Which of surfels [first, layer.size()) the photo sees, in a row of `seen`.
+void mark_seen(const SplatLayer& layer, size_t first, const View& photo, float near_z, Renderer& renderer,
+               std::span<uint8_t> seen) {
+  const RasterDesc desc{.intrinsics = photo.intrinsics,
+                        .cam_from_world = photo.cam_from_world,
+                        .features = FeatureSet::ColorOnly,
+                        .sh_degree = 0,
+                        .near_z = near_z};
+  RasterImages images, gradients;
+  renderer.forward(layer, desc, images);
+  // The reverse of the rasteriser sums the weights of each surfel; it has no gradients to hand on.
+  gradients.reset(desc);
+  SplatLayer unused = layer.zeros_like();
+  SurfelStatistics statistics;
+  renderer.backward({.gradients = &gradients}, unused, &statistics);
+  parallel_for(layer.size() - first, kGrain, [&](size_t k) {
+    const size_t i = first + k;
+    const double whole = alone(layer, i, photo, near_z);
+    seen[i] = whole > 0 && statistics.weight[i] >= kSeenShare * whole;
+  });
+}
+
+}  // namespace
+
+std::vector<PhotoCoverage> photo_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z) {
+  const size_t n = surfels.drawn;
+  SplatLayer drawn = surfels.layer;
+  drawn.resize(n);
+  SplatLayer solid = drawn;
+  solid.resize(surfels.solid);
+  const auto renderer = make_renderer(Backend::Cpu);
+  std::vector<uint8_t> seen(photos.size() * n);
+  std::vector<Vec3d> eyes;
+  for (size_t v = 0; v < photos.size(); ++v) {
+    throw_if_interrupted();
+    View photo = photos[v];
+    photo.intrinsics = photo.intrinsics.limited_to(kSide);
+    eyes.push_back(photo.centre_in_world());
+    const auto row = std::span(seen).subspan(v * n, n);
+    mark_seen(solid, 0, photo, near_z, *renderer, row);
+    if (n > surfels.solid) mark_seen(drawn, surfels.solid, photo, near_z, *renderer, row);
+  }
+  std::vector<PhotoCoverage> out(n);
+  parallel_for(n, kGrain, [&](size_t i) {
+    const float* m = drawn.at(Attribute::Mean, i);
+    std::vector<Vec3d> ways;
+    for (size_t v = 0; v < photos.size(); ++v)
+      if (seen[v * n + i]) ways.push_back(normalized(eyes[v] - Vec3d{m[0], m[1], m[2]}));
+    double least = 1;
+    for (size_t a = 0; a < ways.size(); ++a)
+      for (size_t b = 0; b < a; ++b) least = std::min(least, dot(ways[a], ways[b]));
+    out[i] = {static_cast<int>(ways.size()), std::acos(std::clamp(least, -1.0, 1.0)) * 180 / std::numbers::pi};
+  });
+  return out;
+}
+
+uint8_t coverage_byte(const PhotoCoverage& coverage) {
+  const int steps = std::min(static_cast<int>(coverage.widest_deg / kAngleStep), kMostAngleSteps);
+  return static_cast<uint8_t>(8 * std::min(coverage.photos, kMostPhotos) + steps);
+}
+
+void add_coverage(std::span<const PhotoCoverage> coverage, PageBlocks& blocks) {
+  std::vector<uint8_t> bytes(coverage.size());
+  std::ranges::transform(coverage, bytes.begin(), coverage_byte);
+  blocks.bytes("seen", bytes, 1);
+}
+
+}  // namespace vitrine
