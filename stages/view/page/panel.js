@@ -1,5 +1,6 @@
 // The controls beside the picture.
 import { button, download, element } from '../../page/elements.js';
+import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
 import { confidence_legend } from './confidence.js';
 import { slider } from './controls.js';
@@ -51,7 +52,8 @@ export function make_panel(view, { scene, photos }) {
     button('Path', () => (view.path.length ? json(true) : view.tell('The path is empty: \u201cAdd to path\u201d puts this view on it.')), { id: 'save_path' }), count),
     element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
 
-  for (const { nodes, show } of [clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray()), measures_section(view)]) {
+  const clip = clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray());
+  for (const { nodes, show } of [clip, measures_section(view), annotations_section(view)]) {
     panel.append(...nodes);
     changes.push(show);
   }

@@ -2,6 +2,7 @@
 // smaller and without what panes mirror while the camera moves in a slow browser, in full once it rests.
 import { PerspectiveCamera, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { Annotations } from './annotations.js';
 import { ClipPlane } from './clip_plane.js';
 import { from_three, projected, resized, stand_at, transforms_json, unprojected } from './cameras.js';
 import { Measures } from './measures.js';
@@ -27,10 +28,11 @@ export class View {
     this.path = [];
     this.clip = new ClipPlane(this.scene.middle, this.picture.surfels.places.subarray(0, 3 * this.scene.solid));
     this.clip.on_change = () => (this.show_state(), this.adjusting());
-    this.measures = new Measures(this);
-    this.kept = [this.clip];        // what has a part of the address: address(), restore(query)
-    this.marked = [this.measures];  // what draws over the picture
-    this.tool = null;               // takes clicks on surfaces
+    this.measures = new Measures(this), this.notes = new Annotations(this);
+    this.kept = [this.clip, this.notes];        // what has a part of the address: address(), restore(query)
+    this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen)
+    this.filed = [this.notes];                  // what opens files of some names: opens, open(file)
+    this.tool = null;                           // takes clicks on surfaces: take(place), nothing, ended()
 
     this.eye = new PerspectiveCamera();
     this.eye.up.set(0, 0, 1);
@@ -245,7 +247,9 @@ export class View {
     document.body.classList.toggle('dropping', e.type === 'dragover');
     const file = e.type === 'drop' && e.dataTransfer?.files[0];
     if (!file) return;
-    if (this.scene.relit) this.light_of(file);
+    const part = this.filed.find((p) => p.opens.test(file.name));
+    if (part) part.open(file);
+    else if (this.scene.relit) this.light_of(file);
     else this.tell('This scene has no materials, so another light cannot fall on it: finish `vitrine run`, then `vitrine view`.');
   }
 
