@@ -172,7 +172,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.heldout[i]));
   for (const Probe& p : stands) centres.push_back(numbers(p.centre));
   const ImageOptions& image = s.trained.image;
-  Json scene{{"format", 1},
+  Json scene{{"format", 2},
              {"surfels", surfels.layer.size()},
              {"solid", surfels.solid},
              {"drawn", surfels.drawn},

@@ -6,6 +6,7 @@ import { confidence_legend } from './confidence.js';
 import { slider } from './controls.js';
 import { measures_section } from './measures.js';
 import { kModes } from './picture.js';
+import { two_runs_section } from './two_runs.js';
 
 export function make_panel(view, { scene, photos }) {
   const panel = document.getElementById('panel'), changes = [];
@@ -53,7 +54,7 @@ export function make_panel(view, { scene, photos }) {
     element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
 
   const clip = clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray());
-  for (const { nodes, show } of [clip, measures_section(view), annotations_section(view)]) {
+  for (const { nodes, show } of [clip, measures_section(view), annotations_section(view), two_runs_section(view)]) {
     panel.append(...nodes);
     changes.push(show);
   }

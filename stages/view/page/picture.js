@@ -220,7 +220,8 @@ export class Picture {
   }
 
   // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
-  // gain, panes (false: mirrored pictures are left out, while the camera moves), clip: [normal, offset] (clip_plane.js)}
+  // gain, panes (false: mirrored pictures are left out, while the camera moves), clip: [normal, offset] (clip_plane.js),
+  // around: {middle, radius} that the colours of depth are spread over}
   draw(camera, state) {
     const { renderer, surfels, uniforms: u } = this, { mode } = state;
     const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
@@ -246,8 +247,8 @@ export class Picture {
     set_camera(u, camera);
     u.lit.value = lit, u.panes.value = glass, u.background.value = state.background !== false;
     u.show.value = kShow[mode] ?? 0, u.gain.value = gain;
-    const distance = Math.hypot(...centre_of(camera).map((v, i) => v - this.scene.middle[i]));
-    u.depth_range.value = [Math.max(0, distance - this.scene.radius), distance + this.scene.radius];
+    const { middle, radius } = state.around ?? this.scene, distance = Math.hypot(...centre_of(camera).map((v, i) => v - middle[i]));
+    u.depth_range.value = [Math.max(0, distance - radius), distance + radius];
     if (!lit && this.scene.reflects && !this.plain(mode)) {
       this.reflected.setSize(camera.width, camera.height);
       renderer.setRenderTarget(this.reflected);

@@ -1,4 +1,5 @@
 // What the program wrote into the page: scene (JSON), photos (data: URIs), blocks (arrays; stages/view/page_blocks.h).
+const kFormat = 2;  // of the blocks, as view.cpp writes them
 const kinds = { f32: Float32Array, f16: Uint16Array, u8: Uint8Array, u16: Uint16Array, u32: Uint32Array };
 
 async function inflated(base64) {
@@ -16,13 +17,23 @@ function typed(buffer, { type, width, offset, count }) {
   return new Kind(out.buffer);
 }
 
-// -> { scene, photos, blocks: name -> typed array }. Throws when the page holds no scene, or a damaged one.
-export async function read_page() {
-  const text = (id) => document.getElementById(id)?.textContent;
-  if (!text('scene')) throw new Error('this page holds no scene: `vitrine view` puts one in');
-  const scene = JSON.parse(text('scene')), buffer = await inflated(text('blocks'));
-  const blocks = Object.fromEntries(scene.blocks.map((b) => [b.name, typed(buffer, b)]));
-  return { scene, photos: JSON.parse(text('photos')), blocks };
+// -> { scene, photos, blocks: name -> typed array }. Throws when the page holds no scene, that of another version, or a damaged one.
+export async function read_page(from = document) {
+  const text = (id) => from.querySelector(`script[type="application/json"]#${id}, script#${id}`)?.textContent;
+  if (!text('scene') || !text('blocks')) throw new Error('it holds no scene: `vitrine view` puts one in, into view.html');
+  let scene, photos, blocks;
+  try {
+    scene = JSON.parse(text('scene'));
+    if (scene.format === kFormat) {
+      const buffer = await inflated(text('blocks'));
+      blocks = Object.fromEntries(scene.blocks.map((b) => [b.name, typed(buffer, b)]));
+      photos = JSON.parse(text('photos'));
+    }
+  } catch (e) {
+    throw new Error('its data are damaged', { cause: e });
+  }
+  if (scene.format !== kFormat) throw new Error(`its scene is of format ${scene.format}, and this page reads format ${kFormat}: make it with the same vitrine`);
+  return { scene, photos, blocks };
 }
 
 // Places of surfels: differences of contracted coordinates (stages/view/page_surfels.cpp) -> [3 n] in the scene's frame.

@@ -8,6 +8,7 @@ import { from_three, projected, resized, stand_at, transforms_json, unprojected 
 import { Measures } from './measures.js';
 import { kModes, Picture } from './picture.js';
 import { evening, read_sky, sky, studio } from './sky.js';
+import { TwoRuns } from './two_runs.js';
 import { read_state, write_state } from './url_state.js';
 
 const kSlow = 80;          // milliseconds of a picture from which on moving ones are smaller
@@ -28,10 +29,10 @@ export class View {
     this.path = [];
     this.clip = new ClipPlane(this.scene.middle, this.picture.surfels.places.subarray(0, 3 * this.scene.solid));
     this.clip.on_change = () => (this.show_state(), this.adjusting());
-    this.measures = new Measures(this), this.notes = new Annotations(this);
+    this.measures = new Measures(this), this.notes = new Annotations(this), this.runs = new TwoRuns(this);
     this.kept = [this.clip, this.notes];        // what has a part of the address: address(), restore(query)
     this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen)
-    this.filed = [this.notes];                  // what opens files of some names: opens, open(file)
+    this.filed = [this.notes, this.runs];       // what opens files of some names: opens, open(file)
     this.tool = null;                           // takes clicks on surfaces: take(place), nothing, ended()
 
     this.eye = new PerspectiveCamera();
@@ -102,8 +103,8 @@ export class View {
   // The first photo's place, with its angle of view.
   reset(draw = true) {
     this.leave_photo();
-    const { clientWidth, clientHeight } = document.getElementById('stage');
-    stand_at(this.eye, this.controls.target, this.scene.cameras[0], this.scene.middle, clientWidth / clientHeight);
+    const [width, height] = this.room();
+    stand_at(this.eye, this.controls.target, this.scene.cameras[0], this.scene.middle, width / height);
     this.controls.update();
     if (draw) this.changed(), this.draw();
   }
@@ -180,6 +181,11 @@ export class View {
 
   // ---- pictures
 
+  // For the picture, on the screen.
+  room() {
+    const { clientWidth, clientHeight } = document.getElementById('stage');
+    return [clientWidth / (this.runs?.other ? 2 : 1), clientHeight];
+  }
   // The camera of a picture of that size.
   camera(width, height) {
     return this.photo === undefined ? from_three(this.eye, width, height) : resized(this.scene.cameras[this.photo], width, height);
@@ -193,15 +199,14 @@ export class View {
     });
   }
   paint() {
-    const stage = document.getElementById('stage');
     if (this.photo !== undefined) {  // the shape of the photo
-      const { width, height } = this.scene.cameras[this.photo], scale = Math.min(stage.clientWidth / width, stage.clientHeight / height);
+      const { width, height } = this.scene.cameras[this.photo], [wide, high] = this.room(), scale = Math.min(wide / width, high / height);
       this.frame.style.cssText = `width:${Math.floor(width * scale)}px;height:${Math.floor(height * scale)}px`;
     }
     const small = this.first || (!this.resting && this.slow), scale = Math.min(devicePixelRatio, 2) * (small ? kMovingScale : 1);
     const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((v) => Math.min(kMostSide, Math.max(1, Math.round(v * scale))));
-    const began = performance.now();
-    this.draw_now(this.camera(...size), { panes: !small });
+    const began = performance.now(), camera = this.camera(...size);
+    this.runs.draw(camera, this.draw_now(camera, { panes: !small }));
     const gl = this.renderer.getContext(), one = new Uint8Array(4);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one);  // waits until it is there
     this.slow = (performance.now() - began) * (small ? 1 / kMovingScale ** 2 : 1) > kSlow;
@@ -210,12 +215,14 @@ export class View {
     this.first(this), (this.first = null), (this.resting = true);
     this.draw();
   }
-  // At once, at the size of the camera; `more`: what differs from the state of the page (gain, exposure, mode ...).
+  // At once, at the size of the camera; `more`: what differs from the state of the page (gain, exposure, mode ...). -> what it was drawn with
   draw_now(camera, more = {}) {
     this.renderer.setSize(camera.width, camera.height, false);
     const gain = this.photo === undefined ? [1, 1, 1] : this.scene.cameras[this.photo].gain;
     this.drawn = camera;
-    this.picture.draw(camera, { ...this.state, clip: this.clip.plane(camera), gain, ...more });
+    const state = { ...this.state, clip: this.clip.plane(camera), gain, ...more };
+    this.picture.draw(camera, state);
+    return state;
   }
   // A picture as a PNG, when the last change is drawn.
   async screenshot() {
