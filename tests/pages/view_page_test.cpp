@@ -8,6 +8,7 @@
 #include "core/picture/view_picture.h"
 #include "core/relight/relit_painter.h"
 #include "stages/page_text.h"
+#include "stages/view/photo_coverage.h"
 #include "stages/view/view.h"
 #include "tests/core/relight/relit_ball.h"
 #include "tests/pages/in_chromium.h"
@@ -153,6 +154,51 @@ TEST_F(ViewPage, FollowsFingersAndTakesDroppedFiles) {
   EXPECT_EQ(r["refused"][1], "photo") << "what is shown stays";
   EXPECT_EQ(r["dropped"], json::array({"sky.exr", "relit", ""}));
   EXPECT_EQ(r["several"], "sky.exr");
+}
+
+TEST_F(ViewPage, ClipsAnnotatesShowsConfidenceAndTwoRuns) {
+  const fs::path out = fs::path(EXTERNAL_DIR) / "view_tools";
+  const json r = used("view_tools.mjs", out);
+  ASSERT_FALSE(r.empty());
+  EXPECT_TRUE(r["messages"].empty()) << r["messages"];
+
+  // The camera stands at x = 1 and looks at a ball of radius 0.4; the clip plane hides its near half.
+  EXPECT_NEAR(r["clip"]["before"].get<double>(), test::TinyCapture::kRadius, 0.03) << "x of the surface in the middle";
+  EXPECT_LT(r["clip"]["across"].get<double>(), 0) << "behind the plane";
+  EXPECT_EQ(r["clip"]["beyond"], 0) << "all is hidden";
+  EXPECT_GT(r["clip"]["flipped"].get<double>(), 0.3);
+  EXPECT_EQ(r["clip"]["off"], 0) << "as before";
+  EXPECT_GT(r["clip"]["mesh"][1].get<double>(), 1.5 * r["clip"]["mesh"][0].get<double>()) << "half a mesh, and all of it";
+
+  const TrainedScene scene = read_trained_scene(capture.optimize());
+  std::vector<Vec3d> eyes;
+  for (const View& v : capture.views) eyes.push_back(v.centre_in_world());
+  const std::vector<View> trained_on(capture.views.begin() + 1, capture.views.end());
+  const PageSurfels surfels = page_surfels(scene, eyes, 100000);
+  std::vector<uint8_t> seen;
+  for (const PhotoCoverage& c : photo_coverage(surfels, trained_on, scene.image.diffuse.near_z)) seen.push_back(coverage_byte(c));
+  EXPECT_EQ(r["confidence"]["seen"].get<std::vector<uint8_t>>(), seen);
+  EXPECT_EQ(r["confidence"]["legend"], json::array({false, true})) << "there with the mode alone";
+  EXPECT_LE(r["confidence"]["off_scale"], 3) << "colours of the legend";
+
+  const json& note = r["note"];
+  EXPECT_NEAR(std::hypot(note["place"][0].get<double>(), note["place"][1].get<double>(), note["place"][2].get<double>()),
+              test::TinyCapture::kRadius, 0.02);
+  EXPECT_LT(note["off_px"], 1.5);
+  EXPECT_EQ(note["markup"], 0);
+  EXPECT_EQ(note["deleted"], 0);
+  EXPECT_EQ(note["opened"], json::array({"<b>one</b>", note["place"]}));
+  EXPECT_EQ(note["refused"], "wrong.json holds no annotations: it is no JSON. Open a file that this page saved.");
+  EXPECT_EQ(note["from_behind"], json::array({"<b>one</b>", "note covered"})) << "the address has it, the ball hides it";
+
+  EXPECT_EQ(r["two"]["refused"],
+            "other.html cannot be shown beside this page: it holds no scene: `vitrine view` puts one in, into view.html.");
+  EXPECT_EQ(r["two"]["differ"], 0) << "a page beside itself";
+  EXPECT_LT(r["two"]["camera"], 1e-6) << "the camera of the same photo in the other frame";
+  EXPECT_NE(r["two"]["told"].get<std::string>().find("aligned by the places of 8 photos of the same names, 1.700 times as large"),
+            std::string::npos)
+      << r["two"]["told"];
+  EXPECT_EQ(r["two"]["ended"], 1) << "one canvas is left";
 }
 
 }  // namespace
