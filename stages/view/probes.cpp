@@ -73,9 +73,13 @@ float way_out(const Stand& stand, const Vec3f& direction, float near) {
 
 }  // namespace
 
+float clear_of_surface(const RelitScene& scene, const LightTransfer& transfer) {
+  return std::max(scene.trained.image.reflection.near, kLift * transfer.surface().grain());
+}
+
 std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle) {
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
-  const float lift = std::max(scene.trained.image.reflection.near, kLift * transfer.surface().grain());
+  const float lift = clear_of_surface(scene, transfer);
   std::vector<Probe> out;
   for (const Stand& stand : stands(scene, middle)) {
     Probe p{

@@ -22,6 +22,9 @@ struct Probe {
   std::vector<float> depth;    // distance of what sends it; 0: the sky
 };
 
+// From so far on a ray that leaves a surface is free of the mesh and the surfels of that surface.
+float clear_of_surface(const RelitScene& scene, const LightTransfer& transfer);
+
 // In the middle of each known opaque shape; without any, of the polished surfels; without those, in `middle`. Never empty.
 std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer, const Vec3d& middle);
 

@@ -147,6 +147,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   const Vec3d middle = looked_at(s.views).point;
   std::optional<PageLight> light;
   std::vector<Probe> stands;
+  float lit_near = 0;
   if (s.relit) {
     mark_sky(s.relit->materials, surfels);
     context.progress({.fraction = 0.1, .text = "light on the scene", .values = {}});
@@ -154,6 +155,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     const LightTransfer transfer(surface, {.rays = config.rays});
     light = page_light(*s.relit, transfer, surfels);
     stands = probes(*s.relit, transfer, middle);
+    lit_near = clear_of_surface(*s.relit, transfer);
     add_environment(s.relit->captured, blocks);
     add_probes(stands, blocks);
   } else {
@@ -181,6 +183,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"relit", light.has_value()},
              {"reflects", s.trained.surfels.reflection.size() > 0},
              {"reflection_near", image.reflection.near},
+             {"lit_near", lit_near},
              {"blend", image.composite.blend == LayerBlend::Layered ? "layered" : "rtrgs"},
              {"near_z", image.diffuse.near_z},
              {"middle", numbers(middle)},

@@ -2,7 +2,8 @@
 // another light. One pass over the screen.
 precision highp sampler2DArray;
 
-uniform sampler2D reflected;                                 // mirror_rays.glsl
+uniform sampler2D reflected;                                 // mirror_rays.glsl; by the pane, where there is one
+uniform bool traced;                                         // it is there
 uniform sampler2DArray pictures;                             // what flat panes and mirrors show, turned left to right
 uniform sampler2D probe0, probe1, probe2, probe3;            // radiance, distance
 uniform vec3 probe_places[4];
@@ -79,12 +80,13 @@ void main() {
   vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
   Surface s = surface_of(at, per_z);
   Pane pane = pane_of(at, per_z, s);
-  vec3 traced = texelFetch(reflected, at, 0).rgb;  // by the pane, where there is one
+  vec4 met_surfels = traced ? texelFetch(reflected, at, 0) : vec4(0.0, 0.0, 0.0, 1.0);
   vec3 outside = lit ? (background ? sky_radiance(dir, 0.0) : vec3(0.05)) : vec3(0.0), radiance = s.color;
   if (s.asks && (lit || pane.tau <= 0.0)) {
     // Under another light what stands behind glass looks matt, as in vitrine relight (core/relight/README.md 5).
     bool matt = pane.tau > 0.5;
-    vec3 seen = lit ? mirrored(eye + s.z * per_z, matt ? s.normal : reflect(dir, s.normal), matt ? 1.0 : s.roughness) : traced;
+    vec3 seen = met_surfels.rgb;
+    if (lit) seen = (pane.tau > 0.0 ? vec3(0.0) : seen) + (pane.tau > 0.0 ? 1.0 : met_surfels.a) * mirrored(eye + s.z * per_z, matt ? s.normal : reflect(dir, s.normal), matt ? 1.0 : s.roughness);
     if (s.facet >= 0) {
       vec4 flat_seen = flat_picture(s.facet);
       seen = flat_seen.rgb + flat_seen.a * seen;
@@ -97,7 +99,7 @@ void main() {
   vec3 added = vec3(0.0);  // by the glass
   if (pane.tau > 0.0) {
     vec3 back = reflect(dir, pane.normal), behind = radiance;
-    vec3 beyond = lit ? mirrored(eye + pane.z * per_z, back, 0.0) : traced;
+    vec3 beyond = met_surfels.rgb + (lit ? met_surfels.a * mirrored(eye + pane.z * per_z, back, 0.0) : vec3(0.0));
     bool is_flat = pane.near.there && pane.near.flat_;
     vec4 near_seen = is_flat ? flat_picture(pane.near.facet) : vec4(0.0, 0.0, 0.0, 1.0);
     vec3 c_r = near_seen.rgb + near_seen.a * beyond, c_t = behind, far_added = vec3(0.0);
@@ -107,7 +109,7 @@ void main() {
       if ((s.shown_z - l.z) * rise > facet_facts[l.facet].z) {
         vec4 far_seen = flat_picture(l.facet);
         vec3 p = fresnel(vec3(kPaneReflectance), rise / length(per_z), 1.0);
-        far_added = p * (far_seen.rgb + far_seen.a * (lit ? mirrored(eye + l.z * per_z, reflect(dir, -l.normal), 0.0) : traced));
+        far_added = p * (far_seen.rgb + far_seen.a * (lit ? mirrored(eye + l.z * per_z, reflect(dir, -l.normal), 0.0) : met_surfels.rgb));
         c_t = (1.0 - p) * c_t + far_added;
       }
     }

@@ -1,4 +1,5 @@
-// What pixels mirror of the reflection layer: one ray each, through a tree of its surfels (tree.js), as core/trace/README.md 1 and 3.
+// What pixels mirror: one ray each, through a tree of surfels (tree.js), as core/trace/README.md 1 and 3. They are those of the reflection
+// layer; LIT: the opaque ones, with what they send on under the light.
 // a: what lies behind all of it.
 precision highp usampler2D;
 
@@ -6,40 +7,53 @@ uniform sampler2D nodes;
 uniform usampler2D items;
 uniform int node_count;
 uniform sampler2D places, turns, spans;  // of surfels
+#ifdef LIT
+uniform sampler2D colors;
+#else
 uniform sampler2D constants, sh, scales;
 uniform int sh_count;
+#endif
 uniform float reflection_near;
 
 out vec4 reflected;
 
 const float kMinAlpha = 1.0 / 255.0, kMaxAlpha = 0.99, kMinTransmittance = 1e-3, kGrazing = 1e-3;
 const int kWindow = 16, kStack = 24;
+#ifdef LIT
+const int kRays = 12;                           // of a lobe
+const float kSmooth = 0.06, kMatt = 0.6;        // roughness: one ray; a probe is as good
+const float kGolden = 2.39996323;
+#endif
 
 ivec2 texel(int i, int width) { return ivec2(i % width, i / width); }
 
 float light = 1.0;
 vec3 sum = vec3(0.0);
+#ifndef LIT
 float harmonics[16];
+#endif
 
 void blend(float alpha, int surfel) {
   if (light < kMinTransmittance) return;
+#ifdef LIT
+  vec3 color = texelFetch(colors, texel(surfel, textureSize(colors, 0).x), 0).rgb;
+#else
   ivec2 at = texel(surfel, textureSize(constants, 0).x);
   float scale = texelFetch(scales, at, 0).x;
   vec3 color = texelFetch(constants, at, 0).rgb;
   for (int k = 0; k < sh_count; ++k) color += harmonics[k + 1] * scale * coefficient(sh, surfel, k, 63.0);
+#endif
   sum += alpha * light * max(color, 0.0);
   light *= 1.0 - alpha;
 }
 
-void main() {
-  reflected = vec4(0.0, 0.0, 0.0, 1.0);
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
-  Surface s = surface_of(at, per_z);
-  Pane p = pane_of(at, per_z, s);
-  if (node_count == 0 || (p.tau <= 0.0 && !s.asks)) return;
-  vec3 o = eye + (p.tau > 0.0 ? p.z : s.z) * per_z, d = reflect(dir, p.tau > 0.0 ? p.normal : s.normal), inv = 1.0 / d;
+// rgb: what the ray meets; a: how far it is open to what lies beyond.
+vec4 met(vec3 o, vec3 d) {
+  vec3 inv = 1.0 / d;
+  light = 1.0, sum = vec3(0.0);
+#ifndef LIT
   basis(d, harmonics);
+#endif
 
   float ts[kWindow], alphas[kWindow];
   int surfels[kWindow];  // farthest first
@@ -86,5 +100,40 @@ void main() {
   }
   for (int k = kWindow - 1; k >= 0; --k)
     if (alphas[k] > 0.0) blend(alphas[k], surfels[k]);
-  reflected = vec4(sum, light);
+  return vec4(sum, light);
+}
+
+#ifdef LIT
+// The mean over the lobe of a GGX surface: normals of facets by their density, at equal steps of it, turned from pixel to pixel.
+vec4 met_by_lobe(vec3 o, vec3 dir, vec3 n, float roughness) {
+  if (roughness < kSmooth) return met(o, reflect(dir, n));
+  vec3 side = normalize(cross(n, abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0))), up = cross(n, side);
+  float turn = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));  // interleaved gradient noise (Jimenez 2014)
+  vec4 all = vec4(0.0);
+  for (int i = 0; i < kRays; ++i) {
+    float u = (float(i) + 0.5) / float(kRays), phi = kGolden * float(i) + 6.2831853 * turn, slope = roughness * roughness * sqrt(u / (1.0 - u));
+    vec3 d = reflect(dir, normalize(n + slope * (cos(phi) * side + sin(phi) * up)));
+    all += met(o, dot(d, n) > 0.0 ? d : reflect(dir, n));
+  }
+  return all / float(kRays);
+}
+#endif
+
+void main() {
+  reflected = vec4(0.0, 0.0, 0.0, 1.0);
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
+  Surface s = surface_of(at, per_z);
+  Pane p = pane_of(at, per_z, s);
+  bool by_pane = p.tau > 0.0;
+  if (node_count == 0 || (!by_pane && !s.asks)) return;
+  vec3 o = eye + (by_pane ? p.z : s.z) * per_z, n = by_pane ? p.normal : s.normal;
+#ifdef LIT
+  int facet = by_pane ? p.near.facet : s.facet;
+  if (facet >= 0 && facet_facts[facet].x >= 0.0) return;  // has a picture
+  if (!by_pane && (s.roughness > kMatt || max(s.k_s, max(s.f0.x, max(s.f0.y, s.f0.z))) < kPolished)) return;
+  reflected = met_by_lobe(o, dir, n, by_pane ? 0.0 : s.roughness);
+#else
+  reflected = met(o, reflect(dir, n));
+#endif
 }

@@ -1,7 +1,7 @@
 // One picture of the scene: surfels blended into channels, known shapes, what flat panes and mirrors show, probes, and the pass over
 // the screen that puts them together (composite.glsl).
 import {
-  FloatType, GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, UnsignedByteType,
+  GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, UnsignedByteType,
   WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
 } from 'three';
 import { FullScreenQuad } from 'three/addons/postprocessing/Pass.js';
@@ -11,8 +11,8 @@ import { scale_uniforms } from './confidence.js';
 import { Shapes } from './shapes.js';
 import { irradiance } from './irradiance.js';
 import { cell_light, harmonics, sky_texture, turned } from './sky.js';
-import { kWidth, Paint, Surfels, texture, whole_numbers } from './surfels.js';
-import { surfel_tree } from './tree.js';
+import { Rays } from './rays.js';
+import { kGuess, kSky, Paint, Surfels, texture } from './surfels.js';
 import blend_glsl from './blend.glsl';
 import camera_glsl from './camera.glsl';
 import composite_glsl from './composite.glsl';
@@ -58,7 +58,6 @@ export class Picture {
     const { facets, entries } = scene.shapes, role = { mirror: 0, sheet: 1, coat: 2 };
     const list = (items, f) => (items.length ? items.flatMap(f) : [0, 0, 0, 0]);
     const texture_of = (i) => ({ value: this.channels.textures[i] });
-    this.reflected = new WebGLRenderTarget(1, 1, { type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false });
     const surface = {
       ...camera_uniforms(),
       color_sum: texture_of(0), normal_sum: texture_of(1), f0_sum: texture_of(2), depth_sum: texture_of(3),
@@ -71,32 +70,22 @@ export class Picture {
       reflects: { value: scene.reflects }, lit: { value: false }, panes: { value: true },
     };
     this.uniforms = {
-      ...surface, ...this.sky_uniforms, reflected: { value: this.reflected.texture }, pictures: { value: null },
+      ...surface, ...this.sky_uniforms, reflected: { value: null }, pictures: { value: null },
       probe_places: { value: Array.from({ length: kProbes }, (_, i) => scene.probes[i] ?? [0, 0, 0]).flat() },
       probe_count: { value: scene.probes.length }, probe_side: { value: scene.probe_side },
-      layered: { value: scene.blend === 'layered' }, background: { value: true }, show: { value: 0 }, gain: { value: [1, 1, 1] },
+      layered: { value: scene.blend === 'layered' }, background: { value: true }, traced: { value: false }, show: { value: 0 }, gain: { value: [1, 1, 1] },
       depth_range: { value: [0, 1] }, ...scale_uniforms(),
     };
     for (let i = 0; i < kProbes; ++i) this.uniforms[`probe${i}`] = { value: this.lit_probes[Math.min(i, scene.probes.length - 1)]?.texture ?? null };
-    const over_screen = (uniforms, fragmentShader) => new FullScreenQuad(new RawShaderMaterial({
+    const over_screen = (uniforms, fragmentShader, defines = {}) => new FullScreenQuad(new RawShaderMaterial({
       glslVersion: GLSL3, uniforms, depthTest: false, depthWrite: false, blending: NoBlending,
-      defines: { MOST_FACETS: Math.max(1, facets.length), MOST_ENTRIES: Math.max(1, entries.length) },
+      defines: { ...defines, MOST_FACETS: Math.max(1, facets.length), MOST_ENTRIES: Math.max(1, entries.length) },
       vertexShader: full_screen, fragmentShader: `precision highp float;\n${camera_glsl}${surface_glsl}${fragmentShader}`,
     }));
     this.composite = over_screen(this.uniforms, `${blend_glsl}${light_glsl}${composite_glsl}`);
-    this.rays = over_screen({ ...surface, ...this.tree_uniforms(scene) }, `${harmonics_glsl}${mirror_rays_glsl}`);
-  }
-
-  // The reflection layer, for rays.
-  tree_uniforms(scene) {
-    const { nodes, items } = surfel_tree(this.surfels.by, scene.drawn, scene.surfels), t = this.surfels.textures;
-    const rows = Math.max(1, Math.ceil(nodes.length / 4 / kWidth)), data = new Float32Array(4 * kWidth * rows), which = whole_numbers(items.length);
-    data.set(nodes), which.image.data.set(items), (which.needsUpdate = true);
-    return {
-      nodes: { value: texture(data, kWidth, FloatType) }, node_count: { value: nodes.length / 8 }, items: { value: which },
-      ...Object.fromEntries(['places', 'turns', 'spans', 'constants', 'sh', 'scales'].map((name) => [name, { value: t[name] }])),
-      sh_count: { value: this.surfels.sh_count }, reflection_near: { value: scene.reflection_near },
-    };
+    const rays = (through, defines) => new Rays(this.surfels, through, (more) => over_screen({ ...surface, ...more }, `${harmonics_glsl}${mirror_rays_glsl}`, defines));
+    this.rays = rays({ first: scene.drawn, last: scene.surfels, near: scene.reflection_near }, {});
+    this.lit_rays = rays({ first: 0, last: scene.solid, without: kGuess | kSky, near: scene.lit_near }, { LIT: 1 });
   }
 
   make_probes({ scene, blocks }) {
@@ -249,10 +238,12 @@ export class Picture {
     u.show.value = kShow[mode] ?? 0, u.gain.value = gain;
     const { middle, radius } = state.around ?? this.scene, distance = Math.hypot(...centre_of(camera).map((v, i) => v - middle[i]));
     u.depth_range.value = [Math.max(0, distance - radius), distance + radius];
-    if (!lit && this.scene.reflects && !this.plain(mode)) {
-      this.reflected.setSize(camera.width, camera.height);
-      renderer.setRenderTarget(this.reflected);
-      this.rays.render(renderer);
+    const rays = lit ? this.lit_rays : this.rays;
+    u.traced.value = !this.plain(mode) && (lit ? state.panes !== false : this.scene.reflects);
+    u.reflected.value = rays.target.texture;
+    if (u.traced.value) {
+      if (lit) surfels.paint(camera, { paint: Paint.Returned, lit });
+      rays.draw(renderer, camera);
     }
     renderer.setRenderTarget(null);
     this.composite.render(renderer);

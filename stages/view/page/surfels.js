@@ -18,7 +18,8 @@ import harmonics_glsl from './harmonics.glsl';
 
 export const kWidth = 1024;
 const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
-const kGuess = 1, kSky = 2, kInside = 4;          // flags of surfels (stages/view/page_surfels.h)
+export const kGuess = 1, kSky = 2;
+const kInside = 4;                         // flags of surfels (stages/view/page_surfels.h)
 
 export const kInsideAlbedo = 8;       // what 1 is of theirs (kMostAlbedo in page_surfels.cpp)
 export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3, Confidence: 4 };

@@ -2,11 +2,13 @@
 //   least x y z, right child (inner nodes: the left one is the next) or first item;   greatest x y z, -1 - axis or number of items
 const kLeaf = 4;
 
-// first, last: which surfels of `order` (order.js). -> {nodes: [8 per node], items: surfels}
-export function surfel_tree({ places, axes, opacities }, first, last) {
-  const n = last - first, low = new Float32Array(3 * n), high = new Float32Array(3 * n), items = new Uint32Array(n);
+// first, last: which surfels of `order` (order.js); those that have a flag of `without` are left out. -> {nodes: [8 per node], items: surfels}
+export function surfel_tree({ places, axes, opacities, flags }, { first, last, without = 0 }) {
+  const chosen = [];
+  for (let i = first; i < last; ++i) if (!(flags[i] & without)) chosen.push(i);
+  const n = chosen.length, low = new Float32Array(3 * n), high = new Float32Array(3 * n), items = new Uint32Array(n);
   for (let k = 0; k < n; ++k) {
-    const i = first + k, reach = Math.sqrt(Math.max(0, 2 * Math.log(255 * opacities[i])));
+    const i = chosen[k], reach = Math.sqrt(Math.max(0, 2 * Math.log(255 * opacities[i])));
     items[k] = k;
     for (let c = 0; c < 3; ++c) {
       const half = reach * Math.hypot(axes[6 * i + c], axes[6 * i + 3 + c]) + 1e-5;
@@ -29,5 +31,5 @@ export function surfel_tree({ places, axes, opacities }, first, last) {
     build(middle, to);
   };
   if (n > 0) build(0, n);
-  return { nodes: Float32Array.from(nodes), items: items.map((k) => k + first) };
+  return { nodes: Float32Array.from(nodes), items: items.map((k) => chosen[k]) };
 }
