@@ -8,9 +8,11 @@
 #include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/camera/view_set.h"
+#include "core/edit/edit_scene.h"
+#include "core/edit/selection.h"
 #include "core/render/renderer.h"
 #include "core/scene/activation.h"
-#include "stages/edit/selection.h"
+#include "stages/edit/edit_list.h"
 
 namespace vitrine {
 

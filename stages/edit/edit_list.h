@@ -14,29 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_files.h"
 #include "core/camera/view.h"
-#include "core/math/rigid.h"
+#include "core/edit/selector.h"
 
 namespace vitrine {
-
-// A region of a photo: what lies in it, near or far.
-struct EditMark {
-  size_t view = 0;
-  std::vector<Vec2d> polygon;  // pixels of the undistorted photo
-};
-
-// All that is given must hold. Nothing given: everything.
-struct Selector {
-  std::optional<MaskClass> kind = {};
-  std::optional<Bounds3> box = {};
-  std::vector<EditMark> marks = {};
-  std::optional<size_t> component = {};  // of the mesh, 1 = most faces
-  std::vector<Selector> except = {};     // one at most: what it selects is left out
-
-  // By place alone, whatever the photos or the mesh say.
-  bool geometric() const { return !kind && !component; }
-};
 
 struct MaterialChange {
   std::optional<Vec3f> tint = {};  // times the albedo

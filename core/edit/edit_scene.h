@@ -9,6 +9,7 @@
 #include "core/mesh/tri_mesh.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
+#include "core/shape/shape_set.h"
 
 namespace vitrine {
 
@@ -34,6 +35,9 @@ struct EditScene {
 
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
 };
+
+// Whether a surfel of the diffuse layer shows this shape, which goes with most of those that do.
+bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i);
 
 // Throws Error{Input} with file and cause, also when the files do not belong together.
 EditScene read_edit_scene(const EditFolders& folders);

@@ -18,12 +18,12 @@
 #include <vector>
 
 #include "core/camera/view.h"
+#include "core/edit/edit_scene.h"
+#include "core/edit/selector.h"
 #include "core/image/image.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/trace/mesh_hits.h"
-#include "stages/edit/edit_list.h"
-#include "stages/edit/edit_scene.h"
 
 namespace vitrine {
 
@@ -42,6 +42,14 @@ class SceneSelector {
   Parts select(const Selector& selector, const std::string& where);
   const std::vector<MeshComponent>& components() const { return components_; }  // from most faces to fewest
 
+  // Classes of which there are masks.
+  std::vector<MaskClass> classes() const;
+  // The component of each surfel of a layer, numbered as in Selector; 0: of none.
+  struct SurfelComponents {
+    std::vector<uint32_t> diffuse, transmittance;
+  };
+  const SurfelComponents& surfel_components() const;
+
  private:
   struct MaskedView {
     View view;
@@ -49,6 +57,10 @@ class SceneSelector {
   };
   std::vector<MaskedView> masked_views(MaskClass kind, const std::string& where) const;
   const Parts& of_class(MaskClass kind, const std::string& where);
+  bool has_masks(MaskClass kind) const;
+  // What is near a component, or, for what glass shows, inside of one; 0: nothing.
+  uint32_t component_near(const Vec3f& p) const;
+  uint32_t component_around(const Vec3f& p) const;
   Parts of_component(size_t component, const std::string& where) const;
   Parts where_place(const std::function<bool(const Vec3d&)>& inside) const;
   std::vector<uint8_t> surfels_seen_in(std::span<const MaskedView> views) const;
@@ -63,6 +75,7 @@ class SceneSelector {
   float reach_ = 0;
   std::vector<uint32_t> component_of_face_;  // index into components_
   std::vector<MeshComponent> components_;
+  mutable std::optional<SurfelComponents> surfel_components_;  // found once
 };
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/edit/edit_scene.h"
+#include "core/edit/edit_scene.h"
 
 #include <algorithm>
 
@@ -42,11 +42,7 @@ std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, c
   for (const ShapeSet::Entry& e : set->entries) {
     size_t all = 0, left = 0;
     for (size_t i = 0; i < surfels.size(); ++i) {
-      const float* m = surfels.at(Attribute::Mean, i);
-      const Vec3d p{m[0], m[1], m[2]};
-      if (e.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) continue;  // k_s below a half
-      if (e.role == ShapeRole::Sheet && *surfels.at(Attribute::Transmission, i) < 0) continue;     // tau below a half
-      if (length(nearest(e.shape, p).position - p) > kOnShape * e.tolerance) continue;
+      if (!shows_shape(e, surfels, i)) continue;
       ++all, left += keep[i];
     }
     stays.push_back(all > 0 ? 2 * left >= all : e.role == ShapeRole::Sheet);
@@ -82,6 +78,14 @@ std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>
 }
 
 }  // namespace
+
+bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i) {
+  if (entry.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) return false;  // k_s below a half
+  if (entry.role == ShapeRole::Sheet && *surfels.at(Attribute::Transmission, i) < 0) return false;     // tau below a half
+  const float* m = surfels.at(Attribute::Mean, i);
+  const Vec3d p{m[0], m[1], m[2]};
+  return length(nearest(entry.shape, p).position - p) <= kOnShape * entry.tolerance;
+}
 
 EditScene read_edit_scene(const EditFolders& folders) {
   EditScene scene;

@@ -1,4 +1,4 @@
-#include "stages/edit/selection.h"
+#include "core/edit/selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -153,34 +153,65 @@ Parts SceneSelector::of_component(size_t component, const std::string& where) co
                  .hint = largest,
                  .code = "EDIT_SELECTS_NOTHING"});
   }
-  const auto wanted = uint32_t(component - 1);
-  const SplatScene& surfels = scene_.trained.surfels;
-  Parts out;
-  out.diffuse.resize(surfels.diffuse.size());
-  parallel_for(out.diffuse.size(), kGrain, [&](size_t i) {
-    const ClosestPoint c = distance_.closest(cast<float>(mean_of(surfels.diffuse, i)));
-    out.diffuse[i] = c.distance <= reach_ && component_of_face_[c.face] == wanted;
-  });
-  const auto inside = [&](const Vec3f& p) {
-    const ClosestPoint c = distance_.closest(p);
-    const auto& f = scene_.mesh.faces[c.face];
-    const Vec3f &a = scene_.mesh.positions[f[0]], &b = scene_.mesh.positions[f[1]], &d = scene_.mesh.positions[f[2]];
-    const bool behind = dot(p - c.position, cross(b - a, d - a)) < 0;
-    return (behind || c.distance <= reach_) && component_of_face_[c.face] == wanted;
+  const auto wanted = uint32_t(component);
+  const auto those = [&](const std::vector<uint32_t>& numbers) {
+    std::vector<uint8_t> flags(numbers.size());
+    for (size_t i = 0; i < flags.size(); ++i) flags[i] = numbers[i] == wanted;
+    return flags;
   };
-  out.transmittance.resize(surfels.transmittance.size());
-  parallel_for(out.transmittance.size(), kGrain,
-               [&](size_t i) { out.transmittance[i] = inside(cast<float>(mean_of(surfels.transmittance, i))); });
+  Parts out;
+  out.diffuse = those(surfel_components().diffuse);
+  out.transmittance = those(surfel_components().transmittance);
   out.content.resize(scene_.content.positions.size());
-  parallel_for(out.content.size(), kGrain, [&](size_t v) { out.content[v] = inside(scene_.content.positions[v]); });
+  parallel_for(out.content.size(), kGrain,
+               [&](size_t v) { out.content[v] = component_around(scene_.content.positions[v]) == wanted; });
   out.vertices.assign(scene_.mesh.positions.size(), 0);
   out.faces.resize(scene_.mesh.faces.size());
   for (size_t f = 0; f < out.faces.size(); ++f) {
-    out.faces[f] = component_of_face_[f] == wanted;
+    out.faces[f] = component_of_face_[f] + 1 == wanted;
     if (out.faces[f])
       for (uint32_t v : scene_.mesh.faces[f]) out.vertices[v] = 1;
   }
   out.walls.assign(scene_.surroundings.positions.size(), 0);
+  return out;
+}
+
+uint32_t SceneSelector::component_near(const Vec3f& p) const {
+  const ClosestPoint c = distance_.closest(p);
+  return c.distance <= reach_ ? component_of_face_[c.face] + 1 : 0;
+}
+
+uint32_t SceneSelector::component_around(const Vec3f& p) const {
+  const ClosestPoint c = distance_.closest(p);
+  const auto& f = scene_.mesh.faces[c.face];
+  const Vec3f &a = scene_.mesh.positions[f[0]], &b = scene_.mesh.positions[f[1]], &d = scene_.mesh.positions[f[2]];
+  const bool behind = dot(p - c.position, cross(b - a, d - a)) < 0;
+  return behind || c.distance <= reach_ ? component_of_face_[c.face] + 1 : 0;
+}
+
+const SceneSelector::SurfelComponents& SceneSelector::surfel_components() const {
+  if (surfel_components_) return *surfel_components_;
+  const auto numbers = [&](const SplatLayer& layer, auto component) {
+    std::vector<uint32_t> out(layer.size());
+    parallel_for(out.size(), kGrain, [&](size_t i) { out[i] = (this->*component)(cast<float>(mean_of(layer, i))); });
+    return out;
+  };
+  const SplatScene& surfels = scene_.trained.surfels;
+  return surfel_components_.emplace(numbers(surfels.diffuse, &SceneSelector::component_near),
+                                    numbers(surfels.transmittance, &SceneSelector::component_around));
+}
+
+bool SceneSelector::has_masks(MaskClass kind) const {
+  std::error_code ec;
+  return masks_ && std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec);
+}
+
+std::vector<MaskClass> SceneSelector::classes() const {
+  std::vector<MaskClass> out;
+  for (const MaskClass kind : kMaskClasses)
+    if (has_masks(kind) &&
+        std::ranges::any_of(views_, [&](const View& v) { return read_view_mask(*masks_, kind, v).has_value(); }))
+      out.push_back(kind);
   return out;
 }
 
@@ -192,9 +223,7 @@ std::vector<SceneSelector::MaskedView> SceneSelector::masked_views(MaskClass kin
                   .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
                   .code = "NO_MASKS"});
   };
-  std::error_code ec;
-  if (!masks_ || !std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec))
-    throw missing(masks_ ? "the masks stage wrote none" : "the masks stage has not been computed");
+  if (!has_masks(kind)) throw missing(masks_ ? "the masks stage wrote none" : "the masks stage has not been computed");
   std::vector<MaskedView> out;
   for (View view : views_) {
     throw_if_interrupted();
