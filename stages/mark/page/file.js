@@ -2,7 +2,8 @@
 import { download } from '../../page/elements.js';
 import { refusals } from './checks.js';
 import { marks_of } from './opened.js';
-import { read_yaml, yaml_of } from './yaml.js';
+import { read_yaml } from '../../page/yaml.js';
+import { yaml_of } from './marks_file.js';
 
 const kFile = 'marks.yaml';
 

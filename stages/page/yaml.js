@@ -1,5 +1,5 @@
-// The file of marks: written in the format of stages/masks, read in the part of YAML that such files use (maps, lists, their short
-// forms in brackets, quotes, comments). Scalars are strings. Other YAML is refused at its line.
+// The part of YAML that files of people use (maps, lists, their short forms in brackets, quotes, comments), read; and texts in quotes.
+// Scalars are strings. Other YAML is refused at its line.
 class YamlError extends Error {
   constructor(line, text) {
     super(`line ${line}: ${text}`);
@@ -28,7 +28,7 @@ function open_brackets(text) {
 const kKey = /^("(?:[^"\\]|\\.)*"|'(?:[^']|'')*'|[^\s"'[\]{},][^[\]{},]*?)\s*:(?:\s+|$)/;
 
 function scalar(text, line) {
-  if (/^[&*!|>%@`]/.test(text)) throw new YamlError(line, `\u201c${text.slice(0, 20)}\u201d is a kind of YAML that marks do not use`);
+  if (/^[&*!|>%@`]/.test(text)) throw new YamlError(line, `\u201c${text.slice(0, 20)}\u201d is a kind of YAML that is not read here`);
   if (text.startsWith('"')) {
     try {
       return JSON.parse(text);
@@ -146,38 +146,5 @@ export function read_yaml(text) {
 }
 
 const plain = (text) => /^[A-Za-z_][\w./-]*$/.test(text) && !/^(true|false|yes|no|on|off|null|y|n)$/i.test(text);
-const quoted = (text) => (plain(text) ? text : JSON.stringify(text));
-const number = (v) => String(Math.round(10 * v) / 10);  // tenths of a pixel of the photo as taken
-
-const kWidth = 120;
-
-function wrapped(head, parts) {
-  const rows = [];
-  let row = head;
-  parts.forEach((part, i) => {
-    const text = part + (i + 1 < parts.length ? ', ' : ']');
-    if (row.length + text.length > kWidth && row.trim()) rows.push(row.trimEnd()), (row = ' '.repeat(head.length));
-    row += text;
-  });
-  return [...rows, row].join('\n');
-}
-
-// `size_of`: that of a photo by its name; marks of photos that are not here have their own.
-export function yaml_of(doc, size_of, command) {
-  const sizes = doc.marks.map((m) => (m.size ?? size_of(m.photo)).join(', ')), count = {};
-  for (const s of sizes) count[s] = (count[s] ?? 0) + 1;
-  const usual = Object.keys(count).sort((a, b) => count[b] - count[a])[0];
-  let out = `# Drawn in the page of vitrine mark. ${command}\n`;
-  if (usual) out += `size: [${usual}]\n`;
-  out += doc.marks.length ? 'marks:\n' : 'marks: []\n';
-  for (const thing of doc.things)
-    doc.marks.forEach((m, i) => {
-      if (m.thing !== thing.id) return;
-      out += `  - photo: ${quoted(m.photo)}\n    class: ${thing.kind}\n`;
-      if (thing.name) out += `    thing: ${quoted(thing.name)}\n`;
-      if (sizes[i] !== usual) out += `    size: [${sizes[i]}]\n`;
-      out += m.box ? `    box: [${m.corners.flat().map(number).join(', ')}]\n`
-                   : wrapped('    polygon: [', m.corners.map(([x, y]) => `[${number(x)}, ${number(y)}]`)) + '\n';
-    });
-  return out;
-}
+// A text as a scalar.
+export const quoted = (text) => (plain(text) ? text : JSON.stringify(text));
