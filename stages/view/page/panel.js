@@ -4,6 +4,7 @@ import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
 import { confidence_legend } from './confidence.js';
 import { slider } from './controls.js';
+import { lamps_section } from './lamps_panel.js';
 import { measures_section } from './measures.js';
 import { kModes } from './picture.js';
 import { two_runs_section } from './two_runs.js';
@@ -39,6 +40,9 @@ export function make_panel(view, { scene, photos }) {
     section('Light', element('div', { className: 'row' }, select, element('label', { className: 'file', textContent: 'HDRI\u2026' }, file)),
             turn.row, exposure.row, element('label', { className: 'row' }, background, 'show the light behind the scene'),
             element('p', { textContent: 'Or drop a .hdr or .exr file on the picture.' }));
+    const lamps = lamps_section(view);
+    changes.push(lamps.show);
+    section('Lamps', ...lamps.parts);
   }
 
   section('Camera', element('div', { className: 'row' }, button('Start', () => view.reset(), { id: 'reset' }), button('Frame', () => view.frame_scene(), { id: 'frame_scene' })),

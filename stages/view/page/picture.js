@@ -116,8 +116,8 @@ export class Picture {
     }));
   }
 
-  // map: a sky (sky.js); turn in degrees, counter-clockwise seen from above.
-  set_light(map, turn) {
+  // map: a sky (sky.js); turn in degrees, counter-clockwise seen from above; direct: the map by which surfels find their direct light.
+  set_light(map, turn, direct = map) {
     if (this.map !== map) {
       this.sky_uniforms.sky.value?.dispose();
       this.map = map, this.coefficients = harmonics(map);
@@ -128,7 +128,7 @@ export class Picture {
     this.sky_uniforms.sky_turn.value = radians;
     const coefficients = turned(this.coefficients, radians);
     this.probe_uniforms.light.value = coefficients.flat();
-    this.irradiance = irradiance(this.blocks, this.scene.drawn, cell_light(map, radians, kCellSide), coefficients);
+    this.irradiance = irradiance(this.blocks, this.scene.drawn, cell_light(direct, radians, kCellSide), coefficients);
     this.surfels.set_irradiance(this.irradiance);
     this.probes_fresh = false;
   }

@@ -62,15 +62,16 @@ export class TwoRuns {
     if (!this.other) return;
     const { page, renderer, picture, frame, aligned } = this.other, { view } = this, lit = page.scene.relit;
     frame.style.cssText = view.frame.style.cssText;
-    const turn = view.turned + yaw(aligned), photo = view.photo === undefined ? null : page.scene.cameras.find((c) => c.name === view.scene.cameras[view.photo].name);
-    if (lit && view.shining && (this.other.shining !== view.shining || this.other.turn !== turn)) {
-      picture.set_light(view.shining, turn);
-      this.other.shining = view.shining, this.other.turn = turn;
+    const photo = view.photo === undefined ? null : page.scene.cameras.find((c) => c.name === view.scene.cameras[view.photo].name);
+    if (lit && view.lighting && this.other.lighting !== view.lighting) {
+      const [map, turn, direct] = view.lighting;
+      picture.set_light(map, turn + yaw(aligned), direct);
+      this.other.lighting = view.lighting;
     }
     this.other.drawn = carried_camera(aligned, camera);
     renderer.setSize(camera.width, camera.height, false);
     picture.draw(this.other.drawn, {
-      ...state, ...(lit && view.shining ? {} : { mode: kModes[state.mode].lit ? 'photo' : state.mode, base: 'photo' }), gain: photo?.gain ?? state.gain,
+      ...state, ...(lit && view.lighting ? {} : { mode: kModes[state.mode].lit ? 'photo' : state.mode, base: 'photo' }), gain: photo?.gain ?? state.gain,
       clip: carried_plane(aligned, state.clip), around: { middle: carried(aligned, view.scene.middle), radius: aligned.scale * view.scene.radius },
     });
     const gl = renderer.getContext();

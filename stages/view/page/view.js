@@ -5,6 +5,8 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { Annotations } from './annotations.js';
 import { ClipPlane } from './clip_plane.js';
 import { from_three, projected, resized, stand_at, transforms_json, unprojected } from './cameras.js';
+import { Hand } from './hand.js';
+import { lit } from './lamps.js';
 import { Measures } from './measures.js';
 import { kModes, Picture } from './picture.js';
 import { evening, read_sky, sky, studio } from './sky.js';
@@ -33,7 +35,6 @@ export class View {
     this.kept = [this.clip, this.notes];        // what has a part of the address: address(), restore(query)
     this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen)
     this.filed = [this.notes, this.runs];       // what opens files of some names: opens, open(file)
-    this.tool = null;                           // takes clicks on surfaces: take(place), nothing, ended()
 
     this.eye = new PerspectiveCamera();
     this.eye.up.set(0, 0, 1);
@@ -42,12 +43,11 @@ export class View {
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('change', () => this.moved());
     this.reset(false);
-    this.state = { mode: 'photo', base: 'photo', light: 'photos', turn: 0, exposure: null, background: true, photo: null };
+    this.state = { mode: 'photo', base: 'photo', light: 'photos', turn: 0, exposure: null, background: true, sky: 1, lamps: [], photo: null };
     this.slow = true;  // until a picture says otherwise
 
     this.canvas.addEventListener('keydown', (e) => this.key(e));
-    this.canvas.addEventListener('pointerdown', (e) => (this.pressed = [e.clientX, e.clientY]));
-    this.canvas.addEventListener('pointerup', (e) => this.tool && this.released(e));
+    this.hand = new Hand(this);
     new ResizeObserver(() => this.draw()).observe(document.getElementById('stage'));
     for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => this.dragged(e));
     const wanted = read_state();
@@ -77,18 +77,20 @@ export class View {
     write_state(this.state, this.eye.position.toArray(), this.controls.target.toArray(), photo, this.kept.flatMap((part) => part.address()));
   }
 
-  // Some of: mode, light, turn (degrees), exposure (stops), background.
+  // Some of: mode, light, turn (degrees), sky (how bright it is), lamps (lamps.js), exposure (stops), background.
   set(some, draw = true) {
     const s = this.state;
-    for (const key of ['mode', 'light', 'turn', 'exposure', 'background']) if (some[key] !== undefined) s[key] = some[key];
+    for (const key of ['mode', 'light', 'turn', 'sky', 'lamps', 'exposure', 'background']) if (some[key] !== undefined) s[key] = some[key];
     if (!kModes[s.mode] || (kModes[s.mode].lit && !this.scene.relit)) s.mode = 'photo';
     if (s.mode === 'photo' || s.mode === 'relit') s.base = s.mode;
     if (!this.skies[s.light]) s.light = Object.keys(this.skies)[0] ?? '';
     const light = this.skies[s.light];
-    if (light && (this.shining !== light || this.turned !== s.turn)) {
-      this.picture.set_light(light, s.turn);
-      if (this.shining !== light && some.exposure === undefined) s.exposure = null;
-      this.shining = light, this.turned = s.turn;
+    const shining = [light, s.turn, s.sky, s.lamps];
+    if (light && shining.some((v, i) => v !== this.shining?.[i])) {
+      this.lighting = lit(light, s);
+      this.picture.set_light(...this.lighting);
+      if (this.shining?.[0] !== light && some.exposure === undefined) s.exposure = null;
+      this.shining = shining;
     }
     if (s.exposure === null) s.exposure = light ? this.picture.exposure_of_scene() : 0;
     if (draw) this.changed(), this.draw();
@@ -262,19 +264,20 @@ export class View {
 
   // ---- clicks on surfaces
 
-  // Clicks go to this tool; to none, where it has them already.
-  use(tool) {
-    this.tool?.ended();
-    this.tool = this.tool === tool ? null : tool;
-    this.draw_marks(), this.changed();
+  // What takes clicks on surfaces (take(place), nothing: what is said where there is none, ended()), or null.
+  get tool() {
+    return this.hand.tool?.on_surface ?? null;
   }
-  released(e) {
-    if (!this.pressed || Math.hypot(e.clientX - this.pressed[0], e.clientY - this.pressed[1]) > 4) return;
-    const box = this.canvas.getBoundingClientRect(), k = this.drawn;
-    const x = ((e.clientX - box.left) / box.width) * k.width, y = ((e.clientY - box.top) / box.height) * k.height, z = this.picture.depth_at(x, y);
-    if (!(z > 0)) return this.tell(this.tool.nothing);
+  // Clicks go to this one; to none, where it has them already.
+  use(tool) {
+    if (this.tool === tool) return this.hand.drop();
+    this.hand.take({ name: 'surface', on_surface: tool, clicked: (at) => this.touched(tool, at), dropped: () => (tool.ended(), this.draw_marks()) });
+  }
+  touched(tool, { x, y }) {
+    const z = this.picture.depth_at(x, y);
+    if (!(z > 0)) return this.tell(tool.nothing);
     this.tell('');
-    this.tool.take(unprojected(k, x, y, z));
+    tool.take(unprojected(this.drawn, x, y, z));
     this.draw_marks(), this.changed();
   }
   draw_marks() {

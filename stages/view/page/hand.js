@@ -1,0 +1,55 @@
+// Who has the mouse on the picture: nobody (then it turns the scene), or one tool.
+// A tool: {name, drags: the left button is its own, pressed, moved, released, clicked (at), key (event) -> taken, dropped()}; all but
+// the name may be missing. `at`: {x, y} in pixels of the picture drawn last; of moves also dx, dy in pixels of the screen.
+const kClick = 4;  // pixels of the screen that a click may move
+
+export class Hand {
+  constructor(view) {
+    this.view = view, this.tool = null, this.from = null;
+    const { canvas } = view;
+    canvas.addEventListener('pointerdown', (e) => this.press(e));
+    canvas.addEventListener('pointermove', (e) => this.move(e));
+    canvas.addEventListener('pointerup', (e) => this.release(e));
+    canvas.addEventListener('pointercancel', () => (this.from = null));
+    addEventListener('keydown', (e) => this.tool?.key?.(e) && e.preventDefault());
+  }
+  take(tool) {
+    this.drop();
+    this.tool = tool;
+    this.view.controls.enableRotate = !tool.drags;
+    this.view.changed();
+  }
+  drop() {
+    const { tool } = this;
+    if (!tool) return;
+    this.tool = this.from = null, this.view.controls.enableRotate = true;
+    tool.dropped?.();
+    this.view.changed();
+  }
+  has(name) {
+    return this.tool?.name === name;
+  }
+
+  at(e) {
+    const box = this.view.canvas.getBoundingClientRect(), k = this.view.drawn;
+    return { x: ((e.clientX - box.left) / box.width) * k.width, y: ((e.clientY - box.top) / box.height) * k.height };
+  }
+  press(e) {
+    if (!this.tool || e.button !== 0 || !e.isPrimary) return;
+    this.from = this.last = [e.clientX, e.clientY];
+    this.tool.pressed?.(this.at(e));
+  }
+  move(e) {
+    if (!this.tool || !this.from || !e.isPrimary) return;
+    const [dx, dy] = [e.clientX - this.last[0], e.clientY - this.last[1]];
+    this.last = [e.clientX, e.clientY];
+    this.tool.moved?.({ ...this.at(e), dx, dy });
+  }
+  release(e) {
+    if (!this.tool || !this.from || !e.isPrimary) return;
+    const click = Math.hypot(e.clientX - this.from[0], e.clientY - this.from[1]) <= kClick, { tool } = this;
+    this.from = null;
+    tool.released?.(this.at(e), click);
+    if (click) tool.clicked?.(this.at(e));
+  }
+}
