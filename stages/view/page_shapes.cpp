@@ -47,7 +47,8 @@ nlohmann::ordered_json add_shapes(const ShapeSet* set, PageBlocks& blocks) {
     entries.push_back({{"role", kRoles[static_cast<size_t>(e.role)]},
                        {"tolerance", e.tolerance},
                        {"closed", !std::holds_alternative<Plane>(e.shape)},
-                       {"exact", e.exact}});
+                       {"exact", e.exact},
+                       {"parent", e.parent}});
     TriMesh mesh = tessellated(e.shape, kSpacing_rel * size_of(e.shape));
     if (mesh.faces.size() > kMostFaces) mesh = decimated(mesh, {.target_faces = kMostFaces});
     const std::vector<Vec3f> smooth = vertex_normals(mesh);

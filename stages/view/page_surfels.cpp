@@ -91,19 +91,6 @@ uint64_t curve_place(const float* mean) {
   return spread_bits(contracted(mean[0])) | spread_bits(contracted(mean[1])) << 1 | spread_bits(contracted(mean[2])) << 2;
 }
 
-// Each as its difference to the one before, which is small along the curve.
-std::vector<uint16_t> places(const SplatLayer& layer) {
-  std::vector<uint16_t> out;
-  std::array<uint16_t, 3> before{};
-  for (size_t i = 0; i < layer.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) {
-      const uint16_t now = contracted(layer.at(Attribute::Mean, i)[c]);
-      out.push_back(static_cast<uint16_t>(now - before[c]));
-      before[c] = now;
-    }
-  return out;
-}
-
 // x, y, z of the unit quaternion with w >= 0.
 std::vector<uint16_t> turns(const SplatLayer& layer) {
   std::vector<uint16_t> out;
@@ -140,6 +127,7 @@ PageSurfels chosen(const PageSurfels& from, std::span<const uint32_t> which) {
     const uint32_t k = which[to];
     for (const AttributeRow& r : kAttributes) std::copy_n(from.layer.at(r.id, k), from.layer.width(r.id), out.layer.at(r.id, to));
     out.of_diffuse.push_back(from.of_diffuse[k]);
+    out.of_inside.push_back(from.of_inside[k]);
     out.flags.push_back(from.flags[k]);
     out.solid += k < from.solid;
     out.drawn += k < from.drawn;
@@ -165,6 +153,9 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
   out.solid = solid.size() + inside.size();
   out.drawn = out.solid + glass.size();
   out.of_diffuse.assign(out.layer.size(), UINT32_MAX);
+  out.of_inside.assign(out.layer.size(), UINT32_MAX);
+  std::iota(out.of_inside.begin() + static_cast<std::ptrdiff_t>(solid.size()),
+            out.of_inside.begin() + static_cast<std::ptrdiff_t>(out.solid), 0u);
   out.flags.assign(out.layer.size(), 0);
   std::ranges::copy(solid, out.of_diffuse.begin());
   std::ranges::copy(glass, out.of_diffuse.begin() + static_cast<std::ptrdiff_t>(out.solid));
@@ -191,6 +182,22 @@ PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes,
     rank[k] = {k < out.solid ? 0 : k < out.drawn ? 1 : 2, curve_place(out.layer.at(Attribute::Mean, k))};
   std::ranges::sort(order, {}, [&](uint32_t k) { return std::pair(rank[k], k); });
   return chosen(out, order);
+}
+
+std::vector<uint16_t> page_places(const SplatLayer& layer, std::span<const uint32_t> which) {
+  std::vector<uint16_t> out;
+  std::array<uint16_t, 3> before{};
+  for (const uint32_t i : which)
+    for (size_t c = 0; c < 3; ++c) {
+      const uint16_t at = contracted(layer.at(Attribute::Mean, i)[c]);
+      out.push_back(static_cast<uint16_t>(at - before[c]));
+      before[c] = at;
+    }
+  return out;
+}
+
+void sort_along_curve(const SplatLayer& layer, std::vector<uint32_t>& which) {
+  std::ranges::sort(which, {}, [&](uint32_t i) { return std::pair(curve_place(layer.at(Attribute::Mean, i)), i); });
 }
 
 void mark_sky(const DecomposedMaterials& materials, PageSurfels& surfels) {
@@ -257,7 +264,9 @@ void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& lig
     for (const Attribute a : {Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
       material.push_back(root_byte(sigmoid(*layer.at(a, i))));
   }
-  blocks.words("place", places(layer), 3);
+  std::vector<uint32_t> all(layer.size());
+  std::iota(all.begin(), all.end(), 0u);
+  blocks.words("place", page_places(layer, all), 3);
   blocks.words("turn", turns(layer), 3);
   blocks.halves("span", spans, 2, kSpanBits);
   blocks.bytes("opacity", opacity, 1);

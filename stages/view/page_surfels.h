@@ -24,6 +24,7 @@ enum PageSurfelFlag : uint8_t {
 struct PageSurfels {
   SplatLayer layer;                  // of kind Diffuse, with trained materials
   std::vector<uint32_t> of_diffuse;  // [surfels] index in the diffuse layer, or UINT32_MAX
+  std::vector<uint32_t> of_inside;   // [surfels] likewise in the transmittance layer
   std::vector<uint8_t> flags;        // [surfels]
   size_t solid = 0;                  // so many are no glass; glass stands behind them
   size_t drawn = 0;                  // so many are not of the reflection layer, which stands behind
@@ -33,6 +34,10 @@ struct PageSurfels {
 // In the order of Morton's curve, each kind. At most `most` surfels are drawn: those stay that cover most of the pictures, by
 // opacity times area over the squared distance to the nearest of `eyes`.
 PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes, size_t most);
+
+// Places of some surfels as the page has them, each as its difference to the one before; and the order in which those are small.
+std::vector<uint16_t> page_places(const SplatLayer& layer, std::span<const uint32_t> which);
+void sort_along_curve(const SplatLayer& layer, std::vector<uint32_t>& which);
 
 // Flags those that show the light of the photos.
 void mark_sky(const DecomposedMaterials& materials, PageSurfels& surfels);

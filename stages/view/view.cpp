@@ -18,6 +18,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
 #include "stages/page_text.h"
+#include "stages/view/page_edits.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
 #include "stages/view/photo_coverage.h"
@@ -35,6 +36,7 @@ constexpr int kEnvironmentWidth = 128;  // of the light of the photos in the pag
 
 struct Scene {
   std::vector<View> views;    // at the size of the training
+  std::vector<View> photos;   // the same at the size of images/
   std::vector<bool> heldout;  // [views]
   SceneInfo info;
   TrainedScene trained;
@@ -47,7 +49,7 @@ Scene read_scene(const StageContext& context) {
   const fs::path sfm = context.input("sfm"), optimize = context.input("optimize");
   const auto refine = context.optional_input("refine"), mesh = context.optional_input("mesh"),
              decompose = context.optional_input("decompose");
-  s.views = load_view_set(sfm).views;
+  s.views = s.photos = load_view_set(sfm).views;
   const ViewSplit split = read_view_split(optimize / "optimize/views.json", s.views);
   s.heldout.assign(s.views.size(), false);
   for (const size_t i : split.heldout) s.heldout[i] = true;
@@ -72,7 +74,7 @@ Json numbers(const Mat3d& m) {
 }
 Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-Json camera_json(const View& v, bool heldout) {
+Json camera_json(const View& v, const Intrinsics& photo, bool heldout) {
   const Intrinsics& k = v.intrinsics;
   return {{"name", v.name},
           {"width", k.width},
@@ -84,6 +86,7 @@ Json camera_json(const View& v, bool heldout) {
           {"rotation", numbers(v.cam_from_world.rotation)},
           {"translation", numbers(v.cam_from_world.translation)},
           {"gain", numbers(v.gain)},
+          {"photo", {photo.width, photo.height}},
           {"heldout", heldout}};
 }
 
@@ -117,6 +120,21 @@ void add_mesh(const TriMesh& mesh, size_t faces, PageBlocks& blocks) {
   blocks.floats("mesh_position", positions, 3);
   blocks.bytes("mesh_color", colors, 3);
   blocks.indices("mesh_face", corners, 3);
+}
+
+Json edits(const Scene& s, const StageContext& context, const PageSurfels& surfels, Json& shapes, PageBlocks& blocks) {
+  const fs::path optimize = context.input("optimize");
+  std::error_code ec;
+  if (fs::exists(optimize / "edits.yaml", ec))
+    return no_edits("This page shows edits that were made. Others start from the scene without them: open its own view.html.");
+  const auto mesh = context.optional_input("mesh");
+  if (!mesh || !s.mesh || s.mesh->faces.empty())
+    return no_edits("There is no mesh yet (stage mesh), which vitrine edit needs: finish vitrine run, then vitrine view.");
+  const EditScene scene = read_edit_scene({.optimize = optimize,
+                                           .mesh = *mesh,
+                                           .refine = context.optional_input("refine"),
+                                           .decompose = context.optional_input("decompose")});
+  return add_edits(scene, s.photos, context.optional_input("masks"), surfels, shapes, blocks);
 }
 
 void add_environment(const Environment& light, PageBlocks& blocks) {
@@ -167,11 +185,12 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   for (size_t i = 0; i < s.views.size(); ++i)
     if (!s.heldout[i]) trained_on.push_back(s.views[i]);
   add_coverage(photo_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
-  const Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
+  Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
+  const Json editable = edits(s, context, surfels, shapes, blocks);
   if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), blocks);
 
   Json cameras = Json::array(), centres = Json::array();
-  for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.heldout[i]));
+  for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.photos[i].intrinsics, s.heldout[i]));
   for (const Probe& p : stands) centres.push_back(numbers(p.centre));
   const ImageOptions& image = s.trained.image;
   Json scene{{"format", 2},
@@ -192,6 +211,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"probe_side", kProbeSide},
              {"probes", centres},
              {"shapes", shapes},
+             {"edits", editable},
              {"cameras", cameras},
              {"blocks", blocks.directory()}};
   const Json photos = small_photos(s, context.input("sfm"), config.photo_side);
@@ -222,7 +242,8 @@ Stage view_stage() {
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
                             {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                             {.name = "mesh", .optional = true, .doc = "The mesh that throws shadows."},
-                            {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."}}};
+                            {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."},
+                            {.name = "masks", .optional = true, .doc = "Which pixels show which class, for edits."}}};
   return make_stage<ViewConfig>(std::move(info), run_view, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
                                               {"page", empty_page_digest("view")}};

@@ -34,7 +34,7 @@ constexpr Exception kExceptions[] = {
     {"relight_command.cpp", "relight sfm optimize mesh decompose", "vitrine relight"},
     {"view_command.cpp", "view", "vitrine view"},
     {"mark_command.cpp", "mark sfm masks", "vitrine mark: cameras and masks of an earlier run"},
-    {"view_page.cpp", "view sfm optimize refine mesh decompose", "vitrine view"},
+    {"view_page.cpp", "view sfm optimize refine mesh decompose masks", "vitrine view"},
     {"picture_tool.h", "refine", "vitrine render and relight: taken where it is there"},
     {"picture_tool.cpp", "relight", "vitrine relight: report.html shows its pictures"},
     {"tool.cpp", "edit sfm optimize mesh refine decompose masks", "vitrine edit, and which results an edit replaces"},

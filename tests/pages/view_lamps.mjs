@@ -4,15 +4,15 @@
 //   lamp       the lamp as it was added;  behind, aside  brightness (0 to 255) of the points with the lamp there;  dragged  the lamp after a
 //              drag over the picture;  eye  whether the camera stayed meanwhile;  off, removed  brightness without the lamp
 //   again      [mean irradiance of the surfels, that under the saved light.hdr, greatest difference];  address, reopened  lamps in the fragment
-import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
+import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, saved, software_webgl } from './chromium.mjs';
 
 const file = resolve(process.argv[2]), camera = Number(process.argv[3]), points = JSON.parse(process.argv[4]), out = resolve(process.argv[5]);
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href;
-const browser = await open_chromium({ args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'], protocolTimeout: 600000 });
+const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 const watch = (page) => {
   page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
@@ -61,7 +61,7 @@ try {
   }, camera);
   writeFileSync(join(out, 'lamp.png'), Buffer.from(url.split(',')[1], 'base64'));
   for (const id of ['save_light', 'save_lamps']) await page.click(`#${id}`);
-  for (let k = 0; k < 100 && !['light.hdr', 'lamps.yaml'].every((f) => readdirSync(out).includes(f)); ++k) await new Promise((r) => setTimeout(r, 100));
+  await saved(out, 'light.hdr', 'lamps.yaml');
   result.address = await page.evaluate(() => location.hash);
 
   const eye = () => page.evaluate(() => view.eye.position.toArray()), before = await eye();

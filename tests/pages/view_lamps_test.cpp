@@ -8,7 +8,7 @@
 #include "core/relight/relit_painter.h"
 #include "stages/page_text.h"
 #include "stages/view/view.h"
-#include "tests/external/programs.h"
+#include "tests/pages/in_chromium.h"
 #include "tests/stages/edit/two_balls.h"
 #include "tests/support/recording_context.h"
 
@@ -39,9 +39,9 @@ Vec3d irradiance_of_lamp(const Lighting& lighting, const Vec3f& normal) {
   return sum;
 }
 
-TEST(ViewLamps, ThrowShadowsAndAreSavedForRelight) {
-  const Said installed = install();
-  ASSERT_EQ(installed.code, 0) << installed.out;
+using ViewLamps = InChromium;
+
+TEST_F(ViewLamps, ThrowShadowsAndAreSavedForRelight) {
   const test::TwoBalls balls;
   test::RecordingContext context(balls.artifacts());
   write_view(read_file(fs::path(VITRINE_BIN_DIR) / empty_page_path("view").filename()), {}, context);
@@ -51,12 +51,11 @@ TEST(ViewLamps, ThrowShadowsAndAreSavedForRelight) {
   for (const auto& [middle, radius] : {std::pair{balls.kA, balls.kRadiusA}, std::pair{balls.kB, balls.kRadiusB}})
     points.push_back({middle.x - kSlant * radius, middle.y - kSlant * radius, middle.z});
   constexpr size_t kCamera = 6;  // at -y
-  const fs::path out = fs::path(EXTERNAL_DIR) / "view_lamps";
-  fs::remove_all(out);
-  const Said said = run_external({"node", "view_lamps.mjs", (context.output() / "view.html").string(), std::to_string(kCamera),
+  const fs::path out = pictures("view_lamps");
+  const Said said = run_script({"view_lamps.mjs", (context.output() / "view.html").string(), std::to_string(kCamera),
                                   points.dump(), out.string()});
-  ASSERT_EQ(said.code, 0) << said.out;
-  const json r = json::parse(said.out.substr(said.out.find("{\"messages")));
+  const json r = answer(said);
+  ASSERT_FALSE(r.empty());
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];
 
   EXPECT_EQ(r["placed"]["azimuth"], -180);

@@ -157,7 +157,7 @@ TEST_F(ViewPage, FollowsFingersAndTakesDroppedFiles) {
 }
 
 TEST_F(ViewPage, ClipsAnnotatesShowsConfidenceAndTwoRuns) {
-  const fs::path out = fs::path(EXTERNAL_DIR) / "view_tools";
+  const fs::path out = pictures("view_tools");
   const json r = used("view_tools.mjs", out);
   ASSERT_FALSE(r.empty());
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];

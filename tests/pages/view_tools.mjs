@@ -13,12 +13,12 @@
 import { mkdirSync, readFileSync, existsSync, rmSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium } from './chromium.mjs';
+import { open_chromium, software_webgl } from './chromium.mjs';
 
 const [file, , , out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href, in_out = (name) => join(out, name);
-const browser = await open_chromium({ args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'], protocolTimeout: 600000 });
+const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [], clip: {}, confidence: {}, note: {}, two: {} };
 const watch = (page) => {
   page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
@@ -36,7 +36,7 @@ try {
   const session = await browser.target().createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
   await opened(page);
-  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false, { timeout: 120000 });
+  const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   await rest();
   await page.evaluate(() => {
     window.pixels = (renderer) => {
@@ -140,7 +140,7 @@ try {
   await other.uploadFile(in_out('other.html'));
   result.two.refused = await said();
   const shown = async () => {
-    await page.waitForFunction(() => view.runs.other?.drawn, { timeout: 120000 });
+    await page.waitForFunction(() => view.runs.other?.drawn);
     await rest();
   };
   await other.uploadFile(file);
@@ -161,7 +161,7 @@ try {
   const devtools = await page.createCDPSession(), data = { items: [], files: [in_out('moved.html')], dragOperationsMask: 1 };
   await page.evaluate(() => (window.first = view.runs.other));
   for (const type of ['dragEnter', 'dragOver', 'drop']) await devtools.send('Input.dispatchDragEvent', { type, x: 100, y: 100, data });
-  await page.waitForFunction(() => view.runs.other && view.runs.other !== first, { timeout: 120000 });
+  await page.waitForFunction(() => view.runs.other && view.runs.other !== first);
   await shown();
   const drawn = await page.evaluate(() => view.runs.other.drawn), wanted = scene.cameras[2];
   result.two.camera = Math.max(...['rotation', 'translation'].flatMap((name) => wanted[name].map((v, i) => Math.abs(v - drawn[name][i]))));

@@ -4,12 +4,14 @@ import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
 import { confidence_legend } from './confidence.js';
 import { slider } from './controls.js';
+import { edits_section } from './edits_panel.js';
 import { lamps_section } from './lamps_panel.js';
 import { measures_section } from './measures.js';
 import { kModes } from './picture.js';
 import { two_runs_section } from './two_runs.js';
 
-export function make_panel(view, { scene, photos }) {
+export function make_panel(view, page) {
+  const { scene, photos } = page;
   const panel = document.getElementById('panel'), changes = [];
   const section = (title, ...children) => panel.append(element('h2', { textContent: title }), ...children);
   panel.append(element('h1', { textContent: 'The scene' }));
@@ -62,6 +64,10 @@ export function make_panel(view, { scene, photos }) {
     panel.append(...nodes);
     changes.push(show);
   }
+
+  const edits = edits_section(view, page);
+  changes.push(edits.show);
+  section('Edits', ...edits.parts);
 
   if (photos.length) {
     const list = element('div', { className: 'photos', id: 'photos' });

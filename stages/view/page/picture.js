@@ -174,6 +174,7 @@ export class Picture {
     const { facets, entries } = this.scene.shapes, eye = centre_of(camera), facts = this.uniforms.facet_facts.value;
     const wanted = [];
     facets.forEach((f, i) => {
+      if (this.shapes.gone.has(f.entry)) return;
       const sheet = entries[f.entry].role === 'sheet', ahead = f.normal.reduce((s, n, c) => s + n * eye[c], -f.offset) > 0;
       if (entries[f.entry].role === 'coat' || (sheet && !f.clear)) return;
       if (!ahead && (!sheet || !entries[f.entry].closed)) return;  // its other side is a facet of its own, or is not seen

@@ -33,21 +33,31 @@ export class Shapes {
       kind: new BufferAttribute(kind, 2),
     };
     const stage = (wanted) => {
-      const geometry = new BufferGeometry(), corners = [];
+      const geometry = new BufferGeometry(), mesh = new Mesh(geometry, material);
       for (const [name, a] of Object.entries(attributes)) geometry.setAttribute(name, a);
-      for (let i = 0; i < blocks.shape_corner.length; i += 3) {
-        const face = blocks.shape_corner.subarray(i, i + 3);
-        if ((entries[part[2 * face[0] + 1]].role === 'sheet') === wanted) corners.push(...face);
-      }
-      geometry.setIndex(corners);
-      const mesh = new Mesh(geometry, material);
       mesh.frustumCulled = false;
-      return { scene: new Scene().add(mesh), empty: corners.length === 0 };
+      return { wanted, geometry, scene: new Scene().add(mesh) };
     };
     this.sheets = stage(true), this.opaque = stage(false);
+    this.leave_out(new Set());
     this.nobody = new Camera();
     const target = () => new WebGLRenderTarget(1, 1, { type: FloatType, minFilter: NearestFilter, magFilter: NearestFilter });
     this.targets = { opaque: target(), near: target(), far: target() };
+  }
+
+  // Entries that are not drawn.
+  leave_out(gone) {
+    const { shape_part: part, shape_corner } = this.blocks;
+    this.gone = gone;
+    for (const stage of [this.sheets, this.opaque]) {
+      const corners = [];
+      for (let i = 0; i < shape_corner.length; i += 3) {
+        const face = shape_corner.subarray(i, i + 3), entry = part[2 * face[0] + 1];
+        if ((this.table.entries[entry].role === 'sheet') === stage.wanted && !gone.has(entry)) corners.push(...face);
+      }
+      stage.geometry.setIndex(corners);
+      stage.empty = corners.length === 0;
+    }
   }
 
   // Vertices of a facet: {corners, place}.

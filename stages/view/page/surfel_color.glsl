@@ -7,6 +7,7 @@ uniform sampler2D places;
 uniform sampler2D turns;          // quaternion w x y z
 uniform sampler2D weights;        // k_s, tau, of the picture
 uniform sampler2D constants;      // colour without the harmonics
+uniform sampler2D tints;          // of colours as photographed
 uniform sampler2D sh;             // 16 texels a surfel, bytes about 128/255; scale in scales.x
 uniform sampler2D scales;         // of sh, of albedo; confidence, 1 where no photo saw the surfel (confidence.js)
 uniform sampler2D albedo;         // square root of
@@ -39,7 +40,7 @@ void main() {
     basis(normalize(mean - eye), y);
     vec3 sum = texelFetch(constants, at, 0).rgb;
     for (int k = 0; k < sh_count; ++k) sum += y[k + 1] * scale * coefficient(sh, i, k, 63.0);
-    color = vec4(max(sum, 0.0), 1.0);
+    color = vec4(max(sum, 0.0) * texelFetch(tints, at, 0).rgb, 1.0);
     return;
   }
   if (paint == 4) {

@@ -91,6 +91,7 @@ export class Surfels {
         o.set(confidence(b.seen?.[i] ?? 0).map(half), at + 2);
       }),
     });
+    t.tints = per_surfel(n, Uint16Array, HalfFloatType, (o, at) => o.fill(half(1), at, at + 3));  // of edits
     const sh_width = b.sh.length / Math.max(1, n);
     this.sh_count = sh_width / 3;
     t.sh = table(n, b.sh, sh_width);
@@ -108,7 +109,7 @@ export class Surfels {
     });
     const textures = (...names) => Object.fromEntries(names.map((name) => [name, { value: t[name] }]));
     this.color_uniforms = {
-      ...textures('places', 'turns', 'weights', 'constants', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'irradiance'),
+      ...textures('places', 'turns', 'weights', 'constants', 'tints', 'sh', 'scales', 'albedo', 'lit_materials', 'lit_weights', 'irradiance'),
       eye: { value: null }, paint: { value: 0 }, clear: { value: false }, sh_count: { value: this.sh_count }, count: { value: n },
       layered: { value: scene.blend === 'layered' },
     };

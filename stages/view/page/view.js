@@ -33,7 +33,7 @@ export class View {
     this.clip.on_change = () => (this.show_state(), this.adjusting());
     this.measures = new Measures(this), this.notes = new Annotations(this), this.runs = new TwoRuns(this);
     this.kept = [this.clip, this.notes];        // what has a part of the address: address(), restore(query)
-    this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen)
+    this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen, {camera, sx, sy: pixels of the screen in one of its})
     this.filed = [this.notes, this.runs];       // what opens files of some names: opens, open(file)
 
     this.eye = new PerspectiveCamera();
@@ -286,6 +286,6 @@ export class View {
       const [x, y, z] = projected(k, place);
       return [x * sx, y * sy, z];
     };
-    svg.replaceChildren(...this.marked.flatMap((part) => part.marks(on_screen)));
+    svg.replaceChildren(...this.marked.flatMap((part) => part.marks(on_screen, { camera: k, sx, sy })));
   }
 }

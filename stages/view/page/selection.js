@@ -1,0 +1,86 @@
+// Which surfels a selection of `vitrine edit` means (core/edit/selection.h): classes and components are what the program found when it
+// wrote the page, places are found here. Surfels that the page does not draw (glass of known shape, those left out) stand behind the
+// drawn ones: they count.
+import { resized } from './cameras.js';
+import { kClasses } from './edit_list.js';
+import { surfel_places } from './scene_data.js';
+
+const kSky = 2, kInside = 4;  // flags of surfels (stages/view/page_surfels.h)
+
+const joined = (a, b) => {
+  const out = new a.constructor(a.length + b.length);
+  out.set(a), out.set(b, a.length);
+  return out;
+};
+
+// Even-odd rule.
+function inside_polygon(polygon, x, y) {
+  let inside = false;
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    const [ax, ay] = polygon[i], [bx, by] = polygon[j];
+    if (ay > y !== by > y && x < ax + ((bx - ax) * (y - ay)) / (by - ay)) inside = !inside;
+  }
+  return inside;
+}
+
+export class Selection {
+  constructor({ scene, blocks }) {
+    const drawn = scene.drawn, b = blocks;
+    this.scene = scene, this.drawn = drawn;
+    this.places = joined(surfel_places(b.place).subarray(0, 3 * drawn), surfel_places(b.absent_place));
+    this.classes = joined(b.part_class, b.absent_class), this.components = joined(b.part_component, b.absent_component);
+    this.flags = joined(b.flags.subarray(0, drawn), b.absent_flags);
+    this.count = this.flags.length;
+    this.cameras = new Map(scene.cameras.map((c) => [c.name, resized(c, c.photo[0], c.photo[1])]));
+  }
+  is_inside(i) {
+    return (this.flags[i] & kInside) !== 0;
+  }
+  is_sky(i) {
+    return (this.flags[i] & kSky) !== 0;
+  }
+
+  // -> a function of x, y, z
+  in_mark({ photo, box, polygon, size }) {
+    const camera = this.cameras.get(photo), { rotation: r, translation: t, fx, fy, cx, cy, width, height } = camera;
+    const corners = box ? [[box[0], box[1]], [box[2], box[1]], [box[2], box[3]], [box[0], box[3]]] : polygon;
+    const at = corners.map(([x, y]) => (size ? [(x * width) / size[0], (y * height) / size[1]] : [x, y]));
+    return (x, y, z) => {
+      const depth = r[6] * x + r[7] * y + r[8] * z + t[2];
+      if (!(depth > 0)) return false;
+      const u = (fx * (r[0] * x + r[1] * y + r[2] * z + t[0])) / depth + cx, v = (fy * (r[3] * x + r[4] * y + r[5] * z + t[1])) / depth + cy;
+      return u >= 0 && v >= 0 && u < width && v < height && inside_polygon(at, u, v);
+    };
+  }
+
+  // [count] 0 or 1, whether still there or not.
+  flags_of(select) {
+    const out = new Uint8Array(this.count).fill(1);
+    if (select === 'all') return out;
+    const { class: kind, component, box, marks, except } = select, bit = kind ? 1 << kClasses.indexOf(kind) : 0;
+    const in_marks = (marks ?? []).map((m) => this.in_mark(m)), left_out = except ? this.flags_of(except) : null;
+    for (let i = 0; i < this.count; ++i) {
+      const x = this.places[3 * i], y = this.places[3 * i + 1], z = this.places[3 * i + 2];
+      if (kind && !(this.classes[i] & bit)) out[i] = 0;
+      else if (component && this.components[i] !== component) out[i] = 0;
+      else if (box && !(x >= box[0] && x <= box[3] && y >= box[1] && y <= box[4] && z >= box[2] && z <= box[5])) out[i] = 0;
+      else if (!in_marks.every((f) => f(x, y, z))) out[i] = 0;
+      else if (left_out?.[i]) out[i] = 0;
+    }
+    return out;
+  }
+
+  // The component of the mesh at a place: of the nearest surfel that lies on one, at most `reach` away; 0 without.
+  component_at(p, reach) {
+    let best = reach * reach, found = 0;
+    for (let i = 0; i < this.count; ++i) {
+      if (this.components[i] === 0 || this.is_inside(i)) continue;
+      const d = (this.places[3 * i] - p[0]) ** 2 + (this.places[3 * i + 1] - p[1]) ** 2 + (this.places[3 * i + 2] - p[2]) ** 2;
+      if (d < best) (best = d), (found = this.components[i]);
+    }
+    return found;
+  }
+}
+
+// By place alone: such tints also change what glass shows there.
+export const is_geometric = (select) => select === 'all' || (!select.class && !select.component);
