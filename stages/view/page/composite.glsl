@@ -2,7 +2,7 @@
 // another light. One pass over the screen.
 precision highp sampler2DArray;
 
-uniform sampler2D reflected;                                 // mirror_rays.glsl; by the pane, where there is one
+uniform sampler2D reflected;                                 // mirror_rays.glsl
 uniform bool traced;                                         // it is there
 uniform sampler2DArray pictures;                             // what flat panes and mirrors show, turned left to right
 uniform sampler2D probe0, probe1, probe2, probe3;            // radiance, distance
@@ -22,6 +22,7 @@ const float kLobe = 4.0 / 3.14159;  // width of a lobe in GGX alphas, over the a
 const float kFirstStep = 0.1, kGrowth = 1.2;  // of the way along a reflected ray
 const int kSteps = 28, kHalvings = 5;
 const float kSheetSpecular = 0.002;
+const vec4 kNothing = vec4(0.0, 0.0, 0.0, 1.0);  // met by a ray
 
 // Along the ray until it is as far from the middle of the probe as what is seen in that direction; to the sky, if it never is.
 vec3 met(sampler2D probe, vec3 centre, vec3 origin, vec3 d, float level) {
@@ -80,13 +81,12 @@ void main() {
   vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
   Surface s = surface_of(at, per_z);
   Pane pane = pane_of(at, per_z, s);
-  vec4 met_surfels = traced ? texelFetch(reflected, at, 0) : vec4(0.0, 0.0, 0.0, 1.0);
+  vec4 met_surfels = traced ? texelFetch(reflected, at, 0) : kNothing;
+  bool by_pane = ray_by_pane(pane);
   vec3 outside = lit ? (background ? sky_radiance(dir, 0.0) : vec3(0.05)) : vec3(0.0), radiance = s.color;
   if (s.asks && (lit || pane.tau <= 0.0)) {
-    // Under another light what stands behind glass looks matt, as in vitrine relight (core/relight/README.md 5).
-    bool matt = pane.tau > 0.5;
-    vec3 seen = met_surfels.rgb;
-    if (lit) seen = (pane.tau > 0.0 ? vec3(0.0) : seen) + (pane.tau > 0.0 ? 1.0 : met_surfels.a) * mirrored(eye + s.z * per_z, matt ? s.normal : reflect(dir, s.normal), matt ? 1.0 : s.roughness);
+    vec4 met_by_it = by_pane ? kNothing : met_surfels;
+    vec3 seen = lit ? met_by_it.rgb + met_by_it.a * mirrored(eye + s.z * per_z, reflect(dir, s.normal), s.roughness) : met_surfels.rgb;
     if (s.facet >= 0) {
       vec4 flat_seen = flat_picture(s.facet);
       seen = flat_seen.rgb + flat_seen.a * seen;
@@ -99,7 +99,8 @@ void main() {
   vec3 added = vec3(0.0);  // by the glass
   if (pane.tau > 0.0) {
     vec3 back = reflect(dir, pane.normal), behind = radiance;
-    vec3 beyond = met_surfels.rgb + (lit ? met_surfels.a * mirrored(eye + pane.z * per_z, back, 0.0) : vec3(0.0));
+    vec4 met_by_it = by_pane ? met_surfels : kNothing;
+    vec3 beyond = met_by_it.rgb + (lit ? met_by_it.a * mirrored(eye + pane.z * per_z, back, 0.0) : vec3(0.0));
     bool is_flat = pane.near.there && pane.near.flat_;
     vec4 near_seen = is_flat ? flat_picture(pane.near.facet) : vec4(0.0, 0.0, 0.0, 1.0);
     vec3 c_r = near_seen.rgb + near_seen.a * beyond, c_t = behind, far_added = vec3(0.0);

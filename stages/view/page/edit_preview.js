@@ -15,7 +15,7 @@ export class EditPreview {
     // Every kind of texture once: without materials some are the same.
     this.textures = {
       materials: [...new Set([t.materials, t.lit_materials])], weights: [...new Set([t.weights, t.lit_weights])], tints: [t.tints],
-      albedo: page.scene.relit ? [t.albedo] : [],
+      albedo: page.scene.relit ? [t.albedo] : [], places: [t.places],
     };
     this.originals = new Map(Object.values(this.textures).flat().map((one) => [one, one.image.data.slice()]));
     this.original_opacities = this.opacities.slice();
@@ -23,7 +23,7 @@ export class EditPreview {
 
   // Applies the edits in their order to the originals. -> of each the number of surfels that `vitrine edit` would report.
   show(edits) {
-    const { selection } = this;
+    const { selection } = this, places = this.textures.places[0].image.data;
     for (const [one, data] of this.originals) one.image.data.set(data);
     this.opacities.set(this.original_opacities);
     const there = new Uint8Array(selection.count).fill(1), counts = [];
@@ -37,7 +37,7 @@ export class EditPreview {
         else if (!inside && selection.is_sky(i)) continue;
         if (!inside) ++count;
         if (i >= selection.drawn) continue;
-        if (remove) this.opacities[i] = 0;
+        if (remove) this.opacities[i] = places[4 * i + 3] = 0;  // for pictures, for rays
         else if (!inside) this.change(i, set);
         if (!remove && set.tint && (!inside || geometric)) this.tint(i, set.tint, inside);
       }

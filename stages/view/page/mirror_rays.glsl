@@ -125,12 +125,11 @@ void main() {
   vec3 per_z = ray_per_z(pixel_of_fragment()), dir = normalize(per_z);
   Surface s = surface_of(at, per_z);
   Pane p = pane_of(at, per_z, s);
-  bool by_pane = p.tau > 0.0;
+  bool by_pane = ray_by_pane(p);
   if (node_count == 0 || (!by_pane && !s.asks)) return;
   vec3 o = eye + (by_pane ? p.z : s.z) * per_z, n = by_pane ? p.normal : s.normal;
 #ifdef LIT
-  int facet = by_pane ? p.near.facet : s.facet;
-  if (facet >= 0 && facet_facts[facet].x >= 0.0) return;  // has a picture
+  if (!by_pane && s.facet >= 0 && facet_facts[s.facet].x >= 0.0) return;  // has a picture
   if (!by_pane && (s.roughness > kMatt || max(s.k_s, max(s.f0.x, max(s.f0.y, s.f0.z))) < kPolished)) return;
   reflected = met_by_lobe(o, dir, n, by_pane ? 0.0 : s.roughness);
 #else

@@ -75,6 +75,9 @@ Surface surface_of(ivec2 at, vec3 per_z) {
   return s;
 }
 
+// Whether the ray of a pixel (mirror_rays.glsl) is that of the pane; else it is that of what stands behind it.
+bool ray_by_pane(Pane p) { return p.tau > 0.0 && !(lit && p.near.there && p.near.flat_ && facet_facts[p.near.facet].x >= 0.0); }
+
 Pane pane_of(ivec2 at, vec3 per_z, Surface s) {
   Pane p;
   p.tau = 0.0;
