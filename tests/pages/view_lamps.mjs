@@ -92,8 +92,8 @@ try {
   await (await again.$('#hdri')).uploadFile(join(out, 'light.hdr'));
   await again.waitForFunction(() => view.state.light === 'light.hdr');
   await again.evaluate(() => view.set({ lamps: [], sky: 1 }));
-  const saved = await irradiance(), mean = (v) => v.reduce((a, b) => a + b, 0) / v.length;
-  result.again = [mean(lamps), mean(saved), lamps.reduce((most, v, i) => Math.max(most, Math.abs(v - saved[i])), 0)];
+  const under_file = await irradiance(), mean = (v) => v.reduce((a, b) => a + b, 0) / v.length;
+  result.again = [mean(lamps), mean(under_file), lamps.reduce((most, v, i) => Math.max(most, Math.abs(v - under_file[i])), 0)];
 } finally {
   await browser.close();
 }

@@ -72,7 +72,10 @@ export function make_panel(view, page) {
   if (photos.length) {
     const list = element('div', { className: 'photos', id: 'photos' });
     scene.cameras.forEach((c, i) => list.append(button('', () => view.show_photo(i), { title: c.name + (c.heldout ? ' (held out)' : '') })));
-    [...list.children].forEach((b, i) => b.append(element('img', { src: photos[i], alt: scene.cameras[i].name, loading: 'lazy' })));
+    [...list.children].forEach((b, i) => {
+      const { name, width, height } = scene.cameras[i];  // its room is there before it is
+      b.append(element('img', { src: photos[i], alt: name, width, height, loading: 'lazy' }));
+    });
     section('Photos', element('p', { textContent: 'A click goes where the photo was taken; the slider at the foot compares.' }), list);
   }
   const licences = document.getElementById('licences').content.textContent;
