@@ -3,6 +3,7 @@
 // y, half side], ...] in pixels of photos, the first drawn as a rectangle, the second as a polygon. edits.yaml lies in OUT_DIR.
 //   messages   what the console said, errors of scripts, requests for anything but the page itself, data: and blob: URIs
 //   edits      the list of the page;  counts  surfels that each finds, before the last one deletes;  refused  what is said to an edit that finds nothing
+//   nothing    surfels that an edit finds whose selection is not chosen yet
 //   pixels     colours of the middle of MARKS in the picture of the first photo: as it was, deleted, undone
 //   tinted     mean brightness of the page's picture before and after a tint by a tenth
 //   opened     counts of another visit that opened the saved file;  broken  what is said to a file that is none
@@ -117,6 +118,11 @@ try {
   await page.click('#save_edits');
   await saved(out, 'edits.yaml');
   result.edits = await page.evaluate(() => view.edits.list);
+
+  await page.click('#add_edit');
+  await page.click('#edit_delete');
+  result.nothing = await page.evaluate(() => view.edits.counts.at(-1));
+  await page.click('#remove_edit');
 
   // An edit that finds nothing is not saved; removing one undoes it.
   await add('box', 'empty');

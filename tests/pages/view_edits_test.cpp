@@ -30,8 +30,8 @@ TEST_F(ViewEdits, AreWhatVitrineEditFindsByTheSavedFile) {
   }
   const json point{balls.kB.x + balls.kRadiusB, balls.kB.y, balls.kB.z}, box{-0.5, -0.3, -0.05, 0, 0.3, 0.3};
   const fs::path out = pictures("view_edits");
-  const Said said = run_script({"view_edits.mjs", (context.output() / "view.html").string(), point.dump(), box.dump(),
-                                  marks.dump(), out.string()});
+  const Said said = run_script(
+      {"view_edits.mjs", (context.output() / "view.html").string(), point.dump(), box.dump(), marks.dump(), out.string()});
   const json r = answer(said);
   ASSERT_FALSE(r.empty());
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];
@@ -55,6 +55,7 @@ TEST_F(ViewEdits, AreWhatVitrineEditFindsByTheSavedFile) {
   EXPECT_EQ(report["edits"][3]["delete"], true);
   EXPECT_EQ(r["counts"], r["opened"]) << "the page reads what it saved";
 
+  EXPECT_EQ(r["nothing"], 0);
   EXPECT_LT(r["tinted"][1].get<double>(), 0.97 * r["tinted"][0].get<double>());
   EXPECT_NE(r["pixels"][0], r["pixels"][1]) << "the ball is gone";
   EXPECT_EQ(r["pixels"][0], r["pixels"][2]) << "and there again";

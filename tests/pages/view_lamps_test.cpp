@@ -52,8 +52,8 @@ TEST_F(ViewLamps, ThrowShadowsAndAreSavedForRelight) {
     points.push_back({middle.x - kSlant * radius, middle.y - kSlant * radius, middle.z});
   constexpr size_t kCamera = 6;  // at -y
   const fs::path out = pictures("view_lamps");
-  const Said said = run_script({"view_lamps.mjs", (context.output() / "view.html").string(), std::to_string(kCamera),
-                                  points.dump(), out.string()});
+  const Said said = run_script(
+      {"view_lamps.mjs", (context.output() / "view.html").string(), std::to_string(kCamera), points.dump(), out.string()});
   const json r = answer(said);
   ASSERT_FALSE(r.empty());
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];

@@ -57,7 +57,9 @@ export class Selection {
   flags_of(select) {
     const out = new Uint8Array(this.count).fill(1);
     if (select === 'all') return out;
-    const { class: kind, component, box, marks, except } = select, bit = kind ? 1 << kClasses.indexOf(kind) : 0;
+    const { class: kind, component, box, marks, except } = select;
+    if (!kind && !component && !box && !marks?.length) return out.fill(0);  // nothing is chosen yet
+    const bit = kind ? 1 << kClasses.indexOf(kind) : 0;
     const in_marks = (marks ?? []).map((m) => this.in_mark(m)), left_out = except ? this.flags_of(except) : null;
     for (let i = 0; i < this.count; ++i) {
       const x = this.places[3 * i], y = this.places[3 * i + 1], z = this.places[3 * i + 2];
