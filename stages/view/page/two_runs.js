@@ -4,6 +4,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, element } from '../../page/elements.js';
 import { alignment, carried, carried_camera, carried_plane, yaw } from './alignment.js';
 import { section } from './controls.js';
+import { listen_to_keys } from './keys.js';
 import { kModes, Picture } from './picture.js';
 import { read_page } from './scene_data.js';
 
@@ -44,7 +45,7 @@ export class TwoRuns {
     Object.assign(controls, { enableDamping: false, zoomToCursor: true, target: view.controls.target });
     view.eye.quaternion.copy(facing);
     controls.addEventListener('change', () => view.moved());
-    canvas.addEventListener('keydown', (e) => view.key(e));
+    listen_to_keys(canvas, view);
     this.other = { name, page, renderer, picture, frame, controls, aligned: alignment(view.scene, page.scene) };
     view.changed(), view.draw();
   }

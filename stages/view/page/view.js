@@ -5,7 +5,9 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { Annotations } from './annotations.js';
 import { ClipPlane } from './clip_plane.js';
 import { from_three, projected, resized, stand_at, transforms_json, unprojected } from './cameras.js';
+import { take_dropped_files } from './dropped_files.js';
 import { Hand } from './hand.js';
+import { listen_to_keys } from './keys.js';
 import { lit } from './lamps.js';
 import { Measures } from './measures.js';
 import { kModes, Picture } from './picture.js';
@@ -17,7 +19,6 @@ const kSlow = 80;          // milliseconds of a picture from which on moving one
 const kMovingScale = 0.4;
 const kRest = 180;         // milliseconds without a move
 const kMostSide = 4095;    // pixels of a picture
-const kKeyTurn = 0.06, kKeyZoom = 0.9, kKeyPan = 0.04;
 
 export class View {
   constructor(page, tell) {
@@ -46,10 +47,10 @@ export class View {
     this.state = { mode: 'photo', base: 'photo', light: 'photos', turn: 0, exposure: null, background: true, sky: 1, lamps: [], photo: null };
     this.slow = true;  // until a picture says otherwise
 
-    this.canvas.addEventListener('keydown', (e) => this.key(e));
+    listen_to_keys(this.canvas, this);
     this.hand = new Hand(this);
     new ResizeObserver(() => this.draw()).observe(document.getElementById('stage'));
-    for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => this.dragged(e));
+    take_dropped_files(this);
     const wanted = read_state();
     this.set(wanted, false);
     for (const part of this.kept) part.restore(wanted.query);
@@ -130,33 +131,6 @@ export class View {
     clearTimeout(this.rest);
     this.rest = setTimeout(() => ((this.resting = true), this.changed(), this.draw()), kRest);
   }
-  key(e) {
-    const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
-    const target = this.controls.target, way = this.eye.position.clone().sub(target), up = new Vector3(0, 0, 1);
-    const side = new Vector3().crossVectors(up, way).normalize();
-    const modes = Object.keys(kModes);
-    if (turn && e.shiftKey) {
-      const step = side.multiplyScalar(-turn[0]).addScaledVector(up, turn[1]).multiplyScalar(-kKeyPan * way.length());
-      target.add(step), this.eye.position.add(step);
-    } else if (turn) {
-      const turned = way.clone().applyAxisAngle(up, turn[0] * kKeyTurn).applyAxisAngle(side, turn[1] * kKeyTurn);
-      if (Math.abs(turned.z) < 0.995 * turned.length()) this.eye.position.copy(target).add(turned);
-    } else if (e.key === '+' || e.key === '=' || e.key === '-') {
-      this.eye.position.copy(target).addScaledVector(way, e.key === '-' ? 1 / kKeyZoom : kKeyZoom);
-    } else if (e.key >= '1' && e.key <= String(modes.length)) {
-      return this.set({ mode: modes[e.key - 1] });
-    } else if (e.key === 'r') {
-      return this.reset();
-    } else if (e.key === 'f') {
-      return this.frame_scene();
-    } else {
-      return;
-    }
-    e.preventDefault();
-    this.controls.update();
-    this.moved();
-  }
-
   // ---- photos
 
   show_photo(index) {
@@ -251,17 +225,6 @@ export class View {
       this.tell(e.message);
     }
   }
-  dragged(e) {
-    e.preventDefault();
-    document.body.classList.toggle('dropping', e.type === 'dragover');
-    const file = e.type === 'drop' && e.dataTransfer?.files[0];
-    if (!file) return;
-    const part = this.filed.find((p) => p.opens.test(file.name));
-    if (part) part.open(file);
-    else if (this.scene.relit) this.light_of(file);
-    else this.tell('This scene has no materials, so another light cannot fall on it: finish `vitrine run`, then `vitrine view`.');
-  }
-
   // ---- clicks on surfaces
 
   // What takes clicks on surfaces (take(place), nothing: what is said where there is none, ended()), or null.
