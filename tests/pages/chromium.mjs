@@ -24,6 +24,14 @@ export async function open_chromium({ args = [] } = {}) {
   return browser;
 }
 
+// Adds to `messages` what the page at `address` should not do: what its console says, errors of scripts, requests for anything but the page
+// itself, data: and blob: URIs.
+export function watch(page, address, messages) {
+  page.on('console', (m) => messages.push(`${m.type()}: ${m.text()}`));
+  page.on('pageerror', (e) => messages.push(`error: ${e}`));
+  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || messages.push(`request: ${r.url()}`));
+}
+
 // Waits until a page has saved files of these names to a folder.
 export async function saved(folder, ...names) {
   for (const end = Date.now() + kPatience; !names.every((name) => readdirSync(folder).includes(name)); ) {

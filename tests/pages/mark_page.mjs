@@ -16,7 +16,7 @@
 import { mkdirSync, readdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved } from './chromium.mjs';
+import { open_chromium, saved, watch } from './chromium.mjs';
 
 const [file, marks, no_marks, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -25,9 +25,7 @@ const browser = await open_chromium();
 const result = { messages: [], dialogs: [] };
 try {
   const page = await browser.newPage();
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url() === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
+  watch(page, address, result.messages);
   page.on('dialog', (d) => (result.dialogs.push(d.type()), d.accept()));
   const session = await browser.target().createCDPSession(), touch = await page.createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });

@@ -10,21 +10,16 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
 
 const [point, box, marks] = process.argv.slice(3, 6).map((text) => JSON.parse(text)), out = resolve(process.argv[6]);
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(resolve(process.argv[2])).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
-const watch = (page) => {
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
-};
 try {
   const page = await browser.newPage();
-  watch(page);
+  watch(page, address, result.messages);
   await page.setViewport({ width: 720, height: 480 });
   const session = await browser.target().createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
@@ -140,7 +135,7 @@ try {
   result.pixels.push(await pixel(0));
 
   const again = await browser.newPage();
-  watch(again);
+  watch(again, address, result.messages);
   await again.goto(address);
   await again.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
   await (await again.$('#open_edits')).uploadFile(join(out, 'edits.yaml'));

@@ -3,25 +3,20 @@
 //   messages   what the console said, errors of scripts, requests for anything but the page itself, data: and blob: URIs
 //   lamp       the lamp as it was added;  behind, aside  brightness (0 to 255) of the points with the lamp there;  dragged  the lamp after a
 //              drag over the picture;  eye  whether the camera stayed meanwhile;  off, removed  brightness without the lamp
-//   again      [mean irradiance of the surfels, that under the saved light.hdr, greatest difference];  address, reopened  lamps in the fragment
+//   again      [mean irradiance of the surfels, that under the saved light.hdr];  address, reopened  lamps in the fragment
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
 
 const file = resolve(process.argv[2]), camera = Number(process.argv[3]), points = JSON.parse(process.argv[4]), out = resolve(process.argv[5]);
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
-const watch = (page) => {
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
-};
 try {
   const page = await browser.newPage();
-  watch(page);
+  watch(page, address, result.messages);
   await page.setViewport({ width: 640, height: 420 });
   const session = await browser.target().createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
@@ -84,7 +79,7 @@ try {
   result.turned = JSON.stringify(await eye()) !== JSON.stringify(before);
 
   const again = await browser.newPage();
-  watch(again);
+  watch(again, address, result.messages);
   await again.goto(address + result.address);
   result.reopened = await again.evaluate(() => window.vitrine.then((v) => ((window.view = v), [v.state.lamps[0], v.state.sky])));
   const irradiance = () => again.evaluate(() => [...view.picture.irradiance]);
@@ -93,7 +88,7 @@ try {
   await again.waitForFunction(() => view.state.light === 'light.hdr');
   await again.evaluate(() => view.set({ lamps: [], sky: 1 }));
   const under_file = await irradiance(), mean = (v) => v.reduce((a, b) => a + b, 0) / v.length;
-  result.again = [mean(lamps), mean(under_file), lamps.reduce((most, v, i) => Math.max(most, Math.abs(v - under_file[i])), 0)];
+  result.again = [mean(lamps), mean(under_file)];
 } finally {
   await browser.close();
 }

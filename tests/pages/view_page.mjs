@@ -12,22 +12,16 @@
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href;
-const software = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
-const browser = await open_chromium({ args: software });
+const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
-const watch = (page) => {
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
-};
 try {
   const page = await browser.newPage();
-  watch(page);
+  watch(page, address, result.messages);
   await page.setViewport({ width: 360, height: 280 });
   const session = await browser.target().createCDPSession();
   await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
@@ -145,7 +139,7 @@ try {
   await rest();
   result.address = await page.evaluate(() => location.hash);
   const again = await browser.newPage();
-  watch(again);
+  watch(again, address, result.messages);
   await again.goto(address + result.address.replace(/eye=[^&]*/, 'eye=0.5,0.6,0.7'));
   result.reopened = await again.evaluate(() => window.vitrine.then((v) => v.eye.position.toArray()));
 } finally {
@@ -156,7 +150,7 @@ try {
 const plain = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu'] });
 try {
   const page = await plain.newPage();
-  watch(page);
+  watch(page, address, result.messages);
   await page.setViewport({ width: 360, height: 280 });
   await page.goto(address);
   result.plain = await page.evaluate(() => window.vitrine.then((v) => [v.mesh_alone, document.getElementById('notice').textContent]));

@@ -194,6 +194,7 @@ TEST_F(ViewPage, ClipsAnnotatesShowsConfidenceAndTwoRuns) {
   EXPECT_EQ(r["two"]["refused"],
             "other.html cannot be shown beside this page: it holds no scene: `vitrine view` puts one in, into view.html.");
   EXPECT_EQ(r["two"]["differ"], 0) << "a page beside itself";
+  EXPECT_GT(r["two"]["bright"], 1000) << "it shows something";
   EXPECT_LT(r["two"]["camera"], 1e-6) << "the camera of the same photo in the other frame";
   EXPECT_NE(r["two"]["told"].get<std::string>().find("aligned by the places of 8 photos of the same names, 1.700 times as large"),
             std::string::npos)

@@ -8,25 +8,21 @@
 //   note        place; off_px: of its mark to the click; markup: elements that its text made; deleted: how many are left;
 //               opened: [text, place] of the saved file; refused: what is said to a file that is none;
 //               from_behind: [text, class] of another visit to the address, from the other side
-//   two         refused: what is said to a page that is none; differ: greatest difference of a pixel to the same page; camera: of the
+//   two         refused: what is said to a page that is none; differ: greatest difference of a pixel to the same page; bright: values
+//               above 30 on the right; camera: of the
 //               right camera to that of the photo in a page whose frame was turned, enlarged and moved; told; ended: canvases then
 import { mkdirSync, readFileSync, existsSync, rmSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, software_webgl } from './chromium.mjs';
+import { open_chromium, software_webgl, watch } from './chromium.mjs';
 
 const [file, , , out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
 const address = pathToFileURL(file).href, in_out = (name) => join(out, name);
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [], clip: {}, confidence: {}, note: {}, two: {} };
-const watch = (page) => {
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
-};
 const opened = async (page, hash = '') => {
-  watch(page);
+  watch(page, address, result.messages);
   await page.setViewport({ width: 720, height: 240 });
   await page.goto(address + hash);
   await page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
@@ -146,6 +142,7 @@ try {
   await other.uploadFile(file);
   await shown();
   result.two.differ = await page.evaluate(() => differ(pixels(view.renderer), pixels(view.runs.other.renderer)));
+  result.two.bright = await page.evaluate(() => pixels(view.runs.other.renderer).filter((v, i) => i % 4 < 3 && v > 30).length);
   await page.screenshot({ path: in_out('two.png') });
   // The same scene in a frame that is turned by 40 degrees about z, 1.7 times as large and moved: p' = 1.7 R p + t.
   const text = readFileSync(file, 'utf8'), begin = text.indexOf('>', text.indexOf('id="scene"')) + 1, end = text.indexOf('</script>', begin);

@@ -12,7 +12,7 @@
 import { mkdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, software_webgl } from './chromium.mjs';
+import { open_chromium, software_webgl, watch } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -21,9 +21,7 @@ const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
   const page = await browser.newPage();
-  page.on('console', (m) => result.messages.push(`${m.type()}: ${m.text()}`));
-  page.on('pageerror', (e) => result.messages.push(`error: ${e}`));
-  page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || result.messages.push(`request: ${r.url()}`));
+  watch(page, address, result.messages);
   await page.setViewport({ width: 320, height: 480, isMobile: true, hasTouch: true });
   await page.goto(address);
   const ready = () => page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));

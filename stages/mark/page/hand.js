@@ -1,6 +1,7 @@
 // Mouse, pen and fingers on the sheet. One pointer draws or moves corners; dragged where there is nothing to drag, it moves the
 // photo. Two fingers move and zoom it. What is drawn goes to `work` (main.js): its pen and its selection.
-import { inside, mark_in, marks_in, outline_of } from './marks.js';
+import { inside } from '../../page/polygon.js';
+import { mark_in, marks_in, outline_of } from './marks.js';
 import { middle } from './sheet.js';
 
 const kStill = { mouse: 4, pen: 6, touch: 10 };    // pixels that a click may move

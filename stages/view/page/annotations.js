@@ -1,7 +1,7 @@
 // Annotations: numbered texts at points on surfaces. They are drawn over the picture, faint where a surface covers them; kept in the
 // address of the page (note=X,Y,Z,TEXT) while they are short, and in a file of their own.
 import { button, download, element } from '../../page/elements.js';
-import { section } from './controls.js';
+import { file_button, section } from './controls.js';
 import { svg } from './marks.js';
 import { projected } from './cameras.js';
 
@@ -93,7 +93,6 @@ export function annotations_section(view) {
   const { notes } = view, list = element('ol', { id: 'notes' });
   const annotate = button('Annotate', () => view.use(notes), { id: 'annotate' });
   const save = button('Save', () => download('annotations.json', new Blob([notes.json()], { type: 'application/json' })), { id: 'save_notes' });
-  const file = element('input', { type: 'file', id: 'open_notes', accept: '.json', onchange: () => file.files[0] && notes.open(file.files[0]) });
   const row_of = ({ text }, i) => {
     const input = element('input', { type: 'text', value: text, maxLength: kMostText, placeholder: 'text', oninput: () => notes.write(i, input.value) });
     input.setAttribute('aria-label', `text of annotation ${i + 1}`);
@@ -112,5 +111,5 @@ export function annotations_section(view) {
     if (added) list.querySelector('li:last-child input').focus();
   };
   const hint = element('p', { textContent: 'A click on a surface sets a number; its text is written here.' });
-  return { nodes: section('Annotations', element('div', { className: 'row' }, annotate, save, element('label', { className: 'file', textContent: 'Open\u2026' }, file)), hint, list), show };
+  return { nodes: section('Annotations', element('div', { className: 'row' }, annotate, save, file_button('Open\u2026', 'open_notes', '.json', (file) => notes.open(file))), hint, list), show };
 }

@@ -10,3 +10,18 @@ export function slider(text, id, least, most, step, unit, set) {
 
 // The heading of a section and what stands below it.
 export const section = (title, ...children) => [element('h2', { textContent: title }), ...children];
+
+// A button that asks for a file; the same file can be opened twice.
+export function file_button(text, id, accept, open) {
+  const input = element('input', { type: 'file', id, accept, onchange: () => {
+    if (input.files[0]) open(input.files[0]);
+    input.value = '';
+  } });
+  return element('label', { className: 'file', textContent: text }, input);
+}
+
+// `count` rows in `list`, made anew when their number changes only, so that a click that begins on one ends on it; show(row, i).
+export function keep_rows(list, count, make, show) {
+  if (list.children.length !== count) list.replaceChildren(...Array.from({ length: count }, (_, i) => make(i)));
+  [...list.children].forEach(show);
+}

@@ -1,6 +1,7 @@
 // Edits in the format of `vitrine edit` (stages/edit/README.md):
 //   {name, select: 'all' or {class, component, box: [6], marks: [{photo, box: [4] or polygon: [[x, y], ...], size}], except},
 //    remove, set: {tint: [3], f0: [3], roughness, k_s, tau}}
+import { crossing } from '../../page/polygon.js';
 import { quoted, read_yaml } from '../../page/yaml.js';
 
 export const kClasses = ['object', 'transparent', 'specular', 'ignore'];
@@ -40,6 +41,8 @@ export function mistake_of({ name, select, remove, set }, count) {
   if (!name.trim()) return 'it has no name';
   if (select !== 'all' && !['class', 'component', 'box', 'marks'].some((key) => select[key])) return 'it selects nothing yet';
   if (select.marks && select.marks.length === 0) return 'it has no marks yet';
+  const crossed = (select.marks ?? []).find(({ polygon }) => polygon && crossing(polygon));
+  if (crossed) return `its outline in ${crossed.photo} crosses itself`;
   if (!remove && Object.keys(set).length === 0) return 'it sets nothing yet';
   return count === 0 ? 'it finds nothing' : '';
 }
@@ -47,7 +50,7 @@ export function mistake_of({ name, select, remove, set }, count) {
 // ---- read
 
 function fail(where, what) {
-  throw new Error(`edits.yaml, ${where}: ${what}.`);
+  throw new Error(`${where}: ${what}.`);
 }
 function only(where, node, keys) {
   if (node === null || typeof node !== 'object' || Array.isArray(node)) fail(where, 'a map is wanted');
@@ -94,10 +97,11 @@ export function edits_of(text, photos) {
     const where = `edit ${i + 1}`;
     only(where, node, ['name', 'select', 'set', 'delete']);
     if (('set' in node) === ('delete' in node)) fail(where, 'it has either \u201cset\u201d or \u201cdelete: true\u201d');
+    if ('delete' in node && node.delete !== 'true') fail(where, '\u201cdelete\u201d is either true or left out');
     const out = { name: String(node.name ?? where), select: select_of(where, node.select, photos, true), remove: node.delete === 'true', set: {} };
     if ('set' in node) only(where, node.set, Object.keys(kSet));
     for (const [key, v] of Object.entries(node.set ?? {})) {
-      const one = Array.isArray(v) ? numbers(where, v, 3, 0, kSet[key]) : number(where, v, 0, kSet[key]);
+      const one = kColors.includes(key) && Array.isArray(v) ? numbers(where, v, 3, 0, kSet[key]) : number(where, v, 0, kSet[key]);
       out.set[key] = kColors.includes(key) && !Array.isArray(one) ? [one, one, one] : one;
     }
     return out;

@@ -1,5 +1,5 @@
 // What edits change, in the buffers that the page draws from: materials, colours, and which surfels and shapes are there. Light that
-// surfaces send each other, shadows and what curved mirrors show stay those of the scene without edits.
+// surfaces send each other, shadows and, as photographed, what curved mirrors show stay those of the scene without edits.
 import { DataUtils } from 'three';
 import { kInsideAlbedo } from './surfels.js';
 import { is_geometric } from './selection.js';
@@ -21,7 +21,8 @@ export class EditPreview {
     this.original_opacities = this.opacities.slice();
   }
 
-  // Applies the edits in their order to the originals. -> of each the number of surfels that `vitrine edit` would report.
+  // Applies the edits in their order to the originals. -> of each the number of surfels that `vitrine edit` would report,
+  // and that of content behind glass which it changes: [{surfels, content}].
   show(edits) {
     const { selection } = this, places = this.textures.places[0].image.data;
     for (const [one, data] of this.originals) one.image.data.set(data);
@@ -29,19 +30,20 @@ export class EditPreview {
     const there = new Uint8Array(selection.count).fill(1), counts = [];
     for (const { select, remove, set } of edits) {
       const chosen = selection.flags_of(select), geometric = is_geometric(select);
-      let count = 0;
+      let surfels = 0, content = 0;
       for (let i = 0; i < selection.count; ++i) {
         if (!chosen[i] || !there[i]) continue;
         const inside = selection.is_inside(i);
         if (remove) there[i] = 0;
         else if (!inside && selection.is_sky(i)) continue;
-        if (!inside) ++count;
+        if (!inside) ++surfels;
+        else if (remove || (set.tint && geometric)) ++content;
         if (i >= selection.drawn) continue;
         if (remove) this.opacities[i] = places[4 * i + 3] = 0;  // for pictures, for rays
         else if (!inside) this.change(i, set);
         if (!remove && set.tint && (!inside || geometric)) this.tint(i, set.tint, inside);
       }
-      counts.push(count);
+      counts.push({ surfels, content });
     }
     for (const one of this.originals.keys()) one.needsUpdate = true;
     this.shapes.leave_out(this.gone_shapes(there));

@@ -12,7 +12,8 @@ export class Edits {
     this.view = view, this.page = page;
     this.selection = new Selection(page);
     this.preview = new EditPreview(view.picture, page, this.selection);
-    this.list = [], this.counts = [], this.chosen = -1;
+    this.list = [], this.found = [], this.counts = [], this.chosen = -1;
+    addEventListener('beforeunload', (e) => this.unsaved && e.preventDefault());
     this.photos = page.scene.cameras.map((c) => c.name);
   }
   get one() {
@@ -21,8 +22,10 @@ export class Edits {
 
   // After any change of the list.
   changed() {
-    this.counts = this.preview.show(this.list);
-    this.view.changed(), this.view.draw();
+    this.unsaved = this.list.length > 0;
+    this.found = this.preview.show(this.list);
+    this.counts = this.found.map(({ surfels }) => surfels);
+    this.view.show_state(), this.view.adjusting();
   }
   choose(index) {
     this.view.hand.drop();
@@ -48,19 +51,23 @@ export class Edits {
     this.change({ set: value === undefined ? others : { ...others, [key]: value } });
   }
   mistake(index) {
-    return mistake_of(this.list[index], this.counts[index] ?? 0);
+    const { surfels = 0, content = 0 } = this.found[index] ?? {};
+    return mistake_of(this.list[index], surfels + content);
   }
   // The file; null, and a sentence, while `vitrine edit` would refuse it.
   yaml() {
     const wrong = this.list.map((e, i) => [e.name, this.mistake(i)]).find(([, m]) => m);
     this.view.tell(this.list.length === 0 ? 'There is no edit to save.' : wrong ? `\u201c${wrong[0]}\u201d cannot be saved: ${wrong[1]}.` : '');
-    return this.list.length === 0 || wrong ? null : edits_yaml(this.list);
+    if (this.list.length === 0 || wrong) return null;
+    this.unsaved = false;
+    return edits_yaml(this.list);
   }
   async open(file) {
     try {
       this.list = edits_of(await file.text(), this.photos);
       this.view.tell('');
       this.choose(this.list.length ? 0 : -1), this.changed();
+      this.unsaved = false;
     } catch (e) {
       this.view.tell(`${file.name} cannot be read: ${e.message}`);
     }
@@ -74,6 +81,7 @@ export class Edits {
     return z > 0 ? unprojected(this.view.drawn, x, y, z) : null;
   }
   pick_component() {
+    if (this.view.hand.has('component')) return this.view.hand.drop();
     this.view.hand.take({
       name: 'component',
       clicked: (at) => {
@@ -84,6 +92,7 @@ export class Edits {
     });
   }
   pick_box() {
+    if (this.view.hand.has('box')) return this.view.hand.drop();
     let first = null;
     this.view.hand.take({
       name: 'box',
@@ -100,10 +109,18 @@ export class Edits {
   // In the photo at whose camera one stands: a rectangle by a drag, a polygon by clicks, closed at its first corner or by Enter.
   draw_mark(kind) {
     const { view } = this;
+    if (view.hand.has(`mark_${kind}`)) return view.hand.drop();
     if (view.photo === undefined) return view.tell('Marks are drawn at the place of a photo: click one of the photos first.');
     view.tell('');
-    const photo = view.photo, [width, height] = this.page.scene.cameras[photo].photo;
-    const pixel = ({ x, y }) => [Math.min(width, Math.max(0, (x * width) / view.drawn.width)), Math.min(height, Math.max(0, (y * height) / view.drawn.height))].map((v) => Math.round(10 * v) / 10);
+    let photo = view.photo;
+    // Where one stands at this press; what was begun in another photo is dropped.
+    const stands = () => {
+      if (photo !== view.photo) corners.length = 0, (photo = view.photo);
+      view.tell(photo === undefined ? 'Marks are drawn at the place of a photo: click one of the photos first.' : '');
+      return photo !== undefined;
+    };
+    const size = () => this.page.scene.cameras[photo].photo;
+    const pixel = ({ x, y }, [width, height] = size()) => [Math.min(width, Math.max(0, (x * width) / view.drawn.width)), Math.min(height, Math.max(0, (y * height) / view.drawn.height))].map((v) => Math.round(10 * v) / 10);
     const add = (mark) => this.change({ select: { marks: [...(this.one.select.marks ?? []), { photo: this.photos[photo], ...mark }] } });
     const corners = (this.drawn_corners = []), show = () => view.draw_marks();
     let from = null;
@@ -114,9 +131,10 @@ export class Edits {
     const rectangle = (a, b) => [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[0], b[0]), Math.max(a[1], b[1])];
     const outline = ([l, t, r, b]) => [[l, t], [r, t], [r, b], [l, b]];
     const tool = kind === 'box' ? {
-      pressed: (at) => (from = pixel(at)),
-      moved: (at) => (corners.splice(0, 4, ...outline(rectangle(from, pixel(at)))), show()),
+      pressed: (at) => (from = stands() ? pixel(at) : null),
+      moved: (at) => from && (corners.splice(0, 4, ...outline(rectangle(from, pixel(at)))), show()),
       released: (at) => {
+        if (!from) return;
         const box = rectangle(from, pixel(at));
         corners.length = 0;
         if (box[2] - box[0] > 1 && box[3] - box[1] > 1) add({ box });
@@ -124,12 +142,13 @@ export class Edits {
       },
     } : {
       clicked: (at) => {
-        const p = pixel(at), near = (12 * width) / view.canvas.clientWidth;
+        if (!stands()) return;
+        const p = pixel(at), near = (12 * size()[0]) / view.canvas.clientWidth;
         if (corners.length >= 3 && Math.hypot(p[0] - corners[0][0], p[1] - corners[0][1]) < near) return close();
         corners.push(p), show();
       },
       key: (e) => e.key === 'Enter' && (close(), true),
     };
-    view.hand.take({ name: `mark_${kind}`, drags: true, ...tool, dropped: () => ((this.drawn_corners = []), show()) });
+    view.hand.take({ name: `mark_${kind}`, drags: true, ...tool, cancelled: () => ((from = null), (corners.length = 0), show()), dropped: () => ((this.drawn_corners = []), show()) });
   }
 }

@@ -4,7 +4,7 @@ import { hex_of, linear_of } from './colors.js';
 import { kMostTint } from './edit_list.js';
 import { edit_outlines } from './edit_outlines.js';
 import { Edits } from './edits.js';
-import { slider } from './controls.js';
+import { file_button, keep_rows, slider } from './controls.js';
 
 const row = (...children) => element('div', { className: 'row' }, ...children);
 const label = (text, ...children) => element('label', { className: 'row' }, ...children, text);
@@ -15,7 +15,7 @@ const kind_of = (select) => (select === 'all' ? 'all' : Object.keys(kKinds).find
 function selection_rows(edits, scene) {
   const { classes, no_classes, components } = scene.edits, rows = {};
   const kinds = Object.keys(kKinds).filter((k) => (k !== 'class' || classes.length) && (k !== 'component' || components > 0));
-  const by = element('select', { id: 'edit_by', onchange: () => edits.change({ select: start[by.value]() }) }, element('option', { value: '', textContent: 'choose \u2026', hidden: true }), ...kinds.map((k) => element('option', { value: k, textContent: kKinds[k] })));
+  const by = element('select', { id: 'edit_by', onchange: () => (edits.view.hand.drop(), edits.change({ select: start[by.value]() })) }, element('option', { value: '', textContent: 'choose \u2026', hidden: true }), ...kinds.map((k) => element('option', { value: k, textContent: kKinds[k] })));
   const start = { class: () => ({ class: classes[0] }), component: () => (edits.pick_component(), { component: 1 }), box: () => ({ box: box_around() }), marks: () => ({ marks: [] }), all: () => 'all' };
   const box_around = () => [...scene.middle.map((v) => v - 0.25 * scene.radius), ...scene.middle.map((v) => v + 0.25 * scene.radius)].map((v) => Math.round(1000 * v) / 1000);
 
@@ -68,6 +68,7 @@ function material_rows(edits) {
   value('f0', 'reflectance head on (f0)', [0.04, 0.04, 0.04], [row(f0)], (v) => (f0.value = hex_of(v)));
   for (const [key, text, usual] of [['roughness', 'roughness', 0.3], ['k_s', 'specular weight (k_s)', 0.5]]) {
     const s = slider('', `edit_${key}`, 0, 1, 0.01, '', (v) => edits.set(key, v));
+    s.input.setAttribute('aria-label', text);
     value(key, text, usual, [s.row], s.show);
   }
   const remove = element('input', { type: 'checkbox', id: 'edit_delete', onchange: () => edits.change({ remove: remove.checked, ...(remove.checked ? { set: {} } : {}) }) });
@@ -78,6 +79,7 @@ function material_rows(edits) {
 // -> { parts: elements, show() }
 export function edits_section(view, page) {
   const { scene } = page;
+  if (!scene.edits.there) view.filed.push({ opens: /\.ya?ml$/i, open: (file) => view.tell(`${file.name} is not opened: ${scene.edits.why}`) });
   if (!scene.edits.there) return { parts: [element('p', { textContent: scene.edits.why })], show: () => {} };
   const edits = (view.edits = new Edits(view, page));
   view.marked.push({ marks: (_, { camera, sx, sy }) => edit_outlines(edits, camera, sx, sy) });
@@ -90,15 +92,15 @@ export function edits_section(view, page) {
     const text = edits.yaml();
     if (text) download('edits.yaml', new Blob([text], { type: 'text/yaml' }));
   };
-  const file = element('input', { type: 'file', id: 'open_edits', accept: '.yaml,.yml', onchange: () => file.files[0] && edits.open(file.files[0]) });
   const parts = [row(button('Add an edit', () => edits.add(), { id: 'add_edit' })), list, one,
-    row(button('Save edits.yaml', save, { id: 'save_edits' }), element('label', { className: 'file', textContent: 'Open\u2026' }, file)),
+    row(button('Save edits.yaml', save, { id: 'save_edits' }), file_button('Open\u2026', 'open_edits', '.yaml,.yml', (file) => edits.open(file))),
     element('p', {}, 'Then: ', element('code', { textContent: 'vitrine edit OUT edits.yaml' }))];
   function show() {
-    list.replaceChildren(...edits.list.map((e, i) => {
+    keep_rows(list, edits.list.length, (i) => row(button('', () => edits.choose(i === edits.chosen ? -1 : i)), element('span')), ({ children: [choose, found] }, i) => {
       const count = edits.counts[i] ?? 0, wrong = edits.mistake(i);
-      return row(button(e.name, () => edits.choose(i === edits.chosen ? -1 : i), { 'aria-pressed': i === edits.chosen }), element('span', { textContent: count ? `${count} surfels${wrong ? `; ${wrong}` : ''}` : wrong }));
-    }));
+      choose.textContent = edits.list[i].name, found.textContent = count ? `${count} surfels${wrong ? `; ${wrong}` : ''}` : wrong;
+      choose.setAttribute('aria-pressed', i === edits.chosen);
+    });
     one.hidden = !edits.one;
     if (!edits.one) return;
     if (document.activeElement !== name) name.value = edits.one.name;

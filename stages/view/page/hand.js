@@ -1,5 +1,5 @@
 // Who has the mouse on the picture: nobody (then it turns the scene), or one tool.
-// A tool: {name, drags: the left button is its own, pressed, moved, released, clicked (at), key (event) -> taken, dropped()}; all but
+// A tool: {name, drags: the left button is its own, pressed, moved, released, clicked (at), cancelled, key (event) -> taken, dropped()}; all but
 // the name may be missing. `at`: {x, y} in pixels of the picture drawn last; of moves also dx, dy in pixels of the screen.
 const kClick = 4;  // pixels of the screen that a click may move
 
@@ -10,8 +10,8 @@ export class Hand {
     canvas.addEventListener('pointerdown', (e) => this.press(e));
     canvas.addEventListener('pointermove', (e) => this.move(e));
     canvas.addEventListener('pointerup', (e) => this.release(e));
-    canvas.addEventListener('pointercancel', () => (this.from = null));
-    addEventListener('keydown', (e) => this.tool?.key?.(e) && e.preventDefault());
+    canvas.addEventListener('pointercancel', () => this.cancel());
+    addEventListener('keydown', (e) => (e.key === 'Escape' ? this.drop() : this.tool?.key?.(e) && e.preventDefault()));
   }
   take(tool) {
     this.drop();
@@ -35,9 +35,14 @@ export class Hand {
     return { x: ((e.clientX - box.left) / box.width) * k.width, y: ((e.clientY - box.top) / box.height) * k.height };
   }
   press(e) {
-    if (!this.tool || e.button !== 0 || !e.isPrimary) return;
+    if (!e.isPrimary) return this.cancel();  // a second finger: the camera's
+    if (!this.tool || e.button !== 0 || e.shiftKey || e.ctrlKey || e.metaKey) return;
     this.from = this.last = [e.clientX, e.clientY];
     this.tool.pressed?.(this.at(e));
+  }
+  cancel() {
+    if (this.from) this.tool?.cancelled?.();
+    this.from = null;
   }
   move(e) {
     if (!this.tool || !this.from || !e.isPrimary) return;

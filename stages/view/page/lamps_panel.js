@@ -2,7 +2,7 @@
 import { button, download, element } from '../../page/elements.js';
 import { kLampRanges, lamps_yaml, new_lamp, saved_map, towards_lamp, wrapped } from './lamps.js';
 import { radiance_hdr } from './radiance_hdr.js';
-import { slider } from './controls.js';
+import { keep_rows, slider } from './controls.js';
 
 const kTool = 'lamp', kDegreesPerPixel = 0.4;
 const rounded = (v) => Math.round(10 * v) / 10;
@@ -12,7 +12,7 @@ export function lamps_section(view) {
   let chosen = -1;
   const lamps = () => view.state.lamps;
   const relit = () => (view.state.mode === 'relit' ? {} : { mode: 'relit' });
-  const change = (some) => view.set({ lamps: lamps().map((l, i) => (i === chosen ? { ...l, ...some } : l)), ...relit() });
+  const change = (some) => view.adjust({ lamps: lamps().map((l, i) => (i === chosen ? { ...l, ...some } : l)), ...relit() });
 
   // The mouse takes the lamp along, on the side of the scene on which it is.
   function dragged({ dx, dy }) {
@@ -44,7 +44,7 @@ export function lamps_section(view) {
     element('div', { className: 'row' }, element('label', { htmlFor: 'lamp_color', textContent: 'Colour' }), color, element('label', { className: 'row' }, on, 'on'), button('Remove', remove, { id: 'remove_lamp' })),
     element('p', { textContent: 'A drag over the picture moves the chosen lamp; choose it again to turn the scene.' }));
   const list = element('div', { className: 'row', id: 'lamps' });
-  const dimmed = slider('Sky', 'sky', 0, 1, 0.01, '', (v) => view.set({ sky: v, ...relit() }));
+  const dimmed = slider('Sky', 'sky', 0, 1, 0.01, '', (v) => view.adjust({ sky: v, ...relit() }));
   const map = () => view.skies[view.state.light];
   const parts = [dimmed.row, element('div', { className: 'row' }, button('Add a lamp', add, { id: 'add_lamp' }), list), one,
     element('div', { className: 'row' },
@@ -54,7 +54,10 @@ export function lamps_section(view) {
 
   function show(state) {
     if (chosen >= state.lamps.length) chosen = -1;
-    list.replaceChildren(...state.lamps.map((l, i) => button(`${i + 1}${l.on ? '' : ' (off)'}`, () => choose(i === chosen ? -1 : i), { 'aria-pressed': i === chosen, title: `lamp ${i + 1}` })));
+    keep_rows(list, state.lamps.length, (i) => button('', () => choose(i === chosen ? -1 : i), { title: `lamp ${i + 1}` }), (b, i) => {
+      b.textContent = `${i + 1}${state.lamps[i].on ? '' : ' (off)'}`;
+      b.setAttribute('aria-pressed', i === chosen);
+    });
     dimmed.show(state.sky);
     const lamp = state.lamps[chosen];
     one.hidden = !lamp;

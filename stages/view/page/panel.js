@@ -3,7 +3,7 @@ import { button, download, element } from '../../page/elements.js';
 import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
 import { confidence_legend } from './confidence.js';
-import { slider } from './controls.js';
+import { file_button, slider } from './controls.js';
 import { edits_section } from './edits_panel.js';
 import { lamps_section } from './lamps_panel.js';
 import { measures_section } from './measures.js';
@@ -30,16 +30,15 @@ export function make_panel(view, page) {
   if (scene.relit) {
     const names = { photos: 'light of the photos', studio: 'studio', evening: 'evening sun' };
     const select = element('select', { id: 'light', onchange: () => view.set({ light: select.value, mode: 'relit', exposure: null }) });
-    const turn = slider('Turn', 'turn', 0, 360, 1, '\u00b0', (v) => view.set({ turn: v, mode: 'relit', exposure: view.state.exposure }));
-    const exposure = slider('Exposure', 'exposure', -8, 8, 0.1, '', (v) => view.set({ exposure: v }));
+    const turn = slider('Turn', 'turn', 0, 360, 1, '\u00b0', (v) => view.adjust({ turn: v, mode: 'relit', exposure: view.state.exposure }));
+    const exposure = slider('Exposure', 'exposure', -8, 8, 0.1, '', (v) => view.adjust({ exposure: v }));
     const background = element('input', { type: 'checkbox', id: 'background', onchange: () => view.set({ background: background.checked }) });
-    const file = element('input', { type: 'file', id: 'hdri', accept: '.hdr,.exr', onchange: () => file.files[0] && view.light_of(file.files[0]) });
     changes.push((s) => {
       select.replaceChildren(...Object.keys(view.skies).map((key) => element('option', { value: key, textContent: names[key] ?? key })));
       select.value = s.light, background.checked = s.background;
       turn.show(s.turn), exposure.show(s.exposure);
     });
-    section('Light', element('div', { className: 'row' }, select, element('label', { className: 'file', textContent: 'HDRI\u2026' }, file)),
+    section('Light', element('div', { className: 'row' }, select, file_button('HDRI\u2026', 'hdri', '.hdr,.exr', (file) => view.light_of(file))),
             turn.row, exposure.row, element('label', { className: 'row' }, background, 'show the light behind the scene'),
             element('p', { textContent: 'Or drop a .hdr or .exr file on the picture.' }));
     const lamps = lamps_section(view);

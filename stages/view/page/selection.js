@@ -2,6 +2,7 @@
 // wrote the page, places are found here. Surfels that the page does not draw (glass of known shape, those left out) stand behind the
 // drawn ones: they count.
 import { resized } from './cameras.js';
+import { inside } from '../../page/polygon.js';
 import { kClasses } from './edit_list.js';
 import { surfel_places } from './scene_data.js';
 
@@ -12,16 +13,6 @@ const joined = (a, b) => {
   out.set(a), out.set(b, a.length);
   return out;
 };
-
-// Even-odd rule.
-function inside_polygon(polygon, x, y) {
-  let inside = false;
-  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
-    const [ax, ay] = polygon[i], [bx, by] = polygon[j];
-    if (ay > y !== by > y && x < ax + ((bx - ax) * (y - ay)) / (by - ay)) inside = !inside;
-  }
-  return inside;
-}
 
 export class Selection {
   constructor({ scene, blocks }) {
@@ -49,7 +40,7 @@ export class Selection {
       const depth = r[6] * x + r[7] * y + r[8] * z + t[2];
       if (!(depth > 0)) return false;
       const u = (fx * (r[0] * x + r[1] * y + r[2] * z + t[0])) / depth + cx, v = (fy * (r[3] * x + r[4] * y + r[5] * z + t[1])) / depth + cy;
-      return u >= 0 && v >= 0 && u < width && v < height && inside_polygon(at, u, v);
+      return u >= 0 && v >= 0 && u < width && v < height && inside(at, [u, v]);
     };
   }
 

@@ -88,7 +88,7 @@ export class Surfels {
       }),
       scales: per_surfel(n, Uint16Array, HalfFloatType, (o, at, i) => {
         o[at] = b.sh_scale.length ? b.sh_scale[i] : 0, o[at + 1] = half(b.flags[i] & kInside ? kInsideAlbedo : 1);
-        o.set(confidence(b.seen?.[i] ?? 0).map(half), at + 2);
+        o.set(confidence(b.seen[i]).map(half), at + 2);
       }),
     });
     t.tints = per_surfel(n, Uint16Array, HalfFloatType, (o, at) => o.fill(half(1), at, at + 3));  // of edits

@@ -3,7 +3,7 @@
 const kLeaf = 4;
 
 // first, last: which surfels of `order` (order.js); those that have a flag of `without` are left out. -> {nodes: [8 per node], items: surfels}
-export function surfel_tree({ places, axes, opacities, flags }, { first, last, without = 0 }) {
+export function surfel_tree({ places, axes, trained: opacities, flags }, { first, last, without = 0 }) {
   const chosen = [];
   for (let i = first; i < last; ++i) if (!(flags[i] & without)) chosen.push(i);
   const n = chosen.length, low = new Float32Array(3 * n), high = new Float32Array(3 * n), items = new Uint32Array(n);

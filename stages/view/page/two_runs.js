@@ -3,7 +3,7 @@ import { WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, element } from '../../page/elements.js';
 import { alignment, carried, carried_camera, carried_plane, yaw } from './alignment.js';
-import { section } from './controls.js';
+import { file_button, section } from './controls.js';
 import { listen_to_keys } from './keys.js';
 import { kModes, Picture } from './picture.js';
 import { read_page } from './scene_data.js';
@@ -19,7 +19,6 @@ export class TwoRuns {
     const { view } = this;
     try {
       const page = await read_page(new DOMParser().parseFromString(await file.text(), 'text/html'));
-      this.end();
       this.begin(file.name, page);
       view.tell('');
     } catch (e) {
@@ -30,13 +29,14 @@ export class TwoRuns {
     const { view } = this, canvas = element('canvas', { tabIndex: 0 }), caption = element('p', { textContent: name });
     canvas.setAttribute('aria-label', 'the other run');
     const renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, preserveDrawingBuffer: true });
-    let picture;
+    let picture, aligned;
     try {
-      picture = new Picture(renderer, page);
+      picture = new Picture(renderer, page), aligned = alignment(view.scene, page.scene);
     } catch (e) {
       renderer.dispose(), renderer.forceContextLoss();
       throw new Error('its data are damaged', { cause: e });
     }
+    this.end();
     const frame = element('div', { id: 'other' }, canvas, caption), facing = view.eye.quaternion.clone();
     document.getElementById('frame').after(frame);
     document.body.classList.add('two');
@@ -46,7 +46,7 @@ export class TwoRuns {
     view.eye.quaternion.copy(facing);
     controls.addEventListener('change', () => view.moved());
     listen_to_keys(canvas, view);
-    this.other = { name, page, renderer, picture, frame, controls, aligned: alignment(view.scene, page.scene) };
+    this.other = { name, page, renderer, picture, frame, controls, aligned };
     view.changed(), view.draw();
   }
   end() {
@@ -85,19 +85,15 @@ export class TwoRuns {
     const how = { centres: `aligned by the places of ${photos} of the same names`, rotations: `aligned by the rotations of ${photos} of the same names`,
                   nothing: 'no photo has the same name in both, so the same frame is assumed' }[by];
     const more = [scale === 1 ? '' : `, ${scale.toFixed(3)} times as large`, error > kRough ? `; the cameras are ${(100 * error).toFixed(0)} % of their ring apart` : ''];
-    return `Right: ${name}, ${how}${more.join('')}.${page.scene.relit ? '' : ' It has no materials: where they are needed it is shown as photographed.'}`;
+    return `Right: ${name}, ${how}${more.join('')}.${page.scene.relit ? '' : ' It has no materials: where they are needed it is shown as photographed.'}${this.view.edits?.list.length ? ' Edits are shown on the left alone.' : ''}`;
   }
 }
 
 export function two_runs_section(view) {
   const { runs } = view, told = element('p', { id: 'other_told' }), end = button('End', () => runs.end(), { id: 'end_other' });
-  const file = element('input', { type: 'file', id: 'open_other', accept: '.html,.htm', onchange: () => {
-    if (file.files[0]) runs.open(file.files[0]);
-    file.value = '';
-  } });
   const show = () => {
     end.disabled = !runs.other;
     told.textContent = runs.text() || 'The view.html of another run is shown beside this one.';
   };
-  return { nodes: section('Two runs', element('div', { className: 'row' }, element('label', { className: 'file', textContent: 'Open view.html\u2026' }, file), end), told), show };
+  return { nodes: section('Two runs', element('div', { className: 'row' }, file_button('Open view.html\u2026', 'open_other', '.html,.htm', (file) => runs.open(file)), end), told), show };
 }

@@ -97,6 +97,12 @@ export class View {
     if (draw) this.changed(), this.draw();
   }
 
+  // As `set`, of what follows the mouse: small pictures, and nothing in the address, until it rests.
+  adjust(some) {
+    this.set(some, false);
+    this.show_state(), this.adjusting();
+  }
+
   // ---- camera
 
   look(eye, target) {
