@@ -3,7 +3,7 @@
 // y, half side], ...] in pixels of photos, the first drawn as a rectangle, the second as a polygon. edits.yaml lies in OUT_DIR.
 //   messages   what the console said, errors of scripts, requests for anything but the page itself, data: and blob: URIs
 //   edits      the list of the page;  counts  surfels that each finds, before the last one deletes;  refused  what is said to an edit that finds nothing
-//   nothing    surfels that an edit finds whose selection is not chosen yet
+//   held       whether a tool is there after Escape;  nothing    surfels that an edit finds whose selection is not chosen yet
 //   pixels     colours of the middle of MARKS in the picture of the first photo: as it was, deleted, undone
 //   tinted     mean brightness of the page's picture before and after a tint by a tenth
 //   opened     counts of another visit that opened the saved file;  broken  what is said to a file that is none
@@ -92,12 +92,13 @@ try {
       return { left: b.left, top: b.top, sx: b.width / w, sy: b.height / h };
     }, photo);
     const screen = (dx, dy) => [at.left + (px + dx * half) * at.sx, at.top + (py + dy * half) * at.sy];
-    await page.click(k === 0 ? '#mark_box' : '#mark_polygon');
     if (k === 0) {
+      await page.click('#mark_box');
       await page.mouse.move(...screen(-1, -1));
       await page.mouse.down();
       await page.mouse.move(...screen(1, 1), { steps: 4 });
       await page.mouse.up();
+      await page.click('#mark_polygon');  // drawn in the photo where one stands then
     } else {
       for (const [dx, dy] of [[-1, -1], [1, -1], [1, 1], [-1, 1]]) await page.mouse.click(...screen(dx, dy));
       await page.keyboard.press('Enter');
@@ -105,7 +106,8 @@ try {
     await rest();
     await page.screenshot({ path: join(out, `marks_${k}.png`) });
   }
-  await page.evaluate(() => view.hand.drop());
+  await page.keyboard.press('Escape');
+  result.held = await page.evaluate(() => view.hand.tool !== null);
   result.pixels = [await pixel(0)];
   await page.click('#edit_delete');
   result.counts = await page.evaluate(() => view.edits.counts);

@@ -56,6 +56,7 @@ TEST_F(ViewEdits, AreWhatVitrineEditFindsByTheSavedFile) {
   EXPECT_EQ(r["counts"], r["opened"]) << "the page reads what it saved";
 
   EXPECT_EQ(r["nothing"], 0);
+  EXPECT_EQ(r["held"], false);
   EXPECT_LT(r["tinted"][1].get<double>(), 0.97 * r["tinted"][0].get<double>());
   EXPECT_NE(r["pixels"][0], r["pixels"][1]) << "the ball is gone";
   EXPECT_EQ(r["pixels"][0], r["pixels"][2]) << "and there again";
