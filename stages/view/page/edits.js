@@ -110,19 +110,18 @@ export class Edits {
   draw_mark(kind) {
     const { view } = this;
     if (view.hand.has(`mark_${kind}`)) return view.hand.drop();
-    if (view.photo === undefined) return view.tell('Marks are drawn at the place of a photo: click one of the photos first.');
-    view.tell('');
     let photo = view.photo;
+    const corners = (this.drawn_corners = []), show = () => view.draw_marks();
     // Where one stands at this press; what was begun in another photo is dropped.
     const stands = () => {
       if (photo !== view.photo) corners.length = 0, (photo = view.photo);
       view.tell(photo === undefined ? 'Marks are drawn at the place of a photo: click one of the photos first.' : '');
       return photo !== undefined;
     };
+    if (!stands()) return;
     const size = () => this.page.scene.cameras[photo].photo;
     const pixel = ({ x, y }, [width, height] = size()) => [Math.min(width, Math.max(0, (x * width) / view.drawn.width)), Math.min(height, Math.max(0, (y * height) / view.drawn.height))].map((v) => Math.round(10 * v) / 10);
     const add = (mark) => this.change({ select: { marks: [...(this.one.select.marks ?? []), { photo: this.photos[photo], ...mark }] } });
-    const corners = (this.drawn_corners = []), show = () => view.draw_marks();
     let from = null;
     const close = () => {
       if (corners.length >= 3) add({ polygon: [...corners] });
