@@ -32,6 +32,20 @@ export function watch(page, address, messages) {
   page.on('request', (r) => r.url().split('#')[0] === address || /^(data|blob):/.test(r.url()) || messages.push(`request: ${r.url()}`));
 }
 
+// A page of `vitrine view`, shown in a window of that size, whose View is window.view there; what it saves lands in `out`.
+export async function visit(browser, address, messages, viewport, out) {
+  const page = await browser.newPage();
+  watch(page, address, messages);
+  await page.setViewport(viewport);
+  const session = await browser.target().createCDPSession();
+  await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
+  await page.goto(address);
+  await viewed(page);
+  return page;
+}
+// Until the first picture is there, after each time that the page was loaded.
+export const viewed = (page) => page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
+
 // Waits until a page has saved files of these names to a folder.
 export async function saved(folder, ...names) {
   for (const end = Date.now() + kPatience; !names.every((name) => readdirSync(folder).includes(name)); ) {

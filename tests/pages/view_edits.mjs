@@ -10,7 +10,7 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, visit, watch } from './chromium.mjs';
 
 const [point, box, marks] = process.argv.slice(3, 6).map((text) => JSON.parse(text)), out = resolve(process.argv[6]);
 mkdirSync(out, { recursive: true });
@@ -18,13 +18,7 @@ const address = pathToFileURL(resolve(process.argv[2])).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
-  const page = await browser.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 720, height: 480 });
-  const session = await browser.target().createCDPSession();
-  await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
-  await page.goto(address);
-  await page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
+  const page = await visit(browser, address, result.messages, { width: 720, height: 480 }, out);
   const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   await rest();
   const add = async (kind, name) => {

@@ -7,7 +7,7 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, visit, watch } from './chromium.mjs';
 
 const file = resolve(process.argv[2]), camera = Number(process.argv[3]), points = JSON.parse(process.argv[4]), out = resolve(process.argv[5]);
 mkdirSync(out, { recursive: true });
@@ -15,13 +15,7 @@ const address = pathToFileURL(file).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
-  const page = await browser.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 640, height: 420 });
-  const session = await browser.target().createCDPSession();
-  await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
-  await page.goto(address);
-  await page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
+  const page = await visit(browser, address, result.messages, { width: 640, height: 420 }, out);
   const press = async (id, ...keys) => {
     await page.focus(`#${id}`);
     for (const key of keys) await page.keyboard.press(key);

@@ -12,7 +12,7 @@
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl, watch } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, visit, watch } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -20,14 +20,8 @@ const address = pathToFileURL(file).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
-  const page = await browser.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 360, height: 280 });
-  const session = await browser.target().createCDPSession();
-  await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: out });
   const began = Date.now();
-  await page.goto(address);
-  await page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
+  const page = await visit(browser, address, result.messages, { width: 360, height: 280 }, out);
   result.first_ms = Date.now() - began;
   const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   const eye = () => page.evaluate(() => view.eye.position.toArray());

@@ -12,7 +12,7 @@
 import { mkdirSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, software_webgl, watch } from './chromium.mjs';
+import { open_chromium, software_webgl, viewed, visit } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -20,12 +20,8 @@ const address = pathToFileURL(file).href;
 const browser = await open_chromium({ args: software_webgl });
 const result = { messages: [] };
 try {
-  const page = await browser.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 320, height: 480, isMobile: true, hasTouch: true });
-  await page.goto(address);
-  const ready = () => page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
-  await ready();
+  const page = await visit(browser, address, result.messages, { width: 320, height: 480, isMobile: true, hasTouch: true }, out);
+  const ready = () => viewed(page);
   const devtools = await page.createCDPSession();
   const rest = () => page.waitForFunction(() => !view.waiting && view.resting !== false);
   const stand = () => page.evaluate(() => [view.eye.position.toArray(), view.controls.target.toArray()]);
