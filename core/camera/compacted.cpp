@@ -1,5 +1,6 @@
 #include "core/camera/compacted.h"
 
+#include <algorithm>
 #include <map>
 
 namespace vitrine {
@@ -47,6 +48,18 @@ ColmapModel compacted(ColmapModel model, const std::function<bool(const ColmapPo
       model.images[i].points[t.point2d_index].point3d_id = p.id;
     }
   model.points = std::move(kept);
+  return model;
+}
+
+ColmapModel without_images(ColmapModel model, const std::set<uint32_t>& images) {
+  std::erase_if(model.images, [&](const ColmapImage& image) { return images.contains(image.id); });
+  for (ColmapPoint3D& p : model.points)
+    std::erase_if(p.track, [&](const ColmapTrackElement& t) { return images.contains(t.image_id); });
+  model = compacted(std::move(model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
+  std::erase_if(model.cameras, [&](const ColmapCamera& camera) {
+    return std::none_of(model.images.begin(), model.images.end(),
+                        [&](const ColmapImage& image) { return image.camera_id == camera.id; });
+  });
   return model;
 }
 

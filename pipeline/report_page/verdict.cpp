@@ -12,7 +12,7 @@ namespace vitrine {
 namespace {
 
 // The figures that decide; the others are shown, and may be named as weak.
-constexpr std::string_view kDeciding[] = {"registered", "gap", "psnr", "ssim"};
+constexpr std::string_view kDeciding[] = {"one_object", "registered", "gap", "psnr", "ssim"};
 // Others that may be named as weak.
 constexpr std::string_view kNamed[] = {"region_transparent", "region_reflective", "region_rest", "region_object", "weakest",
                                        "reprojection",       "observations",      "mesh_border", "baked"};
@@ -153,6 +153,13 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
     return f != nullptr && f->rating == Rating::Unknown;
   };
   const auto add = [&](std::string text, std::string command) { v.next.push_back({std::move(text), std::move(command)}); };
+  if (rating("one_object") != Rating::Good)
+    add(outcome.masks.empty()
+            ? "Mark the object in two or three photos of each pass: then its own features find the poses, on all sides. This "
+              "opens "
+              "a page that saves the marks and says what to run then."
+            : "Add photos between the passes: of the sides that both show, from lower down or of the object on its side.",
+        outcome.masks.empty() ? commands.of({"mark", "--open"}) : commands.with_photos());
   if (unknown("registered"))
     add("Find the poses from the photos, without given ones, or check how the given ones are written: hardly any point shows "
         "that "

@@ -199,15 +199,15 @@ std::vector<VerifiedPair> ColmapDatabase::verified_pairs() const {
   return out;
 }
 
-std::vector<InlierMatches> ColmapDatabase::inlier_matches() const {
-  std::vector<InlierMatches> out;
-  Statement s(handle_, path_, "SELECT pair_id, rows, data FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
+std::vector<PairMatches> ColmapDatabase::matches_of(const char* table) const {
+  std::vector<PairMatches> out;
+  Statement s(handle_, path_, fmt::format("SELECT pair_id, rows, data FROM {} WHERE rows > 0 ORDER BY pair_id", table));
   while (s.step()) {
     const uint64_t pair = static_cast<uint64_t>(s.integer(0));
     const size_t rows = static_cast<size_t>(s.integer(1));
     const auto [data, bytes] = s.blob(2);
     if (bytes != rows * 2 * sizeof(uint32_t)) continue;
-    InlierMatches& m = out.emplace_back();
+    PairMatches& m = out.emplace_back();
     m.image_a = static_cast<uint32_t>(pair / kPairBase), m.image_b = static_cast<uint32_t>(pair % kPairBase);
     m.features.resize(2 * rows);
     std::memcpy(m.features.data(), data, bytes);
@@ -215,12 +215,18 @@ std::vector<InlierMatches> ColmapDatabase::inlier_matches() const {
   return out;
 }
 
+std::vector<PairMatches> ColmapDatabase::descriptor_matches() const { return matches_of("matches"); }
+
+std::vector<PairMatches> ColmapDatabase::inlier_matches() const { return matches_of("two_view_geometries"); }
+
 size_t ColmapDatabase::examined_pairs() const {
   Statement s(handle_, path_, "SELECT COUNT(*) FROM two_view_geometries");
   return s.step() ? static_cast<size_t>(s.integer(0)) : 0;
 }
 
 void ColmapDatabase::drop_descriptors() { execute("DELETE FROM descriptors; VACUUM;"); }
+
+void ColmapDatabase::drop_geometries() { execute("DELETE FROM matches; DELETE FROM two_view_geometries;"); }
 
 void ColmapDatabase::take_geometries(const fs::path& other) {
   {

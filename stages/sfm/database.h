@@ -28,7 +28,7 @@ struct VerifiedPair {
 };
 inline constexpr int kCalibratedPair = 2, kUncalibratedPair = 3, kFirstPlanarPair = 4, kLastPlanarPair = 6;
 
-struct InlierMatches {
+struct PairMatches {
   uint32_t image_a = 0, image_b = 0;  // image ids, a < b
   std::vector<uint32_t> features;     // [2 n]: feature of a, feature of b
 };
@@ -48,14 +48,17 @@ class ColmapDatabase {
   // Sorted by name. Photos without features are there with count 0.
   std::vector<PhotoFeatures> features() const;
   std::vector<VerifiedPair> verified_pairs() const;
-  std::vector<InlierMatches> inlier_matches() const;  // of the verified pairs
-  size_t examined_pairs() const;                      // by the geometric verification, successful or not
-  void drop_descriptors();                            // in a copy for verification, which needs keypoints only
+  std::vector<PairMatches> descriptor_matches() const;  // before the geometric verification
+  std::vector<PairMatches> inlier_matches() const;      // of the verified pairs
+  size_t examined_pairs() const;                        // by the geometric verification, successful or not
+  void drop_descriptors();                              // in a copy for verification, which needs keypoints only
+  void drop_geometries();                               // matches and two-view geometries: in a copy that is matched anew
   // Copies matches and two-view geometries of another database with the same images.
   void take_geometries(const fs::path& other);
 
  private:
   void execute(const std::string& sql) const;
+  std::vector<PairMatches> matches_of(const char* table) const;
   bool has_table(const std::string& name) const;
   fs::path path_;
   sqlite3* handle_ = nullptr;

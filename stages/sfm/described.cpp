@@ -36,22 +36,27 @@ StageCost sfm_cost(const CostTerms& t) {
 
 StageReport sfm_report() {
   StageReport report{.file = "sfm/report.json"};
-  report.figures = {ReportFigure{kPoses, "registered", "Photos that found their place", "%", 0, 0.9, 0.6,
-                                 "Share of the photos whose camera position was found.",
-                                 "The others are not used at all: they share too little with their neighbours.", "registered"}
-                        .share("photo_count")
-                        .measured_on("points.kept", kFewestPoints, "points")
-                        .noted("{registered:0} of {photo_count:0}"),
-                    ReportFigure{kPoses, "reprojection", "Reprojection error", "px", 2, 1.0, 1.5,
-                                 "How far the sparse points land from where they were seen, in pixels of the photos, mean.",
-                                 "Poses are soft: blur, a moving object, or a lens that the camera model does not fit.",
-                                 "mean_reprojection_error_px"}
-                        .measured_on("points.kept", kFewestPoints, "points", true),
-                    ReportFigure{kPoses, "observations", "Points seen per photo", "", 0, 300, 100,
-                                 "Sparse points that a photo sees, median over the photos.",
-                                 "Few points hold a pose: plain surfaces or little overlap.", "photos.*.observations"}
-                        .folded("median", "registered")};
-  report.facts = {{kPoses, "{points.kept:n} sparse points"}};
+  report.figures = {
+      ReportFigure{kPoses, "registered", "Photos that found their place", "%", 0, 0.9, 0.6,
+                   "Share of the photos whose camera position was found.",
+                   "The others are not used at all: they share too little with their neighbours.", "registered"}
+          .share("photo_count")
+          .measured_on("points.kept", kFewestPoints, "points")
+          .noted("{registered:0} of {photo_count:0}"),
+      ReportFigure{kPoses, "one_object", "Photos that show the object in one place", "%", 0, 0.999, 0.999,
+                   "Share of the photos in the largest pass, where the object was moved between passes that are not joined.",
+                   "The object was moved between passes of photos, and the poses do not follow it.", "passes.share_of_largest"}
+          .noted("{passes.text}"),
+      ReportFigure{kPoses, "reprojection", "Reprojection error", "px", 2, 1.0, 1.5,
+                   "How far the sparse points land from where they were seen, in pixels of the photos, mean.",
+                   "Poses are soft: blur, a moving object, or a lens that the camera model does not fit.",
+                   "mean_reprojection_error_px"}
+          .measured_on("points.kept", kFewestPoints, "points", true),
+      ReportFigure{kPoses, "observations", "Points seen per photo", "", 0, 300, 100,
+                   "Sparse points that a photo sees, median over the photos.",
+                   "Few points hold a pose: plain surfaces or little overlap.", "photos.*.observations"}
+          .folded("median", "registered")};
+  report.facts = {{kPoses, "{points.kept:n} sparse points"}, {kPoses, "{passes.text}; the object was moved between them"}};
   return report;
 }
 

@@ -95,6 +95,7 @@ std::string left_out_list(const Reconstruction& r, const SfmConfig& config) {
 std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
   if (p.registered) return {};
   if (p.pose_missing) return "no pose was given for it";
+  if (p.other_pass) return "taken in another pass, which shares too little of the object with the largest one";
   if (p.weak_points) return fmt::format("its pose would hang on {} points only", *p.weak_points);
   if (p.masked > 0 && p.features - p.masked < kFewFeatures)
     return fmt::format("{} features, {} of them masked", p.features, p.masked);
@@ -105,7 +106,7 @@ std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
 }
 
 std::string cause_left_out(const PhotoReport& p, const Reconstruction& r, const SfmConfig& config) {
-  if (p.registered || p.pose_missing) return {};
+  if (p.registered || p.pose_missing || p.other_pass) return {};
   const std::optional<double> typical = median_brightness(r);
   const bool few = p.features - p.masked < kFewFeatures, alone = p.matches < size_t(config.min_matches) || p.neighbours == 0;
   if ((few || alone) && otherwise_exposed(p, typical)) return "mixed_exposure";
@@ -117,7 +118,8 @@ std::string cause_left_out(const PhotoReport& p, const Reconstruction& r, const 
 }
 
 Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
-  const size_t n = r.photos.size(), have = r.model.images.size();
+  const size_t have = r.model.images.size();
+  const auto n = size_t(std::count_if(r.photos.begin(), r.photos.end(), [](const PhotoReport& p) { return !p.other_pass; }));
   // A mapper invents depth for photos from one place: its model does not count then.
   const bool turned = r.rotation_share >= kMostPairs;
   if (have >= kSmallestModel && double(have) >= config.min_registered * double(n) && !turned) return {};

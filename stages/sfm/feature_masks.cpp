@@ -127,7 +127,7 @@ std::vector<uint8_t> FeatureMasks::classes_at(size_t photo, std::span<const floa
   return classes;
 }
 
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const MatchRules& rules,
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
                                                      std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
                                                      MaskEffect& effect) {
   const size_t n = features.size();
@@ -164,8 +164,8 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     leave(i, [](uint8_t c) { return (c & ~bit(MaskClass::Object)) == 0; });
   }
   effect.turntable = masks.turntable();
-  effect.object_applied = masks.turntable() == "yes";
-  if (masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
+  effect.object_applied = masks.turntable() == "yes" || used == UsedFeatures::Object;
+  if (used == UsedFeatures::ByTurntable && masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
     // Mirrors and passers-by have no vote: what they show moves by laws of its own.
     std::vector<std::vector<uint8_t>> inside(n);
     std::vector<double> sides(n);
@@ -187,7 +187,7 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     effect.after += kept[i].size();
   }
   for (MaskClass kind : kMaskClasses) effect.photos[size_t(kind)] = masks.photos_with(kind);
-  log_mask_effect(effect);
+  if (used == UsedFeatures::ByTurntable) log_mask_effect(effect);
   return kept;
 }
 

@@ -53,6 +53,9 @@ class FeatureMasks {
   size_t other_shape_ = 0;
 };
 
+// Which features find the poses, by the object's masks: by turntable.h all or those of the object; or those of the object.
+enum class UsedFeatures { ByTurntable, Object };
+
 // What masks did to the features of a capture.
 struct MaskEffect {
   std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
@@ -65,7 +68,7 @@ struct MaskEffect {
 
 // Takes the features out of `features`; returns for every photo what the features that stay were called before.
 // `photo_of[i]`: index of the photo that features[i] belongs to.
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const MatchRules& rules,
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
                                                      std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
                                                      MaskEffect& effect);
 

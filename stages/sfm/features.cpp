@@ -163,7 +163,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::optional<MaskEffect> effect;
   std::vector<std::vector<uint32_t>> kept_features;
   if (desc.masks != nullptr) {
-    kept_features = suppress_features(*desc.masks, rules, photo_of, features, effect.emplace());
+    kept_features = suppress_features(*desc.masks, desc.used, rules, photo_of, features, effect.emplace());
     if (desc.timing) desc.timing("masks", timer.seconds());
     timer.restart();
   }

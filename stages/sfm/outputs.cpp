@@ -78,6 +78,22 @@ nlohmann::json masks_json(const MaskEffect& effect) {
   return j;
 }
 
+nlohmann::json passes_json(const ObjectPasses& passes) {
+  if (passes.passes.size() < 2) return {{"count", 1}};
+  std::vector<size_t> sizes;
+  size_t all = 0;
+  for (const std::vector<std::string>& photos : passes.passes) sizes.push_back(photos.size()), all += photos.size();
+  nlohmann::json j{{"count", sizes.size()},
+                   {"sizes", sizes},
+                   {"text", passes_text(passes.passes)},
+                   {"joined", passes.joined},
+                   {"contradicting_pairs", passes.contradicting},
+                   {"furthest_match_deg", passes.furthest_match}};
+  if (!passes.joined) j["share_of_largest"] = double(sizes[0]) / double(all);
+  for (const std::vector<std::string>& photos : passes.passes) j["photos"].push_back(photos);
+  return j;
+}
+
 }  // namespace
 
 void write_pictures(const PicturesDesc& desc) {
@@ -131,6 +147,7 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
   for (const Attempt& a : r.attempts)
     j["attempts"].push_back({{"what", a.what}, {"registered", a.registered}, {"model_sizes", a.model_sizes}});
   if (r.masks) j["masks"] = masks_json(*r.masks);
+  if (desc.passes != nullptr) j["passes"] = passes_json(*desc.passes);
   size_t registered = 0;
   j["photos"] = nlohmann::json::array();
   for (const PhotoReport& p : r.photos) {

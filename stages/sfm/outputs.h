@@ -6,6 +6,7 @@
 
 #include "core/camera/photo_list.h"
 #include "stages/sfm/normalize.h"
+#include "stages/sfm/object_poses.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/reconstruct.h"
 #include "stages/sfm/undistort.h"
@@ -34,7 +35,8 @@ struct SfmReportDesc {
   std::span<const Undistortion> undistortions = {};
   Orientation orientation = {};
   FilterCounts points = {};
-  std::string code = {};  // of the diagnosis, for a failed run
+  const ObjectPasses* passes = nullptr;  // null: not looked for
+  std::string code = {};                 // of the diagnosis, for a failed run
 };
 
 // Evidence: a square for every pair of photos in name order, darker blue with more verified matches; on the diagonal green with a

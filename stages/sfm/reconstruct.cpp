@@ -27,6 +27,17 @@ const Rung kLadder[] = {
     {.what = "standard"},
     {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
     {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
+// An object fills a part of the picture, and what it shows from both sides is a part of that: it needs all features from the
+// start.
+const Rung kObjectLadder[] = {{.what = "object alone, more features (peak threshold / 3, limit x 2), relaxed mapper",
+                               .relaxed_mapper = true,
+                               .more_features = true}};
+
+std::span<const Rung> ladder_of(UsedFeatures used, int retries) {
+  const std::span<const Rung> ladder =
+      used == UsedFeatures::Object ? std::span<const Rung>(kObjectLadder) : std::span<const Rung>(kLadder);
+  return ladder.first(std::min(ladder.size(), size_t(retries) + 1));
+}
 
 // Focal length over longest side: 0.3 is 118 degrees across. Wider "lenses" are how a wrong pose explains away its errors.
 constexpr double kMinFocalRatio = 0.3;
@@ -120,33 +131,6 @@ void survey(const ReconstructDesc& desc, const fs::path& database, const MatchCo
   if (!desc.photos.empty()) out.rotation_share = rotation_share(verified, desc.photos[0].width, desc.photos[0].height);
 }
 
-// Where the features of the verified matches lie, between photos by name.
-std::vector<PhotoMatches> verified_matches(const ReconstructDesc& desc, const fs::path& database) {
-  const ColmapDatabase db(database);
-  std::map<uint32_t, PhotoFeatures> features;
-  for (PhotoFeatures& f : db.features()) {
-    const std::optional<size_t> photo = index_of_safe_name(f.name);
-    if (!photo || *photo >= desc.photos.size()) continue;
-    f.name = desc.photos[*photo].name;
-    f.descriptors.clear();
-    features[f.image_id] = std::move(f);
-  }
-  std::vector<PhotoMatches> out;
-  for (const InlierMatches& pair : db.inlier_matches()) {
-    const auto a = features.find(pair.image_a), b = features.find(pair.image_b);
-    if (a == features.end() || b == features.end()) continue;
-    PhotoMatches& m = out.emplace_back();
-    m.a = a->second.name, m.b = b->second.name;
-    for (size_t i = 0; i + 1 < pair.features.size(); i += 2) {
-      const size_t fa = pair.features[i], fb = pair.features[i + 1];
-      if (fa >= a->second.count || fb >= b->second.count) continue;
-      m.in_a.push_back({a->second.xy[2 * fa], a->second.xy[2 * fa + 1]});
-      m.in_b.push_back({b->second.xy[2 * fb], b->second.xy[2 * fb + 1]});
-    }
-  }
-  return out;
-}
-
 // Photo names instead of safe names; image ids 1..n in name order; tracks follow.
 ColmapModel with_photo_names(ColmapModel model, const std::vector<SfmPhoto>& photos) {
   std::map<uint32_t, uint32_t> new_id;
@@ -191,14 +175,7 @@ void drop_weak_photos(Reconstruction& r, size_t least) {
         if (p.name == image.name) p.weak_points = have;
     }
     if (weak.empty()) return;
-    std::erase_if(r.model.images, [&](const ColmapImage& image) { return weak.contains(image.id); });
-    for (ColmapPoint3D& p : r.model.points)
-      std::erase_if(p.track, [&](const ColmapTrackElement& t) { return weak.contains(t.image_id); });
-    r.model = compacted(std::move(r.model), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
-    std::erase_if(r.model.cameras, [&](const ColmapCamera& camera) {
-      return std::none_of(r.model.images.begin(), r.model.images.end(),
-                          [&](const ColmapImage& image) { return image.camera_id == camera.id; });
-    });
+    r.model = without_images(std::move(r.model), weak);
   }
 }
 
@@ -230,24 +207,57 @@ ReconstructDesc fresh(const ReconstructDesc& desc) {
 
 }  // namespace
 
+FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind) {
+  const ColmapDatabase db(database);
+  std::map<uint32_t, std::pair<size_t, PhotoFeatures>> features;  // image id -> photo and its features
+  FoundMatches out;
+  out.xy.resize(photos.size());
+  for (PhotoFeatures& f : db.features()) {
+    const std::optional<size_t> photo = index_of_safe_name(f.name);
+    if (!photo || *photo >= photos.size()) continue;
+    f.descriptors.clear();
+    out.xy[*photo] = f.xy;
+    features[f.image_id] = {*photo, std::move(f)};
+  }
+  for (const PairMatches& pair : kind == MatchKind::Verified ? db.inlier_matches() : db.descriptor_matches()) {
+    const auto a = features.find(pair.image_a), b = features.find(pair.image_b);
+    if (a == features.end() || b == features.end()) continue;
+    const auto& [photo_a, features_a] = a->second;
+    const auto& [photo_b, features_b] = b->second;
+    PhotoMatches& m = out.pairs.emplace_back();
+    m.a = photos[photo_a].name, m.b = photos[photo_b].name;
+    std::vector<std::pair<uint32_t, uint32_t>>& indices = out.features.emplace_back();
+    out.photos.push_back({photo_a, photo_b});
+    for (size_t i = 0; i + 1 < pair.features.size(); i += 2) {
+      const uint32_t fa = pair.features[i], fb = pair.features[i + 1];
+      if (fa >= features_a.count || fb >= features_b.count) continue;
+      m.in_a.push_back({features_a.xy[2 * fa], features_a.xy[2 * fa + 1]});
+      m.in_b.push_back({features_b.xy[2 * fb], features_b.xy[2 * fb + 1]});
+      indices.push_back({fa, fb});
+    }
+  }
+  return out;
+}
+
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given) {
   const ReconstructDesc desc = fresh(given);
-  const size_t rungs = std::min(std::size(kLadder), static_cast<size_t>(config.retries) + 1);
+  const std::span<const Rung> ladder = ladder_of(desc.used, config.retries);
   Reconstruction best;
   fs::path database;
   MatchCounts counts;
-  for (size_t r = 0; r < rungs; ++r) {
-    const Rung& rung = kLadder[r];
+  for (size_t r = 0; r < ladder.size(); ++r) {
+    const Rung& rung = ladder[r];
     if (r > 0)
       log_warning("sfm: {} of {} photos registered; attempt {}: {}", best.model.images.size(), desc.photos.size(), r + 1,
                   rung.what);
-    if (r == 0 || rung.more_features) {
+    if (r == 0 || (rung.more_features && !ladder[r - 1].more_features)) {
       database = desc.work_folder / fmt::format("attempt_{}.db", r);
       const FeatureEffort effort{.max_features = config.max_features * (rung.more_features ? 2 : 1),
                                  .peak_threshold = config.peak_threshold / (rung.more_features ? 3 : 1)};
       counts = prepare_database(colmap, config, desc, effort, database, nullptr);
     }
     Reconstruction now;
+    now.database = database;
     survey(desc, database, counts, now);
     now.attempts = best.attempts;
     Attempt attempt{.what = rung.what, .model_sizes = {}};
@@ -301,7 +311,8 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
   const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &given_poses);
   Reconstruction out;
   survey(desc, database, counts, out);
-  const ColmapModel poses = checked(given_poses, verified_matches(desc, database));
+  const FoundMatches found = found_matches(desc.photos, database, MatchKind::Verified);
+  const ColmapModel poses = checked(given_poses, found.pairs);
   out.rotation_share = 0;  // where the photos were taken is known
 
   // The triangulator wants the given poses under the database's names and ids, with no points.

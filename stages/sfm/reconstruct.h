@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct PhotoReport {
   std::optional<double> blur_px;  // measured when something went wrong (core/photo/measures.h)
   std::optional<double> brightness_ev;
   bool pose_missing = false;          // poses were given, but none for this photo
+  bool other_pass = false;            // of a pass that shares too little of the object with the one that is reconstructed
   std::optional<size_t> weak_points;  // the mapper gave it a pose from so few points that it was taken out again
 };
 
@@ -57,6 +59,7 @@ struct PairReport {
 
 struct Reconstruction {
   ColmapModel model;                // image names are photo names; ids 1..n in name order
+  fs::path database = {};           // features and matches of the attempt that counts
   std::vector<PhotoReport> photos;  // in the order given
   std::vector<Attempt> attempts;
   std::vector<size_t> groups;     // sizes of groups connected by verified pairs, largest first
@@ -72,9 +75,20 @@ struct ReconstructDesc {
   fs::path work_folder;          // emptied first
   int threads = 1;
   const FeatureMasks* masks = nullptr;  // null: every feature is used
+  UsedFeatures used = UsedFeatures::ByTurntable;
   std::function<void(double fraction, const std::string& text)> progress;
   std::function<void(const std::string& name, double seconds)> timing;
 };
+
+// Matches between the features of photos, as a database holds them.
+enum class MatchKind { Descriptors, Verified };  // before and after the geometric verification
+struct FoundMatches {
+  std::vector<std::vector<float>> xy;                                // [photo][2 n] all its features, pixels
+  std::vector<PhotoMatches> pairs;                                   // in order of the photos
+  std::vector<std::pair<size_t, size_t>> photos;                     // [pair] indices of the two photos
+  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> features;  // [pair][match] indices of the two features
+};
+FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& database, MatchKind kind);
 
 // Without enough photos registered it returns what there is (perhaps an empty model): diagnosis.h decides.
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc);

@@ -1,7 +1,9 @@
 #include "stages/sfm/sfm.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/log.h"
@@ -15,11 +17,13 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/math/quantile.h"
 #include "core/photo/measures.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/gains/gains.h"
 #include "stages/sfm/gains/principal_point.h"
+#include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
 
 namespace vitrine {
@@ -62,6 +66,7 @@ Reconstruction complete_as_given(ColmapModel model, const std::vector<Photo>& ph
 struct Solved {
   Reconstruction reconstruction;
   std::string colmap = "none";
+  ObjectPasses passes = {};
 };
 
 std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext& context, const std::vector<SfmPhoto>& photos) {
@@ -163,6 +168,8 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
       return std::move(checked.model);
     };
     s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
+    const bool object_is_marked = masks && masks->has(MaskClass::Object) && !s.reconstruction.masks->object_applied;
+    if (!given && object_is_marked) s.passes = poses_of_object(colmap, config, desc, *masks, s.reconstruction);
     if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
   }
   if (given)
@@ -178,6 +185,35 @@ void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Re
     r.photos[i].blur_px = m.blur_px;
     r.photos[i].brightness_ev = m.brightness_ev;
   });
+}
+
+// Photos between the lowest ones of two passes, in steps that still match; by how far the object's features match, and as if it
+// was turned upside down.
+size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest_match) {
+  constexpr double kStep = 2.0 / 3;  // of the angle at which nine of ten matching pairs are nearer together
+  std::vector<double> elevations;
+  for (const ColmapImage& image : model.images)
+    elevations.push_back(
+        std::asin(std::clamp(-dot(transposed_times(image.cam_from_world().rotation, Vec3d{0, 0, 1}), up), -1.0, 1.0)));
+  const double lowest = quantile_of(elevations, 0.1) * 180 / std::numbers::pi;
+  return size_t(std::clamp(std::ceil(2 * lowest / std::max(kStep * furthest_match, 5.0)) - 1, 1.0, 20.0));
+}
+
+void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
+  context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
+  if (passes.passes.size() < 2) return;
+  if (passes.joined) {
+    log_info("sfm: {}: the object was moved between them, its own features decide the poses; what surrounds it takes no part",
+             passes_text(passes.passes));
+    write_passes(context.output(), passes.passes);
+    return;
+  }
+  context.warning(
+      "SFM_PASSES_NOT_JOINED",
+      fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are missing "
+                  "in between: from lower down, or of the object on its side, in steps of {:.0f} degrees",
+                  passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
+                  std::max(5.0, passes.furthest_match * 2 / 3)));
 }
 
 // EXIF's focal length against the one that the photos agree on.
@@ -239,13 +275,16 @@ void run(const SfmConfig& config, StageContext& context) {
     report.config = &config;
     report.colmap = s.colmap;
     report.code = diagnosis.code;
+    report.passes = &s.passes;
     write_sfm_report(evidence, report);
     write_match_matrix(context.scratch() / "evidence" / "matches.png", r);
     throw_diagnosis(diagnosis, evidence);
   }
+  report_passes(s.passes, r.model, config.up, context);
   for (const PhotoReport& p : r.photos)
-    if (!p.registered) context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
-  if (!r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
+    if (!p.registered && !p.other_pass)
+      context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
+  if (s.passes.joined && !r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
     context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
                                                    r.attempts.back().model_sizes.size(), r.model.images.size()));
 
@@ -269,7 +308,9 @@ void run(const SfmConfig& config, StageContext& context) {
                   }});
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
-  const Orientation orientation = scene_up(model, config.up);
+  // In each pass people hold the camera upright over another side of the object.
+  const bool several = s.passes.joined && s.passes.passes.size() > 1;
+  const Orientation orientation = scene_up(several ? restricted(model, s.passes.passes[0]) : model, config.up);
   SceneInfo scene;
   scene.scene_from_colmap = scene_from_colmap(model, orientation);
   transform_world(model, scene.scene_from_colmap);
@@ -297,7 +338,8 @@ void run(const SfmConfig& config, StageContext& context) {
                                                     .final_model = &model,
                                                     .undistortions = undistortions,
                                                     .orientation = orientation,
-                                                    .points = counts});
+                                                    .points = counts,
+                                                    .passes = &s.passes});
   double error = 0, observations = 0;
   for (const ColmapPoint3D& p : model.points) {
     error += p.error_px * double(p.track.size());
@@ -308,8 +350,9 @@ void run(const SfmConfig& config, StageContext& context) {
   context.metric("points", double(model.points.size()));
   if (observations > 0) context.metric("reprojection_px", error / observations);
   // Without points there is no error that could be small.
-  context.summary(fmt::format("registered {}/{}, {} points{}", model.images.size(), photos.size(), model.points.size(),
-                              observations > 0 ? fmt::format(", {:.2f} px", error / observations) : ""));
+  context.summary(fmt::format("registered {}/{}, {} points{}{}", model.images.size(), photos.size(), model.points.size(),
+                              observations > 0 ? fmt::format(", {:.2f} px", error / observations) : "",
+                              several ? ", " + passes_text(s.passes.passes) : ""));
 }
 
 std::string problem(const SfmConfig& c) {
@@ -366,7 +409,7 @@ void describe(Describer& d, SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 7,
+                 .version = 8,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

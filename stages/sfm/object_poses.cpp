@@ -1,0 +1,57 @@
+#include "stages/sfm/object_poses.h"
+
+#include <algorithm>
+
+#include "core/base/log.h"
+#include "stages/sfm/sfm.h"
+
+namespace vitrine {
+
+namespace {
+
+size_t passes_in(const Passes& passes, const ColmapModel& model) {
+  return size_t(std::count_if(passes.begin(), passes.end(), [&](const std::vector<std::string>& photos) {
+    const auto posed = std::count_if(model.images.begin(), model.images.end(), [&](const ColmapImage& image) {
+      return std::find(photos.begin(), photos.end(), image.name) != photos.end();
+    });
+    return size_t(posed) >= kSmallestPass;
+  }));
+}
+
+}  // namespace
+
+ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
+                             Reconstruction& together) {
+  const FoundMatches matches = found_matches(desc.photos, together.database, MatchKind::Descriptors);
+  std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
+  for (size_t i = 0; i < on_object.size(); ++i) {
+    on_object[i] = masks.classes_at(i, matches.xy[i]);
+    for (uint8_t& c : on_object[i]) c = (c >> unsigned(MaskClass::Object)) & 1;
+  }
+  const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
+  if (evidence.passes.size() < 2) return {};
+  log_info("sfm: {} pairs of photos contradict each other about the object and what surrounds it: its features find the poses",
+           evidence.pairs);
+  ReconstructDesc alone = desc;
+  alone.work_folder = desc.work_folder / "object";
+  alone.used = UsedFeatures::Object;
+  Reconstruction object = reconstruct(colmap, config, alone);
+  ObjectPasses report{.passes = evidence.passes, .contradicting = evidence.pairs, .furthest_match = evidence.furthest_match};
+  report.joined = passes_in(report.passes, object.model) > 1;
+  if (report.joined && !moved_between(report.passes, object.model, together.model)) {
+    log_info("sfm: the object stands still with its surroundings after all");
+    return {};
+  }
+  if (report.joined) {
+    together = std::move(object);
+    return report;
+  }
+  together.model = restricted(together.model, report.passes[0]);
+  for (PhotoReport& p : together.photos) {
+    p.other_pass = std::find(report.passes[0].begin(), report.passes[0].end(), p.name) == report.passes[0].end();
+    p.registered = p.registered && !p.other_pass;
+  }
+  return report;
+}
+
+}  // namespace vitrine

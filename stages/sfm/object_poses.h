@@ -1,0 +1,22 @@
+// Poses where the object was moved between passes of photos (passes.h). With masks of the object its own features find the poses;
+// what surrounds it in each pass takes no part.
+#pragma once
+
+#include "stages/sfm/passes.h"
+
+namespace vitrine {
+
+struct ObjectPasses {
+  Passes passes;  // fewer than two: the object was not moved, as far as the photos show
+  bool joined =
+      true;  // false: the poses are those of the first pass, whose photos share too little of the object with the others
+  size_t contradicting = 0;   // pairs of photos
+  double furthest_match = 0;  // degrees between the viewing directions of photos that still match on the object
+};
+
+// `together`: what all features gave. Replaced by the reconstruction of the object's features where these show that the object
+// was moved, or by the photos of the largest pass where they do not join the passes. `masks` has masks of the object.
+ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
+                             Reconstruction& together);
+
+}  // namespace vitrine

@@ -1,0 +1,212 @@
+#include "stages/sfm/passes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/camera/compacted.h"
+#include "core/math/disjoint_sets.h"
+#include "core/math/median.h"
+#include "core/math/quantile.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kAgree = 15, kContradict = 25;  // matches
+constexpr double kMostAgree = 0.5, kFewAgree = 0.3;
+constexpr double kSameDirectionDeg = 20, kSameRollDeg = 30;
+constexpr size_t kHardlyAMatch = 4, kEnoughFeatures = 40;
+constexpr size_t kFewestContradicting = 3;  // pairs
+constexpr double kMovedDeg = 3, kMovedRel = 0.03;
+
+double degrees(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * 57.29577951308232; }
+double turn_deg(const Mat3d& r) { return degrees((r.c0.x + r.c1.y + r.c2.z - 1) / 2); }
+
+enum Side { kSurroundings = 0, kObject = 1 };
+
+struct PairEvidence {
+  size_t a = 0, b = 0;
+  std::array<AgreementCount, 2> of;  // [side]
+  bool same_view = false;
+  double apart_deg = 0;
+
+  bool agrees(int side) const { return of[size_t(side)].agree >= kAgree && of[size_t(side)].share() >= kMostAgree; }
+};
+
+// Matches of one side alone; a match between the two sides belongs to neither.
+std::vector<PhotoMatches> matches_of(const FoundMatches& matches, std::span<const std::vector<uint8_t>> on_object, int side) {
+  std::vector<PhotoMatches> out;
+  for (size_t p = 0; p < matches.pairs.size(); ++p) {
+    const auto [a, b] = matches.photos[p];
+    PhotoMatches& m = out.emplace_back(PhotoMatches{matches.pairs[p].a, matches.pairs[p].b, {}, {}});
+    for (size_t k = 0; k < matches.features[p].size(); ++k) {
+      const auto [fa, fb] = matches.features[p][k];
+      if (on_object[a][fa] != side || on_object[b][fb] != side) continue;
+      m.in_a.push_back(matches.pairs[p].in_a[k]);
+      m.in_b.push_back(matches.pairs[p].in_b[k]);
+    }
+  }
+  return out;
+}
+
+class PassSearch {
+ public:
+  PassSearch(const ColmapModel& poses, const FoundMatches& matches, std::span<const std::vector<uint8_t>> on_object)
+      : count_(on_object.size()), names_(on_object.size()), features_(on_object.size()) {
+    for (size_t i = 0; i < count_; ++i) {
+      const auto inside = size_t(std::count(on_object[i].begin(), on_object[i].end(), 1));
+      features_[i] = {on_object[i].size() - inside, inside};
+    }
+    std::map<std::string, const ColmapImage*> image_of;
+    for (const ColmapImage& image : poses.images) image_of[image.name] = &image;
+    std::map<std::pair<std::string, std::string>, size_t> index;
+    for (size_t p = 0; p < matches.pairs.size(); ++p) {
+      const auto a = image_of.find(matches.pairs[p].a), b = image_of.find(matches.pairs[p].b);
+      if (a == image_of.end() || b == image_of.end()) continue;
+      const Mat3d ra = a->second->cam_from_world().rotation, rb = b->second->cam_from_world().rotation;
+      const Vec3d forward_a = transposed_times(ra, Vec3d{0, 0, 1}), forward_b = transposed_times(rb, Vec3d{0, 0, 1});
+      PairEvidence& e = pairs_.emplace_back();
+      std::tie(e.a, e.b) = matches.photos[p];
+      names_[e.a] = a->first, names_[e.b] = b->first;
+      e.apart_deg = degrees(dot(forward_a, forward_b));
+      e.same_view = e.apart_deg < kSameDirectionDeg && turn_deg(rb * transposed(ra)) < kSameRollDeg;
+      index[{a->first, b->first}] = pairs_.size() - 1;
+    }
+    for (int side : {kSurroundings, kObject})
+      for (const PairAgreement& pair : matches_agreement(poses, matches_of(matches, on_object, side)).pairs)
+        if (const auto found = index.find({pair.a, pair.b}); found != index.end())
+          pairs_[found->second].of[size_t(side)] = pair.count;
+  }
+
+  bool contradicts(const PairEvidence& e, int side) const {
+    if (!e.agrees(1 - side)) return false;
+    const AgreementCount& n = e.of[size_t(side)];
+    if (n.tests >= kContradict && n.share() < kFewAgree) return true;
+    return e.same_view && n.agree < kHardlyAMatch &&
+           std::min(features_[e.a][size_t(side)], features_[e.b][size_t(side)]) >= kEnoughFeatures;
+  }
+
+  // Groups of photos by the agreement of one side, those of too few photos or that nothing contradicts not among them.
+  Passes passes(int side, size_t& contradicting) const {
+    DisjointSets sets(count_);
+    for (const PairEvidence& e : pairs_)
+      if (e.agrees(side)) sets.unite(uint32_t(e.a), uint32_t(e.b));
+    std::map<uint32_t, std::vector<size_t>> groups;
+    for (size_t i = 0; i < count_; ++i)
+      if (!names_[i].empty()) groups[sets.representative(uint32_t(i))].push_back(i);
+    std::map<std::pair<uint32_t, uint32_t>, size_t> against;
+    for (const PairEvidence& e : pairs_) {
+      const uint32_t a = sets.representative(uint32_t(e.a)), b = sets.representative(uint32_t(e.b));
+      if (a != b && contradicts(e, side)) ++contradicting, ++against[std::minmax(a, b)];
+    }
+    std::set<uint32_t> proven;
+    for (const auto& [pair, n] : against)
+      if (n >= kFewestContradicting && groups[pair.first].size() >= kSmallestPass && groups[pair.second].size() >= kSmallestPass)
+        proven.insert({pair.first, pair.second});
+    if (proven.size() < 2) return {};
+    // A photo of no such group belongs where the photos beside it in name order do.
+    std::vector<uint32_t> of(count_);
+    for (size_t i = 0; i < count_; ++i) {
+      of[i] = sets.representative(uint32_t(i));
+      for (size_t apart = 0; !proven.contains(of[i]) && apart < count_; ++apart)
+        for (const size_t other : {i - apart, i + apart})
+          if (other < count_ && !proven.contains(of[i])) of[i] = sets.representative(uint32_t(other));
+    }
+    std::map<uint32_t, std::vector<std::string>> named;
+    for (size_t i = 0; i < count_; ++i)
+      if (!names_[i].empty()) named[of[i]].push_back(names_[i]);
+    Passes out;
+    for (auto& [representative, photos] : named) out.push_back(std::move(photos));
+    std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+    return out;
+  }
+
+  double furthest_match() const {
+    std::vector<double> apart;
+    for (const PairEvidence& e : pairs_)
+      if (e.agrees(kObject)) apart.push_back(e.apart_deg);
+    return apart.empty() ? 0 : quantile_of(apart, 0.9);
+  }
+
+ private:
+  size_t count_;
+  std::vector<std::string> names_;               // [photo] empty: it has no pose
+  std::vector<std::array<size_t, 2>> features_;  // [photo][side]
+  std::vector<PairEvidence> pairs_;
+};
+
+}  // namespace
+
+MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& matches,
+                               std::span<const std::vector<uint8_t>> on_object) {
+  const PassSearch search(poses, matches, on_object);
+  MotionEvidence out;
+  // The poses follow one of the two sides; the other one contradicts.
+  for (int side : {kObject, kSurroundings}) {
+    size_t contradicting = 0;
+    Passes found = search.passes(side, contradicting);
+    if (found.size() > out.passes.size()) out.passes = std::move(found), out.pairs = contradicting;
+  }
+  out.furthest_match = search.furthest_match();
+  return out;
+}
+
+bool moved_between(const Passes& passes, const ColmapModel& object, const ColmapModel& surroundings) {
+  std::map<std::string, Rigid> object_pose, other_pose;
+  for (const ColmapImage& image : object.images) object_pose[image.name] = image.cam_from_world();
+  for (const ColmapImage& image : surroundings.images) other_pose[image.name] = image.cam_from_world();
+  std::vector<Similarity> placed;  // surroundings_from_object, per pass
+  std::vector<double> reach;       // of the cameras, in the frame of the surroundings
+  for (const std::vector<std::string>& photos : passes) {
+    std::vector<Rigid> o, s;
+    for (const std::string& name : photos)
+      if (object_pose.contains(name) && other_pose.contains(name)) o.push_back(object_pose[name]), s.push_back(other_pose[name]);
+    if (o.size() < kSmallestPass) continue;
+    // The rotation that is nearest to those of all photos; scale and translation by least squares of the camera centres.
+    std::vector<Mat3d> turns;
+    for (size_t i = 0; i < o.size(); ++i) turns.push_back(transposed(s[i].rotation) * o[i].rotation);
+    size_t middle = 0;
+    double least = 1e300;
+    for (size_t i = 0; i < turns.size(); ++i) {
+      double sum = 0;
+      for (const Mat3d& other : turns) sum += turn_deg(transposed(turns[i]) * other);
+      if (sum < least) least = sum, middle = i;
+    }
+    Similarity p;
+    p.rotation = turns[middle];
+    Vec3d mean_o{}, mean_s{};
+    for (size_t i = 0; i < o.size(); ++i) {
+      mean_o += p.rotation * inverse(o[i]).translation / double(o.size());
+      mean_s += inverse(s[i]).translation / double(o.size());
+    }
+    double os = 0, oo = 0, ss = 0;
+    for (size_t i = 0; i < o.size(); ++i) {
+      const Vec3d a = p.rotation * inverse(o[i]).translation - mean_o, b = inverse(s[i]).translation - mean_s;
+      os += dot(a, b), oo += dot(a, a), ss += dot(b, b);
+    }
+    p.scale = oo > 0 ? os / oo : 1;
+    p.translation = mean_s - p.scale * mean_o;
+    placed.push_back(p);
+    reach.push_back(std::sqrt(ss / double(o.size())));
+  }
+  for (size_t i = 0; i < placed.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      if (turn_deg(transposed(placed[i].rotation) * placed[j].rotation) > kMovedDeg) return true;
+      Vec3d centre{};
+      for (const ColmapPoint3D& p : object.points) centre += p.position / double(object.points.size());
+      if (length(placed[i] * centre - placed[j] * centre) > kMovedRel * std::max(reach[i], reach[j])) return true;
+    }
+  return false;
+}
+
+ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos) {
+  std::set<uint32_t> others;
+  for (const ColmapImage& image : model.images)
+    if (std::find(photos.begin(), photos.end(), image.name) == photos.end()) others.insert(image.id);
+  return without_images(model, others);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,44 @@
+// Was the object moved against its surroundings between groups of photos? Object photography works in passes: a pass of photos,
+// the object turned over, a second pass. Between two passes the object has one motion and its surroundings have another, so that
+// no poses fit both.
+//
+// Evidence is collected for pairs of photos, with poses that some of the features decided. On each side (the object, its
+// surroundings) a pair
+//   agrees       at least 15 matches fit the poses, and half of all
+//   contradicts  the other side agrees, and either at least 25 matches exist that do not fit, or the cameras look from nearly the
+//                same direction and hardly a match fits, although both photos have features of this side
+// Photos that pairs connect by agreement are a group. Two groups of at least 3 photos with at least 3 contradicting pairs between
+// them are two passes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/camera/colmap_model.h"
+#include "core/camera/passes.h"
+#include "stages/sfm/reconstruct.h"
+
+namespace vitrine {
+
+inline constexpr size_t kSmallestPass = 3;  // photos
+
+struct MotionEvidence {
+  Passes passes;              // fewer than two: nothing contradicts
+  size_t pairs = 0;           // pairs in which one side contradicts
+  double furthest_match = 0;  // degrees between the viewing directions of photos that agree on the object, 90 % quantile
+};
+
+// `on_object` [photo][feature]: 1 where the feature lies on the object. `matches`: by descriptors, before any verification.
+MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& matches,
+                               std::span<const std::vector<uint8_t>> on_object);
+
+// How the object of one model stands in the other differs by more than the noise between these groups of photos: 3 degrees, or 3
+// % of the distance of the cameras. Groups in which fewer than 3 photos have both poses are left out.
+bool moved_between(const Passes& passes, const ColmapModel& object, const ColmapModel& surroundings);
+
+// The photos of `model` that are in `photos`, and the points that they see.
+ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos);
+
+}  // namespace vitrine
