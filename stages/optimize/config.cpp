@@ -41,7 +41,8 @@ void describe(Describer& d, OptimizeConfig& c) {
       .range(0, 100000);
   d.option("surroundings", c.surroundings,
            "What masks of the object leave out: train it like everything else, ignore it (the object alone), or auto: ignore "
-           "what does not stand still with the object (the room around a turntable, a plain backdrop) and train the rest.")
+           "what does not stand still with the object (the room around a turntable, a plain backdrop, all passes in which it was "
+           "turned over) and train the rest. With passes, train uses the photos of the largest one.")
       .choices({"auto", "train", "ignore"});
   d.option("fill_unseen", c.fill_unseen,
            "Close gaps in what surrounds the capture that no photo shows, with the smoothest continuation; and those that photos "

@@ -153,7 +153,9 @@ double mean_psnr(const std::vector<PhotoQuality>& photos) {
 
 void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
-  const Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
+  Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
+  const Passes passes = read_passes(context.input("sfm"));
+  if (config.surroundings == "train") keep_largest_pass(passes, capture);
   Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
   const ShapeSet shapes = read_shapes_artifact(context.optional_input("shapes"));
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
@@ -165,7 +167,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   separate_coats(capture, shapes, targets);
   LazyDepth depth(config, capture, context);
   const Surroundings surroundings = surroundings_to_train(
-      config.surroundings, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
+      config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
   say(surroundings);
   const bool alone = surroundings.trained != Trained::Everything, part = surroundings.trained == Trained::StillPart;
   if (!alone) targets.forget(MaskClass::Object);  // its loss would push everything else out of the picture

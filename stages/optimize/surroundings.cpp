@@ -70,11 +70,13 @@ double sightings_outside_object(const Capture& capture, const Targets& targets) 
   return all > 0 ? double(outside) / double(all) : 1;
 }
 
-Surroundings surroundings_to_train(const std::string& wanted, const Capture& capture,
+Surroundings surroundings_to_train(const std::string& wanted, const Passes& passes, const Capture& capture,
                                    const std::function<const DenseDepth&()>& dense, Targets& targets) {
   if (wanted == "train" || !targets.any(MaskClass::Object)) return {};
   if (wanted == "ignore") return {Trained::ObjectAlone, {}};
   if (!targets.vouched(MaskClass::Object)) return {};
+  if (passes.size() > 1)
+    return {Trained::ObjectAlone, fmt::format("{}, and what surrounds the object stands elsewhere in each", passes_text(passes))};
   const double outside = sightings_outside_object(capture, targets);
   const DenseDepth& depth = dense();
   const MovingEvidence evidence = moving_evidence(capture, targets, depth);
@@ -117,6 +119,15 @@ Surroundings surroundings_to_train(const std::string& wanted, const Capture& cap
   for (size_t i = 0; i < shown_in.size(); ++i) widen_masks(capture, shown_in[i], depth.level, i, targets);
   targets.has[size_t(MaskClass::Ignore)] = true;
   return {Trained::StillPart, figures};
+}
+
+void keep_largest_pass(const Passes& passes, Capture& capture) {
+  if (passes.size() < 2) return;
+  const auto elsewhere = [&](uint32_t photo) {
+    return std::find(passes[0].begin(), passes[0].end(), capture.photos[photo].name()) == passes[0].end();
+  };
+  std::erase_if(capture.train, elsewhere);
+  std::erase_if(capture.heldout, elsewhere);
 }
 
 bool on_object(const Capture& capture, const Targets& targets, const Vec3d& position) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "core/camera/passes.h"
 #include "core/train/capture.h"
 #include "core/train/targets.h"
 #include "stages/optimize/dense_depth.h"
@@ -25,8 +26,12 @@ struct Surroundings {
 // `wanted`: ignore, train, or auto: what the photos show of the surroundings stands still with the object, or a part of it, or
 // nothing (moving_evidence.h). Masks that are proposals decide nothing. StillPart: the masks of the object are widened by what
 // stands still with it, and the rim of that is ignored. `dense` is called where it is needed.
-Surroundings surroundings_to_train(const std::string& wanted, const Capture& capture,
+// Between passes the object was moved: what surrounds it stands elsewhere in each, and auto trains it alone.
+Surroundings surroundings_to_train(const std::string& wanted, const Passes& passes, const Capture& capture,
                                    const std::function<const DenseDepth&()>& dense, Targets& targets);
+
+// Leaves the photos of the largest pass to train on and to measure by: those in which the surroundings stand still.
+void keep_largest_pass(const Passes& passes, Capture& capture);
 
 // Whether the masks allow it: at most a tenth of the photos with an object mask that have the point in the picture see it
 // outside. Pixels to be ignored do not count.

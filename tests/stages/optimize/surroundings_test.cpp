@@ -1,6 +1,7 @@
 // Objects whose surroundings do not stand still with them.
 #include "stages/optimize/surroundings.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/json.h"
@@ -48,13 +49,33 @@ TEST(ObjectAlone, SightingsOfSparsePointsLieOutsideItsMasks) {
 TEST(ObjectAlone, IsAskedOfNoPhotoWhereTheUserSaysIt) {
   Ball ball;
   const auto no_depth = []() -> const DenseDepth& { throw std::logic_error("no depth is needed"); };
-  EXPECT_EQ(surroundings_to_train("train", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
-  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
+  EXPECT_EQ(surroundings_to_train("train", {}, ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train("ignore", {}, ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
   ball.targets.guessed[size_t(MaskClass::Object)] = true;  // proposals decide nothing
-  EXPECT_EQ(surroundings_to_train("auto", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
-  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
+  EXPECT_EQ(surroundings_to_train("auto", {}, ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train("ignore", {}, ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
   ball.targets.forget(MaskClass::Object);
-  EXPECT_EQ(surroundings_to_train("ignore", ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train("ignore", {}, ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+}
+
+TEST(ObjectAlone, IsTrainedWhereItWasMovedBetweenPasses) {
+  Ball ball;
+  Passes passes(2);
+  for (size_t i = 0; i < ball.capture.photos.size(); ++i) {
+    ball.capture.photos[i].levels[0].view.name = fmt::format("{}.jpg", i);
+    passes[i < 7 ? 0 : 1].push_back(ball.capture.photos[i].name());
+  }
+  ball.capture.heldout = {0, 11};
+  const auto no_depth = []() -> const DenseDepth& { throw std::logic_error("no depth is needed"); };
+  const Surroundings surroundings = surroundings_to_train("auto", passes, ball.capture, no_depth, ball.targets);
+  EXPECT_EQ(surroundings.trained, Trained::ObjectAlone);
+  EXPECT_NE(surroundings.why.find("2 passes: 7 and 5 photos"), std::string::npos) << surroundings.why;
+  // With its surroundings it is trained from the photos of one pass.
+  keep_largest_pass(passes, ball.capture);
+  EXPECT_EQ(ball.capture.train, (std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(ball.capture.heldout, (std::vector<uint32_t>{0}));
+  keep_largest_pass({}, ball.capture);
+  EXPECT_EQ(ball.capture.train.size(), 7u);
 }
 
 TEST(ObjectAlone, StandsWhereItsMasksAllow) {

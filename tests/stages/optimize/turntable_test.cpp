@@ -29,7 +29,7 @@ struct Decided {
     targets = load_targets(capture, masks(), std::nullopt);
     const DenseDepth dense = dense_depth(capture, kSide, 5, 1);
     const auto get = [&]() -> const DenseDepth& { return dense; };
-    surroundings = surroundings_to_train("auto", capture, get, targets);
+    surroundings = surroundings_to_train("auto", {}, capture, get, targets);
   }
   fs::path sfm() const { return folder.path() / "sfm"; }
   fs::path masks() const { return folder.path() / "masks"; }
