@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/log.h"
+#include "stages/sfm/second_motion.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -36,22 +37,38 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   alone.work_folder = desc.work_folder / "object";
   alone.used = UsedFeatures::Object;
   Reconstruction object = reconstruct(colmap, config, alone);
-  ObjectPasses report{.passes = evidence.passes, .contradicting = evidence.pairs, .furthest_match = evidence.furthest_match};
-  report.joined = passes_in(report.passes, object.model) > 1;
-  if (report.joined && !moved_between(report.passes, object.model, together.model)) {
-    log_info("sfm: the object stands still with its surroundings after all");
-    return {};
-  }
-  if (report.joined) {
+  ObjectPasses out{.frame = ObjectPasses::Frame::Object,
+                   .passes = evidence.passes,
+                   .contradicting = evidence.pairs,
+                   .furthest_match = evidence.furthest_match};
+  if (passes_in(out.passes, object.model) > 1) {
+    if (!moved_between(out.passes, object.model, together.model)) {
+      log_info("sfm: the object stands still with its surroundings after all");
+      return {};
+    }
     together = std::move(object);
-    return report;
+    return out;
   }
-  together.model = restricted(together.model, report.passes[0]);
+  out.frame = ObjectPasses::Frame::ObjectInLargestPass;
+  together.model = restricted(together.model, out.passes[0]);
   for (PhotoReport& p : together.photos) {
-    p.other_pass = std::find(report.passes[0].begin(), report.passes[0].end(), p.name) == report.passes[0].end();
+    p.other_pass = std::find(out.passes[0].begin(), out.passes[0].end(), p.name) == out.passes[0].end();
     p.registered = p.registered && !p.other_pass;
   }
-  return report;
+  return out;
+}
+
+ObjectPasses passes_without_masks(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
+                                  const Reconstruction& together) {
+  if (together.model.images.size() < 2 * kSmallestPass) return {};
+  const FoundMatches matches = found_matches(desc.photos, together.database, MatchKind::Descriptors);
+  const MotionEvidence evidence =
+      motion_evidence(together.model, matches, second_motion_features(colmap, config, desc, together, matches));
+  if (evidence.passes.size() < 2) return {};
+  return {.frame = ObjectPasses::Frame::Surroundings,
+          .passes = evidence.passes,
+          .contradicting = evidence.pairs,
+          .furthest_match = evidence.furthest_match};
 }
 
 }  // namespace vitrine

@@ -7,9 +7,10 @@
 namespace vitrine {
 
 struct ObjectPasses {
-  Passes passes;  // fewer than two: the object was not moved, as far as the photos show
-  bool joined =
-      true;  // false: the poses are those of the first pass, whose photos share too little of the object with the others
+  // What the poses are relative to. ObjectInLargestPass: its photos share too little of the object with the other passes.
+  enum class Frame { Everything, Object, ObjectInLargestPass, Surroundings };
+  Frame frame = Frame::Everything;  // the object was not moved, as far as the photos show
+  Passes passes = {};
   size_t contradicting = 0;   // pairs of photos
   double furthest_match = 0;  // degrees between the viewing directions of photos that still match on the object
 };
@@ -18,5 +19,9 @@ struct ObjectPasses {
 // was moved, or by the photos of the largest pass where they do not join the passes. `masks` has masks of the object.
 ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
                              Reconstruction& together);
+
+// Without masks of the object the poses stay what they are, of its surroundings or its own.
+ObjectPasses passes_without_masks(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
+                                  const Reconstruction& together);
 
 }  // namespace vitrine

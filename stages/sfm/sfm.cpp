@@ -168,8 +168,10 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
       return std::move(checked.model);
     };
     s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
-    const bool object_is_marked = masks && masks->has(MaskClass::Object) && !s.reconstruction.masks->object_applied;
-    if (!given && object_is_marked) s.passes = poses_of_object(colmap, config, desc, *masks, s.reconstruction);
+    const std::optional<MaskEffect>& effect = s.reconstruction.masks;
+    if (!given && !(effect && effect->object_applied) && config.turntable != "no")
+      s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
+                                                        : passes_without_masks(colmap, config, desc, s.reconstruction);
     if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
   }
   if (given)
@@ -187,33 +189,45 @@ void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Re
   });
 }
 
+constexpr double kStepOfMatches = 2.0 / 3;  // of the angle below which nine of ten matching pairs are apart
+
 // Photos between the lowest ones of two passes, in steps that still match; by how far the object's features match, and as if it
 // was turned upside down.
 size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest_match) {
-  constexpr double kStep = 2.0 / 3;  // of the angle at which nine of ten matching pairs are nearer together
   std::vector<double> elevations;
   for (const ColmapImage& image : model.images)
     elevations.push_back(
         std::asin(std::clamp(-dot(transposed_times(image.cam_from_world().rotation, Vec3d{0, 0, 1}), up), -1.0, 1.0)));
   const double lowest = quantile_of(elevations, 0.1) * 180 / std::numbers::pi;
-  return size_t(std::clamp(std::ceil(2 * lowest / std::max(kStep * furthest_match, 5.0)) - 1, 1.0, 20.0));
+  return size_t(std::clamp(std::ceil(2 * lowest / std::max(kStepOfMatches * furthest_match, 5.0)) - 1, 1.0, 20.0));
 }
 
 void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
   context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
-  if (passes.passes.size() < 2) return;
-  if (passes.joined) {
-    log_info("sfm: {}: the object was moved between them, its own features decide the poses; what surrounds it takes no part",
-             passes_text(passes.passes));
-    write_passes(context.output(), passes.passes);
-    return;
+  switch (passes.frame) {
+    case ObjectPasses::Frame::Everything:
+      return;
+    case ObjectPasses::Frame::Object:
+      log_info("sfm: {}: the object was moved between them, its own features decide the poses; what surrounds it takes no part",
+               passes_text(passes.passes));
+      write_passes(context.output(), passes.passes);
+      return;
+    case ObjectPasses::Frame::ObjectInLargestPass:
+      context.warning(
+          "SFM_PASSES_NOT_JOINED",
+          fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are "
+                      "missing in between: from lower down, or of the object on its side, in steps of {:.0f} degrees",
+                      passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
+                      kStepOfMatches * passes.furthest_match));
+      return;
+    case ObjectPasses::Frame::Surroundings:
+      context.warning(
+          "SFM_OBJECT_TURNED",
+          fmt::format("{}: something that they show was moved between them against the rest, and no poses fit both; it "
+                      "will stand in the scene more than once. Masks of the object let its own features decide: draw them "
+                      "(vitrine mark), or give a folder (--masks DIR)",
+                      passes_text(passes.passes)));
   }
-  context.warning(
-      "SFM_PASSES_NOT_JOINED",
-      fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are missing "
-                  "in between: from lower down, or of the object on its side, in steps of {:.0f} degrees",
-                  passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
-                  std::max(5.0, passes.furthest_match * 2 / 3)));
 }
 
 // EXIF's focal length against the one that the photos agree on.
@@ -284,7 +298,8 @@ void run(const SfmConfig& config, StageContext& context) {
   for (const PhotoReport& p : r.photos)
     if (!p.registered && !p.other_pass)
       context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
-  if (s.passes.joined && !r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
+  if (s.passes.frame != ObjectPasses::Frame::ObjectInLargestPass && !r.attempts.empty() &&
+      r.attempts.back().model_sizes.size() > 1)
     context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
                                                    r.attempts.back().model_sizes.size(), r.model.images.size()));
 
@@ -309,7 +324,7 @@ void run(const SfmConfig& config, StageContext& context) {
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
   // In each pass people hold the camera upright over another side of the object.
-  const bool several = s.passes.joined && s.passes.passes.size() > 1;
+  const bool several = s.passes.frame == ObjectPasses::Frame::Object;
   const Orientation orientation = scene_up(several ? restricted(model, s.passes.passes[0]) : model, config.up);
   SceneInfo scene;
   scene.scene_from_colmap = scene_from_colmap(model, orientation);
