@@ -15,10 +15,9 @@ namespace vitrine {
 namespace {
 
 // --- matches --------------------------------------------------------------------------------------------------------
-constexpr double kTolerance = 0.015;  // of the longest side: 29 pixels of 1920
-constexpr double kTolerancePx = 4;    // what a feature and its geometric check are good for
-constexpr double kInfinityPx = 2;     // parallax below this says nothing about the sign of a depth
-constexpr size_t kMostOfPair = 200;   // matches of one pair that are tested
+constexpr double kTolerancePx = 4;   // what a feature and its geometric check are good for
+constexpr double kInfinityPx = 2;    // parallax below this says nothing about the sign of a depth
+constexpr size_t kMostOfPair = 200;  // matches of one pair that are tested
 // Matches that stay where they are in the picture are dirt on the lens, a watermark, or the room around a turntable: of the poses
 // of the scene they say nothing. (A camera that moves leaves hardly any other.)
 constexpr double kInPlace = 0.003;   // of the longest side
@@ -109,8 +108,8 @@ double difference(const Look& a, const Look& b) {
 
 }  // namespace
 
-double agreement_tolerance_px(const ColmapCamera& camera) {
-  return std::max(kTolerancePx, kTolerance * double(std::max(camera.width, camera.height)));
+double agreement_tolerance_px(const ColmapCamera& camera, double of_longest_side) {
+  return std::max(kTolerancePx, of_longest_side * double(std::max(camera.width, camera.height)));
 }
 
 std::vector<PhotoMatches> thinned(std::span<const PhotoMatches> matches, size_t most) {
@@ -155,7 +154,7 @@ std::vector<std::pair<std::string, AgreementCount>> disagreeing_photos(const Agr
   return out.size() > most ? std::vector<std::pair<std::string, AgreementCount>>{} : out;
 }
 
-Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatches> matches) {
+Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatches> matches, double of_longest_side) {
   const std::map<std::string, PosedCamera> cameras = posed_cameras(poses);
   const double baseline = largest_baseline(poses);
   struct Tested {
@@ -170,7 +169,8 @@ Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatch
     const PosedCamera &ca = a->second, &cb = b->second;
     const Rigid b_from_a = cb.cam_from_world * inverse(ca.cam_from_world);
     const bool same_place = length(b_from_a.translation) <= kSamePlace * baseline;
-    const double tolerance = std::max(agreement_tolerance_px(*ca.camera), agreement_tolerance_px(*cb.camera));
+    const double tolerance =
+        std::max(agreement_tolerance_px(*ca.camera, of_longest_side), agreement_tolerance_px(*cb.camera, of_longest_side));
     const double side = double(std::max(ca.camera->width, ca.camera->height));
     const size_t n = m.in_a.size(), step = std::max<size_t>(1, n / kMostOfPair);
     for (size_t k = 0; k < n; k += step) {

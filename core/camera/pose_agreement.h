@@ -53,13 +53,15 @@ struct PhotoMatches {
 };
 
 // Of the longest side; at least a few pixels. Poses of phones (ARKit, ARCore) are off by up to 20 pixels of 1920: they agree.
-double agreement_tolerance_px(const ColmapCamera& camera);
+inline constexpr double kAgreementTolerance = 0.015;
+double agreement_tolerance_px(const ColmapCamera& camera, double of_longest_side = kAgreementTolerance);
 
 // At most about `most` of them, from all pairs alike.
 std::vector<PhotoMatches> thinned(std::span<const PhotoMatches> matches, size_t most);
 
 // Matches that stay in place take no part.
-Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatches> matches);
+Agreement matches_agreement(const ColmapModel& poses, std::span<const PhotoMatches> matches,
+                            double tolerance = kAgreementTolerance);
 Agreement own_points_agreement(const ColmapModel& model);
 
 // The pictures of a model's photos, reduced to what comparisons need.

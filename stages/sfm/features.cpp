@@ -149,52 +149,6 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
   if (!frames) ColmapDatabase(database).renumber_by_name();
 }
 
-void verify_pairs(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database,
-                  std::span<const PhotoPair> pairs, std::span<const std::vector<Match>> matches, size_t min_inliers) {
-  std::vector<size_t> sizes;
-  for (const std::vector<Match>& m : matches) sizes.push_back(m.size());
-  const std::vector<VerifyChunk> chunks = verify_chunks(sizes, min_inliers);
-  const fs::path slim = desc.work_folder / "verify.db";
-  fs::copy_file(database, slim, fs::copy_options::overwrite_existing);
-  ColmapDatabase(slim).drop_descriptors();
-  ColmapDatabase target(database);
-  size_t verified = 0;
-  std::mutex reporting;
-  parallel_for(chunks.size(), 1, [&](size_t c) {
-    std::vector<PhotoPair> chunk_pairs;
-    std::vector<std::vector<Match>> chunk_matches;
-    for (size_t i : chunks[c].pairs) {
-      chunk_pairs.push_back(pairs[i]);
-      chunk_matches.push_back(matches[i]);
-    }
-    const fs::path list = desc.work_folder / fmt::format("matches_{}.txt", c);
-    write_match_list(list, chunk_pairs, chunk_matches);
-    const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
-    fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
-    Colmap own = colmap;  // the help cache is not shared between threads
-    const ProcessResult result =
-        own.run({.command = "matches_importer",
-                 .settings = {{"database", part.string()},
-                              {"match_list", list.string()},
-                              {"match_type", "raw"},
-                              {"match_gpu", "0"},
-                              {"match_threads", "1"},
-                              {"verify_min_inliers", std::to_string(min_inliers), false},
-                              {"verify_inlier_ratio", fmt::format("{:.4f}", chunks[c].inlier_ratio), false},
-                              {"seed", std::to_string(config.seed), false}},
-                 .working_folder = desc.work_folder,
-                 .log = desc.work_folder / fmt::format("verify_{}.log", c)});
-    if (ColmapDatabase(part).examined_pairs() != chunk_pairs.size())
-      throw_colmap_failed("matches_importer", "did not examine all pairs", result);
-    const std::lock_guard lock(reporting);
-    target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
-    fs::remove(part);
-    verified += chunk_pairs.size();
-    if (desc.progress)
-      desc.progress(double(verified) / double(pairs.size()), fmt::format("pairs verified {}/{}", verified, pairs.size()));
-  });
-}
-
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database) {
   std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
   const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
@@ -251,7 +205,48 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   if (kept_pairs.empty()) return counts;
 
   timer.restart();
-  verify_pairs(colmap, config, desc, database, kept_pairs, kept, static_cast<size_t>(config.min_matches));
+  std::vector<size_t> sizes;
+  for (const std::vector<Match>& m : kept) sizes.push_back(m.size());
+  const std::vector<VerifyChunk> chunks = verify_chunks(sizes, static_cast<size_t>(config.min_matches));
+  const fs::path slim = desc.work_folder / "verify.db";
+  fs::copy_file(database, slim, fs::copy_options::overwrite_existing);
+  ColmapDatabase(slim).drop_descriptors();
+  ColmapDatabase target(database);
+  size_t verified = 0;
+  parallel_for(chunks.size(), 1, [&](size_t c) {
+    std::vector<PhotoPair> chunk_pairs;
+    std::vector<std::vector<Match>> chunk_matches;
+    for (size_t i : chunks[c].pairs) {
+      chunk_pairs.push_back(kept_pairs[i]);
+      chunk_matches.push_back(kept[i]);
+    }
+    const fs::path list = desc.work_folder / fmt::format("matches_{}.txt", c);
+    write_match_list(list, chunk_pairs, chunk_matches);
+    const fs::path part = desc.work_folder / fmt::format("verify_{}.db", c);
+    fs::copy_file(slim, part, fs::copy_options::overwrite_existing);
+    Colmap own = colmap;  // the help cache is not shared between threads
+    const ProcessResult result =
+        own.run({.command = "matches_importer",
+                 .settings = {{"database", part.string()},
+                              {"match_list", list.string()},
+                              {"match_type", "raw"},
+                              {"match_gpu", "0"},
+                              {"match_threads", "1"},
+                              {"verify_min_inliers", std::to_string(config.min_matches), false},
+                              {"verify_inlier_ratio", fmt::format("{:.4f}", chunks[c].inlier_ratio), false},
+                              {"seed", std::to_string(config.seed), false}},
+                 .working_folder = desc.work_folder,
+                 .log = desc.work_folder / fmt::format("verify_{}.log", c)});
+    if (ColmapDatabase(part).examined_pairs() != chunk_pairs.size())
+      throw_colmap_failed("matches_importer", "did not examine all pairs", result);
+    const std::lock_guard lock(reporting);
+    target.take_geometries(part);  // rows are keyed by pair: the order of arrival leaves no trace
+    fs::remove(part);
+    verified += chunk_pairs.size();
+    if (desc.progress)
+      desc.progress(double(verified) / double(kept_pairs.size()),
+                    fmt::format("pairs verified {}/{}", verified, kept_pairs.size()));
+  });
   if (desc.timing) desc.timing("verify", timer.seconds());
   return counts;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "stages/sfm/feature_masks.h"
-#include "stages/sfm/matcher.h"
 #include "stages/sfm/pairs.h"
 #include "stages/sfm/reconstruct.h"
 
@@ -26,9 +25,6 @@ struct MatchCounts {
 // Links the pictures into work/pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.
 void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
                       const fs::path& database, const ColmapModel* known);
-// Two-view geometries of these matches, from at least `min_inliers` of a pair, into a database that has none for these pairs.
-void verify_pairs(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database,
-                  std::span<const PhotoPair> pairs, std::span<const std::vector<Match>> matches, size_t min_inliers);
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database);
 
 }  // namespace vitrine

@@ -1,9 +1,10 @@
 #include "stages/sfm/object_poses.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/base/log.h"
-#include "stages/sfm/second_motion.h"
+#include "stages/sfm/moved_region.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -58,12 +59,25 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   return out;
 }
 
-ObjectPasses passes_without_masks(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
-                                  const Reconstruction& together) {
-  if (together.model.images.size() < 2 * kSmallestPass) return {};
+ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruction& together) {
+  const std::vector<uint8_t> moved = moved_region(together.model);
+  if (moved.empty()) return {};
   const FoundMatches matches = found_matches(desc.photos, together.database, MatchKind::Descriptors);
-  const MotionEvidence evidence =
-      motion_evidence(together.model, matches, second_motion_features(colmap, config, desc, together, matches));
+  // The features that show the region. The model has them by their place in the picture.
+  std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
+  for (size_t i = 0; i < on_object.size(); ++i) {
+    on_object[i].assign(matches.xy[i].size() / 2, 0);
+    const auto image = std::find_if(together.model.images.begin(), together.model.images.end(),
+                                    [&](const ColmapImage& m) { return m.name == desc.photos[i].name; });
+    if (image == together.model.images.end()) continue;
+    std::set<std::pair<float, float>> places;
+    for (const ColmapPoint2D& p : image->points)
+      if (const ColmapPoint3D* point = p.point3d_id == kNoPoint3D ? nullptr : together.model.find_point(p.point3d_id))
+        if (moved[size_t(point - together.model.points.data())]) places.insert({float(p.x), float(p.y)});
+    for (size_t f = 0; f < on_object[i].size(); ++f)
+      on_object[i][f] = places.contains({matches.xy[i][2 * f], matches.xy[i][2 * f + 1]});
+  }
+  const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
   if (evidence.passes.size() < 2) return {};
   return {.frame = ObjectPasses::Frame::Surroundings,
           .passes = evidence.passes,

@@ -21,7 +21,6 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
                              Reconstruction& together);
 
 // Without masks of the object the poses stay what they are, of its surroundings or its own.
-ObjectPasses passes_without_masks(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
-                                  const Reconstruction& together);
+ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruction& together);
 
 }  // namespace vitrine

@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "core/camera/compacted.h"
-#include "core/math/disjoint_sets.h"
-#include "core/math/median.h"
 #include "core/math/quantile.h"
 
 namespace vitrine {
@@ -16,6 +15,8 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kAgree = 15, kContradict = 25;  // matches
+constexpr double kFits =
+    0.004;  // of the longest side, from the epipolar line: 4 pixels of 1000; these poses come from the same matches
 constexpr double kMostAgree = 0.5, kFewAgree = 0.3;
 constexpr double kSameDirectionDeg = 20, kSameRollDeg = 30;
 constexpr size_t kHardlyAMatch = 4, kEnoughFeatures = 40;
@@ -76,7 +77,7 @@ class PassSearch {
       index[{a->first, b->first}] = pairs_.size() - 1;
     }
     for (int side : {kSurroundings, kObject})
-      for (const PairAgreement& pair : matches_agreement(poses, matches_of(matches, on_object, side)).pairs)
+      for (const PairAgreement& pair : matches_agreement(poses, matches_of(matches, on_object, side), kFits).pairs)
         if (const auto found = index.find({pair.a, pair.b}); found != index.end())
           pairs_[found->second].of[size_t(side)] = pair.count;
   }
@@ -89,33 +90,50 @@ class PassSearch {
            std::min(features_[e.a][size_t(side)], features_[e.b][size_t(side)]) >= kEnoughFeatures;
   }
 
+  // The group of each photo, by agreement of one side: pairs of the most matches first. A pair that agrees by chance does not
+  // join two groups between which more pairs contradict.
+  std::vector<size_t> groups_by(int side) const {
+    std::vector<const PairEvidence*> order;
+    for (const PairEvidence& e : pairs_)
+      if (e.agrees(side)) order.push_back(&e);
+    std::stable_sort(order.begin(), order.end(), [side](const PairEvidence* a, const PairEvidence* b) {
+      return a->of[size_t(side)].agree > b->of[size_t(side)].agree;
+    });
+    std::vector<size_t> group(count_);
+    std::iota(group.begin(), group.end(), size_t{0});
+    for (const PairEvidence* e : order) {
+      const std::pair<size_t, size_t> both = std::minmax(group[e->a], group[e->b]);
+      if (both.first == both.second) continue;
+      size_t agree = 0, contradict = 0;
+      for (const PairEvidence& other : pairs_)
+        if (std::pair<size_t, size_t>(std::minmax(group[other.a], group[other.b])) == both)
+          agree += other.agrees(side), contradict += contradicts(other, side);
+      if (contradict > agree) continue;
+      std::replace(group.begin(), group.end(), both.second, both.first);
+    }
+    return group;
+  }
+
   // Groups of photos by the agreement of one side, those of too few photos or that nothing contradicts not among them.
   Passes passes(int side, size_t& contradicting) const {
-    DisjointSets sets(count_);
+    const std::vector<size_t> group = groups_by(side);
+    std::vector<size_t> size(count_, 0);
+    for (size_t i = 0; i < count_; ++i) size[group[i]] += !names_[i].empty();
+    std::map<std::pair<size_t, size_t>, size_t> against;
     for (const PairEvidence& e : pairs_)
-      if (e.agrees(side)) sets.unite(uint32_t(e.a), uint32_t(e.b));
-    std::map<uint32_t, std::vector<size_t>> groups;
-    for (size_t i = 0; i < count_; ++i)
-      if (!names_[i].empty()) groups[sets.representative(uint32_t(i))].push_back(i);
-    std::map<std::pair<uint32_t, uint32_t>, size_t> against;
-    for (const PairEvidence& e : pairs_) {
-      const uint32_t a = sets.representative(uint32_t(e.a)), b = sets.representative(uint32_t(e.b));
-      if (a != b && contradicts(e, side)) ++contradicting, ++against[std::minmax(a, b)];
-    }
-    std::set<uint32_t> proven;
+      if (group[e.a] != group[e.b] && contradicts(e, side)) ++contradicting, ++against[std::minmax(group[e.a], group[e.b])];
+    std::set<size_t> proven;
     for (const auto& [pair, n] : against)
-      if (n >= kFewestContradicting && groups[pair.first].size() >= kSmallestPass && groups[pair.second].size() >= kSmallestPass)
+      if (n >= kFewestContradicting && std::min(size[pair.first], size[pair.second]) >= kSmallestPass)
         proven.insert({pair.first, pair.second});
     if (proven.size() < 2) return {};
     // A photo of no such group belongs where the photos beside it in name order do.
-    std::vector<uint32_t> of(count_);
-    for (size_t i = 0; i < count_; ++i) {
-      of[i] = sets.representative(uint32_t(i));
-      for (size_t apart = 0; !proven.contains(of[i]) && apart < count_; ++apart)
+    std::vector<size_t> of = group;
+    for (size_t i = 0; i < count_; ++i)
+      for (size_t apart = 1; !proven.contains(of[i]) && apart < count_; ++apart)
         for (const size_t other : {i - apart, i + apart})
-          if (other < count_ && !proven.contains(of[i])) of[i] = sets.representative(uint32_t(other));
-    }
-    std::map<uint32_t, std::vector<std::string>> named;
+          if (other < count_ && !proven.contains(of[i])) of[i] = group[other];
+    std::map<size_t, std::vector<std::string>> named;
     for (size_t i = 0; i < count_; ++i)
       if (!names_[i].empty()) named[of[i]].push_back(names_[i]);
     Passes out;

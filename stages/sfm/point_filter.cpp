@@ -24,9 +24,10 @@ class KdTree {
     build(0, order_.size());
   }
 
-  // Squared distances to the k nearest other points, ascending.
-  std::vector<double> nearest(uint32_t query, size_t k) const {
-    std::vector<double> heap;
+  // The k nearest other points, ascending: squared distance, index.
+  using Near = std::pair<double, uint32_t>;
+  std::vector<Near> nearest(uint32_t query, size_t k) const {
+    std::vector<Near> heap;
     search(0, order_.size(), query, k, heap);
     std::sort_heap(heap.begin(), heap.end());
     return heap;
@@ -47,12 +48,12 @@ class KdTree {
     build(middle + 1, end);
   }
 
-  void search(size_t begin, size_t end, uint32_t query, size_t k, std::vector<double>& heap) const {
+  void search(size_t begin, size_t end, uint32_t query, size_t k, std::vector<Near>& heap) const {
     if (begin >= end) return;
     const size_t middle = begin + (end - begin) / 2;
     const uint32_t here = order_[middle];
     if (here != query) {
-      heap.push_back(squared_length(points_[here] - points_[query]));
+      heap.push_back({squared_length(points_[here] - points_[query]), here});
       std::push_heap(heap.begin(), heap.end());
       if (heap.size() > k) {
         std::pop_heap(heap.begin(), heap.end());
@@ -62,7 +63,8 @@ class KdTree {
     const double side = points_[query][axis_[middle]] - points_[here][axis_[middle]];
     const bool low = side < 0;
     search(low ? begin : middle + 1, low ? middle : end, query, k, heap);
-    if (heap.size() < k || side * side <= heap.front()) search(low ? middle + 1 : begin, low ? end : middle, query, k, heap);
+    if (heap.size() < k || side * side <= heap.front().first)
+      search(low ? middle + 1 : begin, low ? end : middle, query, k, heap);
   }
 
   std::span<const Vec3d> points_;
@@ -76,8 +78,17 @@ std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k)
   std::vector<double> out(points.size(), 0);
   const KdTree tree(points);
   parallel_for(points.size(), 256, [&](size_t i) {
-    const std::vector<double> squared = tree.nearest(static_cast<uint32_t>(i), k);
-    for (double d : squared) out[i] += std::sqrt(d) / double(squared.size());
+    const std::vector<KdTree::Near> near = tree.nearest(static_cast<uint32_t>(i), k);
+    for (const auto& [squared, index] : near) out[i] += std::sqrt(squared) / double(near.size());
+  });
+  return out;
+}
+
+std::vector<std::vector<uint32_t>> neighbours(std::span<const Vec3d> points, size_t k) {
+  std::vector<std::vector<uint32_t>> out(points.size());
+  const KdTree tree(points);
+  parallel_for(points.size(), 256, [&](size_t i) {
+    for (const auto& [squared, index] : tree.nearest(static_cast<uint32_t>(i), k)) out[i].push_back(index);
   });
   return out;
 }

@@ -21,5 +21,7 @@ ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, Fi
 double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>& centres_of_track);
 // Mean distance to the `k` nearest other points.
 std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k);
+// The k nearest others of every point, nearest first.
+std::vector<std::vector<uint32_t>> neighbours(std::span<const Vec3d> points, size_t k);
 
 }  // namespace vitrine

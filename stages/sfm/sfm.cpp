@@ -171,7 +171,7 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
     const std::optional<MaskEffect>& effect = s.reconstruction.masks;
     if (!given && !(effect && effect->object_applied) && config.turntable != "no")
       s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
-                                                        : passes_without_masks(colmap, config, desc, s.reconstruction);
+                                                        : passes_without_masks(desc, s.reconstruction);
     if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
   }
   if (given)
