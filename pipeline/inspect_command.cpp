@@ -384,6 +384,7 @@ int inspect_command(const Words& words) {
   say_photos(report);
   say_findings(report);
   if (report.contains("coverage")) say_coverage(report["coverage"]);
+  if (report.contains("passes")) say("passes", report["passes"].get<std::string>());
   if (a.verbose) say_each_photo(report);
   say_costs(costs, threads, subject.has_masks());
   if (!subject.has_masks())

@@ -1,5 +1,5 @@
-// sfm/passes.json of an sfm artifact: groups of photos between which the object was moved against its surroundings, turned over
-// for instance. The poses are those of the object. What surrounds it stands elsewhere in each pass.
+// sfm/passes.json of an sfm artifact: groups of photos between which an object was moved against its surroundings, turned over
+// for instance, and what the poses are relative to.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,19 @@ namespace vitrine {
 
 using Passes = std::vector<std::vector<std::string>>;  // names of photos, the largest pass first
 
-// Empty: the artifact has no such file, the object did not move. Throws Error{Input} for a file that is damaged.
-Passes read_passes(const std::filesystem::path& sfm_artifact);
-void write_passes(const std::filesystem::path& sfm_artifact, const Passes& passes);
+enum class PosesOf {
+  Object,       // what surrounds it stands elsewhere in each pass
+  LargestPass,  // its photos alone have poses: they share too little of the object with the others
+  Surroundings  // or of the object, without masks nobody knows; the other of both stands elsewhere in each pass
+};
 
+// The passes between which the surroundings of the object moved against the poses. Empty: there are none, or the poses do not
+// follow the object. Throws Error{Input} for a file that is damaged.
+Passes read_passes(const std::filesystem::path& sfm_artifact);
+void write_passes(const std::filesystem::path& sfm_artifact, const Passes& passes, PosesOf poses);
+
+// A sentence for people; empty where there are no passes.
+std::string passes_summary(const std::filesystem::path& sfm_artifact);
 // "2 passes: 34 and 18 photos"
 std::string passes_text(const Passes& passes);
 

@@ -3,6 +3,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/camera/passes.h"
 #include "core/camera/view_set.h"
 #include "stages/inspect/coverage.h"
 #include "stages/inspect/findings.h"
@@ -112,7 +113,10 @@ void run(const InspectConfig& config, StageContext& context) {
   Json report{{"format", kFormat}, {"verdict", verdict(found.list)}, {"set", figures_json(found.figures, photos)}};
   report["findings"] = Json::array();
   for (const Finding& f : found.list) report["findings"].push_back(finding_json(f, photos));
-  if (const auto sfm = context.optional_input("sfm")) report["coverage"] = coverage_json(coverage(load_view_set(*sfm)));
+  if (const auto sfm = context.optional_input("sfm")) {
+    report["coverage"] = coverage_json(coverage(load_view_set(*sfm)));
+    if (const std::string passes = passes_summary(*sfm); !passes.empty()) report["passes"] = passes;
+  }
   report["photos"] = Json::array();
   for (const PhotoFacts& p : photos) report["photos"].push_back(photo_json(p));
   make_folders(context.output() / "inspect");

@@ -38,10 +38,7 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   alone.work_folder = desc.work_folder / "object";
   alone.used = UsedFeatures::Object;
   Reconstruction object = reconstruct(colmap, config, alone);
-  ObjectPasses out{.frame = ObjectPasses::Frame::Object,
-                   .passes = evidence.passes,
-                   .contradicting = evidence.pairs,
-                   .furthest_match = evidence.furthest_match};
+  ObjectPasses out{.passes = evidence.passes, .contradicting = evidence.pairs, .furthest_match = evidence.furthest_match};
   if (passes_in(out.passes, object.model) > 1) {
     if (!moved_between(out.passes, object.model, together.model)) {
       log_info("sfm: the object stands still with its surroundings after all");
@@ -50,7 +47,7 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
     together = std::move(object);
     return out;
   }
-  out.frame = ObjectPasses::Frame::ObjectInLargestPass;
+  out.poses = PosesOf::LargestPass;
   together.model = restricted(together.model, out.passes[0]);
   for (PhotoReport& p : together.photos) {
     p.other_pass = std::find(out.passes[0].begin(), out.passes[0].end(), p.name) == out.passes[0].end();
@@ -79,8 +76,8 @@ ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruct
   }
   const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
   if (evidence.passes.size() < 2) return {};
-  return {.frame = ObjectPasses::Frame::Surroundings,
-          .passes = evidence.passes,
+  return {.passes = evidence.passes,
+          .poses = PosesOf::Surroundings,
           .contradicting = evidence.pairs,
           .furthest_match = evidence.furthest_match};
 }

@@ -7,10 +7,8 @@
 namespace vitrine {
 
 struct ObjectPasses {
-  // What the poses are relative to. ObjectInLargestPass: its photos share too little of the object with the other passes.
-  enum class Frame { Everything, Object, ObjectInLargestPass, Surroundings };
-  Frame frame = Frame::Everything;  // the object was not moved, as far as the photos show
-  Passes passes = {};
+  Passes passes = {};  // empty: the object was not moved, as far as the photos show
+  PosesOf poses = PosesOf::Object;
   size_t contradicting = 0;   // pairs of photos
   double furthest_match = 0;  // degrees between the viewing directions of photos that still match on the object
 };

@@ -79,20 +79,16 @@ nlohmann::json masks_json(const MaskEffect& effect) {
 }
 
 nlohmann::json passes_json(const ObjectPasses& passes) {
-  using Frame = ObjectPasses::Frame;
-  if (passes.frame == Frame::Everything) return {{"count", 1}};
+  if (passes.passes.empty()) return {{"count", 1}};
   std::vector<size_t> sizes;
   size_t all = 0;
   for (const std::vector<std::string>& photos : passes.passes) sizes.push_back(photos.size()), all += photos.size();
   nlohmann::json j{{"count", sizes.size()},
                    {"sizes", sizes},
                    {"text", passes_text(passes.passes)},
-                   {"poses_of", passes.frame == Frame::Surroundings ? "one of object and surroundings"
-                                : passes.frame == Frame::Object     ? "object"
-                                                                    : "largest pass"},
                    {"contradicting_pairs", passes.contradicting},
                    {"furthest_match_deg", passes.furthest_match}};
-  if (passes.frame != Frame::Object) j["share_of_largest"] = double(sizes[0]) / double(all);
+  if (passes.poses != PosesOf::Object) j["share_of_largest"] = double(sizes[0]) / double(all);
   for (const std::vector<std::string>& photos : passes.passes) j["photos"].push_back(photos);
   return j;
 }

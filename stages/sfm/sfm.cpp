@@ -204,15 +204,15 @@ size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest
 
 void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
   context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
-  switch (passes.frame) {
-    case ObjectPasses::Frame::Everything:
-      return;
-    case ObjectPasses::Frame::Object:
+  if (passes.passes.empty()) return;
+  make_folders(context.output() / "sfm");
+  write_passes(context.output(), passes.passes, passes.poses);
+  switch (passes.poses) {
+    case PosesOf::Object:
       log_info("sfm: {}: the object was moved between them, its own features decide the poses; what surrounds it takes no part",
                passes_text(passes.passes));
-      write_passes(context.output(), passes.passes);
       return;
-    case ObjectPasses::Frame::ObjectInLargestPass:
+    case PosesOf::LargestPass:
       context.warning(
           "SFM_PASSES_NOT_JOINED",
           fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are "
@@ -220,7 +220,7 @@ void report_passes(const ObjectPasses& passes, const ColmapModel& model, const s
                       passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
                       kStepOfMatches * passes.furthest_match));
       return;
-    case ObjectPasses::Frame::Surroundings:
+    case PosesOf::Surroundings:
       context.warning(
           "SFM_OBJECT_TURNED",
           fmt::format("{}: something that they show was moved between them against the rest, and no poses fit both; it "
@@ -298,8 +298,7 @@ void run(const SfmConfig& config, StageContext& context) {
   for (const PhotoReport& p : r.photos)
     if (!p.registered && !p.other_pass)
       context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
-  if (s.passes.frame != ObjectPasses::Frame::ObjectInLargestPass && !r.attempts.empty() &&
-      r.attempts.back().model_sizes.size() > 1)
+  if (s.passes.poses != PosesOf::LargestPass && !r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
     context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
                                                    r.attempts.back().model_sizes.size(), r.model.images.size()));
 
@@ -324,7 +323,7 @@ void run(const SfmConfig& config, StageContext& context) {
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
   // In each pass people hold the camera upright over another side of the object.
-  const bool several = s.passes.frame == ObjectPasses::Frame::Object;
+  const bool several = !s.passes.passes.empty() && s.passes.poses == PosesOf::Object;
   const Orientation orientation = scene_up(several ? restricted(model, s.passes.passes[0]) : model, config.up);
   SceneInfo scene;
   scene.scene_from_colmap = scene_from_colmap(model, orientation);

@@ -141,9 +141,13 @@ TEST(Passes, SurviveTheirFile) {
   EXPECT_TRUE(read_passes(folder.path()).empty());
   const Passes passes{{"a.jpg", "b.jpg"}, {"c.jpg"}, {"d.jpg"}};
   make_folders(folder.path() / "sfm");
-  write_passes(folder.path(), passes);
+  write_passes(folder.path(), passes, PosesOf::Object);
   EXPECT_EQ(read_passes(folder.path()), passes);
   EXPECT_EQ(passes_text(passes), "3 passes: 2, 1 and 1 photos");
+  // Poses that do not follow the object say nothing of its surroundings.
+  write_passes(folder.path(), passes, PosesOf::Surroundings);
+  EXPECT_TRUE(read_passes(folder.path()).empty());
+  EXPECT_NE(passes_summary(folder.path()).find("3 passes: 2, 1 and 1 photos"), std::string::npos);
 }
 
 }  // namespace
