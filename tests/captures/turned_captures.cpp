@@ -46,7 +46,7 @@ const TakenPhotos& turned_over() {
   return photos;
 }
 
-constexpr double kRotationDeg = 0.25, kCentreRel = 0.004;
+constexpr double kRotationDeg = 0.3 /* worst seen 0.23 */, kCentreRel = 0.005 /* 0.0030 */;
 
 class TurnedObject : public testing::Test {
  protected:
@@ -138,8 +138,10 @@ TEST_F(TurnedObject, IsNoticedWithoutMasks) {
 
 TEST_F(TurnedObject, PassesThatShareNoSideAreNotJoined) {
   NEED_COLMAP();
-  const TakenPhotos top = test::photos_of_pass({.photos = 14, .cameras = PassCameras::Above});
-  const TakenPhotos underside = test::photos_of_pass({.lying = Lying::TurnedOver, .photos = 7, .cameras = PassCameras::Above});
+  // Four fifths of the photos in one pass: sfm does not climb its ladder of retries (sfm.retry_below), which would only take
+  // time.
+  const TakenPhotos top = test::photos_of_pass({.photos = 20, .cameras = PassCameras::Above});
+  const TakenPhotos underside = test::photos_of_pass({.lying = Lying::TurnedOver, .photos = 5, .cameras = PassCameras::Above});
   const ObjectCapture capture = written({&top, &underside});
   register_photos(capture, true);
   EXPECT_TRUE(warned("SFM_PASSES_NOT_JOINED"));

@@ -90,18 +90,29 @@ Vec3f chart_albedo(const SurfacePoint& s) {
   return {channel(0), channel(1), channel(2)};
 }
 
+// A ring of printed marks around the object, black on the plate's white.
+bool printed(const Vec3f& p, float angle) {
+  constexpr float kInner = 0.56f, kOuter = 0.78f, kCells = 22;
+  const float radius = std::hypot(p.x, p.y);
+  if (radius < kInner || radius > kOuter) return false;
+  const Vec3f turned{std::cos(angle) * p.x + std::sin(angle) * p.y, std::cos(angle) * p.y - std::sin(angle) * p.x, 0.5f};
+  const CellNoise cell = cell_noise({kCells * turned.x, kCells * turned.y, turned.z}, 17);
+  return (cell.cell & 0x300u) == 0 && cell.second - cell.nearest > 0.05f;
+}
+
 Part part(Shape shape, Texture albedo) {
   return {.name = "part", .shape = std::move(shape), .material = {.albedo = std::move(albedo)}};
 }
 
-Scene plate_and_chart(float plate, const Vec3f& chart_centre, float chart_angle) {
+Scene plate_and_chart(const PassDesc& desc, const Vec3f& chart_centre, float chart_angle) {
   constexpr float kTable = 8, kPlateRadius = 1.25f, kThickness = 0.004f;
   Scene scene;
-  scene.parts.push_back(
-      part(rectangle({-kTable, -kTable, 0}, {2 * kTable, 0, 0}, {0, 2 * kTable, 0}, 2 * kTable), [plate](const SurfacePoint& s) {
-        const bool on_plate = std::hypot(s.position.x, s.position.y) < kPlateRadius;
-        return on_plate ? Vec3f{plate, plate, plate} : kBackdrop;
-      }));
+  scene.parts.push_back(part(rectangle({-kTable, -kTable, 0}, {2 * kTable, 0, 0}, {0, 2 * kTable, 0}, 2 * kTable),
+                             [desc, chart_angle](const SurfacePoint& s) {
+                               if (std::hypot(s.position.x, s.position.y) > kPlateRadius) return kBackdrop;
+                               if (desc.marks && printed(s.position, chart_angle)) return Vec3f{0.03f, 0.03f, 0.03f};
+                               return Vec3f{desc.plate, desc.plate, desc.plate};
+                             }));
   const Vec3f along{std::cos(chart_angle), std::sin(chart_angle), 0}, across{-along.y, along.x, 0};
   const Vec3f width = kChartWidth * along, height = kChartHeight * across;
   scene.parts.push_back(
@@ -294,7 +305,7 @@ TakenPhotos photos_of_pass(const PassDesc& desc) {
       Place{{0.70f, -0.25f, 0}, 1.3f}, {{-0.35f, 0.66f, 0}, -2.4f}, {{-0.20f, -0.72f, 0}, -0.2f}};
   const Place& chart = kPlaces.at(desc.chart_place);
   const Object& object = the_object();
-  const ObjectStudio studio(object, plate_and_chart(desc.plate, chart.centre, chart.angle));
+  const ObjectStudio studio(object, plate_and_chart(desc, chart.centre, chart.angle));
   const Rest rest = object.resting(orientation(desc.lying));
   TakenPhotos out;
   for (size_t i = 0; i < desc.photos; ++i)

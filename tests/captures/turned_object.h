@@ -25,7 +25,8 @@ struct PassDesc {
   Lying lying = Lying::AsItIs;
   size_t photos = 16;
   PassCameras cameras = PassCameras::Around;
-  size_t chart_place = 0;  // 0 to 2
+  size_t chart_place = 0;  // 0 to 2: where the chart lies, and how the ring of marks is turned
+  bool marks = true;       // a ring of printed marks around the object
   float plate = 0.95f;     // linear albedo: in shots that are brighter by a third of a stop the plate is clipped
 };
 
