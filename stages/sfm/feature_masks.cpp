@@ -127,9 +127,15 @@ std::vector<uint8_t> FeatureMasks::classes_at(size_t photo, std::span<const floa
   return classes;
 }
 
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
-                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
-                                                     MaskEffect& effect) {
+std::vector<uint8_t> FeatureMasks::on_object(size_t photo, std::span<const float> xy) const {
+  std::vector<uint8_t> on = classes_at(photo, xy);
+  for (uint8_t& c : on) c = (c & bit(MaskClass::Object)) != 0;
+  return on;
+}
+
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const std::string& turntable,
+                                                     const MatchRules& rules, std::span<const size_t> photo_of,
+                                                     std::vector<PhotoFeatures>& features, MaskEffect& effect) {
   const size_t n = features.size();
   std::vector<std::vector<uint8_t>> classes(n);
   parallel_for(n, 1, [&](size_t i) {
@@ -163,9 +169,9 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
         for (uint8_t c : classes[i]) effect.removed[size_t(kind)] += (c & bit(kind)) != 0;
     leave(i, [](uint8_t c) { return (c & ~bit(MaskClass::Object)) == 0; });
   }
-  effect.turntable = masks.turntable();
-  effect.object_applied = masks.turntable() == "yes" || used == UsedFeatures::Object;
-  if (used == UsedFeatures::ByTurntable && masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
+  effect.turntable = turntable;
+  effect.object_applied = turntable == "yes";
+  if (turntable == "auto" && masks.has(MaskClass::Object)) {
     // Mirrors and passers-by have no vote: what they show moves by laws of its own.
     std::vector<std::vector<uint8_t>> inside(n);
     std::vector<double> sides(n);
@@ -187,7 +193,7 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     effect.after += kept[i].size();
   }
   for (MaskClass kind : kMaskClasses) effect.photos[size_t(kind)] = masks.photos_with(kind);
-  if (used == UsedFeatures::ByTurntable) log_mask_effect(effect);
+  log_mask_effect(effect);
   return kept;
 }
 

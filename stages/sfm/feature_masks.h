@@ -40,6 +40,8 @@ class FeatureMasks {
   bool empty() const;
   // Masks of another shape than their photo: probably drawn on undistorted photos, which do not exist yet.
   size_t other_shape() const { return other_shape_; }
+  // Per feature: 1 on the object, by its mask.
+  std::vector<uint8_t> on_object(size_t photo, std::span<const float> xy) const;
   // Per feature: bit `1 << class` where it lies in the mask. A photo without a mask lies in no class, but wholly on the object.
   std::vector<uint8_t> classes_at(size_t photo, std::span<const float> xy) const;
   bool has_mask(MaskClass kind, size_t photo) const { return has(kind) && masks_[size_t(kind)]->file(photo).has_value(); }
@@ -53,9 +55,6 @@ class FeatureMasks {
   size_t other_shape_ = 0;
 };
 
-// Which features find the poses, by the object's masks: by turntable.h all or those of the object; or those of the object.
-enum class UsedFeatures { ByTurntable, Object };
-
 // What masks did to the features of a capture.
 struct MaskEffect {
   std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
@@ -68,8 +67,9 @@ struct MaskEffect {
 
 // Takes the features out of `features`; returns for every photo what the features that stay were called before.
 // `photo_of[i]`: index of the photo that features[i] belongs to.
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
-                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
-                                                     MaskEffect& effect);
+// `turntable`: "auto", "yes", "no".
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const std::string& turntable,
+                                                     const MatchRules& rules, std::span<const size_t> photo_of,
+                                                     std::vector<PhotoFeatures>& features, MaskEffect& effect);
 
 }  // namespace vitrine

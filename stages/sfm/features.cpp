@@ -67,6 +67,40 @@ void write_match_list(const fs::path& path, std::span<const PhotoPair> pairs, st
   write_file(path, std::string_view(text.data(), text.size()));
 }
 
+// Where passes are known: the features of the object, which alone match between photos of two passes.
+class ObjectFeatures {
+ public:
+  ObjectFeatures(const ReconstructDesc& desc, std::span<const size_t> photo_of, std::span<const PhotoFeatures> features)
+      : pass_of_(desc.pass_of) {
+    if (pass_of_.empty()) return;
+    packed_.resize(features.size()), index_.resize(features.size());
+    parallel_for(features.size(), 1, [&](size_t i) {
+      const std::vector<uint8_t> on_object = desc.masks->on_object(photo_of[i], features[i].xy);
+      std::vector<uint8_t> descriptors;
+      for (uint32_t f = 0; f < on_object.size(); ++f) {
+        if (!on_object[f]) continue;
+        index_[i].push_back(f);
+        const auto first = features[i].descriptors.begin() + long(kDescriptorBytes * f);
+        descriptors.insert(descriptors.end(), first, first + long(kDescriptorBytes));
+      }
+      packed_[i] = PackedDescriptors(descriptors);
+    });
+  }
+  bool between_passes(size_t photo_a, size_t photo_b) const {
+    return !pass_of_.empty() && pass_of_[photo_a] != pass_of_[photo_b];
+  }
+  std::vector<Match> matches(size_t a, size_t b, const MatchRules& rules) const {
+    std::vector<Match> found = match(packed_[a], packed_[b], rules);
+    for (Match& m : found) m = {.a = index_[a][m.a], .b = index_[b][m.b]};
+    return found;
+  }
+
+ private:
+  const std::vector<size_t>& pass_of_;
+  std::vector<PackedDescriptors> packed_;
+  std::vector<std::vector<uint32_t>> index_;  // of the packed descriptors among all of the photo
+};
+
 // The last lines that COLMAP printed are the best evidence there is.
 [[noreturn]] void throw_colmap_failed(const std::string& command, const std::string& what, const ProcessResult& result) {
   constexpr size_t kTail = 600;
@@ -163,12 +197,14 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::optional<MaskEffect> effect;
   std::vector<std::vector<uint32_t>> kept_features;
   if (desc.masks != nullptr) {
-    kept_features = suppress_features(*desc.masks, desc.used, rules, photo_of, features, effect.emplace());
+    const std::string turntable = desc.pass_of.empty() ? desc.masks->turntable() : "no";
+    kept_features = suppress_features(*desc.masks, turntable, rules, photo_of, features, effect.emplace());
     if (desc.timing) desc.timing("masks", timer.seconds());
     timer.restart();
   }
   std::vector<PackedDescriptors> packed(features.size());
   parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
+  const ObjectFeatures object(desc, photo_of, features);
   const std::vector<PhotoPair> pairs = candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit,
                                                                   .window = config.window,
                                                                   .retrieved = config.retrieved,
@@ -178,7 +214,9 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::mutex reporting;
   parallel_for(pairs.size(), 1, [&](size_t i) {
     throw_if_interrupted();
-    matches[i] = match(packed[pairs[i].first], packed[pairs[i].second], rules);
+    const auto [a, b] = pairs[i];
+    matches[i] =
+        object.between_passes(photo_of[a], photo_of[b]) ? object.matches(a, b, rules) : match(packed[a], packed[b], rules);
     if (!kept_features.empty())
       for (Match& m : matches[i]) m = {.a = kept_features[pairs[i].first][m.a], .b = kept_features[pairs[i].second][m.b]};
     const size_t n = ++done;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/log.h"
+#include "core/camera/compacted.h"
 #include "stages/sfm/moved_region.h"
 #include "stages/sfm/sfm.h"
 
@@ -20,24 +21,32 @@ size_t passes_in(const Passes& passes, const ColmapModel& model) {
   }));
 }
 
+// Photos of no pass have that of the photo before them in name order.
+std::vector<size_t> pass_of(std::span<const SfmPhoto> photos, const Passes& passes) {
+  std::vector<size_t> of(photos.size(), 0);
+  for (size_t i = 0; i < photos.size(); ++i) {
+    if (i > 0) of[i] = of[i - 1];
+    for (size_t p = 0; p < passes.size(); ++p)
+      if (std::find(passes[p].begin(), passes[p].end(), photos[i].name) != passes[p].end()) of[i] = p;
+  }
+  return of;
+}
+
 }  // namespace
 
 ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
                              Reconstruction& together) {
   const FoundMatches matches = found_matches(desc.photos, together.database, MatchKind::Descriptors);
   std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
-  for (size_t i = 0; i < on_object.size(); ++i) {
-    on_object[i] = masks.classes_at(i, matches.xy[i]);
-    for (uint8_t& c : on_object[i]) c = (c >> unsigned(MaskClass::Object)) & 1;
-  }
+  for (size_t i = 0; i < on_object.size(); ++i) on_object[i] = masks.on_object(i, matches.xy[i]);
   const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
   if (evidence.passes.size() < 2) return {};
-  log_info("sfm: {} pairs of photos contradict each other about the object and what surrounds it: its features find the poses",
-           evidence.pairs);
-  ReconstructDesc alone = desc;
-  alone.work_folder = desc.work_folder / "object";
-  alone.used = UsedFeatures::Object;
-  Reconstruction object = reconstruct(colmap, config, alone);
+  log_info("sfm: {} pairs of photos contradict each other about the object and what surrounds it: {} are joined by the object",
+           evidence.pairs, passes_text(evidence.passes));
+  ReconstructDesc by_passes = desc;
+  by_passes.work_folder = desc.work_folder / "passes";
+  by_passes.pass_of = pass_of(desc.photos, evidence.passes);
+  Reconstruction object = reconstruct(colmap, config, by_passes);
   ObjectPasses out{.passes = evidence.passes, .contradicting = evidence.pairs, .furthest_match = evidence.furthest_match};
   if (passes_in(out.passes, object.model) > 1) {
     if (!moved_between(out.passes, object.model, together.model)) {
@@ -80,6 +89,22 @@ ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruct
           .poses = PosesOf::Surroundings,
           .contradicting = evidence.pairs,
           .furthest_match = evidence.furthest_match};
+}
+
+ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> photos, const FeatureMasks& masks) {
+  std::vector<size_t> inside(model.points.size(), 0);
+  for (const ColmapImage& image : model.images) {
+    const auto photo = std::find_if(photos.begin(), photos.end(), [&](const SfmPhoto& p) { return p.name == image.name; });
+    std::vector<float> xy;
+    for (const ColmapPoint2D& p : image.points) xy.push_back(float(p.x)), xy.push_back(float(p.y));
+    const std::vector<uint8_t> on_object = masks.on_object(size_t(photo - photos.begin()), xy);
+    for (size_t i = 0; i < on_object.size(); ++i)
+      if (on_object[i] && image.points[i].point3d_id != kNoPoint3D)
+        ++inside[size_t(model.find_point(image.points[i].point3d_id) - model.points.data())];
+  }
+  return compacted(model, [&](const ColmapPoint3D& p) {
+    return 2 * inside[size_t(model.find_point(p.id) - model.points.data())] > p.track.size();
+  });
 }
 
 }  // namespace vitrine

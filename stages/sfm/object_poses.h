@@ -1,5 +1,5 @@
-// Poses where the object was moved between passes of photos (passes.h). With masks of the object its own features find the poses;
-// what surrounds it in each pass takes no part.
+// Poses where the object was moved between passes of photos (passes.h). With masks of the object its own features join the
+// passes; within a pass all features find the poses, since there its surroundings stand still with it.
 #pragma once
 
 #include "stages/sfm/passes.h"
@@ -9,7 +9,8 @@ namespace vitrine {
 struct ObjectPasses {
   Passes passes = {};  // empty: the object was not moved, as far as the photos show
   PosesOf poses = PosesOf::Object;
-  size_t contradicting = 0;   // pairs of photos
+  size_t contradicting = 0;  // pairs of photos
+  bool joined() const { return !passes.empty() && poses == PosesOf::Object; }
   double furthest_match = 0;  // degrees between the viewing directions of photos that still match on the object
 };
 
@@ -20,5 +21,8 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
 
 // Without masks of the object the poses stay what they are, of its surroundings or its own.
 ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruction& together);
+
+// Without the points that most of their photos show outside the object: what surrounds it stands elsewhere in each pass.
+ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> photos, const FeatureMasks& masks);
 
 }  // namespace vitrine

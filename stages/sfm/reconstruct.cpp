@@ -27,17 +27,12 @@ const Rung kLadder[] = {
     {.what = "standard"},
     {.what = "relaxed mapper (initial pair from 50 inliers and 6 degrees, poses from 20 inliers)", .relaxed_mapper = true},
     {.what = "more features (peak threshold / 3, limit x 2), relaxed mapper", .relaxed_mapper = true, .more_features = true}};
-// An object fills a part of the picture, and what it shows from both sides is a part of that: it needs all features from the
+// An object fills a part of the picture, and what two passes both show of it is a part of that: it needs all features from the
 // start.
-const Rung kObjectLadder[] = {{.what = "object alone, more features (peak threshold / 3, limit x 2), relaxed mapper",
-                               .relaxed_mapper = true,
-                               .more_features = true}};
-
-std::span<const Rung> ladder_of(UsedFeatures used, int retries) {
-  const std::span<const Rung> ladder =
-      used == UsedFeatures::Object ? std::span<const Rung>(kObjectLadder) : std::span<const Rung>(kLadder);
-  return ladder.first(std::min(ladder.size(), size_t(retries) + 1));
-}
+const Rung kPassesLadder[] = {
+    {.what = "passes joined by the object, more features (peak threshold / 3, limit x 2), relaxed mapper",
+     .relaxed_mapper = true,
+     .more_features = true}};
 
 // Focal length over longest side: 0.3 is 118 degrees across. Wider "lenses" are how a wrong pose explains away its errors.
 constexpr double kMinFocalRatio = 0.3;
@@ -241,7 +236,8 @@ FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& dat
 
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given) {
   const ReconstructDesc desc = fresh(given);
-  const std::span<const Rung> ladder = ladder_of(desc.used, config.retries);
+  const std::span<const Rung> ladder = desc.pass_of.empty() ? std::span<const Rung>(kLadder).first(size_t(config.retries) + 1)
+                                                            : std::span<const Rung>(kPassesLadder);
   Reconstruction best;
   fs::path database;
   MatchCounts counts;

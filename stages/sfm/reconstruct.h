@@ -75,7 +75,9 @@ struct ReconstructDesc {
   fs::path work_folder;          // emptied first
   int threads = 1;
   const FeatureMasks* masks = nullptr;  // null: every feature is used
-  UsedFeatures used = UsedFeatures::ByTurntable;
+  // [photo] the pass in which it was taken (passes.h). Between photos of two passes features of the object alone are matched;
+  // what surrounds it stood still in each. Empty: one pass.
+  std::vector<size_t> pass_of = {};
   std::function<void(double fraction, const std::string& text)> progress;
   std::function<void(const std::string& name, double seconds)> timing;
 };

@@ -173,6 +173,7 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
       s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
                                                         : passes_without_masks(desc, s.reconstruction);
     if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
+    if (s.passes.joined()) s.reconstruction.model = object_points(s.reconstruction.model, list, *masks);
   }
   if (given)
     for (PhotoReport& p : s.reconstruction.photos) p.pose_missing = !p.registered;
@@ -209,8 +210,9 @@ void report_passes(const ObjectPasses& passes, const ColmapModel& model, const s
   write_passes(context.output(), passes.passes, passes.poses);
   switch (passes.poses) {
     case PosesOf::Object:
-      log_info("sfm: {}: the object was moved between them, its own features decide the poses; what surrounds it takes no part",
-               passes_text(passes.passes));
+      log_info(
+          "sfm: {}: the object was moved between them, its own features join them; what surrounds it is no part of the scene",
+          passes_text(passes.passes));
       return;
     case PosesOf::LargestPass:
       context.warning(
@@ -323,8 +325,7 @@ void run(const SfmConfig& config, StageContext& context) {
   context.timing("undistort", timer.seconds());
   ColmapModel model = undistorted(kept, undistortions);
   // In each pass people hold the camera upright over another side of the object.
-  const bool several = !s.passes.passes.empty() && s.passes.poses == PosesOf::Object;
-  const Orientation orientation = scene_up(several ? restricted(model, s.passes.passes[0]) : model, config.up);
+  const Orientation orientation = scene_up(s.passes.joined() ? restricted(model, s.passes.passes[0]) : model, config.up);
   SceneInfo scene;
   scene.scene_from_colmap = scene_from_colmap(model, orientation);
   transform_world(model, scene.scene_from_colmap);
@@ -366,7 +367,7 @@ void run(const SfmConfig& config, StageContext& context) {
   // Without points there is no error that could be small.
   context.summary(fmt::format("registered {}/{}, {} points{}{}", model.images.size(), photos.size(), model.points.size(),
                               observations > 0 ? fmt::format(", {:.2f} px", error / observations) : "",
-                              several ? ", " + passes_text(s.passes.passes) : ""));
+                              s.passes.joined() ? ", " + passes_text(s.passes.passes) : ""));
 }
 
 std::string problem(const SfmConfig& c) {

@@ -7,9 +7,9 @@
 #include <map>
 #include <memory>
 
-#include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/base/timer.h"
+#include "core/camera/passes.h"
 #include "core/camera/view_set.h"
 #include "stages/ingest/ingest.h"
 #include "stages/sfm/sfm.h"
@@ -21,20 +21,9 @@ namespace vitrine {
 namespace {
 
 using test::ObjectCapture, test::Lying, test::PassCameras, test::PoseErrors, test::RecordingContext, test::TakenPhotos;
-using Passes = std::vector<std::vector<std::string>>;
 
 #define NEED_COLMAP() \
   if (!find_program("colmap") && std::getenv("VITRINE_COLMAP") == nullptr) GTEST_SKIP() << "COLMAP is not on this machine"
-
-// Empty without the file: one pass.
-Passes passes_found(const fs::path& sfm) {
-  const fs::path file = sfm / "sfm" / "passes.json";
-  Passes out;
-  if (!fs::exists(file)) return out;
-  for (const auto& pass : nlohmann::json::parse(read_file(file))["passes"])
-    out.push_back(pass["photos"].get<std::vector<std::string>>());
-  return out;
-}
 
 // Taken once, used by several tests. Each pass has fewer photos than the one before.
 const TakenPhotos& as_it_is() {
@@ -67,7 +56,7 @@ class TurnedObject : public testing::Test {
     if (with_masks) inputs["masks"] = capture.masks;
     sfm_ = std::make_unique<RecordingContext>(inputs);
     sfm_stage().run(*sfm_);
-    found_ = passes_found(sfm_->output());
+    found_ = read_passes(sfm_->output());
     errors_ = test::pose_errors(load_view_set(sfm_->output()).views, capture.views());
     fmt::print("{}/{} registered, {} passes, worst rotation {:.3f} deg, worst centre {:.4f}, {:.1f} s\n",
                sfm_->metrics.at("registered"), capture.truth.size(), found_.size(), errors_.rotation_deg, errors_.centre_rel,
