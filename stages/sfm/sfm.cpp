@@ -254,11 +254,17 @@ void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, S
 }
 
 // What exposure and white balance did to each photo, from the colours of the tracks in the undistorted photos.
-Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext& context) {
+Gains photo_gains(const ColmapModel& model, const std::vector<Photo>& photos, const fs::path& output, StageContext& context) {
   const std::vector<GainSample> samples = track_samples(model, [&](const ColmapImage& image) {
     return read_exr_rgb(output / "linear" / fs::path(image.name).replace_extension(".exr"));
   });
-  const GainSolution solution = solve_gains(model.images.size(), model.points.size(), samples);
+  std::vector<std::optional<double>> log_exposures;
+  for (const ColmapImage& image : model.images) {
+    const auto photo = std::find_if(photos.begin(), photos.end(), [&](const Photo& p) { return p.name == image.name; });
+    const bool known = photo != photos.end() && photo->exposure_ev;
+    log_exposures.push_back(known ? std::optional(-std::numbers::ln2 * *photo->exposure_ev) : std::nullopt);
+  }
+  const GainSolution solution = solve_gains(model.images.size(), model.points.size(), samples, {}, log_exposures);
   Gains gains;
   double low = 1, high = 1;
   for (size_t v = 0; v < model.images.size(); ++v) {
@@ -267,8 +273,9 @@ Gains photo_gains(const ColmapModel& model, const fs::path& output, StageContext
     high = std::max({high, gain.x, gain.y, gain.z});
   }
   for (uint32_t v : solution.undetermined)
-    context.warning("SFM_GAIN_UNKNOWN",
-                    fmt::format("{}: too few track colours to tell its exposure; it is taken as average", model.images[v].name));
+    context.warning(
+        "SFM_GAIN_UNKNOWN",
+        fmt::format("{}: too few track colours to tell its exposure: it is that of EXIF, or the average", model.images[v].name));
   if (solution.fixed_exposure) log_info("sfm: the photos agree in exposure and white balance: all gains are 1");
   context.metric("gain_lowest", low);
   context.metric("gain_highest", high);
@@ -344,7 +351,7 @@ void run(const SfmConfig& config, StageContext& context) {
   write_scene_info(output / "scene.json", scene);
   timer.restart();
   if (!r.pairs.empty()) write_match_matrix(output / "sfm" / "evidence" / "matches.png", r);
-  write_gains(output / "sfm" / "gains.json", photo_gains(model, output, context));
+  write_gains(output / "sfm" / "gains.json", photo_gains(model, photos, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,

@@ -3,7 +3,9 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 
 #include "core/base/error.h"
 #include "core/math/median.h"
@@ -12,29 +14,72 @@ namespace vitrine {
 
 namespace {
 
-// log(observed) - log(gain) - log(colour), all scalars: the channels are solved one by one.
-class ColourResidual final : public ceres::SizedCostFunction<1, 1, 1> {
+// The unknowns of a view: log(gain) of the three channels, and the veil.
+constexpr int kVeil = 3, kOfView = 4;
+
+// (log(observed) - log(gain of the channel) - veil / expected - log(colour)) / sigma, where `expected` is about what the model
+// says for `observed`; not that itself, whose errors are those of log(observed).
+class ColourResidual final : public ceres::SizedCostFunction<1, kOfView, 1> {
  public:
-  explicit ColourResidual(double log_observed) : log_observed_(log_observed) {}
+  ColourResidual(size_t channel, double log_observed, double expected, double sigma)
+      : channel_(channel), log_observed_(log_observed), weight_(1 / sigma), per_expected_(1 / expected) {}
   bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
-    residual[0] = log_observed_ - x[0][0] - x[1][0];
-    if (jacobians) {
-      for (int i = 0; i < 2; ++i)
-        if (jacobians[i]) jacobians[i][0] = -1;
+    residual[0] = weight_ * (log_observed_ - x[0][channel_] - per_expected_ * x[0][kVeil] - x[1][0]);
+    if (!jacobians) return true;
+    if (jacobians[0]) {
+      for (size_t c = 0; c < 3; ++c) jacobians[0][c] = c == channel_ ? -weight_ : 0;
+      jacobians[0][kVeil] = -weight_ * per_expected_;
     }
+    if (jacobians[1]) jacobians[1][0] = -weight_;
     return true;
   }
 
  private:
-  double log_observed_;
+  size_t channel_;
+  double log_observed_, weight_, per_expected_;
 };
 
-class Prior final : public ceres::SizedCostFunction<1, 1> {
+// (mean over channels of log(gain) - expected) / sigma
+class ExposurePrior final : public ceres::SizedCostFunction<1, kOfView> {
  public:
-  explicit Prior(double sigma) : weight_(1 / sigma) {}
+  ExposurePrior(double expected, double sigma) : expected_(expected), weight_(1 / sigma) {}
   bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
-    residual[0] = weight_ * x[0][0];
-    if (jacobians && jacobians[0]) jacobians[0][0] = weight_;
+    residual[0] = weight_ * ((x[0][0] + x[0][1] + x[0][2]) / 3 - expected_);
+    if (jacobians && jacobians[0])
+      for (size_t i = 0; i < kOfView; ++i) jacobians[0][i] = i < 3 ? weight_ / 3 : 0;
+    return true;
+  }
+
+ private:
+  double expected_, weight_;
+};
+
+// (log(gain_c) - mean over channels) / sigma
+class BalancePrior final : public ceres::SizedCostFunction<3, kOfView> {
+ public:
+  explicit BalancePrior(double sigma) : weight_(1 / sigma) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const double mean = (x[0][0] + x[0][1] + x[0][2]) / 3;
+    for (size_t c = 0; c < 3; ++c) residuals[c] = weight_ * (x[0][c] - mean);
+    if (jacobians && jacobians[0])
+      for (size_t c = 0; c < 3; ++c)
+        for (size_t i = 0; i < kOfView; ++i)
+          jacobians[0][kOfView * c + i] = i < 3 ? weight_ * ((c == i ? 1.0 : 0.0) - 1.0 / 3) : 0;
+    return true;
+  }
+
+ private:
+  double weight_;
+};
+
+// veil / sigma
+class VeilPrior final : public ceres::SizedCostFunction<1, kOfView> {
+ public:
+  explicit VeilPrior(double sigma) : weight_(1 / sigma) {}
+  bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
+    residual[0] = weight_ * x[0][kVeil];
+    if (jacobians && jacobians[0])
+      for (size_t i = 0; i < kOfView; ++i) jacobians[0][i] = i == kVeil ? weight_ : 0;
     return true;
   }
 
@@ -44,89 +89,186 @@ class Prior final : public ceres::SizedCostFunction<1, 1> {
 
 struct Observation {
   uint32_t view, point;
-  double log_value;
+  double log_value, expected;
 };
 
-// One channel's observations: in range, of points seen by two views or more, of the longest tracks.
-std::vector<Observation> observations_of(std::span<const GainSample> samples, size_t channel, size_t point_count,
-                                         const GainSettings& settings) {
-  std::vector<Observation> all;
-  std::vector<uint32_t> seen(point_count, 0);
+// Standard deviation of log(observed): a relative part, and an additive one (rounding, chroma subsampling, light from surfaces
+// around), which counts the more the darker the sample is.
+struct Noise {
+  double spread, veil;
+  double sigma(double value) const { return std::hypot(spread, veil / value); }
+};
+
+// One channel's observations: in range, of views with enough of them, of points seen by two such views or more, of the longest
+// tracks.
+struct Channel {
+  std::vector<Observation> observations;
+  std::vector<size_t> of_view;   // [views] number of observations
+  std::vector<bool> determined;  // [views]
+  std::vector<double> weight;    // [points] of each of its observations, as samples of a photo are correlated
+};
+
+Channel channel_of(std::span<const GainSample> samples, size_t c, size_t views, size_t points, const GainSettings& settings) {
+  Channel channel;
+  std::vector<uint32_t> seen(points, 0);
   for (const GainSample& s : samples) {
-    const float value = s.linear_rgb[channel];
-    if (!(value >= settings.darkest && value <= settings.brightest)) continue;
-    all.push_back({s.view, s.point, std::log(static_cast<double>(value))});
+    const double value = static_cast<double>(s.linear_rgb[c]);
+    if (!(s.linear_rgb[c] >= settings.darkest && s.linear_rgb[c] <= settings.brightest)) continue;
+    channel.observations.push_back({s.view, s.point, std::log(value), value});
     ++seen[s.point];
   }
-  std::vector<uint32_t> points;
-  for (uint32_t k = 0; k < point_count; ++k)
-    if (seen[k] >= 2) points.push_back(k);
-  std::stable_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) { return seen[a] > seen[b]; });
-  if (points.size() > settings.max_points) points.resize(settings.max_points);
-  std::vector<bool> keep(point_count, false);
-  for (uint32_t k : points) keep[k] = true;
-  std::erase_if(all, [&](const Observation& o) { return !keep[o.point]; });
-  return all;
+  std::vector<uint32_t> longest;
+  for (uint32_t k = 0; k < points; ++k)
+    if (seen[k] >= 2) longest.push_back(k);
+  std::stable_sort(longest.begin(), longest.end(), [&](uint32_t a, uint32_t b) { return seen[a] > seen[b]; });
+  if (longest.size() > settings.max_points) longest.resize(settings.max_points);
+  std::vector<bool> keep(points, false);
+  for (uint32_t k : longest) keep[k] = true;
+  std::erase_if(channel.observations, [&](const Observation& o) { return !keep[o.point]; });
+  const auto count = [&] {
+    channel.of_view.assign(views, 0);
+    for (const Observation& o : channel.observations) ++channel.of_view[o.view];
+  };
+  count();
+  channel.determined.resize(views);
+  for (size_t v = 0; v < views; ++v) channel.determined[v] = channel.of_view[v] >= settings.min_samples;
+  std::erase_if(channel.observations, [&](const Observation& o) { return !channel.determined[o.view]; });
+  count();
+  channel.weight.assign(points, 0);
+  for (const Observation& o : channel.observations) {
+    const double n = double(channel.of_view[o.view]);
+    channel.weight[o.point] =
+        std::max(channel.weight[o.point], settings.independent_samples / (settings.independent_samples + n));
+  }
+  return channel;
 }
 
-class ChannelProblem {
+class Problem {
  public:
-  ChannelProblem(size_t views, size_t points, std::vector<Observation> observations, const GainSettings& settings)
-      : observations_(std::move(observations)),
-        log_gain_(views, 0.0),
-        log_colour_(points, 0.0),
-        count_(views, 0),
-        settings_(settings) {
-    std::vector<double> weight(points, 0.0);
-    for (const Observation& o : observations_) {
-      ++count_[o.view];
-      log_colour_[o.point] += o.log_value;
-      weight[o.point] += 1;
+  Problem(std::vector<Channel> channels, size_t points, std::vector<double> exposures, const GainSettings& settings)
+      : channels_(std::move(channels)), exposures_(std::move(exposures)), log_colour_(points, Vec3d()), settings_(settings) {
+    for (double e : exposures_) of_view_.push_back({e, e, e, 0});
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<double> count(points, 0);
+      for (const Observation& o : channels_[c].observations) {
+        log_colour_[o.point][c] += o.log_value - exposures_[o.view];
+        count[o.point] += 1;
+      }
+      for (size_t k = 0; k < points; ++k)
+        if (count[k] > 0) log_colour_[k][c] /= count[k];
     }
-    for (size_t k = 0; k < points; ++k)
-      if (weight[k] > 0) log_colour_[k] /= weight[k];
   }
 
-  // First a convex loss, which finds the one minimum from anywhere (exposures may differ by stops); then, from there, one that
-  // forgets outliers.
+  // 1. A convex loss and all samples at full weight: the one minimum from anywhere (exposures may differ by stops). Its residuals
+  //    give the noise. 2. The same with veil and prior, still convex. 3. From there, a loss that forgets outliers.
   void solve() {
-    if (observations_.empty()) return;
-    minimise(new ceres::HuberLoss(kStartScale), kStartScale);
-    const double scale = std::clamp(spread(), kMinScale, kMaxScale);
-    minimise(new ceres::CauchyLoss(scale), scale);
+    Terms terms{.noise = kStart, .exposure_sigma = settings_.exposure_sigma, .balance_sigma = settings_.balance_sigma};
+    minimise<ceres::HuberLoss>(terms);
+    for (size_t c = 0; c < 3; ++c)
+      for (Observation& o : channels_[c].observations) o.expected = std::exp(of_view_[o.view][c] + log_colour_[o.point][c]);
+    terms.noise = noise();
+    terms.veil_sigma = settings_.veil_sigma;
+    terms.capped = true;
+    minimise<ceres::HuberLoss>(terms);
+    widen(terms);
+    minimise<ceres::CauchyLoss>(terms);
   }
 
   // The standard deviation of a normal core, from the median absolute residual.
-  double spread() const {
-    std::vector<double> residuals;
-    residuals.reserve(observations_.size());
-    for (const Observation& o : observations_)
-      residuals.push_back(std::abs(o.log_value - log_gain_[o.view] - log_colour_[o.point]));
-    return residuals.empty() ? 0 : kSigmaPerDeviation * upper_median(std::move(residuals));
-  }
+  double spread(size_t c) const { return spread_of(residuals_of(c)); }
 
-  bool determined(size_t view) const { return count_[view] >= settings_.min_samples; }
-  double log_gain(size_t view) const { return log_gain_[view]; }
-  size_t size() const { return observations_.size(); }
+  const std::vector<Channel>& channels() const { return channels_; }
+  double log_gain(size_t view, size_t c) const { return of_view_[view][c]; }
 
  private:
-  static constexpr double kStartScale = 0.05, kMinScale = 0.005, kMaxScale = 0.3;
+  static constexpr Noise kStart{0.05, 0.01}, kLeast{0.005, 0.001}, kMost{0.3, 0.05};
+  static constexpr double kNoVeil = 1e-6;
+  static constexpr double kWider = 2;  // the narrow prior of step 2 takes up to half of a balance away
 
-  // `sigma` of a sample sets what the prior weighs against it.
-  void minimise(ceres::LossFunction* loss, double sigma) {
-    ceres::Problem problem;                              // owns loss and costs
-    auto* ordering = new ceres::ParameterBlockOrdering;  // colours are eliminated first: each depends on gains alone
-    for (const Observation& o : observations_)
-      problem.AddResidualBlock(new ColourResidual(o.log_value), loss, &log_gain_[o.view], &log_colour_[o.point]);
-    for (size_t v = 0; v < log_gain_.size(); ++v) {
-      if (count_[v] == 0) continue;
-      problem.AddResidualBlock(new Prior(settings_.prior_sigma / sigma), nullptr, &log_gain_[v]);
-      ordering->AddElementToGroup(&log_gain_[v], 1);
+  struct Residual {
+    double value, size;
+  };
+  std::vector<Residual> residuals_of(size_t c) const {
+    std::vector<Residual> residuals;
+    residuals.reserve(channels_[c].observations.size());
+    for (const Observation& o : channels_[c].observations)
+      residuals.push_back({o.expected, std::abs(o.log_value - of_view_[o.view][c] - of_view_[o.view][kVeil] / o.expected -
+                                                log_colour_[o.point][c])});
+    return residuals;
+  }
+
+  static double spread_of(std::span<const Residual> residuals) {
+    std::vector<double> sizes;
+    for (const Residual& r : residuals) sizes.push_back(r.size);
+    return sizes.empty() ? 0 : kSigmaPerDeviation * upper_median(std::move(sizes));
+  }
+
+  // From the spreads of the darker and of the brighter half of all residuals: spread^2 = relative^2 + (veil / value)^2 in both.
+  Noise noise() const {
+    std::vector<Residual> all;
+    for (size_t c = 0; c < 3; ++c) {
+      const std::vector<Residual> some = residuals_of(c);
+      all.insert(all.end(), some.begin(), some.end());
     }
-    for (double& colour : log_colour_)
-      if (problem.HasParameterBlock(&colour)) ordering->AddElementToGroup(&colour, 0);
+    if (all.size() < 4) return kStart;
+    std::stable_sort(all.begin(), all.end(), [](const Residual& a, const Residual& b) { return a.value < b.value; });
+    const std::span<const Residual> dark = std::span(all).first(all.size() / 2), bright = std::span(all).subspan(all.size() / 2);
+    const auto square = [](double x) { return x * x; };
+    const double a = 1 / square(dark[dark.size() / 2].value), b = 1 / square(bright[bright.size() / 2].value);
+    const double veil = std::sqrt(std::max(0.0, square(spread_of(dark)) - square(spread_of(bright))) / (a - b));
+    const Noise n{0, std::clamp(a > b ? veil : 0.0, kLeast.veil, kMost.veil)};
+    const double spread = std::sqrt(std::max(0.0, square(spread_of(bright)) - square(n.veil) * b));
+    return {std::clamp(spread, kLeast.spread, kMost.spread), n.veil};
+  }
+
+  struct Terms {
+    Noise noise;
+    double exposure_sigma, balance_sigma, veil_sigma = kNoVeil;
+    bool capped = false;
+  };
+
+  // Photos whose exposures or balances differ by more than the prior expects were taken with automatic exposure or white
+  // balance: then the prior is as wide as their differences.
+  void widen(Terms& terms) const {
+    double exposure = 0, exposures = 0, balances = 0;
+    for (size_t v = 0; v < of_view_.size(); ++v) {
+      const auto& x = of_view_[v];
+      const double mean = (x[0] + x[1] + x[2]) / 3, e = mean - exposures_[v];
+      exposure += e, exposures += e * e;
+      for (size_t c = 0; c < 3; ++c) balances += (x[c] - mean) * (x[c] - mean);
+    }
+    const double n = double(std::max<size_t>(of_view_.size(), 1));
+    terms.exposure_sigma =
+        std::max(terms.exposure_sigma, std::sqrt(std::max(0.0, exposures / n - exposure * exposure / (n * n))));
+    terms.balance_sigma = std::max(terms.balance_sigma, kWider * std::sqrt(balances / (2 * n)));  // of two dimensions
+  }
+
+  template <class Loss>
+  void minimise(const Terms& terms) {
+    ceres::Problem problem;                              // owns losses and costs
+    auto* ordering = new ceres::ParameterBlockOrdering;  // colours are eliminated first: each depends on gains alone
+    for (size_t c = 0; c < 3; ++c) {
+      Channel& channel = channels_[c];
+      std::vector<ceres::LossFunction*> loss(channel.weight.size(), nullptr);
+      for (const Observation& o : channel.observations) {
+        if (!loss[o.point]) {
+          loss[o.point] = new ceres::ScaledLoss(new Loss(1), terms.capped ? channel.weight[o.point] : 1, ceres::TAKE_OWNERSHIP);
+          ordering->AddElementToGroup(&log_colour_[o.point][c], 0);
+        }
+        problem.AddResidualBlock(new ColourResidual(c, o.log_value, o.expected, terms.noise.sigma(o.expected)), loss[o.point],
+                                 of_view_[o.view].data(), &log_colour_[o.point][c]);
+      }
+    }
+    auto* prior_loss = new ceres::HuberLoss(1);
+    for (size_t v = 0; v < of_view_.size(); ++v) {
+      problem.AddResidualBlock(new ExposurePrior(exposures_[v], terms.exposure_sigma), prior_loss, of_view_[v].data());
+      problem.AddResidualBlock(new BalancePrior(terms.balance_sigma), prior_loss, of_view_[v].data());
+      problem.AddResidualBlock(new VeilPrior(terms.veil_sigma), nullptr, of_view_[v].data());
+      ordering->AddElementToGroup(of_view_[v].data(), 1);
+    }
     ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_type = ceres::SPARSE_SCHUR;
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.linear_solver_ordering.reset(ordering);
     options.num_threads = 1;  // more would sum in an order of their own
     options.logging_type = ceres::SILENT;
@@ -138,9 +280,10 @@ class ChannelProblem {
     VITRINE_CHECK(summary.IsSolutionUsable(), "gains: {}", summary.message);
   }
 
-  std::vector<Observation> observations_;
-  std::vector<double> log_gain_, log_colour_;
-  std::vector<size_t> count_;
+  std::vector<Channel> channels_;
+  std::vector<double> exposures_;  // [views] log(gain) that the prior expects
+  std::vector<std::array<double, kOfView>> of_view_;
+  std::vector<Vec3d> log_colour_;  // [points]
   const GainSettings& settings_;
 };
 
@@ -157,35 +300,41 @@ bool looks_fixed(const std::vector<Vec3d>& gains, const GainSettings& settings) 
   return true;
 }
 
+// Relative to their mean; 0 where EXIF does not name one.
+std::vector<double> expected_exposures(size_t views, std::span<const std::optional<double>> log_exposures) {
+  std::vector<double> expected(views, 0);
+  double sum = 0, count = 0;
+  for (const std::optional<double>& e : log_exposures)
+    if (e) sum += *e, count += 1;
+  for (size_t v = 0; v < log_exposures.size(); ++v)
+    if (log_exposures[v]) expected[v] = *log_exposures[v] - sum / count;
+  return expected;
+}
+
 }  // namespace
 
-GainSolution solve_gains(size_t view_count, size_t point_count, std::span<const GainSample> samples,
-                         const GainSettings& settings) {
+GainSolution solve_gains(size_t view_count, size_t point_count, std::span<const GainSample> samples, const GainSettings& settings,
+                         std::span<const std::optional<double>> log_exposures) {
   for (const GainSample& s : samples)
     VITRINE_CHECK(s.view < view_count && s.point < point_count, "sample of view {} and point {}", s.view, s.point);
+  VITRINE_CHECK(log_exposures.empty() || log_exposures.size() == view_count, "{} exposures of {} views", log_exposures.size(),
+                view_count);
+  std::vector<Channel> channels;
+  for (size_t c = 0; c < 3; ++c) channels.push_back(channel_of(samples, c, view_count, point_count, settings));
+  Problem problem(std::move(channels), point_count, expected_exposures(view_count, log_exposures), settings);
+  problem.solve();
   GainSolution solution;
-  solution.gains.assign(view_count, {1, 1, 1});
-  std::vector<bool> undetermined(view_count, false);
+  solution.gains.resize(view_count);
   for (size_t c = 0; c < 3; ++c) {
-    ChannelProblem channel(view_count, point_count, observations_of(samples, c, point_count, settings), settings);
-    channel.solve();
-    double sum = 0, count = 0;
-    for (size_t v = 0; v < view_count; ++v) {
-      if (!channel.determined(v)) continue;
-      sum += channel.log_gain(v);
-      count += 1;
-    }
-    for (size_t v = 0; v < view_count; ++v) {
-      if (channel.determined(v))
-        solution.gains[v][c] = std::exp(channel.log_gain(v) - sum / count);
-      else
-        undetermined[v] = true;
-    }
-    solution.samples += channel.size();
-    solution.spread = std::max(solution.spread, channel.spread());
+    double mean = 0;
+    for (size_t v = 0; v < view_count; ++v) mean += problem.log_gain(v, c) / double(view_count);
+    for (size_t v = 0; v < view_count; ++v) solution.gains[v][c] = std::exp(problem.log_gain(v, c) - mean);
+    solution.samples += problem.channels()[c].observations.size();
+    solution.spread = std::max(solution.spread, problem.spread(c));
   }
   for (uint32_t v = 0; v < view_count; ++v)
-    if (undetermined[v]) solution.undetermined.push_back(v);
+    if (std::any_of(problem.channels().begin(), problem.channels().end(), [&](const Channel& c) { return !c.determined[v]; }))
+      solution.undetermined.push_back(v);
   solution.fixed_exposure = looks_fixed(solution.gains, settings);
   if (solution.fixed_exposure) solution.gains.assign(view_count, {1, 1, 1});
   return solution;

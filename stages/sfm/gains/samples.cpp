@@ -9,6 +9,8 @@ namespace {
 
 // Five pixels: features sit on blobs of this size and larger, and a pose error of half a pixel moves little of the square.
 constexpr int kRadius = 2;
+// Of full scale, in linear light: code 249 of 255. Resampling takes a clipped pixel down a little.
+constexpr float kClipped = 0.95f;
 
 }  // namespace
 
@@ -19,7 +21,10 @@ bool sample_colour(const ImageF& linear, double x, double y, int radius, Vec3f& 
   for (int dy = -radius; dy <= radius; ++dy) {
     for (int dx = -radius; dx <= radius; ++dx) {
       const float* p = linear.pixel(static_cast<int>(column) + dx, static_cast<int>(row) + dy);
-      for (size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(p[c]);
+      for (size_t c = 0; c < 3; ++c) {
+        if (!(p[c] < kClipped)) return false;
+        sum[c] += static_cast<double>(p[c]);
+      }
     }
   }
   const double n = (2 * radius + 1) * (2 * radius + 1);

@@ -68,7 +68,8 @@ double worst_error(const GainSolution& solution, const std::vector<Vec3d>& truth
 
 TEST(Gains, AreExactWithoutNoise) {
   const Capture capture = synthetic({.noise = 0});
-  EXPECT_LT(worst_error(solve_gains(20, capture.points, capture.samples), capture.gains), 1e-5 /* worst seen 3e-7 */);
+  EXPECT_LT(worst_error(solve_gains(20, capture.points, capture.samples), capture.gains),
+            1e-3 /* worst seen 3e-4: the pull of the prior */);
 }
 
 TEST(Gains, AreRecoveredWithinOnePercentUnderNoiseAndOutliers) {
@@ -111,7 +112,7 @@ TEST(Gains, HaveGeometricMeanOne) {
   }
 }
 
-TEST(Gains, OfViewsWithTooFewSamplesAreOneAndReported) {
+TEST(Gains, OfViewsWithTooFewSamplesAreThoseOfThePriorAndReported) {
   Capture capture = synthetic({.views = 10});
   std::erase_if(capture.samples, [](const GainSample& s) { return s.view == 3 && s.point % 100 != 0; });
   for (GainSample& s : capture.samples)
@@ -120,10 +121,107 @@ TEST(Gains, OfViewsWithTooFewSamplesAreOneAndReported) {
     if (s.view == 7) s.linear_rgb = {1, 1, 1};  // clipped throughout
   const GainSolution solution = solve_gains(10, capture.points, capture.samples);
   EXPECT_EQ(solution.undetermined, (std::vector<uint32_t>{3, 5, 7}));
-  EXPECT_EQ(solution.gains[3], (Vec3d{1, 1, 1}));
-  EXPECT_EQ(solution.gains[7], (Vec3d{1, 1, 1}));
-  EXPECT_EQ(solution.gains[5].z, 1);
-  EXPECT_NE(solution.gains[5].x, 1);
+  // The prior: an average photo; in a channel alone, the exposure of the other two.
+  EXPECT_EQ(solution.gains[3], solution.gains[7]);
+  const double average = std::log(solution.gains[3].y), blue = solution.gains[5].z / solution.gains[3].z,
+               others = std::sqrt(solution.gains[5].x * solution.gains[5].y) / solution.gains[3].y;
+  EXPECT_NEAR(average, 0, 0.5);
+  EXPECT_GT(std::abs(std::log(others)), 0.2);
+  EXPECT_NEAR(blue / others, 1, 0.05);
+}
+
+// Ratio of the largest to the smallest gain of a channel, and of two channels of one photo.
+struct Ratios {
+  double exposure = 1, balance = 1;
+};
+Ratios ratios(const GainSolution& solution) {
+  Ratios r;
+  for (const Vec3d& g : solution.gains) {
+    r.balance = std::max(r.balance, std::max({g.x, g.y, g.z}) / std::min({g.x, g.y, g.z}));
+    for (const Vec3d& h : solution.gains)
+      for (size_t c = 0; c < 3; ++c) r.exposure = std::max(r.exposure, g[c] / h[c]);
+  }
+  return r;
+}
+
+// The white balance really changes, in every other photo and then from one photo on: the prior lets go of it.
+TEST(Gains, OfAnotherWhiteBalanceAreFoundWithinAFewPercent) {
+  for (const bool alternating : {true, false}) {
+    Capture capture = synthetic({.points = 6000, .stops = 0, .noise = 0.03, .outliers = 0.1});
+    const auto blue = [&](uint32_t v) { return (alternating ? v % 2 == 0 : v < 10) ? 0.6 : 1.0; };
+    for (GainSample& s : capture.samples) s.linear_rgb.z *= float(blue(s.view));
+    for (uint32_t v = 0; v < 20; ++v) capture.gains[v].z = blue(v) / std::sqrt(0.6);
+    EXPECT_LT(worst_error(solve_gains(20, capture.points, capture.samples), capture.gains), 0.05 /* worst seen 0.027 */);
+  }
+}
+
+// What a photo of a dark object shows is partly light that never met its colour, and every photo has another share of it.
+TEST(Gains, OfFewDarkBlueSamplesUnderAVeilStayNearNeutral) {
+  Rng rng(5);
+  std::vector<double> veil;
+  for (size_t v = 0; v < 12; ++v) veil.push_back(0.04 * rng.uniform_double());
+  std::vector<GainSample> samples;
+  for (uint32_t k = 0; k < 150; ++k) {
+    const double grey = 0.5 + rng.uniform_double();
+    const uint32_t first = rng.below(12);
+    for (uint32_t i = 0; i < 4; ++i) {
+      const uint32_t v = (first + i) % 12;
+      GainSample s{v, k, {}};
+      const Vec3d bronze{0.3, 0.18, 0.04};
+      for (size_t c = 0; c < 3; ++c)
+        s.linear_rgb[c] = static_cast<float>(grey * bronze[c] * std::exp(0.05 * rng.normal()) + veil[v]);
+      samples.push_back(s);
+    }
+  }
+  const Ratios r = ratios(solve_gains(12, 150, samples));
+  EXPECT_LT(r.balance, 1.1 /* worst seen 1.035 */);
+  EXPECT_LT(r.exposure, 1.2 /* worst seen 1.10 */);
+}
+
+// An object turns under lamps that stand still: its dark paint brightens from photo to photo as it turns towards them, the less
+// the more colour it has, and no track is long. Half of the tracks show something that does not change.
+TEST(Gains, DoNotFollowTheShadingOfAnObjectThatTurns) {
+  Rng rng(7);
+  constexpr uint32_t kViews = 24;
+  std::vector<GainSample> samples;
+  for (uint32_t k = 0; k < 3000; ++k) {
+    const bool steady = k % 2 == 0;
+    const uint32_t first = rng.below(kViews), length = 3 + rng.below(3);
+    const double grey = 0.6 + 0.8 * rng.uniform_double();
+    for (uint32_t i = 0; i < length && first + i < kViews; ++i) {
+      GainSample s{first + i, k, {}};
+      const Vec3d paint = steady ? Vec3d{0.6, 0.6, 0.6} : Vec3d{0.25, 0.15, 0.06}, turn{0.03, 0.05, 0.1};
+      for (size_t c = 0; c < 3; ++c)
+        s.linear_rgb[c] =
+            static_cast<float>(grey * paint[c] * std::exp((steady ? 0 : turn[c] * double(i)) + 0.03 * rng.normal()));
+      samples.push_back(s);
+    }
+  }
+  const Ratios r = ratios(solve_gains(kViews, 3000, samples));
+  EXPECT_LT(r.balance, 1.1 /* worst seen 1.02 */);
+  EXPECT_LT(r.exposure, 1.2 /* worst seen 1.12 */);
+}
+
+// Exposures of whole stops and hardly a track: EXIF knows better. With many tracks that disagree, EXIF does not decide.
+TEST(Gains, OfFewTracksFollowExif) {
+  Capture few = synthetic({.points = 60, .noise = 0.3});
+  std::vector<std::optional<double>> exif;
+  for (const Vec3d& g : few.gains) exif.push_back(7 + std::log(g.x * g.y * g.z) / 3);
+  const auto error = [&](const GainSolution& solution, std::span<const std::optional<double>> log_exposures) {
+    double worst = 0;
+    for (size_t v = 0; v < 20; ++v)
+      for (size_t u = 0; u < 20; ++u)
+        worst = std::max(worst,
+                         std::abs(std::log(solution.gains[v].y / solution.gains[u].y) - *log_exposures[v] + *log_exposures[u]));
+    return worst;
+  };
+  EXPECT_LT(error(solve_gains(20, few.points, few.samples, {}, exif), exif), 0.1);
+  EXPECT_GT(error(solve_gains(20, few.points, few.samples), exif), 1);
+  const Capture plenty = synthetic({.points = 6000, .noise = 0.03, .outliers = 0.1});
+  std::vector<std::optional<double>> wrong(20, 0.0);
+  wrong[3] = 1;
+  wrong[4] = std::nullopt;
+  EXPECT_LT(worst_error(solve_gains(20, plenty.points, plenty.samples, {}, wrong), plenty.gains), 0.02);
 }
 
 TEST(Gains, NothingToGoByGivesOnes) {
@@ -171,6 +269,16 @@ TEST(TrackSamples, ReadTheColourAroundEachObservation) {
   EXPECT_EQ(samples[1].view, 1u);
   EXPECT_EQ(samples[1].point, 0u);
   EXPECT_NEAR(samples[1].linear_rgb.x, 0.2f, 1e-6f);
+}
+
+// Clipping takes a channel out of proportion: one pixel of it is enough.
+TEST(TrackSamples, OfPatchesWithAClippedPixelTakeNoPart) {
+  ImageF photo(20, 10, 3, 0.4f);
+  Vec3f colour;
+  EXPECT_TRUE(sample_colour(photo, 10.5, 5.5, 2, colour));
+  photo.at(12, 7, 2) = 1;
+  EXPECT_FALSE(sample_colour(photo, 10.5, 5.5, 2, colour));
+  EXPECT_TRUE(sample_colour(photo, 9.5, 5.5, 2, colour));
 }
 
 }  // namespace
