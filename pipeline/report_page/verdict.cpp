@@ -14,8 +14,9 @@ namespace {
 // The figures that decide; the others are shown, and may be named as weak.
 constexpr std::string_view kDeciding[] = {"one_object", "registered", "gap", "psnr", "ssim"};
 // Others that may be named as weak.
-constexpr std::string_view kNamed[] = {"region_transparent", "region_reflective", "region_rest", "region_object", "weakest",
-                                       "reprojection",       "observations",      "mesh_border", "baked"};
+constexpr std::string_view kNamed[] = {
+    "region_transparent", "region_reflective", "region_rest", "region_object", "weakest",
+    "reprojection",       "observations",      "mesh_border", "baked",         "neutral_shift"};
 constexpr size_t kMostCauses = 6;  // of a failure; photos without a pose are listed below anyway
 
 // What a stage is about, for people who do not know its name.
@@ -187,6 +188,11 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
         commands.of({"mark", "--open"}));
   if (rating("reprojection") != Rating::Good)
     add("Take sharper photos with a fixed focus and nothing moving; leave blurred ones out.", commands.with_photos());
+  if (const Figure* f = figures.find("neutral_shift"); f != nullptr && f->rating != Rating::Good)
+    add(fmt::format("Compare {} with its render: something plain that is white or grey in the photo is not in the render. Take "
+                    "photos with a fixed white balance and nothing overexposed, or leave this photo out.",
+                    f->note),
+        commands.with_photos());
   if (rating("gap") == Rating::Borderline) add("Take more photos, from places in between.", commands.with_photos());
   add("Look at it under another light, any HDRI of yours.", commands.of({"relight", "--env", "studio.exr", "--turntable", "24"}));
 }

@@ -53,6 +53,11 @@ StageReport evaluate_report() {
                    "One side is much weaker than the others: more photos are missing there.", "heldout.psnr"}
           .folded("above_weakest_view")
           .measured_on("heldout.views", kFewestViews, "held-out views"),
+      ReportFigure{
+          kViews, "neutral_shift", "White stays white", "%", 0, 0.06, 0.15,
+          "How far the channels of the render part where a held-out photo is bright, neutral and plain; the worst photo.",
+          "A plain backdrop that is neutral in a photo has a colour in its render.", "neutral.shift"}
+          .noted("{neutral.photo}"),
       ReportFigure{kParts, "region_transparent", "Glass", "dB", 1, 27, 22, "Held-out PSNR inside the masks of glass.",
                    "What stands behind the glass, or its reflections, is not yet understood.", "regions.transparent.psnr"}
           .measured_on("regions.transparent.views", kFewestViews, "held-out views"),

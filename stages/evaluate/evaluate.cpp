@@ -16,6 +16,7 @@
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/layer_pictures.h"
+#include "stages/evaluate/neutral_shift.h"
 #include "stages/evaluate/photo.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_error.h"
@@ -174,6 +175,7 @@ class Evaluator {
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
+    if (heldout) score.neutral_shift = shift_of_neutral(view, render, photo, judged, masks);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
     if (albedo_) score_albedo(index, render, masks);
@@ -198,6 +200,21 @@ class Evaluator {
   RegionMasks regions(size_t index, const Intrinsics& k) const {
     const auto coated = result_.regions_from == "truth" ? truth_->coated(index, k) : std::nullopt;
     return region_masks([&](MaskClass c) { return mask(index, c, k); }, coated, k);
+  }
+
+  // Of opaque pixels that were trained, outside glass and mirrors.
+  std::optional<double> shift_of_neutral(const View& view, const ViewPicture& render, const ImageF& photo,
+                                         const std::optional<ImageF>& judged, const RegionMasks& masks) const {
+    ImageF counts = render.zdepth;
+    const auto only = [&](const ImageF& mask, bool inside) {
+      for (size_t i = 0; i < counts.data().size(); ++i)
+        if ((mask.data()[i] > 0) != inside) counts.data()[i] = 0;
+    };
+    if (judged) only(*judged, true);
+    if (const auto rest = masks.find("rest"); rest != masks.end()) only(rest->second, true);
+    if (masks_)
+      if (const auto ignored = stage_mask(*masks_, view, MaskClass::Ignore, render.intrinsics)) only(*ignored, false);
+    return neutral_shift(render.srgb, photo, counts, config_.min_region_pixels);
   }
 
   void show(const View& view, const ViewPicture& render, const ImageF& photo, const ViewScore& score) {
@@ -364,6 +381,7 @@ class Evaluator {
     const auto heldout = mean_score(result_, true);
     metric("heldout.psnr", heldout ? std::optional(heldout->psnr) : std::nullopt);
     metric("heldout.ssim", heldout ? std::optional(heldout->ssim) : std::nullopt);
+    if (const ViewScore* v = strongest_neutral_shift(result_)) metric("neutral.shift", v->neutral_shift);
     if (const auto& t = result_.truth) {
       metric("truth.normal_mae_deg", t->normal_mae_deg);
       metric("truth.mesh.fscore", t->mesh ? std::optional(t->mesh->fscore) : std::nullopt);

@@ -30,6 +30,11 @@ Json definitions(const Evaluation& e) {
       "reflective = specular and not transparent, rest = neither transparent nor specular; where the truth has masks of clear "
       "coats, coated = these without the transparent, mirror = reflective and not coated; masks from {}",
       e.min_region_pixels, e.regions_from == "masks" ? "the masks stage" : "the truth");
+  d["neutral.shift"] = fmt::format(
+      "the largest ratio between two channels of (render / photo), less 1: median over the pixels of a held-out view that are "
+      "bright, neutral and without texture in the photo and opaque in the render, in linear light; the largest of the views with "
+      "at least {} such pixels",
+      e.min_region_pixels);
   if (!e.truth) return d;
   d["truth.pose"] =
       "after the similarity that best aligns the camera centres: angle between the orientations (median over views), distance of "
@@ -164,6 +169,13 @@ std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout) {
   return MeanScore{mean(psnr), mean(ssim), psnr.size()};
 }
 
+const ViewScore* strongest_neutral_shift(const Evaluation& e) {
+  const ViewScore* strongest = nullptr;
+  for (const ViewScore& v : e.views)
+    if (v.heldout && v.neutral_shift && (strongest == nullptr || *v.neutral_shift > *strongest->neutral_shift)) strongest = &v;
+  return strongest;
+}
+
 std::string metrics_json(const Evaluation& e) {
   Json j;
   j["format"] = "vitrine-metrics 1";
@@ -181,6 +193,11 @@ std::string metrics_json(const Evaluation& e) {
     regions["masks"] = e.regions_from;
     j["regions"] = regions;
   }
+  if (const ViewScore* v = strongest_neutral_shift(e)) {
+    const auto measured = std::count_if(e.views.begin(), e.views.end(),
+                                        [](const ViewScore& s) { return s.heldout && s.neutral_shift.has_value(); });
+    j["neutral"] = {{"shift", *v->neutral_shift}, {"photo", v->name}, {"views", measured}};
+  }
   if (e.truth) j["truth"] = truth_json(*e.truth);
   j["resolution"] = {{"width", e.resolution.width}, {"height", e.resolution.height}, {"max_side", e.split.max_side}};
   j["views"] = {{"registered", e.registered_views},
@@ -196,7 +213,7 @@ std::string metrics_json(const Evaluation& e) {
 std::string per_view_csv(const Evaluation& e) {
   std::string csv = "name,set,psnr,ssim";
   for (std::string_view region : kRegions) csv += fmt::format(",psnr_{}", region);
-  csv += ",rotation_deg,centre_rel,normal_mae_deg,depth_rel\n";
+  csv += ",rotation_deg,centre_rel,normal_mae_deg,depth_rel,neutral_shift\n";
   const auto number = [](std::optional<double> v) {
     return v && std::isfinite(*v) ? fmt::format(",{:.6g}", *v) : std::string(",");
   };
@@ -208,7 +225,7 @@ std::string per_view_csv(const Evaluation& e) {
     }
     csv += number(v.pose ? std::optional(v.pose->rotation_deg) : std::nullopt);
     csv += number(v.pose ? std::optional(v.pose->centre_rel) : std::nullopt);
-    csv += number(v.normal_mae_deg) + number(v.zdepth_rel) + "\n";
+    csv += number(v.normal_mae_deg) + number(v.zdepth_rel) + number(v.neutral_shift) + "\n";
   }
   return csv;
 }

@@ -24,6 +24,7 @@ struct ViewScore {
   std::map<std::string, double> region_psnr;
   std::optional<PoseError> pose;
   std::optional<double> normal_mae_deg, zdepth_rel;
+  std::optional<double> neutral_shift;  // nullopt: too few bright, neutral and plain pixels
 };
 
 struct SurfaceScore {
@@ -62,6 +63,8 @@ struct MeanScore {
 // Mean over the environments, nullopt without one.
 std::optional<double> mean_relit_psnr(const TruthScores& t);
 std::optional<MeanScore> mean_score(const Evaluation& e, bool heldout);
+// The held-out view whose neutral pixels have the strongest colour in the render; nullptr: no view has enough of them.
+const ViewScore* strongest_neutral_shift(const Evaluation& e);
 std::string metrics_json(const Evaluation& e);
 std::string per_view_csv(const Evaluation& e);
 // What a terminal shows of it.

@@ -52,7 +52,7 @@ TEST(Thresholds, EveryFigureHasItsTwoBordersAndTheReadmeTellsThem) {
     }
   // By these the verdict decides, or names a weak spot; the trust in parts of the picture hangs on `gap` and `region_*`.
   for (const char* id : {"registered", "gap", "psnr", "ssim", "region_transparent", "region_reflective", "region_rest",
-                         "region_object", "weakest", "reprojection", "observations", "mesh_border", "baked"})
+                         "region_object", "weakest", "reprojection", "observations", "mesh_border", "baked", "neutral_shift"})
     EXPECT_TRUE(ids.contains(id)) << id << ": no stage declares it";
   for (const DeclaredReport& declared : declared_reports()) EXPECT_FALSE(declared.doing.empty()) << declared.stage;
 }
@@ -120,6 +120,26 @@ TEST(Verdict, SaysHowItWentByTheFiguresThatDecide) {
   const Verdict few = verdict({.registered = 2});
   EXPECT_EQ(few.mood, Mood::Borderline);
   EXPECT_TRUE(has(few.next.at(0).text, "left out"));
+}
+
+TEST(Verdict, NamesThePhotoWhoseWhiteIsColouredInTheRender) {
+  const auto of = [](const char* neutral) {
+    const TemporaryFolder folder;
+    write_output(folder.path(), {});
+    write_file(folder.path() / "eval/metrics.json",
+               fmt::format(R"({{"heldout": {{"psnr": 30, "ssim": 0.95, "views": 2}}, "train": {{"psnr": 31, "ssim": 0.95,
+                   "views": 1}}{}}})",
+                           neutral));
+    const RunOutcome outcome = read_outcome(folder.path());
+    return verdict_of(outcome, gather_figures(folder.path(), outcome), "out");
+  };
+  const Verdict coloured = of(R"(, "neutral": {"shift": 0.46, "photo": "b.jpg", "views": 2})");
+  EXPECT_EQ(coloured.weak.at(0).figure, "White stays white: 46\u00a0% (b.jpg)");
+  EXPECT_TRUE(has(coloured.next.at(0).text, "Compare b.jpg with its render")) << coloured.next[0].text;
+  for (const char* fine : {"", R"(, "neutral": {"shift": 0.05, "photo": "b.jpg", "views": 2})"}) {
+    for (const WeakSpot& w : of(fine).weak) EXPECT_FALSE(has(w.figure, "White")) << fine;
+    EXPECT_FALSE(has(of(fine).next.at(0).text, "Compare")) << fine;
+  }
 }
 
 TEST(Figures, PosesAndTheirErrorAreNotRatedFromHardlyAnyPoint) {

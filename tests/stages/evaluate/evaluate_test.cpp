@@ -154,6 +154,37 @@ TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
   EXPECT_GT(alone["regions"]["specular"]["psnr"].get<double>(), 45);  // its half on the object
 }
 
+// The photo shows a grey wall where the scene has its coloured ball. Where the object was trained alone, nothing outside its
+// masks counts; nor does what the masks leave out.
+TEST(EvaluateStage, NeutralPixelsOfAPhotoAreComparedWithTheRenderWhereItWasTrained) {
+  const TinyCapture capture;
+  const View& v = capture.views[0];
+  EvaluateConfig config = quick();
+  config.min_region_pixels = 20;
+  RecordingContext plain(capture.inputs(false));
+  write_exr_rgb(linear_image_path(capture.sfm(), v), ImageF(TinyCapture::kWidth, TinyCapture::kHeight, 3, 0.6f),
+                ExrPrecision::Float);
+  const json m = metrics_of(plain, config);
+  EXPECT_GT(m["neutral"]["shift"].get<double>(), 0.1);
+  EXPECT_EQ(m["neutral"]["photo"], v.name);
+  EXPECT_EQ(m["neutral"]["views"], 1);
+  EXPECT_EQ(plain.metrics.at("neutral.shift"), m["neutral"]["shift"].get<double>());
+  const auto with_masks = [&](const char* kind, int x0, int x1, bool alone) {
+    const TemporaryFolder masks;
+    write_stage_mask(masks.path(), kind, v, x0, x1);
+    capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, alone);
+    auto inputs = capture.inputs(false);
+    inputs["masks"] = masks.path();
+    RecordingContext context(inputs);
+    return metrics_of(context, config).contains("neutral");
+  };
+  EXPECT_TRUE(with_masks("object", 0, 2, false));
+  EXPECT_FALSE(with_masks("object", 0, 2, true));
+  EXPECT_TRUE(with_masks("ignore", 0, 2, false));
+  EXPECT_FALSE(with_masks("ignore", 0, TinyCapture::kWidth, false));
+  EXPECT_FALSE(with_masks("transparent", 0, TinyCapture::kWidth, false));
+}
+
 // What stands still with the object was trained as well: its masks are the scene's own.
 TEST(EvaluateStage, WhatWasTrainedWithTheObjectIsJudgedWithIt) {
   const TinyCapture capture;

@@ -4,10 +4,12 @@
 #include "core/base/error.h"
 #include "core/camera/view_split.h"
 #include "core/image/bitmap_font.h"
+#include "core/math/color.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"
+#include "stages/evaluate/neutral_shift.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
@@ -278,6 +280,46 @@ TEST(DepthPicture, GrowsDarkerWithDistanceAndLeavesRoomForTheSceneBeforeASky) {
   EXPECT_GT(brightness(70), 0) << "a sky is something";
   // By depth itself all of the scene would take a fiftieth of the ramp.
   EXPECT_GT(brightness(10) - brightness(69), brightness(69) - brightness(70));
+}
+
+// A photo of a grey backdrop, with a texture, a coloured and a dark strip, and its render.
+struct Backdrop {
+  ImageF photo{64, 32, 3}, render{64, 32, 3}, counts{64, 32, 1, 1.f};
+};
+Backdrop backdrop(const Vec3f& gain) {
+  Backdrop b;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (int c = 0; c < 3; ++c) {
+        float grey = 0.7f;
+        if (y < 8) grey = (x + y) % 4 == 0 ? 0.6f : 0.7f;    // texture
+        if (y >= 8 && y < 16) grey = c == 2 ? 0.62f : 0.7f;  // colour
+        if (y >= 28) grey = 0.2f;                            // dark
+        b.photo.at(x, y, c) = grey;
+        b.render.at(x, y, c) =
+            srgb_from_linear(linear_from_srgb(grey) * (y >= 16 && y < 28 ? gain[size_t(c)] : 0.3f + 0.2f * float(c)));
+      }
+  return b;
+}
+
+TEST(NeutralShift, IsTheRatioOfTheChannelsInPlainNeutralPixelsAlone) {
+  Backdrop b = backdrop({1.06f, 0.93f, 0.54f});
+  EXPECT_NEAR(neutral_shift(b.render, b.photo, b.counts, 100).value(), 1.06 / 0.54 - 1, 1e-3);
+  for (int x = 0; x < 64; ++x) b.render.at(x, 20, 1) = 0;  // few wrong pixels do not matter, black ones have a logarithm
+  EXPECT_NEAR(neutral_shift(b.render, b.photo, b.counts, 100).value(), 1.06 / 0.54 - 1, 1e-3);
+  const Backdrop darker = backdrop({0.5f, 0.5f, 0.5f});
+  EXPECT_NEAR(neutral_shift(darker.render, darker.photo, darker.counts, 100).value(), 0, 1e-3) << "brightness is no colour";
+}
+
+TEST(NeutralShift, OfTooFewPixelsIsNotKnown) {
+  Backdrop b = backdrop({1, 1, 0.5f});
+  EXPECT_EQ(neutral_shift(b.render, b.photo, b.counts, 60 * 8 + 1), std::nullopt) << "rows 18 to 25 of 60 pixels";
+  EXPECT_TRUE(neutral_shift(b.render, b.photo, b.counts, 60 * 8));
+  for (int y = 0; y < 32; ++y) b.counts.at(32, y) = 0;  // and two pixels to each side
+  EXPECT_EQ(neutral_shift(b.render, b.photo, b.counts, 55 * 8 + 1), std::nullopt);
+  EXPECT_TRUE(neutral_shift(b.render, b.photo, b.counts, 55 * 8));
+  b.counts = ImageF(64, 32, 1);
+  EXPECT_EQ(neutral_shift(b.render, b.photo, b.counts, 0), std::nullopt);
 }
 
 }  // namespace
