@@ -133,9 +133,9 @@ std::vector<uint8_t> FeatureMasks::on_object(size_t photo, std::span<const float
   return on;
 }
 
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const std::string& turntable,
-                                                     const MatchRules& rules, std::span<const size_t> photo_of,
-                                                     std::vector<PhotoFeatures>& features, MaskEffect& effect) {
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
+                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
+                                                     MaskEffect& effect) {
   const size_t n = features.size();
   std::vector<std::vector<uint8_t>> classes(n);
   parallel_for(n, 1, [&](size_t i) {
@@ -169,9 +169,10 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
         for (uint8_t c : classes[i]) effect.removed[size_t(kind)] += (c & bit(kind)) != 0;
     leave(i, [](uint8_t c) { return (c & ~bit(MaskClass::Object)) == 0; });
   }
-  effect.turntable = turntable;
-  effect.object_applied = turntable == "yes";
-  if (turntable == "auto" && masks.has(MaskClass::Object)) {
+  const bool by_turntable = used == UsedFeatures::ByTurntable;
+  effect.turntable = masks.turntable();
+  effect.object_applied = by_turntable && masks.turntable() == "yes";
+  if (by_turntable && masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
     // Mirrors and passers-by have no vote: what they show moves by laws of its own.
     std::vector<std::vector<uint8_t>> inside(n);
     std::vector<double> sides(n);
@@ -184,16 +185,17 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
     effect.object_applied = effect.evidence->turntable;
   }
   for (size_t i = 0; i < n; ++i) {
-    if (effect.object_applied) {
-      for (uint8_t c : classes[i]) effect.removed[size_t(MaskClass::Object)] += (c & bit(MaskClass::Object)) == 0;
-      leave(i, [](uint8_t c) { return (c & bit(MaskClass::Object)) != 0; });
+    if (effect.object_applied || used == UsedFeatures::Surroundings) {
+      const auto stays = [&](uint8_t c) { return ((c & bit(MaskClass::Object)) != 0) == effect.object_applied; };
+      for (uint8_t c : classes[i]) effect.removed[size_t(MaskClass::Object)] += !stays(c);
+      leave(i, stays);
     }
     if (effect.removed_of_photo.size() <= photo_of[i]) effect.removed_of_photo.resize(photo_of[i] + 1, 0);
     effect.removed_of_photo[photo_of[i]] = classes[i].size() - kept[i].size();
     effect.after += kept[i].size();
   }
   for (MaskClass kind : kMaskClasses) effect.photos[size_t(kind)] = masks.photos_with(kind);
-  log_mask_effect(effect);
+  if (by_turntable) log_mask_effect(effect);
   return kept;
 }
 

@@ -55,6 +55,9 @@ class FeatureMasks {
   size_t other_shape_ = 0;
 };
 
+// Of those that the other masks leave. ByTurntable: all, or those of the object where it turns (turntable.h).
+enum class UsedFeatures { ByTurntable, All, Surroundings };
+
 // What masks did to the features of a capture.
 struct MaskEffect {
   std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
@@ -67,9 +70,8 @@ struct MaskEffect {
 
 // Takes the features out of `features`; returns for every photo what the features that stay were called before.
 // `photo_of[i]`: index of the photo that features[i] belongs to.
-// `turntable`: "auto", "yes", "no".
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, const std::string& turntable,
-                                                     const MatchRules& rules, std::span<const size_t> photo_of,
-                                                     std::vector<PhotoFeatures>& features, MaskEffect& effect);
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
+                                                     std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
+                                                     MaskEffect& effect);
 
 }  // namespace vitrine

@@ -123,11 +123,16 @@ std::optional<size_t> index_of_safe_name(const std::string& name) {
   return index;
 }
 
-void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
-                      const fs::path& database, const ColmapModel* known) {
+fs::path link_pictures(const ReconstructDesc& desc) {
   const fs::path pictures = desc.work_folder / "pictures";
   make_folders(pictures);
   for (size_t i = 0; i < desc.photos.size(); ++i) link_or_copy(desc.photos[i].picture, pictures / safe_name(i));
+  return pictures;
+}
+
+void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
+                      const fs::path& database, const ColmapModel* known) {
+  const fs::path pictures = link_pictures(desc);
   colmap.run({.command = "database_creator",
               .settings = {{"database", database.string()}},
               .working_folder = desc.work_folder,
@@ -197,8 +202,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::optional<MaskEffect> effect;
   std::vector<std::vector<uint32_t>> kept_features;
   if (desc.masks != nullptr) {
-    const std::string turntable = desc.pass_of.empty() ? desc.masks->turntable() : "no";
-    kept_features = suppress_features(*desc.masks, turntable, rules, photo_of, features, effect.emplace());
+    kept_features = suppress_features(*desc.masks, desc.used, rules, photo_of, features, effect.emplace());
     if (desc.timing) desc.timing("masks", timer.seconds());
     timer.restart();
   }

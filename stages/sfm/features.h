@@ -22,7 +22,9 @@ struct MatchCounts {
   std::optional<MaskEffect> masks;
 };
 
-// Links the pictures into work/pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.
+// Into work/pictures, under safe names; returns the folder.
+fs::path link_pictures(const ReconstructDesc& desc);
+// Links the pictures and fills work/<database>. `known` (optional): camera per photo instead of priors.
 void extract_features(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
                       const fs::path& database, const ColmapModel* known);
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database);

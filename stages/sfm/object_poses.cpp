@@ -32,6 +32,26 @@ std::vector<size_t> pass_of(std::span<const SfmPhoto> photos, const Passes& pass
   return of;
 }
 
+Reconstruction joined_passes(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const Passes& passes) {
+  ReconstructDesc joined = desc;
+  joined.work_folder = desc.work_folder / "passes";
+  joined.used = UsedFeatures::All;
+  joined.pass_of = pass_of(desc.photos, passes);
+  return reconstruct(colmap, config, joined);
+}
+
+std::vector<ColmapModel> models_of_surroundings(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
+                                                const Reconstruction& together) {
+  ReconstructDesc around = desc;
+  around.work_folder = desc.work_folder / "surroundings";
+  around.used = UsedFeatures::Surroundings;
+  around.found_features = together.database;
+  Reconstruction r = reconstruct(colmap, config, around);
+  std::vector<ColmapModel> models = std::move(r.smaller_models);
+  models.push_back(std::move(r.model));
+  return models;
+}
+
 }  // namespace
 
 ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureMasks& masks,
@@ -40,28 +60,35 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   std::vector<std::vector<uint8_t>> on_object(desc.photos.size());
   for (size_t i = 0; i < on_object.size(); ++i) on_object[i] = masks.on_object(i, matches.xy[i]);
   const MotionEvidence evidence = motion_evidence(together.model, matches, on_object);
-  if (evidence.passes.size() < 2) return {};
-  log_info("sfm: {} pairs of photos contradict each other about the object and what surrounds it: {} are joined by the object",
-           evidence.pairs, passes_text(evidence.passes));
-  ReconstructDesc by_passes = desc;
-  by_passes.work_folder = desc.work_folder / "passes";
-  by_passes.pass_of = pass_of(desc.photos, evidence.passes);
-  Reconstruction object = reconstruct(colmap, config, by_passes);
-  ObjectPasses out{.passes = evidence.passes, .contradicting = evidence.pairs, .furthest_match = evidence.furthest_match};
-  if (passes_in(out.passes, object.model) > 1) {
-    if (!moved_between(out.passes, object.model, together.model)) {
-      log_info("sfm: the object stands still with its surroundings after all");
-      return {};
+  // Poses may follow the object in some photos and its surroundings in others: then the surroundings by themselves show it.
+  const std::vector<ColmapModel> surroundings = models_of_surroundings(colmap, config, desc, together);
+  ObjectPasses out{.passes = evidence.passes.empty() ? passes_by_motion(together.model, surroundings) : evidence.passes,
+                   .contradicting = evidence.pairs,
+                   .furthest_match = evidence.furthest_match};
+  if (out.passes.empty()) return {};
+  log_info("sfm: the object moves against what surrounds it: {} are joined by its features", passes_text(out.passes));
+  Reconstruction joined = joined_passes(colmap, config, desc, out.passes);
+  if (passes_in(out.passes, joined.model) < 2) {
+    out.poses = PosesOf::LargestPass;
+    together.model = restricted(together.model, out.passes[0]);
+    for (PhotoReport& p : together.photos) {
+      p.other_pass = std::find(out.passes[0].begin(), out.passes[0].end(), p.name) == out.passes[0].end();
+      p.registered = p.registered && !p.other_pass;
     }
-    together = std::move(object);
     return out;
   }
-  out.poses = PosesOf::LargestPass;
-  together.model = restricted(together.model, out.passes[0]);
-  for (PhotoReport& p : together.photos) {
-    p.other_pass = std::find(out.passes[0].begin(), out.passes[0].end(), p.name) == out.passes[0].end();
-    p.registered = p.registered && !p.other_pass;
+  // Its poses follow the object in all photos: now the passes are known well.
+  const Passes passes = passes_by_motion(joined.model, surroundings);
+  if (passes.empty() && passes_in(out.passes, surroundings.back()) > 1) {
+    log_info("sfm: the object stands still with its surroundings after all");
+    return {};
   }
+  if (!passes.empty() && passes != out.passes) {
+    out.passes = passes;
+    log_info("sfm: {} are joined by the features of the object", passes_text(out.passes));
+    joined = joined_passes(colmap, config, desc, out.passes);
+  }
+  together = std::move(joined);
   return out;
 }
 

@@ -21,7 +21,7 @@ constexpr double kMostAgree = 0.5, kFewAgree = 0.3;
 constexpr double kSameDirectionDeg = 20, kSameRollDeg = 30;
 constexpr size_t kHardlyAMatch = 4, kEnoughFeatures = 40;
 constexpr size_t kFewestContradicting = 3;  // pairs
-constexpr double kMovedDeg = 3, kMovedRel = 0.03;
+constexpr double kMovedDeg = 5;
 
 double degrees(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * 57.29577951308232; }
 double turn_deg(const Mat3d& r) { return degrees((r.c0.x + r.c1.y + r.c2.z - 1) / 2); }
@@ -172,52 +172,30 @@ MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& mat
   return out;
 }
 
-bool moved_between(const Passes& passes, const ColmapModel& object, const ColmapModel& surroundings) {
-  std::map<std::string, Rigid> object_pose, other_pose;
-  for (const ColmapImage& image : object.images) object_pose[image.name] = image.cam_from_world();
-  for (const ColmapImage& image : surroundings.images) other_pose[image.name] = image.cam_from_world();
-  std::vector<Similarity> placed;  // surroundings_from_object, per pass
-  std::vector<double> reach;       // of the cameras, in the frame of the surroundings
-  for (const std::vector<std::string>& photos : passes) {
-    std::vector<Rigid> o, s;
-    for (const std::string& name : photos)
-      if (object_pose.contains(name) && other_pose.contains(name)) o.push_back(object_pose[name]), s.push_back(other_pose[name]);
-    if (o.size() < kSmallestPass) continue;
-    // The rotation that is nearest to those of all photos; scale and translation by least squares of the camera centres.
-    std::vector<Mat3d> turns;
-    for (size_t i = 0; i < o.size(); ++i) turns.push_back(transposed(s[i].rotation) * o[i].rotation);
-    size_t middle = 0;
-    double least = 1e300;
-    for (size_t i = 0; i < turns.size(); ++i) {
-      double sum = 0;
-      for (const Mat3d& other : turns) sum += turn_deg(transposed(turns[i]) * other);
-      if (sum < least) least = sum, middle = i;
+Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings) {
+  std::map<std::string, Mat3d> object_turn;
+  for (const ColmapImage& image : object.images) object_turn[image.name] = image.cam_from_world().rotation;
+  Passes passes;
+  bool moved = false;
+  for (const ColmapModel& model : surroundings) {
+    std::vector<Mat3d> stands;  // of each group, surroundings_from_object of its first photo
+    Passes groups;
+    for (const ColmapImage& image : model.images) {
+      const auto turn = object_turn.find(image.name);
+      if (turn == object_turn.end()) continue;
+      const Mat3d surroundings_from_object = transposed(image.cam_from_world().rotation) * turn->second;
+      size_t group = 0;
+      while (group < stands.size() && turn_deg(transposed(stands[group]) * surroundings_from_object) > kMovedDeg) ++group;
+      if (group == stands.size()) stands.push_back(surroundings_from_object), groups.emplace_back();
+      groups[group].push_back(image.name);
     }
-    Similarity p;
-    p.rotation = turns[middle];
-    Vec3d mean_o{}, mean_s{};
-    for (size_t i = 0; i < o.size(); ++i) {
-      mean_o += p.rotation * inverse(o[i]).translation / double(o.size());
-      mean_s += inverse(s[i]).translation / double(o.size());
-    }
-    double os = 0, oo = 0, ss = 0;
-    for (size_t i = 0; i < o.size(); ++i) {
-      const Vec3d a = p.rotation * inverse(o[i]).translation - mean_o, b = inverse(s[i]).translation - mean_s;
-      os += dot(a, b), oo += dot(a, a), ss += dot(b, b);
-    }
-    p.scale = oo > 0 ? os / oo : 1;
-    p.translation = mean_s - p.scale * mean_o;
-    placed.push_back(p);
-    reach.push_back(std::sqrt(ss / double(o.size())));
+    std::erase_if(groups, [](const std::vector<std::string>& photos) { return photos.size() < kSmallestPass; });
+    moved |= groups.size() > 1;
+    passes.insert(passes.end(), groups.begin(), groups.end());
   }
-  for (size_t i = 0; i < placed.size(); ++i)
-    for (size_t j = 0; j < i; ++j) {
-      if (turn_deg(transposed(placed[i].rotation) * placed[j].rotation) > kMovedDeg) return true;
-      Vec3d centre{};
-      for (const ColmapPoint3D& p : object.points) centre += p.position / double(object.points.size());
-      if (length(placed[i] * centre - placed[j] * centre) > kMovedRel * std::max(reach[i], reach[j])) return true;
-    }
-  return false;
+  if (!moved) return {};
+  std::stable_sort(passes.begin(), passes.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return passes;
 }
 
 ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos) {

@@ -34,9 +34,10 @@ struct MotionEvidence {
 MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& matches,
                                std::span<const std::vector<uint8_t>> on_object);
 
-// How the object of one model stands in the other differs by more than the noise between these groups of photos: 3 degrees, or 3
-// % of the distance of the cameras. Groups in which fewer than 3 photos have both poses are left out.
-bool moved_between(const Passes& passes, const ColmapModel& object, const ColmapModel& surroundings);
+// The same by two sets of poses: groups of at least 3 photos in which the object stands alike relative to its surroundings, to 5
+// degrees. Photos of different models of the surroundings are in different groups. Fewer than two groups within each model:
+// nothing was moved, and the result is empty.
+Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings);
 
 // The photos of `model` that are in `photos`, and the points that they see.
 ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos);

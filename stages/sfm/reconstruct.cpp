@@ -187,7 +187,13 @@ ReconstructDesc with_progress_in(const ReconstructDesc& desc, double low, double
 MatchCounts prepare_database(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const FeatureEffort& effort,
                              const fs::path& database, const ColmapModel* known) {
   Timer timer;
-  extract_features(colmap, config, with_progress_in(desc, 0, 0.3), effort, database, known);
+  if (desc.found_features.empty()) {
+    extract_features(colmap, config, with_progress_in(desc, 0, 0.3), effort, database, known);
+  } else {
+    fs::copy_file(desc.found_features, database);
+    ColmapDatabase(database).drop_geometries();
+    link_pictures(desc);
+  }
   if (desc.timing) desc.timing("features", timer.seconds());
   return match_and_verify(colmap, config, with_progress_in(desc, 0.3, 0.6), database);
 }
@@ -236,8 +242,10 @@ FoundMatches found_matches(std::span<const SfmPhoto> photos, const fs::path& dat
 
 Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& given) {
   const ReconstructDesc desc = fresh(given);
-  const std::span<const Rung> ladder = desc.pass_of.empty() ? std::span<const Rung>(kLadder).first(size_t(config.retries) + 1)
-                                                            : std::span<const Rung>(kPassesLadder);
+  const std::span<const Rung> ladder =
+      !desc.pass_of.empty()
+          ? std::span<const Rung>(kPassesLadder)
+          : std::span<const Rung>(kLadder).first(desc.used == UsedFeatures::Surroundings ? 1 : size_t(config.retries) + 1);
   Reconstruction best;
   fs::path database;
   MatchCounts counts;
@@ -281,7 +289,8 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
       if (result.signal != 0) log_warning("sfm: COLMAP's mapper was ended by signal {}; what it left is used", result.signal);
       std::vector<ColmapModel> found = models_in(models);
       for (const ColmapModel& m : found) attempt.model_sizes.push_back(m.images.size());
-      if (!found.empty()) now.model = with_photo_names(std::move(found[0]), desc.photos);
+      for (size_t m = 0; m < found.size(); ++m)
+        (m == 0 ? now.model : now.smaller_models.emplace_back()) = with_photo_names(std::move(found[m]), desc.photos);
     }
     // A mapper that starts from less has to end with more.
     drop_weak_photos(now, static_cast<size_t>(config.min_observations) * (rung.relaxed_mapper ? 2 : 1));

@@ -58,9 +58,10 @@ struct PairReport {
 };
 
 struct Reconstruction {
-  ColmapModel model;                // image names are photo names; ids 1..n in name order
-  fs::path database = {};           // features and matches of the attempt that counts
-  std::vector<PhotoReport> photos;  // in the order given
+  ColmapModel model;                             // image names are photo names; ids 1..n in name order
+  std::vector<ColmapModel> smaller_models = {};  // of photos that did not join the model
+  fs::path database = {};                        // features and matches of the attempt that counts
+  std::vector<PhotoReport> photos;               // in the order given
   std::vector<Attempt> attempts;
   std::vector<size_t> groups;     // sizes of groups connected by verified pairs, largest first
   std::vector<PairReport> pairs;  // verified ones
@@ -75,6 +76,8 @@ struct ReconstructDesc {
   fs::path work_folder;          // emptied first
   int threads = 1;
   const FeatureMasks* masks = nullptr;  // null: every feature is used
+  UsedFeatures used = UsedFeatures::ByTurntable;
+  fs::path found_features = {};  // a database of these photos, whose features are used; empty: they are extracted
   // [photo] the pass in which it was taken (passes.h). Between photos of two passes features of the object alone are matched;
   // what surrounds it stood still in each. Empty: one pass.
   std::vector<size_t> pass_of = {};

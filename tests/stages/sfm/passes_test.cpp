@@ -101,7 +101,7 @@ Rigid turned(double degrees, const Vec3d& axis, const Vec3d& shift = {}) {
 TEST(Passes, AreFoundWhereTheObjectWasTurned) {
   const TurnedCapture two({{{}, 14}, {turned(170, {1, 0, 0}), 10}});
   EXPECT_EQ(two.evidence().passes, two.truth);
-  EXPECT_TRUE(moved_between(two.truth, two.on_object, two.on_plate));
+  EXPECT_EQ(passes_by_motion(two.on_object, std::vector{two.on_plate}), two.truth);
   const TurnedCapture three({{{}, 14}, {turned(170, {1, 0, 0}), 12}, {turned(90, {0, 1, 0}), 10}});
   EXPECT_EQ(three.evidence().passes, three.truth);
 }
@@ -120,8 +120,7 @@ TEST(Passes, AreFoundWhereTheySharePhotosOfThePlateAlone) {
 TEST(Passes, AreNoneWhereNothingWasTurned) {
   const TurnedCapture still({{{}, 24}});
   EXPECT_LT(still.evidence().passes.size(), 2u);
-  EXPECT_FALSE(moved_between({{"0_00.jpg", "0_01.jpg", "0_02.jpg"}, {"0_10.jpg", "0_11.jpg", "0_12.jpg"}}, still.on_object,
-                             still.on_plate));
+  EXPECT_TRUE(passes_by_motion(still.on_object, std::vector{still.on_plate}).empty());
   // Photos from opposite sides share nothing of the object: no proof of anything.
   TurnedCapture halves({{{}, 12}});
   for (size_t p = 0; p < halves.matches.pairs.size(); ++p) {
@@ -131,9 +130,10 @@ TEST(Passes, AreNoneWhereNothingWasTurned) {
   EXPECT_LT(halves.evidence().passes.size(), 2u);
 }
 
-TEST(Passes, AreTwoWhereTheObjectWasShiftedAlone) {
-  const TurnedCapture shifted({{{}, 14}, {turned(0, {1, 0, 0}, {0.3, 0.1, 0}), 10}});
-  EXPECT_TRUE(moved_between(shifted.truth, shifted.on_object, shifted.on_plate));
+TEST(Passes, AreNotToldFromModelsOfSurroundingsThatShareNoPhoto) {
+  const TurnedCapture two({{{}, 14}, {turned(170, {1, 0, 0}), 10}});
+  const std::vector apart{restricted(two.on_plate, two.truth[0]), restricted(two.on_plate, two.truth[1])};
+  EXPECT_TRUE(passes_by_motion(two.on_object, apart).empty());
 }
 
 TEST(Passes, SurviveTheirFile) {
