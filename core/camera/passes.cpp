@@ -53,6 +53,12 @@ std::string passes_summary(const fs::path& sfm_artifact) {
   return file.passes.empty() ? std::string() : fmt::format("{}; {}", passes_text(file.passes), kSummaries[size_t(file.poses)]);
 }
 
+size_t pass_of(const Passes& passes, const std::string& photo) {
+  for (size_t i = 0; i < passes.size(); ++i)
+    if (std::find(passes[i].begin(), passes[i].end(), photo) != passes[i].end()) return i;
+  return passes.size();
+}
+
 std::string passes_text(const Passes& passes) {
   std::string sizes;
   for (size_t i = 0; i < passes.size(); ++i)

@@ -24,6 +24,9 @@ void write_passes(const std::filesystem::path& sfm_artifact, const Passes& passe
 
 // A sentence for people; empty where there are no passes.
 std::string passes_summary(const std::filesystem::path& sfm_artifact);
+// The pass that holds the photo; 0 where there are no passes, passes.size() where none of them does.
+size_t pass_of(const Passes& passes, const std::string& photo);
+
 // "2 passes: 34 and 18 photos"
 std::string passes_text(const Passes& passes);
 
