@@ -1,13 +1,14 @@
 // vitrine export PROJECT: the scene in other programs' formats, besides those that `vitrine run` wrote. The work is done by the
 // export stage; this command puts its files where they are wanted and never over others without being told so.
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/config/cli.h"
+#include "core/config/length.h"
+#include "core/config/scale_bar.h"
 #include "core/config/text.h"
 #include "pipeline/export_folder.h"
 #include "pipeline/graph.h"
@@ -20,7 +21,7 @@ namespace vitrine {
 namespace {
 
 struct ExportArguments : ToolOptions {
-  std::string output, formats, axes, scale;
+  std::string output, formats, axes, scale, scale_bar;
   bool list = false, overwrite = false, edited = false;
 };
 
@@ -31,6 +32,9 @@ CommandLine export_command_line(ExportArguments& a) {
   cli.value("formats", 'f', "A,B,...", a.formats, "Which formats; default: all.");
   cli.value("axes", 0, "AXES", a.axes, "Frame of the files: rhzu, rhyu, lhzu or lhyu (right- or left-handed, z or y up).");
   cli.value("scale", 0, "LENGTH", a.scale, "Length of one scene unit, as 0.24m, 24cm, or a bare number.");
+  cli.value("scale-bar", 0, "MARKS", a.scale_bar,
+            "A scale bar in the picture: its two ends in two or more photos and its length, "
+            "\"PHOTO:X1,Y1,X2,Y2 PHOTO:X1,Y1,X2,Y2 = 5cm\", in pixels of PROJECT/images.");
   cli.flag("edited", 0, a.edited, "The scene with its edits (vitrine edit), into PROJECT/edited/export.");
   cli.value("output", 'o', "DIR", a.output, "Where the files go; default: PROJECT/export.");
   cli.flag("overwrite", 0, a.overwrite, "Replace files that are there with other contents.");
@@ -60,14 +64,11 @@ void check_formats(const std::string& given) {
 
 // A length in metres.
 double metres(const std::string& text) {
-  double value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  const std::string unit(parsed.ptr, text.data() + text.size() - parsed.ptr);
-  const double factor = unit.empty() || unit == "m" ? 1 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0;
-  if (parsed.ec != std::errc() || factor == 0 || !(value > 0))
+  const auto length = parse_length(text);
+  if (!length)
     throw Error(ErrorKind::Usage, fmt::format("--scale must look like 0.24m, 24cm or 1.5, got \"{}\"", text),
                 {.hint = "a length of the whole scene's unit: 0.24m makes one unit 24 cm", .code = "USAGE"});
-  return value * factor;
+  return length->metres;
 }
 
 }  // namespace
@@ -82,6 +83,12 @@ int export_command(const Words& words) {
   }
   if (a.list) return run_and_tell({tool_program("export").string(), "--list"});
   check_formats(a.formats);
+  if (!a.scale_bar.empty()) {
+    if (!a.scale.empty())
+      throw Error(ErrorKind::Usage, "--scale and --scale-bar both give the unit",
+                  {.hint = "leave one of them out", .code = "USAGE"});
+    parse_scale_bar(a.scale_bar);
+  }
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const ProjectLock lock(project);
   const fs::path target = result_folder(project, (a.edited ? edited_folder(project) : project) / kExportStage, a.output);
@@ -97,6 +104,7 @@ int export_command(const Words& words) {
   if (!a.formats.empty()) run.insert(run.end(), {"--set", "formats=[" + a.formats + "]"});
   if (!a.axes.empty()) run.insert(run.end(), {"--set", "axes=" + a.axes});
   if (!a.scale.empty()) run.insert(run.end(), {"--set", fmt::format("scale={}", metres(a.scale))});
+  if (!a.scale_bar.empty()) run.insert(run.end(), {"--set", "scale_bar=" + a.scale_bar});
   const Words work = work_words(a);
   run.insert(run.end(), work.begin(), work.end());
 

@@ -6,7 +6,10 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
+#include "core/base/log.h"
 #include "core/base/process.h"
+#include "core/camera/scale_bar_length.h"
+#include "core/config/scale_bar.h"
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {
@@ -19,6 +22,9 @@ void describe(Describer& d, ExportConfig& c) {
   d.option("scale", c.scale,
            "File units per scene unit (the radius of the camera ring); 0 = metres where the scene knows them, else 1.")
       .range(0, 1e6);
+  d.option("scale_bar", c.scale_bar,
+           "A scale bar in the picture instead of `scale`, files in metres: its two ends in two or more photos and its length, "
+           "\"photo:x1,y1,x2,y2 photo:x1,y1,x2,y2 = 5cm\" in pixels of the undistorted photos; empty: none.");
   d.option("texture_size", c.texture_size,
            "Side of the baked textures in texels; 0 = four texels per edge of the mesh, a power of two.")
       .range(0, 8192);
@@ -28,6 +34,7 @@ std::string problem(const ExportConfig& config) {
   std::set<std::string_view> seen;
   for (const std::string& name : config.formats)
     if (!seen.insert(name).second) return "formats: '" + name + "' is listed twice";
+  if (config.scale > 0 && !config.scale_bar.empty()) return "scale and scale_bar both give the unit: leave one of them out";
   return {};
 }
 
@@ -43,12 +50,22 @@ Error without_albedo(const ExportFormat& format) {
 }  // namespace
 
 void run_export(const ExportConfig& config, StageContext& context) {
+  ExportSettings settings{.axes = config.axes, .scale = config.scale, .texture_size = config.texture_size};
+  if (!config.scale_bar.empty()) {
+    const fs::path sfm = context.input("sfm");
+    const ScaleBarLength bar = scale_bar_length(parse_scale_bar(config.scale_bar), photo_cameras(sfm), read_passes(sfm));
+    settings.scale = bar.metres_per_unit;
+    settings.scale_note = scale_bar_text(bar);
+    log_info("{}", settings.scale_note);
+    context.metric("metres_per_unit", bar.metres_per_unit);
+    context.metric("scale_bar_error_px", bar.error_px);
+  }
   ExportSource source({.sfm = context.input("sfm"),
                        .optimize = context.input("optimize"),
                        .mesh = context.input("mesh"),
                        .refine = context.optional_input("refine"),
                        .decompose = context.optional_input("decompose")},
-                      {.axes = config.axes, .scale = config.scale, .texture_size = config.texture_size});
+                      settings);
   const fs::path folder = context.output() / "export";
   make_folders(folder);
   nlohmann::ordered_json written = nlohmann::ordered_json::array();
@@ -77,7 +94,8 @@ void run_export(const ExportConfig& config, StageContext& context) {
   }
   write_file(folder / "formats.json", written.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   context.metric("files", double(all.size()));
-  context.summary(fmt::format("{} files in {} formats", all.size(), config.formats.size()));
+  context.summary(fmt::format("{} files in {} formats{}{}", all.size(), config.formats.size(),
+                              settings.scale_note.empty() ? "" : "; ", settings.scale_note));
 }
 
 std::string format_table() {

@@ -1,5 +1,5 @@
 // export: the scene in other programs' formats (formats/registry.cpp). README.md in this folder lists them.
-//   reads   sfm/{images,sparse/0,scene.json}, gaussians/*.ply, mesh/mesh.ply, decompose/materials.ply (optional)
+//   reads   sfm/{images,sparse/0,scene.json,sfm/passes.json}, gaussians/*.ply, mesh/mesh.ply, decompose/materials.ply (optional)
 //   writes  export/<files of the chosen formats>, export/formats.json (which files, what they hold, what they lose)
 #pragma once
 
@@ -12,10 +12,11 @@ struct ExportConfig {
   std::vector<std::string> formats = export_format_names();
   std::string axes = "rhzu";
   double scale = 0;
+  std::string scale_bar = {};
   int texture_size = 0;
 };
 void describe(Describer& d, ExportConfig& c);
-std::string problem(const ExportConfig& config);  // empty, or which format is listed twice
+std::string problem(const ExportConfig& config);  // empty, or which format is listed twice or which options exclude each other
 
 void run_export(const ExportConfig& config, StageContext& context);
 Stage export_stage();

@@ -1,5 +1,6 @@
 #include "stages/export/formats/source.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
@@ -98,6 +99,14 @@ std::vector<SurfelMaterial> content_materials(std::span<const SurfelMaterial> di
 
 }  // namespace
 
+std::vector<View> photo_cameras(const std::filesystem::path& sfm) {
+  const ColmapModel model = read_colmap_model(sfm / "sparse" / "0");
+  std::vector<View> views;
+  for (const ColmapImage& image : model.images)
+    views.push_back({image.name, pinhole_part(*model.find_camera(image.camera_id)), image.cam_from_world()});
+  return views;
+}
+
 const SceneInfo& ExportSource::scene_info() {
   if (!info_) info_ = read_scene_info(inputs_.sfm / "scene.json");
   return *info_;
@@ -107,6 +116,8 @@ bool ExportSource::metric() { return settings_.scale > 0 || scene_info().scale_k
 
 ExportFrame ExportSource::frame(std::string_view axes) {
   double scale = settings_.scale;
+  if (!settings_.scale_note.empty() && std::ranges::find(notes_, settings_.scale_note) == notes_.end())
+    notes_.push_back(settings_.scale_note);
   // The poses' own frame is in metres when their scale is known.
   if (!(scale > 0)) scale = scene_info().scale_known ? 1 / scene_info().scene_from_colmap.scale : 1;
   return ExportFrame::named(axes.empty() ? std::string_view(settings_.axes) : axes, scale);
@@ -204,10 +215,7 @@ const PbrMesh& ExportSource::pbr_mesh() {
 
 const SplatLayer& ExportSource::preview() {
   if (preview_) return *preview_;
-  const ColmapModel model = read_colmap_model(inputs_.sfm / "sparse" / "0");
-  std::vector<View> views;
-  for (const ColmapImage& image : model.images)
-    views.push_back({image.name, pinhole_part(*model.find_camera(image.camera_id)), image.cam_from_world()});
+  const std::vector<View> views = photo_cameras(inputs_.sfm);
   if (views.empty())
     throw Error(ErrorKind::Input, "there are no cameras to fit a preview to",
                 {.where = inputs_.sfm.string(), .hint = "leave out the previews (`vitrine export --list`)", .code = "NO_VIEWS"});

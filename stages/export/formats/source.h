@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/camera/scene_info.h"
+#include "core/camera/view.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/frame.h"
 #include "core/picture/decomposed_materials.h"
@@ -25,9 +26,13 @@ struct ExportInputs {
 
 struct ExportSettings {
   std::string axes = "rhzu";
-  double scale = 0;      // file units per scene unit; 0: metres where their size is known, else 1
-  int texture_size = 0;  // 0: by the mesh
+  double scale = 0;             // file units per scene unit; 0: metres where their size is known, else 1
+  std::string scale_note = {};  // where the scale comes from, for the notes of formats that have lengths
+  int texture_size = 0;         // 0: by the mesh
 };
+
+// Cameras of the undistorted photos, from sparse/0 of an sfm artifact.
+std::vector<View> photo_cameras(const std::filesystem::path& sfm);
 
 class ExportSource {
  public:

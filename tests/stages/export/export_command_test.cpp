@@ -10,6 +10,7 @@
 #include "pipeline/export_folder.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"
+#include "tests/stages/export/ring_of_cameras.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
@@ -22,6 +23,7 @@ class ExportCommand : public testing::Test {
     setenv("VITRINE_STAGE_DIR", VITRINE_BIN_DIR, 1);
     const TemporaryFolder artifacts;
     test::PaneScene().write(artifacts.path());
+    write_colmap_model(artifacts.path() / "sfm/sparse/0", test::ring_of_cameras(), ColmapFormat::Binary);
     write_file(project() / "vitrine.yaml", "");
     ArtifactStore store(store_of(project()));
     for (const char* stage : {"sfm", "optimize", "mesh"}) {
@@ -103,6 +105,17 @@ TEST_F(ExportCommand, OverwritesNothingUnlessTold) {
   EXPECT_EQ(run({"--formats", "mesh-ply,mesh-obj", "--axes", "rhyu", "--overwrite"}), 0);
   EXPECT_NE(read_file(project() / "export/mesh.ply"), before);
   EXPECT_NE(read_file(project() / "export/mesh.obj"), "my own");
+}
+
+TEST_F(ExportCommand, TakesItsUnitFromAScaleBar) {
+  const Vec3d ends[2] = {{-0.1, 0.05, 0}, {0.1, 0.2, 0.05}};
+  const std::string bar = test::marked_bar(test::ring_of_cameras(), ends) + " = 5.1 cm";
+  EXPECT_EQ(run({"--formats", "mesh-obj", "--scale-bar", bar}), 0);
+  const auto report = nlohmann::json::parse(read_file(project() / "export/formats.json"));
+  EXPECT_NE(report[0].at("notes").dump().find("one unit of the scene is 0.2 m, by the scale bar"), std::string::npos) << report;
+  EXPECT_EQ(error_of([&] { run({"--scale-bar", "ring 0.jpg:1,2,3,4 = 5cm"}); }).detail().code, "SCALE_BAR");
+  EXPECT_EQ(error_of([&] { run({"--scale-bar", bar, "--scale", "24cm"}); }).kind(), ErrorKind::Usage);
+  EXPECT_EQ(run({"--formats", "mesh-obj", "--scale-bar", "nowhere.jpg:1,2,3,4 ring 0.jpg:1,2,3,4 = 5cm", "--overwrite"}), 2);
 }
 
 TEST_F(ExportCommand, AReportThatIsNotItsOwnIsInTheWay) {

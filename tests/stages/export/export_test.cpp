@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/json.h"
 #include "core/base/rng.h"
 #include "core/camera/colmap_model.h"
+#include "core/camera/passes.h"
 #include "core/camera/scene_info.h"
 #include "core/math/color.h"
 #include "core/math/rigid.h"
@@ -16,6 +18,8 @@
 #include "stages/export/formats/format.h"
 #include "tests/core/camera/tiny_model.h"
 #include "tests/stages/export/float_ply.h"
+#include "tests/stages/export/ring_of_cameras.h"
+#include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -146,6 +150,62 @@ TEST_F(ExportStage, ShDegreesOtherThanThreeKeepTheirOwnPropertyCount) {
     EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_2dgs.ply").properties, property_list(rest, 2));
     EXPECT_EQ(parsed_ply(c.output() / "export/gaussians_3dgs.ply").properties, property_list(rest, 3));
   }
+}
+
+TEST_F(ExportStage, AScaleBarInThePhotosGivesEveryFormatItsUnit) {
+  const ColmapModel cameras = test::ring_of_cameras();
+  for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text})
+    write_colmap_model(root_.path() / "sfm/sparse/0", cameras, format);
+  for (const ColmapImage& image : cameras.images) write_file(root_.path() / "sfm/images" / image.name, "photo");
+  const Vec3d ends[2] = {{-0.1, 0.05, 0}, {0.1, 0.2, 0.05}};  // 0.255 units
+  const std::string bar = test::marked_bar(cameras, ends) + " = 51mm";
+  const double metres = 0.051 / length(ends[1] - ends[0]);
+  const std::vector<std::string> formats{"ply-2dgs", "ply-3dgs", "colmap", "mesh-ply", "mesh-obj", "mesh-glb", "mesh-usd"};
+  RecordingContext c = context();
+  run_export({.formats = formats, .scale_bar = bar, .texture_size = 32}, c);
+  EXPECT_NEAR(c.metrics.at("metres_per_unit"), metres, 1e-4 * metres);  // pixels are written with three digits
+  const std::string told = fmt::format("one unit of the scene is {:.4g} m, by the scale bar, 0.0 px", metres);
+  EXPECT_NE(c.summary_text.find(told), std::string::npos) << c.summary_text;
+  RecordingContext by_hand = context();
+  run_export({.formats = formats, .scale = c.metrics.at("metres_per_unit"), .texture_size = 32}, by_hand);
+  RecordingContext unscaled = context();
+  run_export({.formats = formats, .texture_size = 32}, unscaled);
+  for (const char* file : {"gaussians_2dgs.ply", "gaussians_3dgs.ply", "mesh.ply", "mesh.obj", "mesh.glb", "mesh.usda"}) {
+    const auto bytes = [&](const RecordingContext& of) { return read_file(of.output() / "export" / file); };
+    EXPECT_TRUE(bytes(c) == bytes(by_hand)) << file;
+    EXPECT_FALSE(bytes(c) == bytes(unscaled)) << file;
+  }
+  EXPECT_NE(read_file(c.output() / "export/mesh.usda").find("metersPerUnit = 1\n"), std::string::npos);
+  const FloatPly ply = parsed_ply(c.output() / "export/gaussians_2dgs.ply");
+  const SplatLayer layer = read_layer(layer_path());
+  EXPECT_NEAR(ply.value(3, "y"), metres * double(layer.at(Attribute::Mean, 3)[1]), 1e-4);
+  // Formats that have lengths note where their unit comes from.
+  const auto written = nlohmann::json::parse(read_file(c.output() / "export/formats.json"));
+  for (const auto& format : written) {
+    const std::string notes = format.value("notes", nlohmann::json()).dump();
+    EXPECT_EQ(notes.find(told) != std::string::npos, format.at("format") != "colmap") << format;
+  }
+}
+
+TEST_F(ExportStage, AScaleBarThatIsOfNoUseIsAnError) {
+  const ColmapModel cameras = test::ring_of_cameras();
+  for (const ColmapFormat format : {ColmapFormat::Binary, ColmapFormat::Text})
+    write_colmap_model(root_.path() / "sfm/sparse/0", cameras, format);
+  const Vec3d ends[2] = {{-0.1, 0.05, 0}, {0.1, 0.2, 0.05}};
+  const auto code = [&](const std::string& bar) {
+    RecordingContext c = context();
+    const Error e = error_of([&] { run_export({.formats = {"mesh-ply"}, .scale_bar = bar}, c); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << bar;
+    EXPECT_FALSE(fs::exists(c.output() / "export/mesh.ply"));
+    return e.detail().code;
+  };
+  EXPECT_EQ(code(test::marked_bar(cameras, ends)), "SCALE_BAR");
+  EXPECT_EQ(code("a.jpg:1,2,3,4 b.jpg:1,2,3,4 = 5cm"), "SCALE_BAR");
+  write_passes(root_.path() / "sfm", {{cameras.images[0].name, cameras.images[1].name}, {cameras.images[2].name}});
+  EXPECT_EQ(code(test::marked_bar(cameras, ends) + " = 51mm"), "SCALE_BAR");
+  EXPECT_EQ(problem(ExportConfig{.scale = 1, .scale_bar = "a:1,2,3,4 b:1,2,3,4 = 5cm"}),
+            "scale and scale_bar both give the unit: leave one of them out");
+  EXPECT_EQ(problem(ExportConfig{.scale_bar = "a:1,2,3,4 b:1,2,3,4 = 5cm"}), "");
 }
 
 TEST(DisplayColor, FollowsTheEncodedRadianceToFirstOrder) {
