@@ -11,9 +11,9 @@
 #include "core/base/process.h"
 #include "core/base/terminal.h"
 #include "core/config/cli.h"
+#include "pipeline/chart.h"
 #include "pipeline/commands.h"
 #include "pipeline/given_inputs.h"
-#include "pipeline/grey_card.h"
 #include "pipeline/html_report.h"
 #include "pipeline/preflight.h"
 #include "pipeline/project.h"
@@ -25,7 +25,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, shapes, normals, truth, grey_card, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, shapes, normals, truth, grey_card, scale_bar, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0;
@@ -56,6 +56,10 @@ CommandLine run_command_line(RunArguments& a) {
       "grey-card", 0, "PHOTO:X,Y,W,H", a.grey_card,
       "A card of known albedo (decompose.grey_albedo, 0.18), which sets the scale of all albedos and the colour of the light: a "
       "box in one photo, in pixels of that photo in the output folder's `images`.");
+  cli.value(
+      "scale-bar", 0, "MARKS", a.scale_bar,
+      "A scale bar in the picture, which sets the unit of exported files: its two ends in two or more photos and its length, "
+      "\"PHOTO:X1,Y1,X2,Y2 PHOTO:X1,Y1,X2,Y2 = 5cm\", in pixels of the output folder's `images`.");
   cli.section("which stages");
   cli.value("from", 0, "STAGE", a.selection.from, "Leave the stages before this one as they are.");
   cli.value("to", 0, "STAGE", a.selection.to, "Stop after this stage.");
@@ -121,6 +125,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.normals", a.normals, "--normals");
   flag("input.truth", a.truth, "--truth");
   flag("decompose.grey_card", a.grey_card, "--grey-card");
+  flag("export.scale_bar", a.scale_bar, "--scale-bar");
   if (a.threads > 0) flag("limits.threads", std::to_string(a.threads), "--threads");
   flag("limits.memory", a.max_memory, "--max-memory");
   if (a.max_gaussians > 0) {
@@ -222,6 +227,8 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("decompose.grey_card"); card != nullptr && !card->text().empty())
     check_grey_card(card->text(), settings.text("input.photos"));
+  if (const Option* bar = settings.options.table.find("export.scale_bar"); bar != nullptr && !bar->text().empty())
+    check_scale_bar(bar->text(), settings.text("input.photos"));
   check_inputs_apart(target.project, graph, settings);
   Planner planner(graph, settings, target.project, a.selection);
   check_given_inputs(planner, settings);

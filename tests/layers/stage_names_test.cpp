@@ -27,6 +27,7 @@ constexpr Exception kExceptions[] = {
     {"given_inputs.cpp", "shapes", "the outside input that --shapes gives, read before the stages run"},
     {"given_inputs.cpp", "sfm", "advice with its options, which an error about masks gives"},
     {"run_command.cpp", "decompose", "--grey-card is its option decompose.grey_card"},
+    {"run_command.cpp", "export", "--scale-bar is its option export.scale_bar"},
     // Commands of one program each, and the results that the program reads.
     {"export_command.cpp", "export sfm optimize mesh refine decompose", "vitrine export"},
     {"export_folder.h", "export", "export/, which a run and vitrine export share"},

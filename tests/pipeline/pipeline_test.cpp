@@ -5,7 +5,7 @@
 
 #include "core/base/events.h"
 #include "core/base/timer.h"
-#include "pipeline/grey_card.h"
+#include "pipeline/chart.h"
 #include "pipeline/printed_key.h"
 #include "tests/pipeline/sandbox.h"
 #include "tests/support/error_of.h"
@@ -282,6 +282,22 @@ TEST_F(Sandbox, AGreyCardIsLookedAtBeforeAnythingIsComputed) {
   }
   EXPECT_EQ(error_of([&] { check_grey_card("ä_b.jpg:1,2,3,4", photos()); }).detail().hint, "did you mean 'ä b.jpg'?");
   EXPECT_NO_THROW(check_grey_card("a.jpg:1,2,3,4", folder.path() / "nowhere"));
+}
+
+TEST_F(Sandbox, AScaleBarIsLookedAtBeforeAnythingIsComputed) {
+  EXPECT_TRUE(
+      run({"--scale-bar", "a.jpg:1,2,3,4 c.jpg:1,2,3,4 = 5cm"}).has("--scale-bar is of no use here: no stage reads 'scale_bar'"));
+  for (const char* good : {"a.jpg:1,2,3,4 c.jpg:1,2,3,4 = 5cm", "a:1,2,3,4 ä b.jpg:1,2,3,4=50mm"})
+    EXPECT_NO_THROW(check_scale_bar(good, photos())) << good;
+  for (const char* bad : {"a.jpg:1,2,3,4 = 5cm", "a.jpg:1,2,3,4 c.jpg:1,2,3,4", "a.jpg:1,2,3,4 z.jpg:1,2,3,4 = 5cm"}) {
+    const Error e = error_of([&] { check_scale_bar(bad, photos()); });
+    EXPECT_EQ(e.kind(), ErrorKind::Usage) << bad;
+    EXPECT_EQ(e.detail().code, "SCALE_BAR");
+    EXPECT_EQ(e.detail().where, bad);
+  }
+  EXPECT_EQ(error_of([&] { check_scale_bar("a.jpg:1,2,3,4 ä_b.jpg:1,2,3,4 = 5cm", photos()); }).detail().hint,
+            "did you mean 'ä b.jpg'?");
+  EXPECT_NO_THROW(check_scale_bar("a.jpg:1,2,3,4 c.jpg:1,2,3,4 = 5cm", folder.path() / "nowhere"));
 }
 
 TEST_F(Sandbox, OptionalInputsTakePart) {
