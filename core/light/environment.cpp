@@ -113,6 +113,22 @@ Vec3f Environment::radiance(const Vec3f& direction) const {
   return out;
 }
 
+Vec3f Environment::irradiance(const Vec3f& normal) const {
+  const int w = map_.width(), h = map_.height();
+  const Vec3f n = transposed_times(world_from_map_, normal);
+  Vec3d sum{};
+  for (int y = 0; y < h; ++y) {
+    const double solid_angle = texel_solid_angle(y, w, h);
+    for (int x = 0; x < w; ++x) {
+      const Vec3f d = lat_long_direction((float(x) + 0.5f) / float(w), (float(y) + 0.5f) / float(h));
+      const double weight = solid_angle * double(std::max(0.f, dot(n, d)));
+      const float* p = map_.pixel(x, y);
+      for (size_t c = 0; c < 3; ++c) sum[c] += weight * double(p[c]);
+    }
+  }
+  return cast<float>(sum);
+}
+
 Environment::Sample Environment::sample(const Vec2f& uniform) const {
   if (black()) return {};
   const int w = map_.width(), h = map_.height();

@@ -38,6 +38,8 @@ class Environment {
   };
   Sample sample(const Vec2f& uniform) const;  // two numbers in [0, 1)
   float pdf(const Vec3f& unit_direction) const;
+  // Of a surface with that normal which nothing shades: the integral of radiance x cosine, by texels.
+  Vec3f irradiance(const Vec3f& unit_normal) const;
   // Mean radiance over the sphere.
   Vec3f mean() const { return mean_; }
 

@@ -11,8 +11,10 @@
 #include "core/base/log.h"
 #include "core/base/process.h"
 #include "core/base/timer.h"
+#include "core/camera/passes.h"
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
+#include "core/image/exr.h"
 #include "core/light/environment.h"
 #include "core/math/point_grid.h"
 #include "core/mesh/mesh_io.h"
@@ -44,7 +46,15 @@ constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as 
 constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
 constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
-constexpr double kPolishReach = 6;  // edges of the mesh, between polished faces and their surfels
+constexpr double kTrainedShare = 0.5;    // of a card's box that the object alone may cover by chance
+constexpr float kGainError_log = 0.25f;  // of a photo's gain; a quarter of a stop is usual where a surface is not quite matt
+constexpr double kPolishReach = 6;       // edges of the mesh, between polished faces and their surfels
+
+bool different_gains(const Vec3f& a, const Vec3f& b) {
+  bool different = false;
+  for (size_t c = 0; c < 3; ++c) different = different || std::abs(std::log(a[c] / b[c])) > kGainError_log;
+  return different;
+}
 
 double area_of(const TriMesh& mesh) {
   double area = 0;
@@ -63,6 +73,7 @@ class Decomposition {
     all_views_ = set.views;
     for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
     const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
+    object_alone_ = split.object_alone;
     for (const size_t v : split.train.empty() ? split.heldout : split.train) {
       views_.push_back(set.views[v]);
       views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
@@ -222,7 +233,7 @@ class Decomposition {
     }
     if (reflects) dull_unmarked();
     polish(radiance);
-    if (card_) match_card();
+    if (card_) match_card(radiance);
     for (Vec3f& rho : materials_.albedo)
       for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
   }
@@ -263,12 +274,42 @@ class Decomposition {
     polish_materials(found, scene_, radiance, materials_);
   }
 
+  // `scene`: radiances of the surfels. `small`: the view as large as pictures of the scene are.
+  Vec3f albedo_in_photo(const View& view, const View& small, std::span<const Vec3f> scene) {
+    const fs::path sfm = context_.input("sfm");
+    const ImageF photo = read_exr_rgb(linear_image_path(sfm, view));
+    const Vec3f card = photographed(*card_, view, photo);
+    const auto gain = gain_by_scene(photo, SurfelColors(layer(), scene, scene_.image.diffuse.near_z).picture(small));
+    const auto solved = cast<float>(view.gain);
+    Vec3f radiance;
+    for (size_t c = 0; c < 3; ++c) radiance[c] = card[c] / (gain ? *gain : solved)[c];
+    if (gain && different_gains(*gain, solved))
+      context_.warning(
+          "PHOTO_GAIN",
+          fmt::format("the object in {} has {:.2f} {:.2f} {:.2f} times the colour that the gain of the photo gives it: "
+                      "gains of the sfm stage drift, and colours of the trained scene may",
+                      view.name, gain->x / solved.x, gain->y / solved.y, gain->z / solved.z));
+    const Vec3f light = Environment(environment()).irradiance(up_in_photo(view, all_views_, read_passes(sfm)));
+    if (!(std::min({light.x, light.y, light.z}) > 0))
+      throw Error(ErrorKind::Input, "the light on the grey card is not known",
+                  {.where = view.name,
+                   .why = "the light that was found has a channel without any light from above",
+                   .hint = "leave out decompose.grey_card",
+                   .code = "GREY_CARD"});
+    Vec3f out;
+    for (size_t c = 0; c < 3; ++c) out[c] = std::numbers::pi_v<float> * radiance[c] / light[c];
+    return out;
+  }
+
   // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
-  void match_card() {
+  void match_card(std::span<const Vec3f> radiance) {
     View view = all_views_[card_->view];
     view.intrinsics = view.intrinsics.limited_to(2 * config_.max_side);
-    const Vec3f found = median_in(*card_, all_views_[card_->view],
-                                  SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view));
+    const ImageF picture = SurfelColors(layer(), materials_.albedo, scene_.image.diffuse.near_z).picture(view);
+    const View& shown_in = all_views_[card_->view];
+    const double shown = shown_share(*card_, shown_in, picture);
+    card_beside_ = object_alone_ ? shown < kTrainedShare : shown == 0;
+    const Vec3f found = card_beside_ ? albedo_in_photo(shown_in, view, radiance) : median_in(*card_, shown_in, picture);
     for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
     for (size_t i = 0; i < materials_.size(); ++i)
       for (size_t c = 0; c < 3; ++c) {
@@ -339,6 +380,7 @@ class Decomposition {
                                         "albedo {}",
                                         config_.white_albedo)},
           {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
+    if (card_beside_) report["scale"]["card"] = "in the photo, beside the trained scene";
     if (baked) report["baked_log_rms"] = *baked;
     for (const Polished& p : polished_)
       report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
@@ -356,7 +398,9 @@ class Decomposition {
       context_.warning("ALBEDO_SCALE", "bounced light alone is brighter than the wanted scale of the albedo allows");
     context_.summary(fmt::format("{}k points, {} of {} light cells solved, {:.0f} % of the light bounced or seen; albedo by {}",
                                  (points_.size() + 500) / 1000, free, solution_.light.size(), 100 * solution_.known_share,
-                                 card_ ? "grey card" : "convention"));
+                                 card_beside_ ? "grey card in the photo"
+                                 : card_      ? "grey card"
+                                              : "convention"));
   }
 
   const SplatLayer& layer() const { return scene_.surfels.diffuse; }
@@ -384,6 +428,7 @@ class Decomposition {
   std::vector<Vec3f> irradiance_;
   DecomposedMaterials materials_;
   std::vector<Polished> polished_;
+  bool object_alone_ = false, card_beside_ = false;  // the card is measured in the photo: the scene does not show it
   Vec3f card_gain_{1, 1, 1};
 };
 

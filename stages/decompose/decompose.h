@@ -1,6 +1,6 @@
 // Decompose: the colours of the diffuse layer taken apart into albedo and light (algorithms 7.3, "bake then solve").
 // README.md teaches the method and the options.
-//   reads   sfm/{sparse,linear,gains}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
+//   reads   sfm/{sparse,linear,gains,passes}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
 //   writes  decompose/{materials.ply,environment.exr,surroundings.ply,report.json,albedo.png,baked.png}
 #pragma once
 

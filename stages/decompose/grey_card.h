@@ -1,9 +1,16 @@
 // A card of known albedo in one photo: "photo:x,y,w,h", pixels of the undistorted photo (images/<photo>).
+//
+// Where the scene shows the card, its albedo is that of its surfels. Where it does not, because the object was trained alone,
+// the card's radiance C is read from the photo, and its albedo is that of a horizontal patch which nothing shades:
+//   rho = pi C / E(up),   E(n) = integral of L max(0, n.l) dOmega over the solved light
+// C is in the unit of the surfels' radiance: the photo is divided by its gain, which the object in the same photo tells.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/camera/passes.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
 
@@ -18,5 +25,19 @@ struct GreyCard {
 GreyCard parse_grey_card(const std::string& text, const std::vector<View>& views);
 // Median over the box of a picture of the view at any size. Throws Error{Input} when nothing is there.
 Vec3f median_in(const GreyCard& card, const View& view, const ImageF& picture);
+
+// Share of the box in which a picture of the view shows something.
+double shown_share(const GreyCard& card, const View& view, const ImageF& picture);
+// Median over the box of the linear photo of the view; overexposed pixels do not count. Throws Error{Input} when too few pixels
+// are left, or the box is too dark.
+Vec3f photographed(const GreyCard& card, const View& view, const ImageF& photo);
+// How much brighter the linear photo of a view is than the scene in it (`rendered`, at any size; 0 where nothing is): median over
+// the pixels, per channel. That is the gain of the view; but what the sfm stage solved drifts around an object of one colour,
+// and an error would be one of all albedos. Nothing when the photo shows too little of the scene.
+std::optional<Vec3f> gain_by_scene(const ImageF& photo, const ImageF& rendered);
+// Up in the scene for what stands beside the object in a photo: +z in the first pass, whose photos the scene's frame is
+// levelled with; in others the mean up vector of the pass' cameras, for each pass goes around the object. Throws Error{Input}
+// where that has no direction.
+Vec3f up_in_photo(const View& view, const std::vector<View>& views, const Passes& passes);
 
 }  // namespace vitrine

@@ -48,6 +48,27 @@ TEST(Environment, ChromaticitiesOfAnExrAreApplied) {
   }
 }
 
+TEST(Environment, IrradianceIsTheIntegralOverTheHemisphere) {
+  const Environment grey(ImageF(64, 32, 3, 0.5f));
+  for (const Vec3f& n : {Vec3f{0, 0, 1}, Vec3f{0, 0, -1}, normalized(Vec3f{1, -2, 0.3f})})
+    EXPECT_NEAR(grey.irradiance(n).y, 0.5 * kPi, 0.5 * kPi * 0.003);  // worst seen 0.0012
+  // Light from above alone: pi/2 (1 + cos) for a surface at that angle to up; none for one that faces down.
+  ImageF sky(128, 64, 3);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 128; ++x)
+      for (int c = 0; c < 3; ++c) sky.at(x, y, c) = float(c);
+  const Environment above(std::move(sky));
+  for (const float cosine : {1.f, 0.5f, 0.f, -0.5f, -1.f}) {
+    const Vec3f e = above.irradiance({0, std::sqrt(1 - cosine * cosine), cosine});
+    EXPECT_EQ(e.x, 0);
+    EXPECT_NEAR(e.y, kPi / 2 * (1 + double(cosine)), 0.004) << cosine;
+    EXPECT_NEAR(e.z, 2 * e.y, 1e-5);
+  }
+  // Turned with the map.
+  const Environment one = lamp();
+  EXPECT_LT(length(one.rotated(90).irradiance({0, 1, 0}) - one.irradiance({1, 0, 0})), 1e-5f);
+}
+
 TEST(Environment, AxisProbeLandsWhereTheConventionsSay) {
   const Environment probe = axis_probe(128);
   const auto is = [&](const Environment& e, const Vec3f& d, const Vec3f& color) {
