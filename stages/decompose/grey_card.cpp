@@ -10,13 +10,13 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kDarkestCard = 0.004f,
-                kBrightestCard = 0.95f;  // of a linear photo of 8 bits: darker is rounding, brighter is clipped
+constexpr float kDarkestCard = 0.004f;   // of a linear photo of 8 bits: darker is rounding
+constexpr float kBrightestCard = 0.95f;  // brighter is clipped
 constexpr double kLeastUsable = 0.5;     // of the box: the median of fewer is that of the darker ones
 constexpr size_t kFewestShared = 200;    // pixels of photo and scene
-constexpr double kShortestUp = 0.2;      // cosine of the cameras' elevation; shorter: they look straight down
+constexpr double kShortestUp = 0.2;      // mean cosine of the cameras' elevation; shorter: they look straight down
 
-// Of the pixels of the picture, at any size, below the box.
+// Calls `take` for the pixels of a picture of the view, at any size, that the box covers.
 template <class F>
 void for_each_card_pixel(const GreyCard& card, const View& view, const ImageF& picture, const F& take) {
   const double sx = double(picture.width()) / view.intrinsics.width, sy = double(picture.height()) / view.intrinsics.height;

@@ -3,7 +3,7 @@
 // Where the scene shows the card, its albedo is that of its surfels. Where it does not, because the object was trained alone,
 // the card's radiance C is read from the photo, and its albedo is that of a horizontal patch which nothing shades:
 //   rho = pi C / E(up),   E(n) = integral of L max(0, n.l) dOmega over the solved light
-// C is in the unit of the surfels' radiance: the photo is divided by its gain, which the object in the same photo tells.
+// C is in the unit of the surfels' radiance: the photo is divided by its gain, measured on the object in the same photo.
 #pragma once
 
 #include <optional>
@@ -32,8 +32,8 @@ double shown_share(const GreyCard& card, const View& view, const ImageF& picture
 // are left, or the box is too dark.
 Vec3f photographed(const GreyCard& card, const View& view, const ImageF& photo);
 // How much brighter the linear photo of a view is than the scene in it (`rendered`, at any size; 0 where nothing is): median over
-// the pixels, per channel. That is the gain of the view; but what the sfm stage solved drifts around an object of one colour,
-// and an error would be one of all albedos. Nothing when the photo shows too little of the scene.
+// the pixels, per channel. That is the gain of the view; but gains that the sfm stage solved may drift around the object, and
+// their errors would be errors of all albedos. Nothing when the photo shows too little of the scene.
 std::optional<Vec3f> gain_by_scene(const ImageF& photo, const ImageF& rendered);
 // Up in the scene for what stands beside the object in a photo: +z in the first pass, whose photos the scene's frame is
 // levelled with; in others the mean up vector of the pass' cameras, for each pass goes around the object. Throws Error{Input}
