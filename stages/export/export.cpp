@@ -6,7 +6,6 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/base/log.h"
 #include "core/base/process.h"
 #include "core/camera/scale_bar_length.h"
 #include "core/config/scale_bar.h"
@@ -56,7 +55,6 @@ void run_export(const ExportConfig& config, StageContext& context) {
     const ScaleBarLength bar = scale_bar_length(parse_scale_bar(config.scale_bar), photo_cameras(sfm), read_passes(sfm));
     settings.scale = bar.metres_per_unit;
     settings.scale_note = scale_bar_text(bar);
-    log_info("{}", settings.scale_note);
     context.metric("metres_per_unit", bar.metres_per_unit);
     context.metric("scale_bar_error_px", bar.error_px);
   }
