@@ -83,6 +83,8 @@ TEST_F(GoldenMessages, InSettings) {
   told("two ways to choose stages", run({"--only", "mesh", "--from", "sfm"}));
   told("a size of memory", run({"--max-memory", "lots"}));
   told("a grey card in no photo", run({"--grey-card", "img_0099.png:1,2,3,4"}));
+  told("a scale bar in one photo", run({"--scale-bar", "img_0001.png:1,2,3,4 = 5cm"}));
+  told("a scale bar in no photo", run({"--scale-bar", "img_0001.png:1,2,3,4 img_0099.png:1,2,3,4 = 5cm"}));
   setenv("VITRINE_SET", "mesh.voxel=wide; sfm.mappper=global", 1);
   told("mistakes in VITRINE_SET", run({}));
   unsetenv("VITRINE_SET");
