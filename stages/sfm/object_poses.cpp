@@ -21,22 +21,32 @@ size_t passes_in(const Passes& passes, const ColmapModel& model) {
   }));
 }
 
-// Photos of no pass have that of the photo before them in name order.
-std::vector<size_t> pass_of(std::span<const SfmPhoto> photos, const Passes& passes) {
+// [photo] Photos of no pass have that of the photo before them in name order.
+std::vector<size_t> pass_of_each(std::span<const SfmPhoto> photos, const Passes& passes) {
   std::vector<size_t> of(photos.size(), 0);
   for (size_t i = 0; i < photos.size(); ++i) {
-    if (i > 0) of[i] = of[i - 1];
-    for (size_t p = 0; p < passes.size(); ++p)
-      if (std::find(passes[p].begin(), passes[p].end(), photos[i].name) != passes[p].end()) of[i] = p;
+    of[i] = pass_of(passes, photos[i].name);
+    if (of[i] == passes.size()) of[i] = i > 0 ? of[i - 1] : 0;
   }
   return of;
+}
+
+// With the photos of the model that no pass has.
+Passes completed(const Passes& passes, std::span<const SfmPhoto> photos, const ColmapModel& model) {
+  const std::vector<size_t> of = pass_of_each(photos, passes);
+  Passes all(passes.size());
+  for (size_t i = 0; i < photos.size(); ++i)
+    if (std::any_of(model.images.begin(), model.images.end(), [&](const ColmapImage& m) { return m.name == photos[i].name; }))
+      all[of[i]].push_back(photos[i].name);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return all;
 }
 
 Reconstruction joined_passes(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const Passes& passes) {
   ReconstructDesc joined = desc;
   joined.work_folder = desc.work_folder / "passes";
   joined.used = UsedFeatures::All;
-  joined.pass_of = pass_of(desc.photos, passes);
+  joined.pass_of = pass_of_each(desc.photos, passes);
   return reconstruct(colmap, config, joined);
 }
 
@@ -72,19 +82,20 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
     out.poses = PosesOf::LargestPass;
     together.model = restricted(together.model, out.passes[0]);
     for (PhotoReport& p : together.photos) {
-      p.other_pass = std::find(out.passes[0].begin(), out.passes[0].end(), p.name) == out.passes[0].end();
+      p.other_pass = pass_of(out.passes, p.name) != 0;
       p.registered = p.registered && !p.other_pass;
     }
     return out;
   }
   // Its poses follow the object in all photos: now the passes are known well.
-  const Passes passes = passes_by_motion(joined.model, surroundings);
+  Passes passes = passes_by_motion(joined.model, surroundings);
   if (passes.empty() && passes_in(out.passes, surroundings.back()) > 1) {
     log_info("sfm: the object stands still with its surroundings after all");
     return {};
   }
+  if (!passes.empty()) passes = completed(passes, desc.photos, joined.model);
   if (!passes.empty() && passes != out.passes) {
-    out.passes = passes;
+    out.passes = std::move(passes);
     log_info("sfm: {} are joined by the features of the object", passes_text(out.passes));
     joined = joined_passes(colmap, config, desc, out.passes);
   }

@@ -202,7 +202,7 @@ class CardBeside {
       image.rotation = quaternion(pose.rotation), image.translation = pose.translation;
     }
     write_colmap_model(folder() / "sparse/0", model, ColmapFormat::Binary);
-    write_passes(folder(), passes);
+    write_passes(folder(), passes, PosesOf::Object);
   }
   test::RecordingContext context() const {
     return test::RecordingContext({{"sfm", folder()}, {"optimize", folder()}, {"mesh", folder()}});
