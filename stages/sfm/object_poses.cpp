@@ -75,7 +75,10 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   ObjectPasses out{.passes = evidence.passes.empty() ? passes_by_motion(together.model, surroundings) : evidence.passes,
                    .contradicting = evidence.pairs,
                    .furthest_match = evidence.furthest_match};
-  if (out.passes.empty()) return {};
+  // What surrounds the object has to be one thing in several passes; else it proves nothing against the object.
+  const bool surrounded = std::any_of(surroundings.begin(), surroundings.end(),
+                                      [&](const ColmapModel& model) { return passes_in(out.passes, model) > 1; });
+  if (out.passes.empty() || !surrounded) return {};
   log_info("sfm: the object moves against what surrounds it: {} are joined by its features", passes_text(out.passes));
   Reconstruction joined = joined_passes(colmap, config, desc, out.passes);
   if (passes_in(out.passes, joined.model) < 2) {
@@ -89,12 +92,12 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   }
   // Its poses follow the object in all photos: now the passes are known well.
   Passes passes = passes_by_motion(joined.model, surroundings);
-  if (passes.empty() && passes_in(out.passes, surroundings.back()) > 1) {
+  if (passes.empty()) {
     log_info("sfm: the object stands still with its surroundings after all");
     return {};
   }
-  if (!passes.empty()) passes = completed(passes, desc.photos, joined.model);
-  if (!passes.empty() && passes != out.passes) {
+  passes = completed(passes, desc.photos, joined.model);
+  if (passes != out.passes) {
     out.passes = std::move(passes);
     log_info("sfm: {} are joined by the features of the object", passes_text(out.passes));
     joined = joined_passes(colmap, config, desc, out.passes);
