@@ -58,7 +58,7 @@ std::vector<ColmapModel> models_of_surroundings(Colmap& colmap, const SfmConfig&
   around.found_features = together.database;
   Reconstruction r = reconstruct(colmap, config, around);
   std::vector<ColmapModel> models = std::move(r.smaller_models);
-  models.push_back(std::move(r.model));
+  models.insert(models.begin(), std::move(r.model));
   return models;
 }
 

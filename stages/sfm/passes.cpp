@@ -177,12 +177,13 @@ Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> 
   for (const ColmapImage& image : object.images) object_turn[image.name] = image.cam_from_world().rotation;
   Passes passes;
   bool moved = false;
+  std::set<std::string> placed;  // COLMAP's models may share photos
   for (const ColmapModel& model : surroundings) {
     std::vector<Mat3d> stands;  // of each group, surroundings_from_object of its first photo
     Passes groups;
     for (const ColmapImage& image : model.images) {
       const auto turn = object_turn.find(image.name);
-      if (turn == object_turn.end()) continue;
+      if (turn == object_turn.end() || placed.contains(image.name)) continue;
       const Mat3d surroundings_from_object = transposed(image.cam_from_world().rotation) * turn->second;
       size_t group = 0;
       while (group < stands.size() && turn_deg(transposed(stands[group]) * surroundings_from_object) > kMovedDeg) ++group;
@@ -191,6 +192,7 @@ Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> 
     }
     std::erase_if(groups, [](const std::vector<std::string>& photos) { return photos.size() < kSmallestPass; });
     moved |= groups.size() > 1;
+    for (const std::vector<std::string>& photos : groups) placed.insert(photos.begin(), photos.end());
     passes.insert(passes.end(), groups.begin(), groups.end());
   }
   if (!moved) return {};

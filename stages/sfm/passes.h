@@ -35,8 +35,8 @@ MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& mat
                                std::span<const std::vector<uint8_t>> on_object);
 
 // The same by two sets of poses: groups of at least 3 photos in which the object stands alike relative to its surroundings, to 5
-// degrees. Photos of different models of the surroundings are in different groups. Fewer than two groups within each model:
-// nothing was moved, and the result is empty.
+// degrees. Photos of different models of the surroundings (the largest first) are in different groups. Fewer than two groups
+// within each model: nothing was moved, and the result is empty.
 Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings);
 
 // The photos of `model` that are in `photos`, and the points that they see.

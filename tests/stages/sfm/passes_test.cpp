@@ -134,6 +134,9 @@ TEST(Passes, AreNotToldFromModelsOfSurroundingsThatShareNoPhoto) {
   const TurnedCapture two({{{}, 14}, {turned(170, {1, 0, 0}), 10}});
   const std::vector apart{restricted(two.on_plate, two.truth[0]), restricted(two.on_plate, two.truth[1])};
   EXPECT_TRUE(passes_by_motion(two.on_object, apart).empty());
+  // COLMAP's models may share photos.
+  const std::vector overlapping{two.on_plate, apart[1]};
+  EXPECT_EQ(passes_by_motion(two.on_object, overlapping), two.truth);
 }
 
 TEST(Passes, SurviveTheirFile) {
