@@ -78,7 +78,7 @@ ObjectPasses poses_of_object(Colmap& colmap, const SfmConfig& config, const Reco
   // What surrounds the object has to be one thing in several passes; else it proves nothing against the object.
   const bool surrounded = std::any_of(surroundings.begin(), surroundings.end(),
                                       [&](const ColmapModel& model) { return passes_in(out.passes, model) > 1; });
-  if (out.passes.empty() || !surrounded) return {};
+  if (out.passes.empty() || !surrounded || turns_in_most_photos(together.model, surroundings)) return {};
   log_info("sfm: the object moves against what surrounds it: {} are joined by its features", passes_text(out.passes));
   Reconstruction joined = joined_passes(colmap, config, desc, out.passes);
   if (passes_in(out.passes, joined.model) < 2) {

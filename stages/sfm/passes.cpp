@@ -156,6 +156,41 @@ class PassSearch {
   std::vector<PairEvidence> pairs_;
 };
 
+struct StandingGroups {
+  Passes passes;                 // of photos in which the object stands alike; empty where nothing was moved
+  size_t photos = 0, alone = 0;  // with poses in both models; of these in no group
+};
+
+StandingGroups standing_groups(const ColmapModel& object, std::span<const ColmapModel> surroundings) {
+  std::map<std::string, Mat3d> object_turn;
+  for (const ColmapImage& image : object.images) object_turn[image.name] = image.cam_from_world().rotation;
+  StandingGroups out;
+  bool moved = false;
+  std::set<std::string> placed;  // COLMAP's models may share photos
+  for (const ColmapModel& model : surroundings) {
+    std::vector<Mat3d> stands;  // of each group, surroundings_from_object of its first photo
+    Passes groups;
+    for (const ColmapImage& image : model.images) {
+      const auto turn = object_turn.find(image.name);
+      if (turn == object_turn.end() || placed.contains(image.name)) continue;
+      const Mat3d surroundings_from_object = transposed(image.cam_from_world().rotation) * turn->second;
+      size_t group = 0;
+      while (group < stands.size() && turn_deg(transposed(stands[group]) * surroundings_from_object) > kMovedDeg) ++group;
+      if (group == stands.size()) stands.push_back(surroundings_from_object), groups.emplace_back();
+      groups[group].push_back(image.name);
+      ++out.photos;
+    }
+    for (const std::vector<std::string>& photos : groups) out.alone += photos.size() < kSmallestPass ? photos.size() : 0;
+    std::erase_if(groups, [](const std::vector<std::string>& photos) { return photos.size() < kSmallestPass; });
+    moved |= groups.size() > 1;
+    for (const std::vector<std::string>& photos : groups) placed.insert(photos.begin(), photos.end());
+    out.passes.insert(out.passes.end(), groups.begin(), groups.end());
+  }
+  if (!moved) out.passes.clear();
+  std::stable_sort(out.passes.begin(), out.passes.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return out;
+}
+
 }  // namespace
 
 MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& matches,
@@ -173,31 +208,12 @@ MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& mat
 }
 
 Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings) {
-  std::map<std::string, Mat3d> object_turn;
-  for (const ColmapImage& image : object.images) object_turn[image.name] = image.cam_from_world().rotation;
-  Passes passes;
-  bool moved = false;
-  std::set<std::string> placed;  // COLMAP's models may share photos
-  for (const ColmapModel& model : surroundings) {
-    std::vector<Mat3d> stands;  // of each group, surroundings_from_object of its first photo
-    Passes groups;
-    for (const ColmapImage& image : model.images) {
-      const auto turn = object_turn.find(image.name);
-      if (turn == object_turn.end() || placed.contains(image.name)) continue;
-      const Mat3d surroundings_from_object = transposed(image.cam_from_world().rotation) * turn->second;
-      size_t group = 0;
-      while (group < stands.size() && turn_deg(transposed(stands[group]) * surroundings_from_object) > kMovedDeg) ++group;
-      if (group == stands.size()) stands.push_back(surroundings_from_object), groups.emplace_back();
-      groups[group].push_back(image.name);
-    }
-    std::erase_if(groups, [](const std::vector<std::string>& photos) { return photos.size() < kSmallestPass; });
-    moved |= groups.size() > 1;
-    for (const std::vector<std::string>& photos : groups) placed.insert(photos.begin(), photos.end());
-    passes.insert(passes.end(), groups.begin(), groups.end());
-  }
-  if (!moved) return {};
-  std::stable_sort(passes.begin(), passes.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-  return passes;
+  return standing_groups(object, surroundings).passes;
+}
+
+bool turns_in_most_photos(const ColmapModel& object, std::span<const ColmapModel> surroundings) {
+  const StandingGroups groups = standing_groups(object, surroundings);
+  return 2 * groups.alone > groups.photos;
 }
 
 ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos) {

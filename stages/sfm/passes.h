@@ -39,6 +39,9 @@ MotionEvidence motion_evidence(const ColmapModel& poses, const FoundMatches& mat
 // within each model: nothing was moved, and the result is empty.
 Passes passes_by_motion(const ColmapModel& object, std::span<const ColmapModel> surroundings);
 
+// The same way: the object stands otherwise in most photos, as on a turntable before a room that is seen, too.
+bool turns_in_most_photos(const ColmapModel& object, std::span<const ColmapModel> surroundings);
+
 // The photos of `model` that are in `photos`, and the points that they see.
 ColmapModel restricted(const ColmapModel& model, const std::vector<std::string>& photos);
 

@@ -139,6 +139,16 @@ TEST(Passes, AreNotToldFromModelsOfSurroundingsThatShareNoPhoto) {
   EXPECT_EQ(passes_by_motion(two.on_object, overlapping), two.truth);
 }
 
+TEST(Passes, AreNotTheTurnsOfATurntable) {
+  std::vector<std::pair<Rigid, size_t>> turns;
+  for (int i = 0; i < 12; ++i) turns.push_back({turned(30 * i, {0, 0, 1}), 1});
+  const TurnedCapture turntable(turns, true);
+  EXPECT_TRUE(turns_in_most_photos(turntable.on_object, std::vector{turntable.on_plate}));
+  EXPECT_TRUE(passes_by_motion(turntable.on_object, std::vector{turntable.on_plate}).empty());
+  const TurnedCapture two({{{}, 14}, {turned(170, {1, 0, 0}), 10}});
+  EXPECT_FALSE(turns_in_most_photos(two.on_object, std::vector{two.on_plate}));
+}
+
 TEST(Passes, SurviveTheirFile) {
   const TemporaryFolder folder;
   EXPECT_TRUE(read_passes(folder.path()).empty());
