@@ -14,39 +14,33 @@ namespace vitrine {
 
 namespace {
 
-// The unknowns of a view: log(gain) of the three channels, and the veil.
-constexpr int kVeil = 3, kOfView = 4;
-
-// (log(observed) - log(gain of the channel) - veil / expected - log(colour)) / sigma, where `expected` is about what the model
-// says for `observed`; not that itself, whose errors are those of log(observed).
-class ColourResidual final : public ceres::SizedCostFunction<1, kOfView, 1> {
+// (log(observed) - log(gain of the channel) - log(colour)) / sigma
+class ColourResidual final : public ceres::SizedCostFunction<1, 3, 1> {
  public:
-  ColourResidual(size_t channel, double log_observed, double expected, double sigma)
-      : channel_(channel), log_observed_(log_observed), weight_(1 / sigma), per_expected_(1 / expected) {}
+  ColourResidual(size_t channel, double log_observed, double sigma)
+      : channel_(channel), log_observed_(log_observed), weight_(1 / sigma) {}
   bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
-    residual[0] = weight_ * (log_observed_ - x[0][channel_] - per_expected_ * x[0][kVeil] - x[1][0]);
+    residual[0] = weight_ * (log_observed_ - x[0][channel_] - x[1][0]);
     if (!jacobians) return true;
-    if (jacobians[0]) {
+    if (jacobians[0])
       for (size_t c = 0; c < 3; ++c) jacobians[0][c] = c == channel_ ? -weight_ : 0;
-      jacobians[0][kVeil] = -weight_ * per_expected_;
-    }
     if (jacobians[1]) jacobians[1][0] = -weight_;
     return true;
   }
 
  private:
   size_t channel_;
-  double log_observed_, weight_, per_expected_;
+  double log_observed_, weight_;
 };
 
 // (mean over channels of log(gain) - expected) / sigma
-class ExposurePrior final : public ceres::SizedCostFunction<1, kOfView> {
+class ExposurePrior final : public ceres::SizedCostFunction<1, 3> {
  public:
   ExposurePrior(double expected, double sigma) : expected_(expected), weight_(1 / sigma) {}
   bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
     residual[0] = weight_ * ((x[0][0] + x[0][1] + x[0][2]) / 3 - expected_);
     if (jacobians && jacobians[0])
-      for (size_t i = 0; i < kOfView; ++i) jacobians[0][i] = i < 3 ? weight_ / 3 : 0;
+      for (size_t i = 0; i < 3; ++i) jacobians[0][i] = weight_ / 3;
     return true;
   }
 
@@ -55,7 +49,7 @@ class ExposurePrior final : public ceres::SizedCostFunction<1, kOfView> {
 };
 
 // (log(gain_c) - mean over channels) / sigma
-class BalancePrior final : public ceres::SizedCostFunction<3, kOfView> {
+class BalancePrior final : public ceres::SizedCostFunction<3, 3> {
  public:
   explicit BalancePrior(double sigma) : weight_(1 / sigma) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
@@ -63,23 +57,7 @@ class BalancePrior final : public ceres::SizedCostFunction<3, kOfView> {
     for (size_t c = 0; c < 3; ++c) residuals[c] = weight_ * (x[0][c] - mean);
     if (jacobians && jacobians[0])
       for (size_t c = 0; c < 3; ++c)
-        for (size_t i = 0; i < kOfView; ++i)
-          jacobians[0][kOfView * c + i] = i < 3 ? weight_ * ((c == i ? 1.0 : 0.0) - 1.0 / 3) : 0;
-    return true;
-  }
-
- private:
-  double weight_;
-};
-
-// veil / sigma
-class VeilPrior final : public ceres::SizedCostFunction<1, kOfView> {
- public:
-  explicit VeilPrior(double sigma) : weight_(1 / sigma) {}
-  bool Evaluate(double const* const* x, double* residual, double** jacobians) const override {
-    residual[0] = weight_ * x[0][kVeil];
-    if (jacobians && jacobians[0])
-      for (size_t i = 0; i < kOfView; ++i) jacobians[0][i] = i == kVeil ? weight_ : 0;
+        for (size_t i = 0; i < 3; ++i) jacobians[0][3 * c + i] = weight_ * ((c == i ? 1.0 : 0.0) - 1.0 / 3);
     return true;
   }
 
@@ -95,8 +73,8 @@ struct Observation {
 // Standard deviation of log(observed): a relative part, and an additive one (rounding, chroma subsampling, light from surfaces
 // around), which counts the more the darker the sample is.
 struct Noise {
-  double spread, veil;
-  double sigma(double value) const { return std::hypot(spread, veil / value); }
+  double spread, floor;
+  double sigma(double value) const { return std::hypot(spread, floor / value); }
 };
 
 // One channel's observations: in range, of views with enough of them, of points seen by two such views or more, of the longest
@@ -147,7 +125,7 @@ class Problem {
  public:
   Problem(std::vector<Channel> channels, size_t points, std::vector<double> exposures, const GainSettings& settings)
       : channels_(std::move(channels)), exposures_(std::move(exposures)), log_colour_(points, Vec3d()), settings_(settings) {
-    for (double e : exposures_) of_view_.push_back({e, e, e, 0});
+    for (double e : exposures_) of_view_.push_back({e, e, e});
     for (size_t c = 0; c < 3; ++c) {
       std::vector<double> count(points, 0);
       for (const Observation& o : channels_[c].observations) {
@@ -160,14 +138,14 @@ class Problem {
   }
 
   // 1. A convex loss and all samples at full weight: the one minimum from anywhere (exposures may differ by stops). Its residuals
-  //    give the noise. 2. The same with veil and prior, still convex. 3. From there, a loss that forgets outliers.
+  //    give the noise. 2. The same with the noise known and samples capped against the prior, still convex. 3. From there, a loss
+  //    that forgets outliers.
   void solve() {
     Terms terms{.noise = kStart, .exposure_sigma = settings_.exposure_sigma, .balance_sigma = settings_.balance_sigma};
     minimise<ceres::HuberLoss>(terms);
     for (size_t c = 0; c < 3; ++c)
       for (Observation& o : channels_[c].observations) o.expected = std::exp(of_view_[o.view][c] + log_colour_[o.point][c]);
     terms.noise = noise();
-    terms.veil_sigma = settings_.veil_sigma;
     terms.capped = true;
     minimise<ceres::HuberLoss>(terms);
     widen(terms);
@@ -182,7 +160,6 @@ class Problem {
 
  private:
   static constexpr Noise kStart{0.05, 0.01}, kLeast{0.005, 0.001}, kMost{0.3, 0.05};
-  static constexpr double kNoVeil = 1e-6;
   static constexpr double kWider = 2;  // the narrow prior of step 2 takes up to half of a balance away
 
   struct Residual {
@@ -192,8 +169,7 @@ class Problem {
     std::vector<Residual> residuals;
     residuals.reserve(channels_[c].observations.size());
     for (const Observation& o : channels_[c].observations)
-      residuals.push_back({o.expected, std::abs(o.log_value - of_view_[o.view][c] - of_view_[o.view][kVeil] / o.expected -
-                                                log_colour_[o.point][c])});
+      residuals.push_back({o.expected, std::abs(o.log_value - of_view_[o.view][c] - log_colour_[o.point][c])});
     return residuals;
   }
 
@@ -203,7 +179,7 @@ class Problem {
     return sizes.empty() ? 0 : kSigmaPerDeviation * upper_median(std::move(sizes));
   }
 
-  // From the spreads of the darker and of the brighter half of all residuals: spread^2 = relative^2 + (veil / value)^2 in both.
+  // From the spreads of the darker and of the brighter half of all residuals: spread^2 = relative^2 + (floor / value)^2 in both.
   Noise noise() const {
     std::vector<Residual> all;
     for (size_t c = 0; c < 3; ++c) {
@@ -215,15 +191,15 @@ class Problem {
     const std::span<const Residual> dark = std::span(all).first(all.size() / 2), bright = std::span(all).subspan(all.size() / 2);
     const auto square = [](double x) { return x * x; };
     const double a = 1 / square(dark[dark.size() / 2].value), b = 1 / square(bright[bright.size() / 2].value);
-    const double veil = std::sqrt(std::max(0.0, square(spread_of(dark)) - square(spread_of(bright))) / (a - b));
-    const Noise n{0, std::clamp(a > b ? veil : 0.0, kLeast.veil, kMost.veil)};
-    const double spread = std::sqrt(std::max(0.0, square(spread_of(bright)) - square(n.veil) * b));
-    return {std::clamp(spread, kLeast.spread, kMost.spread), n.veil};
+    const double floor = std::sqrt(std::max(0.0, square(spread_of(dark)) - square(spread_of(bright))) / (a - b));
+    const Noise n{0, std::clamp(a > b ? floor : 0.0, kLeast.floor, kMost.floor)};
+    const double spread = std::sqrt(std::max(0.0, square(spread_of(bright)) - square(n.floor) * b));
+    return {std::clamp(spread, kLeast.spread, kMost.spread), n.floor};
   }
 
   struct Terms {
     Noise noise;
-    double exposure_sigma, balance_sigma, veil_sigma = kNoVeil;
+    double exposure_sigma, balance_sigma;
     bool capped = false;
   };
 
@@ -255,7 +231,7 @@ class Problem {
           loss[o.point] = new ceres::ScaledLoss(new Loss(1), terms.capped ? channel.weight[o.point] : 1, ceres::TAKE_OWNERSHIP);
           ordering->AddElementToGroup(&log_colour_[o.point][c], 0);
         }
-        problem.AddResidualBlock(new ColourResidual(c, o.log_value, o.expected, terms.noise.sigma(o.expected)), loss[o.point],
+        problem.AddResidualBlock(new ColourResidual(c, o.log_value, terms.noise.sigma(o.expected)), loss[o.point],
                                  of_view_[o.view].data(), &log_colour_[o.point][c]);
       }
     }
@@ -263,7 +239,6 @@ class Problem {
     for (size_t v = 0; v < of_view_.size(); ++v) {
       problem.AddResidualBlock(new ExposurePrior(exposures_[v], terms.exposure_sigma), prior_loss, of_view_[v].data());
       problem.AddResidualBlock(new BalancePrior(terms.balance_sigma), prior_loss, of_view_[v].data());
-      problem.AddResidualBlock(new VeilPrior(terms.veil_sigma), nullptr, of_view_[v].data());
       ordering->AddElementToGroup(of_view_[v].data(), 1);
     }
     ceres::Solver::Options options;
@@ -281,9 +256,9 @@ class Problem {
   }
 
   std::vector<Channel> channels_;
-  std::vector<double> exposures_;  // [views] log(gain) that the prior expects
-  std::vector<std::array<double, kOfView>> of_view_;
-  std::vector<Vec3d> log_colour_;  // [points]
+  std::vector<double> exposures_;               // [views] log(gain) that the prior expects
+  std::vector<std::array<double, 3>> of_view_;  // log(gain) of the channels
+  std::vector<Vec3d> log_colour_;               // [points]
   const GainSettings& settings_;
 };
 

@@ -1,11 +1,11 @@
 // Exposure and white balance of every photo, from the colours that the photos give to the same scene points: the linear photo
-// is gain * radiance + veil, so for view v, point k and channel c, to first order in the veil
+// is gain * radiance, so for view v, point k and channel c
 //
-//   log(observed_vkc) = log(gain_vc) + log(colour_kc) + veil_v / expected_vkc
+//   log(observed_vkc) = log(gain_vc) + log(colour_kc)
 //
-// minimised over gains, colours and veils under a robust loss (highlights, occlusions and wrong matches are outliers) and a
-// prior: the exposure (mean over channels of log(gain)) is that of EXIF, or the same for all photos; the white balance (what
-// the channels differ from it) is neutral; the veil is small. The mean over views of log(gain) is 0.
+// minimised over gains and colours under a robust loss (highlights, occlusions and wrong matches are outliers) and a prior: the
+// exposure (mean over channels of log(gain)) is that of EXIF, or the same for all photos; the white balance (what the channels
+// differ from it) is neutral. The mean over views of log(gain) is 0.
 #pragma once
 
 #include <cstdint>
@@ -39,9 +39,6 @@ struct GainSettings {
   // possible where the colours show them; and it is widened for a capture whose photos differ by more.
   double exposure_sigma = 0.1;  // a seventh of a stop
   double balance_sigma = 0.05;
-  // Light that a photo adds to all colours, of full scale: veiling glare, light from surfaces around, gloss. Real photos have a
-  // hundredth (EXPERIMENTS.md).
-  double veil_sigma = 0.01;
   // Shading and highlights change many samples of a photo together: all samples of a photo and channel weigh at most as much as
   // this number of independent ones.
   double independent_samples = 10;

@@ -159,7 +159,7 @@ TEST(Gains, OfAnotherWhiteBalanceAreFoundWithinAFewPercent) {
 TEST(Gains, OfFewDarkBlueSamplesUnderAVeilStayNearNeutral) {
   Rng rng(5);
   std::vector<double> veil;
-  for (size_t v = 0; v < 12; ++v) veil.push_back(0.04 * rng.uniform_double());
+  for (size_t v = 0; v < 12; ++v) veil.push_back(0.01 * rng.uniform_double());
   std::vector<GainSample> samples;
   for (uint32_t k = 0; k < 150; ++k) {
     const double grey = 0.5 + rng.uniform_double();
