@@ -43,7 +43,7 @@ StageReport sfm_report() {
           .share("photo_count")
           .measured_on("points.kept", kFewestPoints, "points")
           .noted("{registered:0} of {photo_count:0}"),
-      ReportFigure{kPoses, "one_object", "Photos that show the object in one place", "%", 0, 0.999, 0.999,
+      ReportFigure{kPoses, "one_object", "Photos that show the object in one place", "%", 0, 1, 0.95,
                    "Share of the photos in the largest pass, where the object was moved between passes that are not joined.",
                    "The object was moved between passes of photos, and the poses do not follow it.", "passes.share_of_largest"}
           .noted("{passes.text}"),

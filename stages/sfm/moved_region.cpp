@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "stages/sfm/passes.h"
 #include "stages/sfm/point_filter.h"
 
@@ -27,15 +28,15 @@ struct Visibility {
 
 Visibility visibility_of(const ColmapModel& model) {
   const size_t photos = model.images.size();
-  std::vector<Rigid> poses;
+  std::vector<View> views;  // without distortion, which moves nothing by a tenth of the picture
   std::vector<Vec3d> centres;
-  std::vector<Intrinsics> cameras;
   std::map<uint32_t, size_t> index;
   for (const ColmapImage& image : model.images) {
-    index[image.id] = poses.size();
-    poses.push_back(image.cam_from_world());
-    centres.push_back(inverse(poses.back()).translation);
-    cameras.push_back(pinhole_part(*model.find_camera(image.camera_id)));
+    index[image.id] = views.size();
+    View& view = views.emplace_back();
+    view.cam_from_world = image.cam_from_world();
+    view.intrinsics = pinhole_part(*model.find_camera(image.camera_id));
+    centres.push_back(view.centre_in_world());
   }
   Visibility v;
   v.sees.resize(model.points.size()), v.looks.resize(model.points.size());
@@ -47,10 +48,8 @@ Visibility visibility_of(const ColmapModel& model) {
     looks = sees;
     for (size_t p = 0; p < photos; ++p) {
       if (sees[p]) continue;
-      const Vec3d q = poses[p] * point.position, to = point.position - centres[p];
-      const Intrinsics& k = cameras[p];
-      const double x = k.fx * q.x / q.z + k.cx, y = k.fy * q.y / q.z + k.cy;
-      if (!(q.z > 0 && x >= 0 && y >= 0 && x < k.width && y < k.height)) continue;
+      if (!image_point(point.position, views[p])) continue;
+      const Vec3d to = point.position - centres[p];
       for (size_t seen = 0; seen < photos && !looks[p]; ++seen) {
         if (!sees[seen]) continue;
         const Vec3d other = point.position - centres[seen];
