@@ -42,19 +42,24 @@ Passes completed(const Passes& passes, std::span<const SfmPhoto> photos, const C
   return all;
 }
 
+// The description of a further reconstruction of the same photos; the progress stays at the end of the first.
+ReconstructDesc further(const ReconstructDesc& desc, const char* folder, UsedFeatures used) {
+  ReconstructDesc out = desc;
+  out.work_folder = desc.work_folder / folder;
+  out.used = used;
+  if (desc.progress) out.progress = [report = desc.progress](double, const std::string& text) { report(1, text); };
+  return out;
+}
+
 Reconstruction joined_passes(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const Passes& passes) {
-  ReconstructDesc joined = desc;
-  joined.work_folder = desc.work_folder / "passes";
-  joined.used = UsedFeatures::All;
+  ReconstructDesc joined = further(desc, "passes", UsedFeatures::All);
   joined.pass_of = pass_of_each(desc.photos, passes);
   return reconstruct(colmap, config, joined);
 }
 
 std::vector<ColmapModel> models_of_surroundings(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc,
                                                 const Reconstruction& together) {
-  ReconstructDesc around = desc;
-  around.work_folder = desc.work_folder / "surroundings";
-  around.used = UsedFeatures::Surroundings;
+  ReconstructDesc around = further(desc, "surroundings", UsedFeatures::Surroundings);
   around.found_features = together.database;
   Reconstruction r = reconstruct(colmap, config, around);
   std::vector<ColmapModel> models = std::move(r.smaller_models);

@@ -1,7 +1,6 @@
 #include "stages/sfm/sfm.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 
@@ -17,7 +16,6 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
-#include "core/math/quantile.h"
 #include "core/photo/measures.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/diagnosis.h"
@@ -25,6 +23,7 @@
 #include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
+#include "stages/sfm/pass_messages.h"
 
 namespace vitrine {
 
@@ -190,48 +189,6 @@ void measure_photos(const fs::path& ingest, const std::vector<Photo>& photos, Re
   });
 }
 
-constexpr double kStepOfMatches = 2.0 / 3;  // of the angle below which nine of ten matching pairs are apart
-
-// Photos between the lowest ones of two passes, in steps that still match; by how far the object's features match, and as if it
-// was turned upside down.
-size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest_match) {
-  std::vector<double> elevations;
-  for (const ColmapImage& image : model.images)
-    elevations.push_back(
-        std::asin(std::clamp(-dot(transposed_times(image.cam_from_world().rotation, Vec3d{0, 0, 1}), up), -1.0, 1.0)));
-  const double lowest = quantile_of(elevations, 0.1) * 180 / std::numbers::pi;
-  return size_t(std::clamp(std::ceil(2 * lowest / std::max(kStepOfMatches * furthest_match, 5.0)) - 1, 1.0, 20.0));
-}
-
-void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
-  context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
-  if (passes.passes.empty()) return;
-  make_folders(context.output() / "sfm");
-  write_passes(context.output(), passes.passes, passes.poses);
-  switch (passes.poses) {
-    case PosesOf::Object:
-      log_info(
-          "sfm: {}: the object was moved between them, its own features join them; what surrounds it is no part of the scene",
-          passes_text(passes.passes));
-      return;
-    case PosesOf::LargestPass:
-      context.warning(
-          "SFM_PASSES_NOT_JOINED",
-          fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are "
-                      "missing in between: from lower down, or of the object on its side, in steps of {:.0f} degrees",
-                      passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
-                      kStepOfMatches * passes.furthest_match));
-      return;
-    case PosesOf::Surroundings:
-      context.warning(
-          "SFM_OBJECT_TURNED",
-          fmt::format("{}: something that they show was moved between them against the rest, and no poses fit both; it "
-                      "will stand in the scene more than once. Masks of the object let its own features decide: draw them "
-                      "(vitrine mark), or give a folder (--masks DIR)",
-                      passes_text(passes.passes)));
-  }
-}
-
 // EXIF's focal length against the one that the photos agree on.
 void compare_focal(const std::vector<Photo>& photos, const ColmapModel& model, StageContext& context) {
   constexpr double kFar = 1.33;
@@ -383,51 +340,6 @@ std::string problem(const SfmConfig& c) {
 }
 
 }  // namespace
-
-void describe(Describer& d, SfmFilterConfig& c) {
-  d.option("max_error_px", c.max_error_px, "Largest mean reprojection error of a point, in pixels.").range(0.1, 100);
-  d.option("min_angle_deg", c.min_angle_deg, "Smallest angle between two rays to a point, in degrees.").range(0, 45);
-  d.option("min_views", c.min_views, "Fewest photos that see a point.").range(2, 100);
-  d.option("outlier_sigma", c.outlier_sigma,
-           "Points farther from their neighbours than this many deviations leave; 0 = keep all.")
-      .range(0, 100);
-}
-
-void describe(Describer& d, SfmConfig& c) {
-  d.option("max_image_size", c.max_image_size, "Longest side at which features are found; 0 = as ingested.").range(0, 20000);
-  d.option("max_features", c.max_features, "Most features of a photo.").range(100, 100000);
-  d.option("peak_threshold", c.peak_threshold, "SIFT contrast threshold; lower finds more and weaker features.")
-      .range(0.0001, 0.1);
-  d.option("camera_model", c.camera_model, "Lens model to solve for.")
-      .choices({"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"});
-  d.option("max_ratio", c.max_ratio, "A match's angle over that of the second best; lower is stricter.").range(0.1, 1);
-  d.option("max_distance", c.max_distance, "Largest angle between two matching descriptors, in radians.").range(0.1, 1.6);
-  d.option("min_matches", c.min_matches, "Pairs of photos with fewer matches are left out.").range(8, 1000);
-  d.option("exhaustive_limit", c.exhaustive_limit, "Up to this many photos all pairs are compared.").range(0, 2000);
-  d.option("window", c.window, "Above the limit: neighbours compared in name order.").range(1, 1000);
-  d.option("retrieved", c.retrieved, "Above the limit: photos of similar appearance compared with each photo.").range(0, 1000);
-  d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
-  d.option("retry_below", c.retry_below, "Share of registered photos below which the ladder is climbed.").range(0, 1);
-  d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
-  d.option("min_observations", c.min_observations,
-           "A photo whose pose hangs on fewer points than this does not count (twice as many after a retry).")
-      .range(3, 10000);
-  d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
-  d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
-      .choices({"auto", "level", "ring", "mean", "nadir"});
-  d.option("principal_point", c.principal_point,
-           "Where the lens's axis meets the picture: in its middle, or (auto) elsewhere if the photos then fit clearly better.")
-      .choices({"auto", "middle"});
-  d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
-      .range(0, 100);
-  d.option("jpeg_quality", c.jpeg_quality, "Quality of undistorted photos with JPEG names.").range(50, 100);
-  d.option("turntable", c.turntable,
-           "Does the object turn before a camera that stands still? Then features outside its masks are not used; auto: shown by "
-           "matches that stand still around an object that moves.")
-      .choices({"auto", "yes", "no"});
-  d.group("masks", c.masks, "Which masks keep features out.");
-  d.group("points", c.points, "Which triangulated points are kept.");
-}
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
