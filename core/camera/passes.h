@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,7 @@ using Passes = std::vector<std::vector<std::string>>;  // names of photos, the l
 enum class PosesOf {
   Object,       // what surrounds it stands elsewhere in each pass
   LargestPass,  // its photos alone have poses: they share too little of the object with the others
-  Surroundings  // or of the object, without masks nobody knows; the other of both stands elsewhere in each pass
+  Surroundings  // or the object: without masks nobody knows which; the other of both stands elsewhere in each pass
 };
 
 // The passes between which the surroundings of the object moved against the poses. Empty: there are none, or the poses do not

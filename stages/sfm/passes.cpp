@@ -15,8 +15,8 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kAgree = 15, kContradict = 25;  // matches
-constexpr double kFits =
-    0.004;  // of the longest side, from the epipolar line: 4 pixels of 1000; these poses come from the same matches
+// Of the longest side, from the epipolar line: 4 pixels of 1000. These poses come from the same matches.
+constexpr double kFits = 0.004;
 constexpr double kMostAgree = 0.5, kFewAgree = 0.3;
 constexpr double kSameDirectionDeg = 20, kSameRollDeg = 30;
 constexpr size_t kHardlyAMatch = 4, kEnoughFeatures = 40;
@@ -114,7 +114,7 @@ class PassSearch {
     return group;
   }
 
-  // Groups of photos by the agreement of one side, those of too few photos or that nothing contradicts not among them.
+  // Passes by one side: its groups of at least kSmallestPass photos between which pairs contradict. Empty: fewer than two.
   Passes passes(int side, size_t& contradicting) const {
     const std::vector<size_t> group = groups_by(side);
     std::vector<size_t> size(count_, 0);
