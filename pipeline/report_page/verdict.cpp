@@ -156,11 +156,10 @@ void advise(const Figures& figures, const RunOutcome& outcome, const Commands& c
   const auto add = [&](std::string text, std::string command) { v.next.push_back({std::move(text), std::move(command)}); };
   if (rating("one_object") != Rating::Good)
     add(outcome.masks.empty()
-            ? "Mark the object in two or three photos of each pass: then its own features find the poses, on all sides. This "
-              "opens "
-              "a page that saves the marks and says what to run then."
+            ? "Give masks of the object, a picture for each photo in a folder called object: then its own features join the "
+              "passes."
             : "Add photos between the passes: of the sides that both show, from lower down or of the object on its side.",
-        outcome.masks.empty() ? commands.of({"mark", "--open"}) : commands.with_photos());
+        commands.with_photos(outcome.masks.empty() ? std::vector<std::string>{"--masks", "MASKS"} : std::vector<std::string>{}));
   if (unknown("registered"))
     add("Find the poses from the photos, without given ones, or check how the given ones are written: hardly any point shows "
         "that "

@@ -50,8 +50,8 @@ void report_passes(const ObjectPasses& passes, const ColmapModel& model, const s
       context.warning(
           "SFM_OBJECT_TURNED",
           fmt::format("{}: something that they show was moved between them against the rest, and no poses fit both; it "
-                      "will stand in the scene more than once. Masks of the object let its own features decide: draw them "
-                      "(vitrine mark), or give a folder (--masks DIR)",
+                      "will stand in the scene more than once. Masks of the object let its own features decide: a folder "
+                      "with one for each photo (--masks DIR, DIR/object)",
                       passes_text(passes.passes)));
   }
 }
