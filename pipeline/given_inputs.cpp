@@ -53,12 +53,12 @@ void check_masks(const fs::path& masks, const Settings& settings) {
   check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
 }
 
-// Refuses a file that is no list of shapes before any stage runs; the shapes stage reads its entries.
-void check_shapes(const fs::path& given) {
+// Refuses a file that is no table of objects before any stage runs; the objects stage reads its entries.
+void check_objects(const fs::path& given) {
   std::error_code ec;
-  const fs::path file = fs::is_directory(given, ec) ? given / "shapes.json" : given;
-  read_json_file(file, "file of known shapes", [](const nlohmann::json& j) {
-    if (!JsonAt(j).at("shapes").value().is_array()) throw JsonMistake("/shapes", "shapes: expected a list");
+  const fs::path file = fs::is_directory(given, ec) ? given / "objects.json" : given;
+  read_json_file(file, "table of objects", [](const nlohmann::json& j) {
+    if (!JsonAt(j).at("objects").value().is_array()) throw JsonMistake("/objects", "objects: expected a list");
   });
 }
 
@@ -141,7 +141,7 @@ void check_given_inputs(const Planner& planner, const Settings& settings) {
       throw Error(
           ErrorKind::Input, fmt::format("input '{}' does not exist", name),
           {.where = value, .why = fmt::format("{} names it", given.origin), .hint = "check the path", .code = "MISSING_INPUT"});
-    if (name == "shapes") check_shapes(value);
+    if (name == "objects") check_objects(value);
     if (name != "masks") continue;
     if (is_yaml_file(value))
       check_marks(value, settings.text("input.photos"));

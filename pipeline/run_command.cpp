@@ -25,7 +25,7 @@ namespace vitrine {
 namespace {
 
 struct RunArguments {
-  std::string what, output, preset, poses, masks, shapes, normals, truth, grey_card, scale_bar, max_memory, log_format = "text";
+  std::string what, output, preset, poses, masks, objects, normals, truth, grey_card, scale_bar, max_memory, log_format = "text";
   std::vector<std::string> configs, sets;
   Selection selection;
   int threads = 0, max_gaussians = 0;
@@ -47,8 +47,10 @@ CommandLine run_command_line(RunArguments& a) {
             "Masks of the photos: a folder per class (object, transparent, specular, ignore), masks of the object alone, or a "
             "YAML file that "
             "marks things in a few photos (vitrine mark).");
-  cli.value("shapes", 0, "FILE", a.shapes,
-            "Known shapes of glass and metal: shapes/shapes.json of an earlier run, corrected by hand; instead of fitted ones.");
+  cli.value(
+      "objects", 0, "FILE", a.objects,
+      "The table of glass, mirrors and coats: objects/objects.json of an earlier run, corrected by hand; instead of one that "
+      "is found.");
   cli.value("normals", 0, "DIR", a.normals, "Normal maps of the photos, named like them: PNG or EXR, in any frame.");
   cli.value("truth", 0, "DIR", a.truth,
             "Ground truth to evaluate against; a folder 'truth' beside the photos is found by itself, \"none\" leaves it out.");
@@ -121,7 +123,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   flag("input.photos", target.photos, "command line");
   flag("input.poses", a.poses, "--poses");
   flag("input.masks", a.masks, "--masks");
-  flag("input.shapes", a.shapes, "--shapes");
+  flag("input.objects", a.objects, "--objects");
   flag("input.normals", a.normals, "--normals");
   flag("input.truth", a.truth, "--truth");
   flag("decompose.grey_card", a.grey_card, "--grey-card");

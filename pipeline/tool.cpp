@@ -81,7 +81,7 @@ EditedScene edited_scene(const fs::path& project, const fs::path& edits, const W
         {.where = file.string(), .hint = "vitrine edit PROJECT edits.yaml", .code = replay ? "NO_EDITS" : "MISSING_INPUT"});
   Words call = tool_call("edit", project,
                          {.stages = {"sfm", "optimize", "mesh"},
-                          .optional = {"refine", "decompose", "masks"},
+                          .optional = {"refine", "decompose", "masks", "objects"},
                           .missing = "there is no scene to edit yet"});
   call.insert(call.end(), {"--input", "edits=" + file.string()});
   const ToolResult result = run_tool("edit", project, call, how);

@@ -20,7 +20,7 @@ fs::path relit_sample_path(const fs::path& project) { return project / "view_rel
 
 ToolInputs view_inputs(const fs::path& edited) {
   return {.stages = {"sfm", "optimize"},
-          .optional = {"refine", "mesh", "decompose", "masks"},
+          .optional = {"refine", "mesh", "decompose", "masks", "objects"},
           .missing = "there is no trained scene to view yet",
           .edited = edited};
 }

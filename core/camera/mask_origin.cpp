@@ -1,23 +1,35 @@
 #include "core/camera/mask_origin.h"
 
-#include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/json_cause.h"
+#include "core/camera/json_file.h"
 
 namespace vitrine {
 
+namespace {
+
+fs::path origin_path(const fs::path& artifact) { return artifact / "masks" / "origin.json"; }
+
+}  // namespace
+
 MaskOrigin mask_origin(const fs::path& artifact, MaskClass kind) {
-  const fs::path path = artifact / "masks/report.json";
-  if (!fs::exists(path)) return {};
-  try {
-    const auto report = nlohmann::json::parse(read_file(path));
-    const auto& row = report.at("classes").at(std::string(name(kind)));
-    return {row.value("guessed", false), row.value("propagated", false)};
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(ErrorKind::Input, "the report of the masks is unusable",
-                {.where = path.string(), .why = cause_of(e), .hint = "run the masks stage again", .code = "BAD_MASKS_REPORT"});
-  }
+  MaskOrigin out;
+  if (!fs::exists(origin_path(artifact))) return out;
+  read_json_file(origin_path(artifact), "list of the origins of masks", [&](const nlohmann::json& j) {
+    const JsonAt root(j);
+    const std::string word(name(kind));
+    if (!root.has(word.c_str())) return;
+    const JsonAt row = root.at(word.c_str());
+    out = {row.at("source").text(), row.at("trust").text(), row.at("propagated").value().get<bool>()};
+  });
+  return out;
+}
+
+void write_mask_origins(const fs::path& artifact, const std::map<MaskClass, MaskOrigin>& origins) {
+  nlohmann::json j = nlohmann::json::object();
+  for (const auto& [kind, origin] : origins)
+    j[std::string(name(kind))] = {{"source", origin.source}, {"trust", origin.trust}, {"propagated", origin.propagated}};
+  make_folders(origin_path(artifact).parent_path());
+  write_json_file(origin_path(artifact), j);
 }
 
 }  // namespace vitrine

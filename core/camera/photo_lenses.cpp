@@ -13,16 +13,16 @@ namespace vitrine {
 
 namespace {
 
-struct SfmReport {
+struct LensFile {
   std::map<uint32_t, ColmapCamera> photographed;  // lenses as photographed, by camera id
   std::vector<std::string> without_camera;
 };
 
-SfmReport read_sfm_report(const fs::path& report) {
-  SfmReport out;
+LensFile read_lenses(const fs::path& file) {
+  LensFile out;
   std::error_code ec;
-  if (!fs::exists(report, ec)) return out;
-  read_json_file(report, "report of the sfm stage", [&](const nlohmann::json& j) {
+  if (!fs::exists(file, ec)) return out;
+  read_json_file(file, "list of lenses", [&](const nlohmann::json& j) {
     for (const nlohmann::json& row : j.at("cameras")) {
       const nlohmann::json& p = row.at("photographed");
       const ColmapCameraType* type = colmap_camera_type(p.at("model").get<std::string>());
@@ -33,8 +33,7 @@ SfmReport read_sfm_report(const fs::path& report) {
         throw std::invalid_argument("a camera has the wrong number of parameters");
       out.photographed[camera.id] = camera;
     }
-    for (const nlohmann::json& photo : j.value("photos", nlohmann::json::array()))
-      if (!photo.at("registered").get<bool>()) out.without_camera.push_back(photo.at("name"));
+    out.without_camera = j.value("without_camera", std::vector<std::string>());
   });
   return out;
 }
@@ -46,20 +45,20 @@ PhotoLenses read_photo_lenses(const fs::path& sfm_folder, const ViewSet& set) {
   const auto folder = find_colmap_model(sfm_folder);
   VITRINE_CHECK(folder, "a view set was read from {}", sfm_folder.string());
   const ColmapModel model = read_colmap_model(*folder);
-  SfmReport report = read_sfm_report(sfm_folder / "sfm/report.json");
-  lenses.without_camera = std::move(report.without_camera);
+  LensFile file = read_lenses(sfm_folder / "sfm/lenses.json");
+  lenses.without_camera = std::move(file.without_camera);
   for (const View& view : set.views) {
     const auto image =
         std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == view.name; });
     VITRINE_CHECK(image != model.images.end(), "view {} is not in the model", view.name);
     Undistortion u{.source = colmap_pinhole(image->camera_id, view.intrinsics), .target = view.intrinsics, .identity = true};
-    if (const auto found = report.photographed.find(image->camera_id); found != report.photographed.end()) {
+    if (const auto found = file.photographed.find(image->camera_id); found != file.photographed.end()) {
       u = undistortion(found->second);
       if (u.target.width != view.intrinsics.width || u.target.height != view.intrinsics.height)
-        throw Error(ErrorKind::Input, "cameras and report of the sfm stage disagree",
+        throw Error(ErrorKind::Input, "cameras and lenses of the sfm stage disagree",
                     {.where = view.name,
-                     .why = fmt::format("undistorted photos have {} x {} pixels, the lens of the report leaves {} x {}",
-                                        view.intrinsics.width, view.intrinsics.height, u.target.width, u.target.height),
+                     .why = fmt::format("undistorted photos have {} x {} pixels, the lens leaves {} x {}", view.intrinsics.width,
+                                        view.intrinsics.height, u.target.width, u.target.height),
                      .hint = "run the sfm stage again",
                      .code = "MASKS_SFM_MISMATCH"});
     }

@@ -87,9 +87,9 @@ std::vector<Resampled> our_undistortions(const std::vector<fs::path>& folders) {
   std::vector<Resampled> out;
   for (const fs::path& folder : folders) {
     std::error_code failed;
-    const fs::path report = folder / "sfm" / "report.json";
-    if (!fs::is_regular_file(report, failed)) continue;
-    const nlohmann::json j = nlohmann::json::parse(read_file(report), nullptr, false);
+    const fs::path lenses = folder / "sfm" / "lenses.json";
+    if (!fs::is_regular_file(lenses, failed)) continue;
+    const nlohmann::json j = nlohmann::json::parse(read_file(lenses), nullptr, false);
     if (!j.is_object() || !j.contains("cameras") || !j["cameras"].is_array()) continue;
     for (const nlohmann::json& c : j["cameras"])
       if (c.is_object() && c.contains("resampled") && c["resampled"] == true)

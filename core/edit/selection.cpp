@@ -8,7 +8,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/projection.h"
-#include "core/camera/view_masks.h"
 #include "core/image/resample.h"
 #include "core/render/renderer.h"
 
@@ -86,8 +85,12 @@ bool in_hull(const Views& views, const Vec3d& p) {
 
 }  // namespace
 
-SceneSelector::SceneSelector(const EditScene& scene, std::span<const View> views, std::optional<std::filesystem::path> masks)
-    : scene_(scene), views_(views), masks_(std::move(masks)), distance_(scene.mesh), reach_(kReachEdges * mean_edge(scene.mesh)) {
+SceneSelector::SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels)
+    : scene_(scene),
+      views_(views),
+      pixels_(std::move(pixels)),
+      distance_(scene.mesh),
+      reach_(kReachEdges * mean_edge(scene.mesh)) {
   const FaceComponents found = face_components(scene.mesh);
   std::vector<uint32_t> order(found.faces.size()), rank(order.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -201,16 +204,10 @@ const SceneSelector::SurfelComponents& SceneSelector::surfel_components() const 
                                     numbers(surfels.transmittance, &SceneSelector::component_around));
 }
 
-bool SceneSelector::has_masks(MaskClass kind) const {
-  std::error_code ec;
-  return masks_ && std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec);
-}
-
 std::vector<MaskClass> SceneSelector::classes() const {
   std::vector<MaskClass> out;
   for (const MaskClass kind : kMaskClasses)
-    if (has_masks(kind) &&
-        std::ranges::any_of(views_, [&](const View& v) { return read_view_mask(*masks_, kind, v).has_value(); }))
+    if (pixels_.has(kind) && std::ranges::any_of(views_, [&](const View& v) { return pixels_.of(kind, v).has_value(); }))
       out.push_back(kind);
   return out;
 }
@@ -223,11 +220,12 @@ std::vector<SceneSelector::MaskedView> SceneSelector::masked_views(MaskClass kin
                   .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
                   .code = "NO_MASKS"});
   };
-  if (!has_masks(kind)) throw missing(masks_ ? "the masks stage wrote none" : "the masks stage has not been computed");
+  if (!pixels_.has(kind))
+    throw missing("nothing of this class is marked, or the stages masks and objects have not been computed");
   std::vector<MaskedView> out;
   for (View view : views_) {
     throw_if_interrupted();
-    const auto mask = read_view_mask(*masks_, kind, view);
+    const auto mask = pixels_.of(kind, view);
     if (!mask) continue;
     view.intrinsics = view.intrinsics.limited_to(kMaskSide);
     out.push_back({view, widened(resized(*mask, view.intrinsics.width, view.intrinsics.height))});

@@ -9,7 +9,6 @@
 // A face is selected with two of its corners. The reflection layer holds mirrored places: nothing selects it.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -23,6 +22,7 @@
 #include "core/image/image.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/objects/class_pixels.h"
 #include "core/trace/mesh_hits.h"
 
 namespace vitrine {
@@ -34,9 +34,8 @@ struct MeshComponent {
 
 class SceneSelector {
  public:
-  // `masks`: an artifact of the masks stage. All but it must live as long as this; edits that change materials or delete parts
-  // change no selection.
-  SceneSelector(const EditScene& scene, std::span<const View> views, std::optional<std::filesystem::path> masks);
+  // All but the pixels must live as long as this; edits that change materials or delete parts change no selection.
+  SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
 
   // Whether still there or not. Throws Error{Input} at `where` when a class has no masks or a component does not exist.
   Parts select(const Selector& selector, const std::string& where);
@@ -57,7 +56,6 @@ class SceneSelector {
   };
   std::vector<MaskedView> masked_views(MaskClass kind, const std::string& where) const;
   const Parts& of_class(MaskClass kind, const std::string& where);
-  bool has_masks(MaskClass kind) const;
   // What is near a component, or, for what glass shows, inside of one; 0: nothing.
   uint32_t component_near(const Vec3f& p) const;
   uint32_t component_around(const Vec3f& p) const;
@@ -68,7 +66,7 @@ class SceneSelector {
 
   const EditScene& scene_;
   std::span<const View> views_;
-  std::optional<std::filesystem::path> masks_;
+  ClassPixels pixels_;
   std::map<MaskClass, Parts> classes_;
   std::unique_ptr<MeshHits> hits_;
   MeshDistance distance_;

@@ -38,7 +38,8 @@ ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, c
                         json.at("tolerance").get<double>(),
                         json.value("parent", -1),
                         json.value("clear", std::vector<uint8_t>()),
-                        json.value("exact", true)};
+                        json.value("exact", true),
+                        json.value("object", uint16_t(0))};
   if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
   // Parents stand before their appendages: no circles.
   if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
@@ -61,6 +62,7 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& keep_me
     if (entry.parent >= 0) json["parent"] = entry.parent;
     if (!entry.clear.empty()) json["clear"] = entry.clear;
     if (!entry.exact) json["exact"] = false;
+    if (entry.object != 0) json["object"] = entry.object;
     if (const TriMesh* mesh = kind.mesh(entry.shape)) {
       json["mesh"] = mesh_path({}, i).string();
       keep_mesh(i, *mesh);

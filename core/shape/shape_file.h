@@ -1,6 +1,6 @@
 // Shape sets in files: a list in a JSON document; meshes as shape_<entry>.ply beside it, or wherever the caller keeps them.
-//   {"kind": "box", "role": "sheet", "tolerance": 0.02, "parent": 3, "clear": [1, 1, ...], "exact": false, ... the kind's numbers
-//   (registry.h)}
+//   {"kind": "box", "role": "sheet", "tolerance": 0.02, "parent": 3, "clear": [1, 1, ...], "exact": false, "object": 2, ... the
+//   kind's numbers (registry.h)}
 #pragma once
 
 #include <filesystem>

@@ -23,7 +23,8 @@ struct ShapeSet {
     double tolerance = 0;        // how far from it surfels that show it lie, scene units, > 0
     int parent = -1;             // of an appendage, a handle: the entry that it stands out of, before it and of the same role
     std::vector<uint8_t> clear;  // [facet] of a sheet: 0 where it stands on something or is a frame; empty: all are panes
-    bool exact = true;           // of a coat: its normals are better than those of surfels; false: a visual hull
+    bool exact = true;           // its normals are better than those of surfels; false: a visual hull, a poor fit
+    uint16_t object = 0;         // id in the table of objects (core/objects), 0: of none
     bool is_clear(size_t facet) const { return facet >= clear.size() || clear[facet] != 0; }
   };
   std::vector<Entry> entries;

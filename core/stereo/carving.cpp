@@ -13,12 +13,6 @@ namespace {
 
 constexpr float kInside = 0.5f;  // coverage
 
-bool hidden(const Silhouette& s, int u, int v, double z, float in_front) {
-  if (s.depth.empty()) return false;
-  const float depth = s.depth.at(u, v);
-  return depth > 0 && depth < in_front * float(z);
-}
-
 // Coverage between pixel centres, without unknown pixels; negative: all are.
 float interpolated(const ImageF& value, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, double(value.width() - 1)), v = std::clamp(y - 0.5, 0.0, double(value.height() - 1));
@@ -66,13 +60,12 @@ bool Carving::near_inside(size_t index, int u, int v, double slope) const {
   return counts_[index].any_near(u, v, int(std::ceil(slope * silhouettes_[index].view.intrinsics.fx)));
 }
 
-bool Carving::enough(size_t seen, size_t inside) const {
-  return inside >= rule_.fewest_views && inside >= size_t(rule_.seen_share * double(silhouettes_.size())) &&
-         double(inside) >= rule_.inside_share * double(seen);
+bool Carving::enough(size_t inside) const {
+  return inside >= rule_.fewest_views && inside >= size_t(rule_.seen_share * double(silhouettes_.size()));
 }
 
 bool Carving::inside(const Vec3d& p, double near, double slack) const {
-  size_t seen = 0, inside = 0, outside = 0;
+  size_t inside = 0, outside = 0;
   const double most = rule_.dissent * double(silhouettes_.size());
   for (const Silhouette& s : silhouettes_) {
     const auto q = image_point(p, s.view, near);
@@ -80,28 +73,26 @@ bool Carving::inside(const Vec3d& p, double near, double slack) const {
     const int u = int(q->x), v = int(q->y);
     const float value = s.value.at(u, v);
     if (value < 0) continue;
-    ++seen;
     if (value >= kInside || (slack > 0 && near_inside(size_t(&s - silhouettes_.data()), u, v, slack / q->z)))
       ++inside;
-    else if (!hidden(s, u, v, q->z, rule_.in_front) && double(++outside) > most)
+    else if (double(++outside) > most)
       return false;
   }
-  return enough(seen, inside) && double(outside) <= rule_.dissent * double(inside + outside);
+  return enough(inside) && double(outside) <= rule_.dissent * double(inside + outside);
 }
 
 float Carving::occupancy(const Vec3d& p, std::vector<float>& scratch) const {
   scratch.clear();
-  size_t seen = 0, inside = 0;
+  size_t inside = 0;
   for (const Silhouette& s : silhouettes_) {
     const auto q = image_point(p, s.view);
     if (!q) continue;
     const float value = interpolated(s.value, q->x, q->y);
     if (value < 0) continue;
-    ++seen;
     inside += value >= kInside;
-    if (value >= kInside || !hidden(s, int(q->x), int(q->y), q->z, rule_.in_front)) scratch.push_back(value);
+    scratch.push_back(value);
   }
-  if (!enough(seen, inside)) return 0;
+  if (!enough(inside)) return 0;
   return order_statistic_of(std::span(scratch), size_t(rule_.dissent * double(scratch.size())));
 }
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/shape/hit.h"
 #include "core/shape/surface_of_revolution.h"
-#include "core/stereo/flat_faces.h"
 #include "core/stereo/silhouette.h"
 
 namespace vitrine {

@@ -12,9 +12,6 @@ namespace vitrine {
 struct Silhouette {
   View view;     // intrinsics of the size of `value`
   ImageF value;  // [h,w,1] coverage: at least one half = shows the object; negative = unknown
-  // [h,w,1] z-depth of opaque surfaces, 0 = none; empty: unknown. Pixels outside the silhouette tell nothing about the space
-  // behind these surfaces.
-  ImageF depth = {};
 };
 
 // Coverage 0 or 1, [h,w] of the view.

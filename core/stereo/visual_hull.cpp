@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kCoarse = 48;            // first look at the whole cube
 constexpr int kPadding = 4;            // voxels around what is left, so that the blurred surface closes
+constexpr int kBlurPasses = 3;         // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
 constexpr float kSurfaceLevel = 0.5f;  // of occupancy: the surface
 
 VoxelGrid<uint8_t> grid_over(const Bounds3& bounds, int resolution, int padding) {
@@ -48,10 +49,10 @@ Bounds3 occupied(const VoxelGrid<uint8_t>& grid) {
   return bounds;
 }
 
-void blur(VoxelGrid<float>& grid, int passes) {
+void blur(VoxelGrid<float>& grid) {
   const size_t stride[3] = {1, size_t(grid.size[0]), size_t(grid.size[0]) * size_t(grid.size[1])};
   std::vector<float> out(grid.values.size());
-  for (int pass = 0; pass < passes; ++pass)
+  for (int pass = 0; pass < kBlurPasses; ++pass)
     for (size_t axis = 0; axis < 3; ++axis) {
       grid.each([&](int x, int y, int z) {
         const int at[3] = {x, y, z};
@@ -86,8 +87,7 @@ VisualHull::VisualHull(std::span<const Silhouette> silhouettes, const HullDesc& 
   if (one_sidedness_ > desc.most_one_sided) return;
   grid_ = {fine.origin, fine.cell, fine.size, {fine.values.begin(), fine.values.end()}};
   carved_ = std::move(fine);
-  blur(grid_, desc.blur_passes);
-  if (desc.flat_faces) faces_ = flat_faces(blurred_surface(), grid_.cell);
+  blur(grid_);
 }
 
 Vec3d VisualHull::inwards(const Vec3d& p) const {
@@ -101,18 +101,6 @@ Vec3d VisualHull::inwards(const Vec3d& p) const {
 }
 
 std::vector<ShapePoint> VisualHull::surface() const {
-  std::vector<ShapePoint> points = blurred_surface();
-  for (ShapePoint& p : points) p = on_face(p);
-  return points;
-}
-
-ShapePoint VisualHull::on_face(const ShapePoint& p) const {
-  const FlatFace* face = face_of(faces_, p, grid_.cell);
-  if (face == nullptr) return p;
-  return {p.position + (face->offset - dot(face->normal, p.position)) * face->normal, face->normal};
-}
-
-std::vector<ShapePoint> VisualHull::blurred_surface() const {
   std::vector<ShapePoint> points;
   grid_.each_in_order([&](int x, int y, int z) {
     const Vec3d centre = grid_.centre(x, y, z);
@@ -166,9 +154,7 @@ std::optional<HullHit> VisualHull::first_hit(const Vec3d& origin, const Vec3d& d
     const Vec3d hit = origin + high * d;
     const Vec3d outwards = -1.0 * inwards(hit);
     if (!(length(outwards) > 1e-6) || dot(outwards, d) >= 0) return std::nullopt;
-    const ShapePoint met{hit, normalized(outwards)};
-    const FlatFace* face = face_of(faces_, met, grid_.cell);
-    return HullHit{high / length(direction), face != nullptr && dot(face->normal, d) < 0 ? face->normal : met.normal};
+    return HullHit{high / length(direction), normalized(outwards)};
   }
   return std::nullopt;
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/math/voxel_grid.h"
+#include "core/shape/hit.h"
 #include "core/stereo/carving.h"
-#include "core/stereo/flat_faces.h"
 #include "core/stereo/silhouette.h"
 
 namespace vitrine {
@@ -18,10 +18,8 @@ namespace vitrine {
 struct HullDesc {
   int resolution = 128;  // voxels along the longest side of what is left
   CarvingRule rule = {};
-  int blur_passes = 3;          // of a 3-voxel box over the surface: a bell of sqrt(2/3 passes) voxels
   bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
   double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
-  bool flat_faces = false;      // points and normals are those of flat faces, where the surface has such
   double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
 };
 
@@ -39,7 +37,6 @@ class VisualHull {
   bool empty() const { return grid_.values.empty(); }
   double one_sidedness() const { return one_sidedness_; }       // of the cameras, as seen from the hull
   const Bounds3& bounds() const { return bounds_; }             // of what is left, without the room around it
-  size_t faces() const { return faces_.size(); }                // flat ones
   double voxel() const { return grid_.cell; }                   // edge
   const VoxelGrid<uint8_t>& carved() const { return carved_; }  // 1 inside, before the blur
   std::vector<ShapePoint> surface() const;                      // one for every voxel that it passes
@@ -47,15 +44,12 @@ class VisualHull {
   std::optional<HullHit> first_hit(const Vec3d& origin, const Vec3d& direction) const;
 
  private:
-  std::vector<ShapePoint> blurred_surface() const;
-  ShapePoint on_face(const ShapePoint& p) const;
   float occupancy(const Vec3d& p) const;  // trilinear, 0 outside
   Vec3d inwards(const Vec3d& p) const;    // gradient of the occupancy, times 3 voxels
   Bounds3 bounds_;
   VoxelGrid<uint8_t> carved_;
   VoxelGrid<float> grid_;  // occupancy, blurred
   double one_sidedness_ = 0;
-  std::vector<FlatFace> faces_;
 };
 
 // [view][h,w] 1 where the view's ray meets the hull. Stops early on an interrupt.

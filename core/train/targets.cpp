@@ -7,7 +7,6 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/camera/mask_origin.h"
 #include "core/camera/view_masks.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
@@ -22,7 +21,7 @@ namespace {
 constexpr float kFullScale = 32767.f;
 // Shorter means of unit normals are no direction: their pixels lie across an edge or next to unknown ones.
 constexpr float kShortestMean = 0.5f;
-// Glass, gloss and what is to be ignored cover less of a capture than the rest.
+// Glass, mirrors and what is to be ignored cover less of a capture than the rest.
 constexpr double kMostCoverage = 0.6;
 
 ImageF sized(const ImageF& image, const Intrinsics& k) {
@@ -68,9 +67,16 @@ std::vector<double> load_class(const Capture& capture, const fs::path& artifact,
   return coverage;
 }
 
+void warn_of_coverage(std::string_view name, double share, Targets& targets) {
+  if (share > kMostCoverage)
+    targets.warnings.push_back(
+        {"MASK_COVERS_MOST", fmt::format("the {} masks mark {:.0f} % of the photos: are they inverted?", name, 100 * share)});
+}
+
 void load_masks(const Capture& capture, const fs::path& artifact, Targets& targets) {
-  for (size_t mask = 0; mask < kMaskClassCount; ++mask) {
-    const std::string name(vitrine::name(static_cast<MaskClass>(mask)));
+  for (const MaskClass kind : {MaskClass::Object, MaskClass::Ignore}) {
+    const auto mask = static_cast<size_t>(kind);
+    const std::string name(vitrine::name(kind));
     const fs::path folder = artifact / "masks" / name;
     if (!fs::is_directory(folder)) continue;
     const std::vector<double> coverage = load_class(capture, artifact, mask, targets);
@@ -92,17 +98,54 @@ void load_masks(const Capture& capture, const fs::path& artifact, Targets& targe
       targets.warnings.push_back(
           {"MASKS_INCOMPLETE", fmt::format("{} of {} photos have no {} mask", coverage.size() - found, coverage.size(), name)});
     targets.has[mask] = marked > 0;
-    const MaskOrigin origin = mask_origin(artifact, static_cast<MaskClass>(mask));
-    targets.guessed[mask] = origin.guessed, targets.propagated[mask] = origin.propagated;
     if (marked == 0) {
       targets.warnings.push_back({"MASK_EMPTY", fmt::format("the {} masks are black in every photo: not used", name)});
       for (auto& photo : targets.photos)
         for (TargetLevel& level : photo) level.masks[mask].clear();
     }
-    if (static_cast<MaskClass>(mask) != MaskClass::Object && sum / double(found) > kMostCoverage)
-      targets.warnings.push_back({"MASK_COVERS_MOST", fmt::format("the {} masks mark {:.0f} % of the photos: are they inverted?",
-                                                                  name, 100 * sum / double(found))});
+    if (kind == MaskClass::Ignore) warn_of_coverage(name, sum / double(found), targets);
   }
+}
+
+// Glass, and what reflects. A mirror whose shape is not known reflects as its surfels show it, like a coat.
+void load_labels(const Capture& capture, const LabelledObjects& objects, Targets& targets) {
+  const ObjectSet& set = objects.objects();
+  const auto glass = [](const Object& o) { return is_glass(o.role); };
+  const auto mirrors = [&](const Object& o) { return is_glass(o.role) || set.is_drawn_mirror(o); };
+  const auto coated = [&](const Object& o) { return is_specular(o.role) && !mirrors(o); };
+  const auto& views = capture.view_set.views;
+  const auto load = [&](const auto& counts, const auto& plane_of) {
+    parallel_for(views.size(), 1, [&](size_t i) {
+      if (interrupt_signal() != 0) return;
+      ImageF image = objects.coverage(views[i], views[i].intrinsics, counts);
+      for (size_t level = 0; level < kLevels && !image.empty(); ++level) {
+        image = sized(image, capture.photos[i].levels[level].view.intrinsics);
+        plane_of(targets.photos[i][level]) = quantised(image);
+      }
+    });
+    throw_if_interrupted();
+  };
+  const auto plane_of = [](MaskClass kind) {
+    return [kind](TargetLevel& level) -> std::vector<uint8_t>& { return level.masks[static_cast<size_t>(kind)]; };
+  };
+  const auto coat_plane = [](TargetLevel& level) -> std::vector<uint8_t>& { return level.coat; };
+  if (objects.any(glass)) load(glass, plane_of(MaskClass::Transparent));
+  if (!set.empty()) load(mirrors, plane_of(MaskClass::Specular));
+  if (objects.any(coated)) load(coated, coat_plane);
+  const auto share = [&](const auto& plane) {
+    double sum = 0, count = 0;
+    for (auto& photo : targets.photos) {
+      for (const uint8_t m : plane(photo[0])) sum += m / 255.0;
+      count += double(plane(photo[0]).size());
+    }
+    return count > 0 ? sum / count : 0;
+  };
+  const double transparent = share(plane_of(MaskClass::Transparent));
+  const double specular = share(plane_of(MaskClass::Specular)) + share(coat_plane);
+  targets.has[size_t(MaskClass::Transparent)] = transparent > 0;
+  targets.has[size_t(MaskClass::Specular)] = specular > 0;
+  warn_of_coverage(name(MaskClass::Transparent), transparent, targets);
+  warn_of_coverage(name(MaskClass::Specular), specular, targets);
 }
 
 void load_normals(const Capture& capture, const fs::path& artifact, Targets& targets) {
@@ -164,15 +207,17 @@ void Targets::ignore_outside(const Targets& trained) {
     }
 }
 
-Targets load_targets(const Capture& capture, const std::optional<fs::path>& masks, const std::optional<fs::path>& normals) {
+Targets load_targets(const Capture& capture, const std::optional<fs::path>& masks, const LabelledObjects& objects,
+                     const std::optional<fs::path>& normals) {
   Targets targets;
   targets.photos.resize(capture.photos.size());
   if (masks) load_masks(capture, *masks, targets);
+  load_labels(capture, objects, targets);
   if (normals) load_normals(capture, *normals, targets);
   for (const auto& photo : targets.photos)
     for (const TargetLevel& level : photo) {
       for (const auto& mask : level.masks) targets.memory_bytes += mask.size();
-      targets.memory_bytes += level.normals.size() * sizeof(int16_t) + level.confidence.size();
+      targets.memory_bytes += level.coat.size() + level.normals.size() * sizeof(int16_t) + level.confidence.size();
     }
   return targets;
 }

@@ -7,9 +7,9 @@
 #include "core/base/error.h"
 #include "core/base/inside.h"
 #include "core/camera/projection.h"
-#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/math/median.h"
+#include "core/objects/object_labels.h"
 
 namespace vitrine {
 
@@ -32,17 +32,28 @@ std::optional<Image8> grey(const fs::path& path) {
   }
 }
 
+// A damaged table or label counts as none: the report is of what is there.
+LabelledObjects objects_of(const fs::path& project) {
+  try {
+    return LabelledObjects::all(project);
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 // At relative coordinates in [0,1).
-uint8_t look_up(const Image8& image, double u, double v) {
+template <class T>
+T look_up(const Image<T>& image, double u, double v) {
   return image.at(std::min(int(u * image.width()), image.width() - 1), std::min(int(v * image.height()), image.height() - 1));
 }
 
-struct SampledMasks {
-  std::optional<Image8> transparent, specular, confidence;
+struct SampledPixels {
+  std::optional<Image8> confidence;
+  const ObjectSet& objects;
+  Image16 labels;
   Region at(double u, double v) const {
-    if (transparent && look_up(*transparent, u, v) >= 128) return kTransparent;
-    if (specular && look_up(*specular, u, v) >= 128) return kReflective;
-    return kRest;
+    const Object* object = labels.empty() ? nullptr : objects.find(look_up(labels, u, v));
+    return object == nullptr || !is_specular(object->role) ? kRest : is_glass(object->role) ? kTransparent : kReflective;
   }
 };
 
@@ -51,23 +62,23 @@ struct Tally {
   std::vector<double> views_per_point;
 };
 
-void tally_photo(const ViewSet& set, size_t index, const SampledMasks& masks, std::array<Tally, kRegions>& tallies) {
+void tally_photo(const ViewSet& set, size_t index, const SampledPixels& pixels, std::array<Tally, kRegions>& tallies) {
   const View& view = set.views[index];
   const int rows = std::max(1, kSamplesAcross * view.intrinsics.height / std::max(1, view.intrinsics.width));
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < kSamplesAcross; ++x) {
       const double u = (x + 0.5) / kSamplesAcross, v = (y + 0.5) / rows;
-      Tally& t = tallies[masks.at(u, v)];
+      Tally& t = tallies[pixels.at(u, v)];
       t.samples += 1;
-      if (!masks.confidence) continue;
-      t.confidence += look_up(*masks.confidence, u, v) / 255.0;
+      if (!pixels.confidence) continue;
+      t.confidence += look_up(*pixels.confidence, u, v) / 255.0;
       t.confidence_samples += 1;
     }
   for (const ScenePoint& p : set.points) {
     if (std::find(p.views.begin(), p.views.end(), uint32_t(index)) == p.views.end()) continue;
     const auto q = image_point(p.position, view);
     if (!q) continue;
-    Tally& t = tallies[masks.at(q->x / view.intrinsics.width, q->y / view.intrinsics.height)];
+    Tally& t = tallies[pixels.at(q->x / view.intrinsics.width, q->y / view.intrinsics.height)];
     t.points += 1;
     t.views_per_point.push_back(double(p.views.size()));
   }
@@ -107,16 +118,17 @@ void judge(RegionTrust& r, const ReportFigure& by_psnr) {
 std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& views, const Figures& figures) {
   std::array<Tally, kRegions> tallies;
   const size_t n = views.views.size(), count = std::min(n, kMostPhotos);
+  const LabelledObjects objects = objects_of(project);
   bool masked = false;
   for (size_t i = 0; i < count; ++i) {
     const size_t index = i * n / count;
     const std::string stem = views.views[index].stem();
     if (!stays_below(stem)) continue;
-    const SampledMasks masks{.transparent = grey(view_mask_path(project, MaskClass::Transparent, views.views[index])),
-                             .specular = grey(view_mask_path(project, MaskClass::Specular, views.views[index])),
-                             .confidence = grey(project / "normals" / (stem + "_confidence.png"))};
-    masked |= masks.transparent.has_value() || masks.specular.has_value();
-    tally_photo(views, index, masks, tallies);
+    const SampledPixels pixels{.confidence = grey(project / "normals" / (stem + "_confidence.png")),
+                               .objects = objects.objects(),
+                               .labels = objects.labels(views.views[index], views.views[index].intrinsics)};
+    masked |= !pixels.labels.empty();
+    tally_photo(views, index, pixels, tallies);
   }
   double all = 0;
   for (const Tally& t : tallies) all += t.samples;

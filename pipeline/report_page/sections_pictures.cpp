@@ -197,11 +197,11 @@ std::string layers_section(const Material& m) {
   if (const auto masks = picture_of_file(m.project / "masks/contact_sheet.png", kLargePicture))
     body += fmt::format("<details><summary>What was taken for glass and gloss</summary>{}</details>",
                         image(*masks, "Contact sheet of the masks of glass and gloss"));
-  if (const auto shapes = picture_of_file(m.project / "shapes/contact_sheet.png", kLargePicture))
+  if (const auto objects = picture_of_file(m.project / "objects/contact_sheet.png", kLargePicture))
     body += fmt::format(
-        "<details><summary>Known shapes of glass and metal (shapes/shapes.json; correct it and give it with "
-        "--shapes)</summary>{}</details>",
-        image(*shapes, "Photos with the silhouettes of the known shapes"));
+        "<details><summary>Glass, mirrors and coats (objects/objects.json; correct it and give it with "
+        "--objects)</summary>{}</details>",
+        image(*objects, "Photos with the objects that were found"));
   return section("layers", "Layers", "What the picture is made of: the matt surface, what it reflects, what is seen through it.",
                  body);
 }

@@ -39,13 +39,15 @@ void describe(Describer& d, DecomposeConfig& c) {
 Stage decompose_stage() {
   return make_stage<DecomposeConfig>(
       {.name = "decompose",
-       .version = 13,
+       .version = 14,
        .summary = "takes the diffuse colours apart into albedo and light",
        .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                   {.name = "optimize", .doc = "The trained surfels and their training views."},
                   {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                   {.name = "mesh", .doc = "What casts shadows."},
-                  {.name = "masks", .optional = true, .doc = "Glass and mirrors: their pixels do not speak about the light."}},
+                  {.name = "objects",
+                   .optional = true,
+                   .doc = "Glass, mirrors and coats, whose pixels do not determine the light."}},
        .doing = "separating colour and light",
        .cost = decompose_cost,
        .report = decompose_report()},

@@ -24,7 +24,6 @@
 #include "core/scene/activation.h"
 #include "stages/decompose/grey_card.h"
 #include "stages/decompose/light_solver.h"
-#include "stages/decompose/marked_pixels.h"
 #include "stages/decompose/metals.h"
 #include "stages/decompose/mirrored_sky.h"
 #include "stages/decompose/painted_shell.h"
@@ -68,7 +67,8 @@ class Decomposition {
   Decomposition(const DecomposeConfig& config, StageContext& context)
       : config_(config),
         context_(context),
-        scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))) {
+        scene_(read_trained_scene(context.input("optimize"), context.optional_input("refine"))),
+        objects_(LabelledObjects::trusted(context.optional_input("objects"))) {
     const ViewSet set = load_view_set(context.input("sfm"));
     all_views_ = set.views;
     for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
@@ -123,7 +123,7 @@ class Decomposition {
                           .max_side = config_.max_side,
                           .near_z = scene_.image.diffuse.near_z,
                           .sky_distance = sky_distance_,
-                          .masked = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); }},
+                          .masked = [&](const View& v, const Intrinsics& k) { return marked(v, k); }},
                          [&](double f) { step(0.2 * f, "surface points"); });
     if (points_.size() < kFewestPoints)
       throw Error(ErrorKind::Input, "the views show too little surface to find the light",
@@ -255,21 +255,18 @@ class Decomposition {
     }
   }
 
-  // What mirrors is a metal without paint, or paint under a glaze, whose gloss is none of the paint's.
+  // Mirrors have no paint; the gloss of a coat is none of the paint's.
   void polish(const std::vector<Vec3f>& radiance) {
     const fs::path sfm = context_.input("sfm");
     const Environment light(environment());
-    const Metals found =
-        find_metals({.sfm_folder = sfm,
-                     .scene = scene_,
-                     .mesh = mesh_,
-                     .views = views_,
-                     .environment = light,
-                     .mirrors = [&](const View& v, const Intrinsics& k) { return marks().mirror_only(v, k); },
-                     .glass_or_mirrors = [&](const View& v, const Intrinsics& k) { return marks().glass_or_mirror(v, k); },
-                     .max_side = config_.max_side,
-                     .verdicts = mesh_verdicts(context_.input("mesh") / "mesh" / "report.json"),
-                     .reach = float(kPolishReach * edge_)});
+    const Metals found = find_metals({.sfm_folder = sfm,
+                                      .scene = scene_,
+                                      .mesh = mesh_,
+                                      .views = views_,
+                                      .environment = light,
+                                      .objects = objects_,
+                                      .max_side = config_.max_side,
+                                      .reach = float(kPolishReach * edge_)});
     polished_ = found.things;
     polish_materials(found, scene_, radiance, materials_);
   }
@@ -383,11 +380,12 @@ class Decomposition {
     if (card_beside_) report["scale"]["card"] = "in the photo, beside the trained scene";
     if (baked) report["baked_log_rms"] = *baked;
     for (const Polished& p : polished_)
-      report["polished"].push_back({{"kind", p.metal ? "metal" : "glaze"},
-                                    {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
-                                    {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
-                                    {"lower_half_mean_ratio", p.lower_half},
-                                    {"pixels", p.pixels}});
+      if (p.pixels > 0)
+        report["objects"].push_back({{"id", p.object},
+                                     {"kind", p.metal ? "mirror" : "coat"},
+                                     {"reflectance", {p.reflectance.x, p.reflectance.y, p.reflectance.z}},
+                                     {"roughness", p.roughness ? nlohmann::ordered_json(*p.roughness) : nlohmann::ordered_json()},
+                                     {"pixels", p.pixels}});
     write_file(out / "decompose" / "report.json", report.dump(2) + "\n");
     context_.metric("misfit_log_rms", solution_.misfit.back());
     context_.metric("light_known_share", solution_.known_share);
@@ -404,11 +402,14 @@ class Decomposition {
   }
 
   const SplatLayer& layer() const { return scene_.surfels.diffuse; }
-  MarkedPixels marks() const { return {.masks = context_.optional_input("masks"), .photos = all_views_}; }
+  ImageF marked(const View& v, const Intrinsics& k) const {
+    return objects_.coverage(v, k, [](const Object& o) { return is_specular(o.role); });
+  }
 
   const DecomposeConfig& config_;
   StageContext& context_;
   TrainedScene scene_;
+  const LabelledObjects objects_;
   std::vector<View> all_views_, views_;
   std::optional<GreyCard> card_;
   TriMesh mesh_;

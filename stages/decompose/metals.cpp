@@ -11,12 +11,10 @@
 #include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
-#include "core/stereo/visible_paint.h"
 #include "core/trace/mesh_hits.h"
 #include "core/trace/tracer.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/metal_roughness.h"
-#include "stages/decompose/polished_faces.h"
 
 namespace vitrine {
 
@@ -32,13 +30,11 @@ constexpr float kDull = 0.1f;                                     // of a face's
 constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
 constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
-constexpr float kPaintShows = 0.75f;                              // of a thing's lower-half mean ratio: less is metal
-constexpr float kOtherPart = 0.25f;                               // of a metal's specular weight: less was trained as no mirror
-constexpr float kDarkPart = 0.2f;                                 // of what a metal shows: no mirror of the same room is so dark
 constexpr size_t kNearFaces = 8;                                  // whose gloss a surfel takes the mean of
 
 struct PolishedPixels {
   std::vector<uint32_t> face;
+  std::vector<int> object;
   std::vector<Vec3f> origins, normals, directions, photo, light;
   std::vector<int> view, x, y;
   std::vector<float> cosine;
@@ -53,22 +49,23 @@ class PolishedFinder {
         hits_(desc.mesh),
         normals_(vertex_normals(desc.mesh)),
         shown_(desc.mesh.faces.size()),
-        marked_(shown_.size()),
-        not_dull_(shown_.size()) {}
+        not_dull_(shown_.size()) {
+    for (const Object& o : desc.objects.objects().objects)
+      if (o.role == ObjectRole::Mirror || o.role == ObjectRole::Coat) ids_.push_back(o.id);
+    of_object_.resize(ids_.size() * shown_.size());
+  }
 
   Metals run() {
     const size_t surfels = d_.scene.surfels.diffuse.size();
     Metals out{{}, std::vector<int>(surfels, -1), std::vector<Vec3f>(surfels)};
-    for (size_t v = 0; v < d_.views.size(); ++v) look_at(int(v));
+    for (size_t v = 0; v < d_.views.size() && !ids_.empty(); ++v) look_at(int(v));
     if (pixels_.size() == 0) return out;
-    connect();
+    own_faces();
     drop_unsure();
     trace();
     const std::vector<FaceShows> faces = faces_show();
-    out.things = judged(faces);
+    out.things = measured();
     spread(faces, out);
-    for (size_t t = 0; t < out.things.size(); ++t)
-      if (out.things[t].metal) leave_handles(int(t), faces, out);
     return out;
   }
 
@@ -76,9 +73,8 @@ class PolishedFinder {
   void look_at(int number) {
     const View& view = d_.views[size_t(number)];
     const Intrinsics k = view.intrinsics.limited_to(d_.max_side);
-    const ImageF mirrors = d_.mirrors(view, k);
-    if (mirrors.empty()) return;
-    const ImageF marked = d_.glass_or_mirrors(view, k);
+    const Image16 labels = d_.objects.labels(view, k);
+    if (labels.empty()) return;
     ImageF photo = resized(read_exr_rgb(linear_image_path(d_.sfm_folder, view)), k.width, k.height);
     for (float& v : photo.data()) v = std::max(v, 0.f);  // colours outside of Rec. 709; no reflectance is negative
     const Rigid world_from_cam = inverse(view.cam_from_world);
@@ -89,14 +85,17 @@ class PolishedFinder {
         const auto hit = hits_.first_hit(eye, towards);
         if (!hit) continue;
         ++shown_[hit->face];
-        not_dull_[hit->face] += marked.at(x, y) > 0.5f;
-        if (!(mirrors.at(x, y) > 0.5f)) continue;
-        ++marked_[hit->face];
+        not_dull_[hit->face] += labels.at(x, y) != 0;
+        const auto own = std::ranges::lower_bound(ids_, labels.at(x, y));
+        if (own == ids_.end() || *own != labels.at(x, y)) continue;
+        const auto object = static_cast<size_t>(own - ids_.begin());
+        ++of_object_[hit->face * ids_.size() + object];
         const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
         const float cosine = -dot(n, towards);
         const float* c = photo.pixel(x, y);
         if (!(cosine > kMinCosine) || std::max({c[0], c[1], c[2]}) > kBrightest) continue;
         pixels_.face.push_back(hit->face);
+        pixels_.object.push_back(static_cast<int>(object));
         pixels_.view.push_back(number), pixels_.x.push_back(x), pixels_.y.push_back(y);
         pixels_.origins.push_back(p);
         pixels_.normals.push_back(n);
@@ -116,39 +115,32 @@ class PolishedFinder {
     return squared_length(n) > 0 ? normalized(n) : normalized(g);
   }
 
-  void connect() {
-    std::vector<uint8_t> polished(shown_.size());
-    for (size_t f = 0; f < polished.size(); ++f) polished[f] = 2 * marked_[f] > shown_[f];
-    PolishedFaces faces = polished_faces(d_.mesh, polished, d_.scene.image.shape.set.get(), d_.verdicts);
-    thing_ = std::move(faces.thing), known_ = std::move(faces.known);
-    count_ = int(known_.size());
+  // A face is of the object that most of the pixels show which show the face.
+  void own_faces() {
+    thing_.assign(shown_.size(), -1);
+    for (size_t f = 0; f < thing_.size(); ++f)
+      for (size_t o = 0; o < ids_.size(); ++o)
+        if (2 * of_object_[f * ids_.size() + o] > shown_[f]) thing_[f] = static_cast<int>(o);
   }
 
-  // Things that few pixels show, and pixels of no thing, are forgotten.
+  // Objects that few pixels show are left as they are.
   void drop_unsure() {
-    std::vector<size_t> pixels(size_t(count_), 0);
-    for (const uint32_t f : pixels_.face)
-      if (thing_[f] >= 0) ++pixels[size_t(thing_[f])];
-    std::vector<int> number(pixels.size(), -1);
-    count_ = 0;
-    for (size_t t = 0; t < pixels.size(); ++t)
-      if (pixels[t] >= kFewestPixels) {
-        known_[size_t(count_)] = known_[t];
-        number[t] = count_++;
-      }
-    known_.resize(size_t(count_));
+    std::vector<size_t> pixels(ids_.size(), 0);
+    for (size_t i = 0; i < pixels_.size(); ++i)
+      if (thing_[pixels_.face[i]] == pixels_.object[i]) ++pixels[size_t(pixels_.object[i])];
     for (int& t : thing_)
-      if (t >= 0) t = number[size_t(t)];
+      if (t >= 0 && pixels[size_t(t)] < kFewestPixels) t = -1;
   }
 
   // What the mirrored rays bring; a pixel whose ray meets something polished again says nothing.
   void trace() {
     PolishedPixels kept;
     for (size_t i = 0; i < pixels_.size(); ++i) {
-      if (thing_[pixels_.face[i]] < 0) continue;
+      if (thing_[pixels_.face[i]] < 0 || thing_[pixels_.face[i]] != pixels_.object[i]) continue;
       const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
       if (again && thing_[again->face] >= 0) continue;
       kept.face.push_back(pixels_.face[i]);
+      kept.object.push_back(pixels_.object[i]);
       kept.view.push_back(pixels_.view[i]), kept.x.push_back(pixels_.x[i]), kept.y.push_back(pixels_.y[i]);
       kept.origins.push_back(pixels_.origins[i]);
       kept.normals.push_back(pixels_.normals[i]);
@@ -177,11 +169,9 @@ class PolishedFinder {
     return light;
   }
 
-  // Mean of the photos over the views of a face, and of what is left of the lower-half mean ratio without the mirrored light of a
-  // glaze.
+  // Mean of the photos over the views of a face, and of the darker half of them without the mirrored light of a coat.
   struct FaceShows {
     Vec3f mean{}, paint{};
-    float lower_half = 1;  // core/stereo/visible_paint
     size_t views = 0;
   };
   std::vector<FaceShows> faces_show() const {
@@ -196,34 +186,23 @@ class PolishedFinder {
       const auto photo = [&](uint32_t i) { return luminance(pixels_.photo[i]); };
       std::ranges::stable_sort(views, {}, photo);
       const size_t half = (views.size() + 1) / 2;
-      std::vector<float> luminances;
       for (size_t v = 0; v < views.size(); ++v) {
         face.mean += pixels_.photo[views[v]] / float(views.size());
-        luminances.push_back(photo(views[v]));
         if (v >= half) continue;
         const Vec3f mirrored = schlick(Vec3f{kGlaze, kGlaze, kGlaze}, pixels_.cosine[views[v]]).value;
         const Vec3f paint = pixels_.photo[views[v]] - hadamard(mirrored, pixels_.light[views[v]]);
         for (size_t c = 0; c < 3; ++c) face.paint[c] += std::max(paint[c], 0.f) / float(half);
       }
-      face.lower_half = lower_half_mean_ratio(luminances);
     }
     return faces;
   }
 
-  std::vector<Polished> judged(const std::vector<FaceShows>& faces) const {
-    std::vector<Polished> things(static_cast<size_t>(count_));
+  std::vector<Polished> measured() const {
+    std::vector<Polished> things(ids_.size());
     for (size_t t = 0; t < things.size(); ++t) {
-      std::vector<double> lower_half;
-      for (size_t f = 0; f < faces.size(); ++f)
-        if (thing_[f] == int(t) && faces[f].views > 0) lower_half.push_back(faces[f].lower_half);
       Polished& thing = things[t];
-      thing.lower_half = lower_half.empty() ? 1.f : float(upper_median(lower_half));
-      if (known_[t] >= 0) {
-        thing.metal = is_mirror(*d_.scene.image.shape.set, known_[t]);
-      } else {
-        const MeshVerdict* verdict = verdict_on(int(t), d_.mesh, thing_, d_.verdicts);
-        thing.metal = verdict != nullptr ? verdict->metal : thing.lower_half < kPaintShows;
-      }
+      thing.object = ids_[t];
+      thing.metal = d_.objects.objects().find(ids_[t])->role == ObjectRole::Mirror;
       thing.reflectance = {kGlaze, kGlaze, kGlaze};
       Vec3d photo[2]{}, light[2]{};
       size_t well_known = 0;
@@ -267,14 +246,12 @@ class PolishedFinder {
     const PointGrid grid(centres, d_.reach / 4);
     const Bounds3 metal = metal_bounds(out.things);
     std::vector<PointGrid::Near> near;
-    deep_.assign(out.of_surfel.size(), false);
     for (size_t i = 0; i < out.of_surfel.size(); ++i) {
       const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
       const Vec3f p{m[0], m[1], m[2]};
       grid.nearest(p, kNearFaces, d_.reach, near);
       if (near.empty() && metal.contains(p)) {
         // Deep inside: a picture in the metal.
-        deep_[i] = true;
         grid.nearest(p, 1, float(0.5 * metal.diagonal()), near);
         if (near.empty()) continue;
         const uint32_t f = near[0].index;
@@ -294,32 +271,6 @@ class PolishedFinder {
     }
   }
 
-  // Handles and knobs are marked together with the metal, but training found neither mirror nor light in them.
-  void leave_handles(int thing, const std::vector<FaceShows>& shown, Metals& out) const {
-    const SplatLayer& layer = d_.scene.surfels.diffuse;
-    double specular = 0, opacity = 0, light = 0, faces = 0;
-    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
-      if (out.of_surfel[i] != thing) continue;
-      const double o = sigmoid(*layer.at(Attribute::Opacity, i));
-      specular += o * double(sigmoid(*layer.at(Attribute::SpecularWeight, i)));
-      opacity += o;
-    }
-    for (size_t f = 0; f < shown.size(); ++f)
-      if (thing_[f] == thing && shown[f].views > 0) {
-        light += double(luminance(shown[f].mean));
-        faces += 1;
-      }
-    if (!(opacity > 0) || !(faces > 0)) return;
-    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
-      if (out.of_surfel[i] != thing || deep_[i]) continue;
-      Vec3f color;
-      for (size_t c = 0; c < 3; ++c) color[c] = std::max(0.5f + kShDc * layer.at(Attribute::ShDc, i)[c], 0.f);
-      if (double(sigmoid(*layer.at(Attribute::SpecularWeight, i))) < double(kOtherPart) * specular / opacity &&
-          double(luminance(color)) < double(kDarkPart) * light / faces)
-        out.of_surfel[i] = -1;
-    }
-  }
-
   Vec3f face_normal(uint32_t face) const {
     const auto& [a, b, c] = d_.mesh.faces[face];
     return cross(d_.mesh.positions[b] - d_.mesh.positions[a], d_.mesh.positions[c] - d_.mesh.positions[a]);
@@ -335,12 +286,11 @@ class PolishedFinder {
   const MetalsDesc& d_;
   MeshHits hits_;
   std::vector<Vec3f> normals_;
-  std::vector<uint32_t> shown_, marked_, not_dull_;  // [face] pixels: all; of mirrors; of mirrors and glass
-  std::vector<int> thing_;                           // [face]
-  std::vector<int> known_;                           // [thing] entry of the scene's shapes, or -1
-  int count_ = 0;
+  std::vector<uint16_t> ids_;               // [object] of mirrors and coats, ascending
+  std::vector<uint32_t> shown_, not_dull_;  // [face] pixels: all; of any object
+  std::vector<uint32_t> of_object_;         // [face][object] pixels
+  std::vector<int> thing_;                  // [face] object, or -1
   std::unique_ptr<Tracer> tracer_;
-  std::vector<bool> deep_;  // [surfel] so far inside a metal that it is a picture in it
   PolishedPixels pixels_;
 };
 

@@ -1,16 +1,9 @@
-// Polished things, where the masks mark mirrors that are not glass. Training leaves them as they look: a mirror keeps pictures of
-// the old surroundings in its diffuse colours, a glaze its highlights. What they are is told by the photos and the mesh, whose
-// shape is that of their silhouettes (stages/mesh). A face is polished when most pixels that show it are marked; connected faces
-// are one thing, but those on a known shape are a thing of their own, a metal where its role is a mirror, a glaze where it is a
-// coat. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
-//   metal   shows little from its dim sides: the lower-half mean ratio of the views has less than three quarters of their mean
-//   (median face).
-//           F0 = sum C / sum L  per channel, over the rays that meet what is dull of the mesh, which the photos know well;
-//           nothing is scattered, and it is as rough as the contrast of what it mirrors says (metal_roughness.h). Surfels of a
-//           fifth of its brightness that training gave a quarter of its specular weight or less are handles and knobs: they keep
-//           their paint
-//   glaze   paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the lower-half mean ratio of a
-//   face's views,
+// Materials of mirrors and coats (core/objects). Training leaves them as they look: a mirror keeps pictures of the old
+// surroundings in its diffuse colours, a coat its highlights. A face of the mesh belongs to the object that most pixels show
+// where they show the face. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
+//   mirror  F0 = sum C / sum L  per channel, over the rays that meet what is matt of the mesh, which the photos know well;
+//           nothing is scattered, and it is as rough as the contrast of what it mirrors says (metal_roughness.h)
+//   coat    paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the darker half of a face's views,
 //           for highlights are brighter than any L that is known; mean of C - D is gloss, which is none of the paint's
 // Sums and means, for normals of mirrors are never so good that a single ray meets what its pixel shows.
 #pragma once
@@ -24,9 +17,9 @@
 #include "core/light/environment.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/kernels/layer_blend.h"
+#include "core/objects/object_labels.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
-#include "stages/decompose/mesh_verdicts.h"
 
 namespace vitrine {
 
@@ -36,32 +29,29 @@ struct MetalsDesc {
   const TriMesh& mesh;
   const std::vector<View>& views;
   const Environment& environment;  // of the photos: what mirrored rays see beyond all surfels
-  // At the given size, above 1/2 on mirrors and metal that are not glass; empty: none there.
-  std::function<ImageF(const View&, const Intrinsics&)> mirrors;
-  std::function<ImageF(const View&, const Intrinsics&)> glass_or_mirrors;  // likewise
-  int max_side = 320;                                                      // pixels
-  std::vector<MeshVerdict> verdicts = {};                                  // of the mesh stage, which count where there are some
-  float reach = 0.05f;  // scene units: surfels this near to a polished face, and nearest to it, belong to it; mirrored rays begin
-                        // so far out
+  const LabelledObjects& objects;  // trusted ones
+  int max_side = 320;              // pixels
+  float reach = 0.05f;  // scene units: surfels this near to a face of an object, and nearest to it, belong to it; mirrored rays
+                        // begin so far out
 };
 
 struct Polished {
-  bool metal = false;    // else a glaze
-  float lower_half = 1;  // of the mean over views: that of the lower-half mean ratio of them; the median face
-  Vec3f reflectance{};   // head on
+  uint16_t object = 0;                            // id
+  bool metal = false;                             // of role mirror, with known light on it; else a coat
+  Vec3f reflectance{};                            // head on
   std::optional<float> roughness = std::nullopt;  // of metal whose mirrored surroundings are known well enough
-  size_t pixels = 0;                              // that told it, over all views
+  size_t pixels = 0;                              // that it was measured on, over all views
 };
 
 struct Metals {
   std::vector<Polished> things;
   std::vector<int> of_surfel;  // index, or -1
-  std::vector<Vec3f> gloss;    // [surfels] radiance that a glaze adds in the mean of the views
+  std::vector<Vec3f> gloss;    // [surfels] radiance that a coat adds in the mean of the views
 };
 
 Metals find_metals(const MetalsDesc& desc);
 
-// Metals lose their paint and take their reflectance; glazes lose their gloss and reflect as a smooth dielectric. `radiance`: of
+// Metals lose their paint and take their reflectance; coats lose their gloss and reflect as a smooth dielectric. `radiance`: of
 // the surfels, what their albedos were made of.
 void polish_materials(const Metals& found, const TrainedScene& scene, const std::vector<Vec3f>& radiance,
                       DecomposedMaterials& materials);

@@ -165,7 +165,8 @@ void run_edit(const EditConfig&, StageContext& context) {
                             .refine = context.optional_input("refine"),
                             .decompose = context.optional_input("decompose")};
   EditScene scene = read_edit_scene(folders);
-  SceneSelector selector(scene, views, context.optional_input("masks"));
+  SceneSelector selector(scene, views,
+                         {context.optional_input("masks"), LabelledObjects::all(context.optional_input("objects"))});
   Json report = {{"edits", Json::array()}};
   for (const Edit& edit : edits) {
     throw_if_interrupted();
@@ -204,16 +205,18 @@ void run_edit(const EditConfig&, StageContext& context) {
 }
 
 Stage edit_stage() {
-  StageInfo info{.name = "edit",
-                 .version = 5,
-                 .summary = "changes to a finished scene",
-                 .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
-                            {.name = "optimize", .doc = "The trained surfels."},
-                            {.name = "mesh", .doc = "The mesh."},
-                            {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
-                            {.name = "decompose", .optional = true, .doc = "Materials freed of the light of the photos."},
-                            {.name = "masks", .optional = true, .doc = "Which pixels show which class."},
-                            {.name = "edits", .artifact = false, .doc = "What to change: a YAML file."}}};
+  StageInfo info{
+      .name = "edit",
+      .version = 6,
+      .summary = "changes to a finished scene",
+      .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
+                 {.name = "optimize", .doc = "The trained surfels."},
+                 {.name = "mesh", .doc = "The mesh."},
+                 {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
+                 {.name = "decompose", .optional = true, .doc = "Materials freed of the light of the photos."},
+                 {.name = "masks", .optional = true, .doc = "Which pixels show the object, and which are to be ignored."},
+                 {.name = "objects", .optional = true, .doc = "Which pixels show glass, mirrors and coats."},
+                 {.name = "edits", .artifact = false, .doc = "What to change: a YAML file."}}};
   return make_stage<EditConfig>(std::move(info), run_edit, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });

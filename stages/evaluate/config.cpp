@@ -27,15 +27,17 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 22;
+  info.version = 23;
   info.summary = "scores held-out views, and geometry where there is truth";
-  info.inputs = {{.name = "sfm", .doc = "cameras, gains and undistorted photos"},
-                 {.name = "masks", .optional = true, .doc = "regions to score apart, where the truth has none"},
-                 {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
-                 {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
-                 {.name = "mesh", .optional = true, .doc = "the mesh, to compare with the truth's"},
-                 {.name = "decompose", .optional = true, .doc = "albedo and light, to compare with the truth's"},
-                 {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
+  info.inputs = {
+      {.name = "sfm", .doc = "cameras, gains and undistorted photos"},
+      {.name = "masks", .optional = true, .doc = "the object, to score apart, and what is to be ignored"},
+      {.name = "objects", .optional = true, .doc = "glass, mirrors and coats to score apart, where the truth has none"},
+      {.name = "optimize", .doc = "the trained surfels and the list of held-out views"},
+      {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
+      {.name = "mesh", .optional = true, .doc = "the mesh, to compare with the truth's"},
+      {.name = "decompose", .optional = true, .doc = "albedo and light, to compare with the truth's"},
+      {.name = "truth", .artifact = false, .optional = true, .doc = "truth folder (README: layout)"}};
   info.doing = "measuring";
   info.cost = evaluate_cost;
   info.report = evaluate_report();

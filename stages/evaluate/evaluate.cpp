@@ -10,6 +10,7 @@
 #include "core/image/metrics.h"
 #include "core/math/quantile.h"
 #include "core/mesh/mesh_io.h"
+#include "core/objects/class_pixels.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
@@ -62,10 +63,11 @@ class Evaluator {
   void run() {
     if (const auto folder = context_.optional_input("truth")) open_truth(*folder);
     masks_ = context_.optional_input("masks");
+    objects_ = LabelledObjects::all(context_.optional_input("objects"));
     if (truth_ && truth_->has_maps("mask"))
       result_.regions_from = "truth";
-    else if (masks_)
-      result_.regions_from = "masks";
+    else if (masks_ || !objects_.objects().empty())
+      result_.regions_from = "objects";
     score_views();
     if (truth_) finish_truth();
     write_file(context_.output() / "eval" / "metrics.json", metrics_json(result_));
@@ -193,12 +195,16 @@ class Evaluator {
 
   std::optional<ImageF> mask(size_t index, MaskClass c, const Intrinsics& intrinsics) const {
     if (result_.regions_from == "truth") return truth_->mask(index, c, intrinsics);
-    if (masks_) return stage_mask(*masks_, views_[index], c, intrinsics);
-    return std::nullopt;
+    const auto pixels = ClassPixels(masks_, objects_).of(c, views_[index]);
+    return pixels ? std::optional(belonging(*pixels, intrinsics)) : std::nullopt;
   }
 
   RegionMasks regions(size_t index, const Intrinsics& k) const {
-    const auto coated = result_.regions_from == "truth" ? truth_->coated(index, k) : std::nullopt;
+    auto coated = result_.regions_from == "truth" ? truth_->coated(index, k) : std::nullopt;
+    if (const auto coat = [](const Object& o) { return o.role == ObjectRole::Coat; };
+        result_.regions_from == "objects" && objects_.any(coat))
+      if (const ImageF pixels = objects_.coverage(views_[index], views_[index].intrinsics, coat); !pixels.empty())
+        coated = belonging(pixels, k);
     return region_masks([&](MaskClass c) { return mask(index, c, k); }, coated, k);
   }
 
@@ -398,6 +404,7 @@ class Evaluator {
   ScenePainter painter_;
   bool layered_;  // there is more than the diffuse layer
   std::optional<fs::path> masks_;
+  LabelledObjects objects_;
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass

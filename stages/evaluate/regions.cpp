@@ -43,13 +43,17 @@ RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coa
   return masks;
 }
 
+ImageF belonging(const ImageF& coverage, const Intrinsics& intrinsics) {
+  ImageF out = resized(coverage, intrinsics.width, intrinsics.height);
+  for (float& v : out.data()) v = v >= kBelongs ? 1.f : 0.f;
+  return out;
+}
+
 std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,
                                  const Intrinsics& intrinsics) {
   const auto soft = read_view_mask(masks_folder, c, view);
   if (!soft) return std::nullopt;
-  ImageF belongs = resized(*soft, intrinsics.width, intrinsics.height);
-  for (float& v : belongs.data()) v = v >= kBelongs ? 1.f : 0.f;
-  return belongs;
+  return belonging(*soft, intrinsics);
 }
 
 void keep_within(const ImageF& mask, ImageF& image) {

@@ -20,6 +20,8 @@ using RegionMasks = std::map<std::string, ImageF>;
 using MaskOf = std::function<std::optional<ImageF>(MaskClass)>;
 RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coated, const Intrinsics& intrinsics);
 
+// 1 where at least half of a pixel's area, at render size, is covered.
+ImageF belonging(const ImageF& coverage, const Intrinsics& intrinsics);
 // A mask of the masks stage (masks/<class>/<stem>.png, undistorted like the render) at render size: 1 where at least half of a
 // pixel's area belongs to the class.
 std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, const View& view, MaskClass c,

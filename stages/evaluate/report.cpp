@@ -29,7 +29,7 @@ Json definitions(const Evaluation& e) {
       "pixels; "
       "reflective = specular and not transparent, rest = neither transparent nor specular; where the truth has masks of clear "
       "coats, coated = these without the transparent, mirror = reflective and not coated; masks from {}",
-      e.min_region_pixels, e.regions_from == "masks" ? "the masks stage" : "the truth");
+      e.min_region_pixels, e.regions_from == "objects" ? "the objects stage" : "the truth");
   d["neutral.shift"] = fmt::format(
       "the largest ratio between two channels of (render / photo), less 1: median over the pixels of a held-out view that are "
       "bright, neutral and without texture in the photo and opaque in the render, in linear light; the largest of the views with "

@@ -52,7 +52,7 @@ struct Evaluation {
   std::optional<TruthScores> truth;
   double mesh_threshold_rel = 0;
   int min_region_pixels = 0;
-  std::string regions_from;                         // "truth", "masks", or empty: there are none
+  std::string regions_from;                         // "truth", "objects", or empty: there are none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };
 

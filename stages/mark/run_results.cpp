@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
+#include "core/camera/mask_origin.h"
 #include "core/camera/photo_lenses.h"
 #include "core/camera/view_masks.h"
 
@@ -56,9 +57,9 @@ RunResults read_run_results(const fs::path& sfm, const std::optional<fs::path>& 
   });
   for (size_t v = 0; v < photos.size(); ++v) results.photos.emplace(set.views[v].name, std::move(photos[v]));
   if (!masks) return results;
-  read_json_file(*masks / "masks/report.json", "report of the masks stage", [&](const nlohmann::json& j) {
-    for (const auto& [kind, row] : j.at("classes").items()) results.sources[kind] = row.at("source");
-  });
+  for (const MaskClass kind : kMaskClasses)
+    if (fs::is_directory(*masks / "masks" / name(kind)))
+      results.sources[std::string(name(kind))] = mask_origin(*masks, kind).source;
   return results;
 }
 

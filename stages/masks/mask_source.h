@@ -34,9 +34,9 @@ class MaskSource {
   virtual std::string_view name() const = 0;  // "files", ...
   // nullopt: this source knows nothing of that photo.
   virtual std::optional<SoftMask> at(size_t view) const = 0;
-  virtual bool guessed() const { return false; }             // nobody said so, and the photos are not sure either
-  virtual bool propagated() const { return false; }          // from few marks or none: edges may be off by pixels
-  virtual void report(nlohmann::ordered_json& j) const = 0;  // what a reader wants to know of this class
+  virtual std::string_view trust() const { return "given"; }  // a word of ObjectTrust (core/objects)
+  virtual bool propagated() const { return false; }           // from few marks or none: edges may be off by pixels
+  virtual void report(nlohmann::ordered_json& j) const = 0;   // what a reader wants to know of this class
 };
 
 }  // namespace vitrine

@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
+#include "core/camera/mask_origin.h"
 #include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -117,6 +118,7 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
   nlohmann::ordered_json j;
   j["photos"] = views.size();
   j["classes"] = nlohmann::ordered_json::object();
+  std::map<MaskClass, MaskOrigin> origins;
   for (MaskClass kind : kMaskClasses) {
     const MaskSource* source = desc.sources[size_t(kind)].get();
     const ClassResult& result = results.classes[size_t(kind)];
@@ -124,7 +126,8 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
     row["source"] = source ? source->name() : "none";
     row["written"] = result.kept;
     if (source != nullptr) {
-      row["guessed"] = source->guessed();
+      row["trust"] = source->trust();
+      origins[kind] = {std::string(source->name()), std::string(source->trust()), source->propagated()};
       row["propagated"] = source->propagated();
       source->report(row);
       row["mean_coverage"] = result.mean_coverage();
@@ -132,6 +135,7 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
     }
     j["classes"][std::string(name(kind))] = std::move(row);
   }
+  write_mask_origins(desc.output, origins);
   write_file(desc.output / "masks/report.json", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 

@@ -19,10 +19,9 @@
 #include "core/model/opened_scene.h"
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
-#include "core/stereo/shapes_artifact.h"
 #include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
-#include "stages/mesh/mirror_shape.h"
+#include "stages/mesh/mirror_depth.h"
 #include "stages/mesh/rgbd_frame.h"
 #include "stages/mesh/training_views.h"
 
@@ -33,7 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSolidVoxels = 0.75;  // vertices so near to a solid that training learnt lie on it
-constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror's silhouettes' hull is another thing
+constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror is another object
 
 Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
@@ -188,18 +187,10 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
            region.box.high.z - region.box.low.z, wanted_voxel, region.extent() / wanted_voxel);
 
   RenderedDepth rendered(config, layer, scene.image.diffuse.near_z, views);
-  std::optional<MirrorShape> mirrors;
-  if (const auto masks = context.optional_input("masks"); masks && config.fusion.mirror_hull)
-    mirrors.emplace(MirrorShapeDesc{.sfm = context.input("sfm"),
-                                    .masks = *masks,
-                                    .photos = set.views,
-                                    .views = views,
-                                    .learnt = scene.image.shape.set.get(),
-                                    .found = read_shapes_artifact(context.optional_input("shapes")),
-                                    .frame_of = [&](size_t i) { return rendered(i, wanted_voxel); }});
+  const MirrorDepth mirrors(LabelledObjects::trusted(context.optional_input("objects")), scene.image.shape.set.get(), views);
   const auto frame_of = [&](size_t i, double voxel) {
     RgbdFrame frame = rendered(i, voxel);
-    if (mirrors) mirrors->put(i, frame, kMirrorVoxels * voxel);
+    mirrors.put(i, frame, kMirrorVoxels * voxel);
     return frame;
   };
   FusionReport fusion;
@@ -252,14 +243,8 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
               {"volume_bytes", fusion.bytes},
               {"voxel_updates", fusion.updates},
               {"raw", json_of(mesh_report(raw))}};
-  if (mirrors)
-    for (const MirrorShape::Part& part : mirrors->parts())
-      report["mirrors"].push_back({{"kind", part.metal() ? "metal" : "glaze"},
-                                   {"lower_half_mean_ratio", part.lower_half},
-                                   {"low", json_of(part.bounds.low)},
-                                   {"high", json_of(part.bounds.high)}});
   TriMesh mesh = cleaned(raw, config, context, report);
-  if (mirrors) report["vertices_on_solids"] = mirrors->put_vertices(mesh, kSolidVoxels * fusion.voxel);
+  report["vertices_on_shapes"] = mirrors.put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
   if (scene.surfels.transmittance.size() > 0)
@@ -268,6 +253,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   report["mesh"] = json_of(final_report);
   report["mesh"]["self_intersections"] = self_intersection_count(mesh);
   write_file(context.output() / "mesh" / "report.json", report.dump(2) + "\n");
+  write_file(context.output() / "mesh" / "grid.json", Json{{"voxel", fusion.voxel}}.dump(2) + "\n");
 
   context.timing("mesh", clock.seconds());
   context.metric("faces", static_cast<double>(final_report.faces));
@@ -310,7 +296,6 @@ void describe(Describer& d, MeshFusionConfig& c) {
   d.option("mean_median_voxels", c.mean_median_voxels, "Mean depth where it is this close to the median depth, else the median.")
       .range(0, 1e6);
   d.option("min_valid", c.min_valid, "Views with a smaller share of usable pixels are skipped.").range(0, 1);
-  d.option("mirror_hull", c.mirror_hull, "Polished metal, where masks mark it, takes the shape of the hull of its silhouettes.");
   d.option("memory_mb", c.memory_mb, "Memory of the volume in MiB; the voxel grows when it would not fit.").range(1, 1 << 20);
 }
 
@@ -337,12 +322,11 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 13,
+       .version = 14,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},
-                  {.name = "masks", .optional = true, .doc = "Mirrors: their shape is that of their silhouettes."},
-                  {.name = "shapes", .optional = true, .doc = "Boxes and surfaces of revolution of glass and metal."}},
+                  {.name = "objects", .optional = true, .doc = "Mirrors, whose depth is that of their shapes."}},
        .doing = "building the mesh",
        .cost = mesh_cost,
        .report = mesh_report()},

@@ -5,7 +5,6 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
-#include "core/stereo/shapes_artifact.h"
 
 namespace vitrine {
 
@@ -23,16 +22,9 @@ ImageF NormalCapture::photo(size_t view, int width, int height) const {
   return srgb_from_linear_image(resized(linear, width, height));
 }
 
-std::optional<ImageF> NormalCapture::mask(MaskClass kind, size_t view, int width, int height) const {
-  const auto file = masks ? read_view_mask(*masks, kind, set.views[view]) : std::nullopt;
-  if (!file) return std::nullopt;
-  return resized(*file, width, height);
-}
-
-NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks,
-                                  const std::optional<std::filesystem::path>& shapes, int holdout_every) {
-  NormalCapture capture{
-      .sfm = sfm, .masks = masks, .set = load_view_set(sfm), .shapes = read_shapes_artifact(shapes), .helpers = {}};
+NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& objects,
+                                  int holdout_every) {
+  NormalCapture capture{.sfm = sfm, .objects = LabelledObjects::trusted(objects), .set = load_view_set(sfm), .helpers = {}};
   for (uint32_t v = 0; v < capture.set.views.size(); ++v)
     if (!is_heldout(v, holdout_every)) capture.helpers.push_back(v);
   return capture;

@@ -8,9 +8,7 @@
 #include "core/camera/projection.h"
 #include "core/image/resample.h"
 #include "core/math/quantile.h"
-#include "core/stereo/mask_silhouette.h"
 #include "core/stereo/patch_match.h"
-#include "core/stereo/visual_hull.h"
 #include "stages/normals/plane_fit.h"
 
 namespace vitrine {
@@ -23,7 +21,7 @@ constexpr double kFarPercentile = 0.98;
 constexpr double kBlindDepthFactor = 4;
 constexpr float kFullAgreement = 3;       // neighbours that see the same surface make a depth as sure as it gets
 constexpr float kConvincingAlone = 0.9f;  // NCC of a depth that nobody was asked to confirm
-constexpr float kOnMirror = 0.3f;         // stereo inside a mask whose surface it probably does not see
+constexpr float kOnMirror = 0.3f;         // stereo on an object whose surface it probably does not see
 
 // Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
 ImageF luma(const ImageF& srgb) {
@@ -111,64 +109,26 @@ DepthSamples depth_samples(const DepthMap& map, bool confirmed) {
   return samples;
 }
 
-// What is known of a class of glass or metal: its shapes, and the visual hull of what has none.
-struct ClassSurface {
-  MaskClass kind;
-  ShapeRole role;
-  bool shaped = false;
-  VisualHull hull;
-};
-
-ClassSurface surface_of(const GeometricDesc& desc, MaskClass kind, GeometricReport& report) {
-  ClassSurface out{.kind = kind, .role = kind == MaskClass::Transparent ? ShapeRole::Sheet : ShapeRole::Mirror, .hull = {}};
-  out.shaped = desc.capture.shapes.has(out.role) || (kind == MaskClass::Specular && desc.capture.shapes.has(ShapeRole::Coat));
-  std::vector<Silhouette> masks;
-  for (uint32_t v : desc.capture.helpers) {
-    const View& photo = desc.capture.set.views[v];
-    if (auto s = mask_silhouette(*desc.capture.masks, kind, photo, photo.intrinsics.limited_to(2 * desc.config.max_side)))
-      masks.push_back(std::move(*s));
-  }
-  // Where glass is all that there is of gloss, nobody asks for a hull of the rest.
-  if (kind == MaskClass::Specular && std::ranges::none_of(masks, marks_something)) masks.clear();
-  out.hull = VisualHull(masks, {.resolution = desc.config.hull_resolution,
-                                .rule = {.dissent = desc.config.hull_dissent},
-                                .flat_faces = !out.shaped});  // which finds facets on round things as well
-  if (!masks.empty())
-    report.hulls.push_back({kind, masks.size(), !out.hull.empty(), out.shaped, out.hull.faces(), out.hull.one_sidedness()});
-  return out;
-}
-
-// The paint under a coat that a pixel of the specular mask shows.
-std::optional<ShapeSet::Hit> coat_before(const ShapeSet& shapes, const Ray& ray, MaskClass kind,
-                                         const std::optional<ShapeSet::Hit>& mirror) {
-  if (kind != MaskClass::Specular || !shapes.has(ShapeRole::Coat)) return std::nullopt;
-  const auto coat = shapes.first_hit(ray, ShapeRole::Coat);
-  return coat && (!mirror || coat->t < mirror->t) ? coat : std::nullopt;
-}
-
-// Inside the masks of `view`: normals of the shapes, else of the hull. Behind glass stereo sees something else, and on a mirror
-// perhaps.
-void put_surface(const GeometricDesc& desc, const ClassSurface& of, const View& view, size_t index, NormalMap& map) {
+// Pixels of objects: the normals of their shapes. Behind glass stereo sees something else, and on a mirror perhaps; paint under a
+// coat it matches, and the normals of a visual hull are no better there.
+void put_objects(const GeometricDesc& desc, const View& view, const View& photo, NormalMap& map) {
   const Intrinsics& k = view.intrinsics;
-  const auto mask = mask_silhouette(*desc.capture.masks, of.kind, desc.capture.set.views[index], k);
-  if (!mask) return;
-  const Vec3d centre = view.centre_in_world();
+  const ObjectSet& set = desc.capture.objects.objects();
+  const Image16 labels = desc.capture.objects.labels(photo, k);
+  if (labels.empty()) return;
+  const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      if (mask->value.at(x, y) < 0.5f) continue;
-      const Vec3d direction = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-      std::optional<Vec3d> normal;
-      const auto on_shape = desc.capture.shapes.first_hit({centre, direction}, of.role);
-      if (const auto coat = coat_before(desc.capture.shapes, {centre, direction}, of.kind, on_shape)) {
-        if (!desc.capture.shapes.entries[coat->entry].exact) continue;  // stereo matches its paint
-        normal = coat->normal;
-      } else if (on_shape)
-        normal = on_shape->normal;
-      else if (const auto hit = of.hull.first_hit(centre, direction))
-        normal = hit->normal;
-      if (normal)
-        map.set(x, y, cast<float>(view.cam_from_world.rotation * *normal), float(desc.config.hull_confidence));
-      else if (of.kind == MaskClass::Transparent)
+      const Object* object = set.find(labels.at(x, y));
+      if (object == nullptr) continue;
+      const Ray ray{eye, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5))};
+      const auto hit = set.shapes.first_hit(ray, shape_role(object->role), [&](const ShapeSet::Hit& h) {
+        return set.shapes.entries[h.entry].object == object->id;
+      });
+      if (hit && object->role == ObjectRole::Coat && !set.shapes.entries[hit->entry].exact) continue;
+      if (hit)
+        map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), float(desc.config.object_confidence));
+      else if (is_glass(object->role))
         map.forget(x, y);
       else
         map.confidence.at(x, y) *= kOnMirror;
@@ -188,10 +148,7 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
   if (confirmed) count_agreement(photos, depths);
-  std::vector<ClassSurface> surfaces;
-  if (desc.with_hull && desc.capture.masks)
-    for (const std::string& kind : desc.config.hull) surfaces.push_back(surface_of(desc, *mask_class(kind), r));
-  const bool any_surface = std::ranges::any_of(surfaces, [](const ClassSurface& s) { return s.shaped || !s.hull.empty(); });
+  const bool objects = desc.with_objects && !desc.capture.objects.objects().empty();
   progress(0.85);
   std::vector<NormalMap> normals(desc.views.size());
   parallel_for(desc.views.size(), 1, [&](size_t i) {
@@ -199,13 +156,13 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
     const uint32_t v = desc.views[i];
     const Intrinsics& k = photos[v].view.intrinsics;
     if (depths[v].zdepth.empty()) {
-      if (any_surface) normals[i] = NormalMap(k.width, k.height);
+      if (objects) normals[i] = NormalMap(k.width, k.height);
     } else {
       normals[i] = fitted_normals(depth_samples(depths[v], confirmed), photos[v].luma, k);
     }
     if (normals[i].empty()) return;
     forget_hidden_sides(normals[i], k);
-    for (const ClassSurface& of : surfaces) put_surface(desc, of, photos[v].view, v, normals[i]);
+    if (objects) put_objects(desc, photos[v].view, desc.capture.set.views[v], normals[i]);
   });
   throw_if_interrupted();
   for (uint32_t v : desc.views) r.without_partners += depths[v].zdepth.empty();

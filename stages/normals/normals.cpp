@@ -31,8 +31,7 @@ class NormalsRun {
   NormalsRun(const NormalsConfig& config, StageContext& context)
       : config_(config),
         context_(context),
-        capture_(load_normal_capture(context.input("sfm"), context.optional_input("masks"), context.optional_input("shapes"),
-                                     config.holdout_every)),
+        capture_(load_normal_capture(context.input("sfm"), context.optional_input("objects"), config.holdout_every)),
         folder_(context.optional_input("normals")),
         network_(context.optional_input("network")) {}
 
@@ -60,19 +59,6 @@ class NormalsRun {
         [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &g);
     for (uint32_t v : views)
       if (!maps[v].empty()) write(v, std::move(maps[v]));
-    report_["hull"] = Json::object();
-    for (const HullReport& hull : g.hulls) {
-      report_["hull"][name(hull.of)] = {{"used", hull.found},
-                                        {"masks", hull.masks},
-                                        {"shapes", hull.shaped},
-                                        {"faces", hull.faces},
-                                        {"one_sidedness", hull.one_sidedness}};
-      if (!hull.found)
-        context_.warning("NO_HULL",
-                         fmt::format("the {} masks leave no common volume, or the photos see it from one side only: its "
-                                     "normals stay unknown",
-                                     name(hull.of)));
-    }
     if (g.without_partners > 0)
       context_.warning("NO_STEREO", fmt::format("{} photos share no view with others", g.without_partners));
   }
@@ -114,9 +100,11 @@ class NormalsRun {
       const auto [w, h] = network.input_size(k.width, k.height);
       NormalMap map = network.predict(capture_.photo(v, w, h));
       // Predictors see glass less well than what is painted.
-      if (const auto glass = capture_.mask(MaskClass::Transparent, v, map.normal.width(), map.normal.height()))
-        for (size_t i = 0; i < glass->data().size(); ++i)
-          map.confidence.data()[i] *= 1 + glass->data()[i] * float(config.glass_confidence - 1);
+      const View& view = capture_.set.views[v];
+      const ImageF glass = capture_.objects.coverage(view, view.intrinsics.scaled_to(map.normal.width(), map.normal.height()),
+                                                     [](const Object& o) { return is_glass(o.role); });
+      for (size_t i = 0; i < glass.data().size(); ++i)
+        map.confidence.data()[i] *= 1 + glass.data()[i] * float(config.glass_confidence - 1);
       return map;
     };
     const std::string what = network_ ? network_->string() : "the network that is built in";
@@ -136,7 +124,11 @@ class NormalsRun {
     const size_t count = std::min(kSpaceViews, views.size());
     for (size_t i = 0; i < count; ++i) chosen.push_back(views[(2 * i + 1) * views.size() / (2 * count)]);
     const std::vector<NormalMap> geometric = geometric_normals(
-        {.capture = capture_, .config = config_.geometric, .seed = uint64_t(config_.seed), .views = chosen, .with_hull = false},
+        {.capture = capture_,
+         .config = config_.geometric,
+         .seed = uint64_t(config_.seed),
+         .views = chosen,
+         .with_objects = false},
         [&](double f) { context_.progress({.fraction = 0.3 * f, .text = "which frame the normals are in", .values = {}}); });
     std::vector<NormalMap> given;
     std::vector<View> sized;
@@ -235,11 +227,7 @@ void describe(Describer& d, GeometricConfig& c) {
   d.option("max_side", c.max_side, "Longest side at which the photos are matched, pixels.").range(32, 4096);
   d.option("neighbours", c.neighbours, "Photos that each photo is matched with.").range(2, 32);
   d.option("far_factor", c.far_factor, "How far beyond the farthest sparse points surfaces are looked for.").range(1, 100);
-  d.option("hull", c.hull, "Classes of masks whose visual hull gives the normals inside them; empty = none.")
-      .choices({"object", "transparent", "specular"});
-  d.option("hull_resolution", c.hull_resolution, "Voxels along the longest side of the hull.").range(16, 1024);
-  d.option("hull_dissent", c.hull_dissent, "Share of the photos that may contradict a voxel of the hull.").range(0, 0.5);
-  d.option("hull_confidence", c.hull_confidence, "Confidence of the hull's normals.").range(0, 1);
+  d.option("object_confidence", c.object_confidence, "Confidence of the normals of glass, mirrors and coats.").range(0, 1);
 }
 
 void describe(Describer& d, NormalFilesConfig& c) {
@@ -260,7 +248,7 @@ void describe(Describer& d, OnnxConfig& c) {
   d.option("doubt", c.doubt, "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.")
       .choices({"smoothness", "kappa"});
   d.option("confidence", c.confidence, "Factor on the confidence.").range(0, 1);
-  d.option("glass_confidence", c.glass_confidence, "Factor on the confidence inside transparent masks.").range(0, 1);
+  d.option("glass_confidence", c.glass_confidence, "Factor on the confidence on glass.").range(0, 1);
 }
 
 void describe(Describer& d, NormalsConfig& c) {
@@ -287,11 +275,10 @@ std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem
 
 Stage normals_stage() {
   StageInfo info{.name = "normals",
-                 .version = 7,
+                 .version = 8,
                  .summary = "surface normals of the photos, from stereo, files or a network",
                  .inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
-                            {.name = "masks", .optional = true, .doc = "which pixels are glass or mirror"},
-                            {.name = "shapes", .optional = true, .doc = "boxes and surfaces of revolution of glass and metal"},
+                            {.name = "objects", .optional = true, .doc = "glass, mirrors and coats: labels and shapes"},
                             {.name = "normals",
                              .artifact = false,
                              .optional = true,

@@ -15,10 +15,7 @@ struct GeometricConfig {
   int max_side = 240;
   int neighbours = 6;
   double far_factor = 3;
-  std::vector<std::string> hull{"transparent", "specular"};
-  int hull_resolution = 128;
-  double hull_dissent = 0.1;
-  double hull_confidence = 0.5;
+  double object_confidence = 0.5;
 };
 void describe(Describer& d, GeometricConfig& c);
 

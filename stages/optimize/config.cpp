@@ -76,11 +76,11 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 29,
+                 .version = 30,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
-                            {.name = "masks", .optional = true, .doc = "Where glass and gloss are, and what to ignore."},
-                            {.name = "shapes", .optional = true, .doc = "Boxes and surfaces of revolution of glass and metal."},
+                            {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},
+                            {.name = "objects", .optional = true, .doc = "Glass, mirrors and coats: labels and shapes."},
                             {.name = "normals", .optional = true, .doc = "Normals seen by each photo."}},
                  .doing = "training",
                  .cost = optimize_cost,

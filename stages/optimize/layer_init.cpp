@@ -17,9 +17,9 @@
 #include "core/scene/activation.h"
 #include "stages/optimize/clear_panes.h"
 #include "stages/optimize/flat_mirrors.h"
-#include "stages/optimize/hull.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/neighbours.h"
+#include "stages/optimize/surface_seeds.h"
 
 namespace vitrine {
 
@@ -181,7 +181,7 @@ void append_shell(size_t count, const Vec3f& sh_dc, uint64_t seed, SplatLayer& l
 }
 
 // Diffuse surfels on the hull, at the end of the layer: on the points that are returned.
-std::vector<uint32_t> append_hull(const LayerInitDesc& desc, const Hull& hull, size_t limit, const Vec3f& sh_dc,
+std::vector<uint32_t> append_hull(const LayerInitDesc& desc, const SurfaceSeeds& hull, size_t limit, const Vec3f& sh_dc,
                                   SplatLayer& layer) {
   std::vector<uint32_t> all(hull.points.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -191,7 +191,7 @@ std::vector<uint32_t> append_hull(const LayerInitDesc& desc, const Hull& hull, s
   const size_t first = layer.size();
   layer.resize(first + taken.size());
   for (size_t k = 0; k < taken.size(); ++k) {
-    const HullPoint& point = hull.points[taken[k]];
+    const SurfaceSeed& point = hull.points[taken[k]];
     const size_t i = first + k;
     const Quatf q = rotation_facing(point.normal);
     const float rotation[] = {q.w, q.x, q.y, q.z};
@@ -257,22 +257,16 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const MaskEvidence &specular = found.evidence[0], &transparent = found.evidence[1], &coat = found.evidence[2];
   const FlatMirrors mirrors(start, specular, diffuse);
   const ShapeSet shapes = mirrors.registered();
-  const LayerInitDesc desc{start.config, start.capture, start.targets, shapes, start.sh_degree};
+  const LayerInitDesc desc{start.config, start.capture, start.targets, shapes, start.glass, start.sh_degree};
   const std::vector<uint8_t> reflected = mirrors.reflect_into_scene(shapes, diffuse);
   // Masks of any class say what reflects; without one everything may.
   const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
-  Hull hull;
-  if (marked && phase.hull_points > 0)
-    hull = mask_hull({.kind = HullClass::Gloss,
-                      .capture = desc.capture,
-                      .targets = desc.targets,
-                      .shapes = desc.shapes,
-                      .depths = found.depths,
-                      .level = kEvidenceLevel});
+  SurfaceSeeds hull;
+  if (marked && phase.hull_points > 0) hull = surface_seeds(desc.shapes.without(ShapeRole::Coat).without(ShapeRole::Sheet));
 
   // Pictures in a mirror lie in and behind it. What lies farther off is the room that one photo shows beside the mirror.
   Bounds3 around;
-  for (const HullPoint& p : hull.points) around.extend(cast<double>(p.position));
+  for (const SurfaceSeed& p : hull.points) around.extend(cast<double>(p.position));
   if (!around.empty())
     around = {around.low - kMirrorDepth * (around.high - around.low), around.high + kMirrorDepth * (around.high - around.low)};
   std::vector<uint32_t> dull, stay, gone;
@@ -308,7 +302,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const size_t room = diffuse_cap > diffuse.size() ? diffuse_cap - diffuse.size() : 0, first = diffuse.size();
   const GlossPixels pictured = gloss_pixels(desc);
   const bool told = pictured.gloss >= kTellingPixels;
-  const bool shaped = told && std::ranges::any_of(hull.points, &HullPoint::known);
+  const bool shaped = told && std::ranges::any_of(hull.points, &SurfaceSeed::known);
   // As many for a pixel as the rest of the scene has.
   const auto fair =
       std::max(kFewestShapePoints,
@@ -318,7 +312,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   const auto taken = append_hull(desc, hull, std::min(room, wanted), color, diffuse);
   counts.hull = taken.size();
   if (told) {
-    for (const HullPoint& p : hull.points)
+    for (const SurfaceSeed& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
     counts.shapes = desc.shapes.without(ShapeRole::Sheet);
@@ -349,12 +343,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
   const auto seed = static_cast<uint64_t>(desc.config.seed);
   const Survey found = survey(desc, scene, {Surveyed::Transparent});
   const MaskEvidence& seen = found.evidence[0];
-  const Hull hull = mask_hull({.kind = HullClass::Glass,
-                               .capture = desc.capture,
-                               .targets = desc.targets,
-                               .shapes = desc.shapes,
-                               .depths = found.depths,
-                               .level = kEvidenceLevel});
+  const SurfaceSeeds hull = surface_seeds(desc.glass);
   const bool closed = !hull.points.empty() && phase.hull_points > 0;
 
   SplatLayer& diffuse = scene.diffuse;

@@ -21,7 +21,8 @@ struct LayerInitDesc {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
-  const ShapeSet& shapes;  // of glass and metal, found before
+  const ShapeSet& shapes;  // that the image formation draws (ObjectSet::drawn_shapes)
+  const ShapeSet& glass;   // of all glass, visual hulls among them
   int sh_degree = 0;       // that the diffuse layer is rendered with
 };
 

@@ -10,10 +10,8 @@
 #include "core/base/timer.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
-#include "core/stereo/shapes_artifact.h"
 #include "core/train/capture.h"
 #include "core/train/checkpoint.h"
-#include "core/train/coat_masks.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/outputs.h"
@@ -156,15 +154,15 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
   const Passes passes = read_passes(context.input("sfm"));
   if (config.surroundings == "train") keep_largest_pass(passes, capture);
-  Targets targets = load_targets(capture, context.optional_input("masks"), context.optional_input("normals"));
-  const ShapeSet shapes = read_shapes_artifact(context.optional_input("shapes"));
+  const LabelledObjects objects = LabelledObjects::trusted(context.optional_input("objects"));
+  Targets targets = load_targets(capture, context.optional_input("masks"), objects, context.optional_input("normals"));
+  const ShapeSet shapes = objects.objects().drawn_shapes();
+  const ShapeSet glass = objects.objects().shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
   check_memory(config, capture, context);
-  const LayerChoice layers =
-      chosen_layers(config.layers, targets.vouched(MaskClass::Specular), targets.vouched(MaskClass::Transparent));
-  if (config.layers == "auto" && !layers.any() && (targets.any(MaskClass::Specular) || targets.any(MaskClass::Transparent)))
-    log_info("the masks of gloss and glass are proposals: one opaque layer (--set optimize.layers=full uses them)");
-  separate_coats(capture, shapes, targets);
+  const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));
+  if (config.layers == "auto" && !layers.any() && !read_objects(context.optional_input("objects")).empty())
+    log_info("glass and mirrors are only guessed: one opaque layer (correct objects/objects.json and give it with --objects)");
   LazyDepth depth(config, capture, context);
   const Surroundings surroundings = surroundings_to_train(
       config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
@@ -178,6 +176,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .capture = capture,
                            .targets = targets,
                            .shapes = shapes,
+                           .glass = glass,
                            .layers = layers,
                            .max_surfels = max_surfels,
                            .object_alone = alone};

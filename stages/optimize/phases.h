@@ -24,9 +24,9 @@ struct LayerChoice {
     return kind == LayerKind::Diffuse || (kind == LayerKind::Reflection ? reflection : transmittance);
   }
 };
-// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; those that the masks stage proposed
-// by itself without being certain do not count: half of what they mark is neither (stages/masks/README.md), which costs more than
-// the layers gain.
+// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; those that are
+// only guessed do not count (ObjectSet::trusted): half of what they mark is neither (stages/masks/README.md), which costs more
+// than the layers gain.
 LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
 
 struct LayerPhase {

@@ -74,7 +74,6 @@ Surroundings surroundings_to_train(const std::string& wanted, const Passes& pass
                                    const std::function<const DenseDepth&()>& dense, Targets& targets) {
   if (wanted == "train" || !targets.any(MaskClass::Object)) return {};
   if (wanted == "ignore") return {Trained::ObjectAlone, {}};
-  if (!targets.vouched(MaskClass::Object)) return {};
   if (passes.size() > 1)
     return {Trained::ObjectAlone, fmt::format("{}, and what surrounds the object stands elsewhere in each", passes_text(passes))};
   const double outside = sightings_outside_object(capture, targets);

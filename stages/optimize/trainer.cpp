@@ -242,6 +242,7 @@ LayerInitDesc Trainer::init_desc() const {
           .capture = setup_.capture,
           .targets = setup_.targets,
           .shapes = setup_.shapes,
+          .glass = setup_.glass,
           .sh_degree = sh_degree()};
 }
 

@@ -31,7 +31,8 @@ struct TrainerSetup {
   const OptimizeConfig& config;
   const Capture& capture;
   const Targets& targets;
-  const ShapeSet& shapes;  // of glass and metal, found before
+  const ShapeSet& shapes;  // that the image formation draws (ObjectSet::drawn_shapes)
+  const ShapeSet& glass;   // of all glass, visual hulls among them
   LayerChoice layers;
   size_t max_surfels;         // of all layers together
   bool object_alone = false;  // (surroundings.h)

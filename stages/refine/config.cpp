@@ -38,10 +38,11 @@ void describe(Describer& d, RefineConfig& c) {
 Stage refine_stage() {
   StageInfo info{
       .name = "refine",
-      .version = 13,
+      .version = 14,
       .summary = "puts what stands behind glass in order, with the mesh",
       .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
-                 {.name = "masks", .optional = true, .doc = "Where glass is; without them, where surfels are transparent."},
+                 {.name = "masks", .optional = true, .doc = "The object, and what is to be ignored."},
+                 {.name = "objects", .optional = true, .doc = "Where glass is; without it, where surfels are transparent."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
                  {.name = "mesh", .doc = "The surfaces through which rays enter and leave glass."}},
       .doing = "putting in order what stands behind glass",

@@ -84,8 +84,6 @@ void FineTune::step() {
   frame_.specular_mask = images_.mask(MaskClass::Specular);
   frame_.transparent_mask = images_.mask(MaskClass::Transparent);
   model_.forward(scene_, photo.view, frame_);
-  images_.coat.resize(frame_.coats.shown.size());  // the masks do not tell paint from mirrors
-  for (size_t i = 0; i < images_.coat.size(); ++i) images_.coat[i] = frame_.coats.shows(static_cast<uint32_t>(i));
 
   const PictureTarget target{.view = &photo.view, .srgb = target_, .weight = weight_, .targets = images_.spans()};
   const LossValues values = learn(target, config_.loss, 1, step_, model_, scene_, frame_, grad_);

@@ -5,10 +5,10 @@
 
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/base/json_cause.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/json_file.h"
 #include "core/camera/view_split.h"
 #include "core/mesh/mesh_io.h"
 #include "core/scene/kept_surfels.h"
@@ -31,18 +31,13 @@ constexpr double kMostLoss = 0.005;        // dB of whole photos that noise may 
 
 Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
 
-float voxel_of(const fs::path& report) {
+// Edge of the voxels that the mesh was made from.
+float voxel_of(const fs::path& mesh) {
   double voxel = 0;
-  try {
-    voxel = nlohmann::json::parse(read_file(report)).at("voxel").get<double>();
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(ErrorKind::Input, "the report of the mesh is unusable",
-                {.where = report.string(), .why = cause_of(e), .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
-  }
-  if (!(voxel > 0) || !std::isfinite(voxel))
-    throw Error(
-        ErrorKind::Input, "the report of the mesh is unusable",
-        {.where = report.string(), .why = "voxel is no length", .hint = "run the mesh stage again", .code = "BAD_MESH_REPORT"});
+  read_json_file(mesh / "mesh" / "grid.json", "grid of the mesh", [&](const nlohmann::json& j) {
+    voxel = JsonAt(j).at("voxel").number();
+    if (!(voxel > 0)) throw JsonMistake("/voxel", "voxel: expected a length");
+  });
   return static_cast<float>(voxel);
 }
 
@@ -79,9 +74,10 @@ class Refiner {
         context_(context),
         scene_(std::move(scene)),
         capture_(capture_of(config, context)),
-        targets_(load_targets(capture_, context.optional_input("masks"), std::nullopt)),
+        targets_(load_targets(capture_, context.optional_input("masks"),
+                              LabelledObjects::trusted(context.optional_input("objects")), std::nullopt)),
         mesh_(read_mesh_ply(context.input("mesh") / "mesh" / "mesh.ply"), scene_.surfels.diffuse,
-              voxel_of(context.input("mesh") / "mesh" / "report.json")),
+              voxel_of(context.input("mesh"))),
         // A scene trained on all photos is judged by them.
         judges_(capture_.heldout.empty() ? capture_.train : capture_.heldout) {
     leave_out_what_was_not_trained();
@@ -122,7 +118,7 @@ class Refiner {
     const fs::path optimize = context_.input("optimize") / "optimize";
     if (!read_view_split(optimize / "views.json", capture_.view_set.views).object_alone) return;
     const fs::path widened = optimize / "trained";
-    targets_.ignore_outside(fs::is_directory(widened) ? load_targets(capture_, widened, std::nullopt) : Targets(targets_));
+    targets_.ignore_outside(fs::is_directory(widened) ? load_targets(capture_, widened, {}, std::nullopt) : Targets(targets_));
   }
 
   std::vector<GlassView> views_of(std::span<const uint32_t> photos) const {

@@ -12,6 +12,7 @@
 #include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/json_file.h"
 #include "core/config/text.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
@@ -190,12 +191,20 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
     if (observations > 0) j["mean_reprojection_error_px"] = error / double(observations);  // else there is none
     j["up"] = {{"method", desc.orientation.method},
                {"in_colmap_frame", {desc.orientation.up.x, desc.orientation.up.y, desc.orientation.up.z}}};
-    for (size_t c = 0; c < desc.undistortions.size(); ++c)
-      j["cameras"].push_back({{"photographed", camera_json(desc.undistortions[c].source)},
-                              {"undistorted", camera_json(m.cameras[c])},
-                              {"resampled", !desc.undistortions[c].identity}});
   }
   write_file(path, j.dump(2) + "\n");
+}
+
+void write_lenses(const fs::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
+                  const Reconstruction& r) {
+  nlohmann::json j{{"cameras", nlohmann::json::array()}, {"without_camera", nlohmann::json::array()}};
+  for (size_t c = 0; c < undistortions.size(); ++c)
+    j["cameras"].push_back({{"photographed", camera_json(undistortions[c].source)},
+                            {"undistorted", camera_json(model.cameras[c])},
+                            {"resampled", !undistortions[c].identity}});
+  for (const PhotoReport& p : r.photos)
+    if (!p.registered) j["without_camera"].push_back(p.name);
+  write_json_file(path, j);
 }
 
 }  // namespace vitrine

@@ -44,5 +44,8 @@ struct SfmReportDesc {
 void write_match_matrix(const std::filesystem::path& path, const Reconstruction& r);
 
 void write_sfm_report(const std::filesystem::path& path, const SfmReportDesc& desc);
+// The lenses as photographed and undistorted, and the photos without a camera: read by core/camera/photo_lenses.h.
+void write_lenses(const std::filesystem::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
+                  const Reconstruction& reconstruction);
 
 }  // namespace vitrine

@@ -311,6 +311,7 @@ void run(const SfmConfig& config, StageContext& context) {
   write_gains(output / "sfm" / "gains.json", photo_gains(model, photos, output, context));
   context.timing("gains", timer.seconds());
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
+  write_lenses(output / "sfm" / "lenses.json", undistortions, model, r);
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
                                                     .config = &config,
                                                     .colmap = s.colmap,
@@ -343,7 +344,7 @@ std::string problem(const SfmConfig& c) {
 
 Stage sfm_stage() {
   StageInfo info{.name = "sfm",
-                 .version = 8,
+                 .version = 9,
                  .summary = "camera poses, undistorted photos and sparse points in a normalised frame",
                  .inputs = {{.name = "ingest", .doc = "artifact of ingest"},
                             {.name = "poses",

@@ -1,6 +1,7 @@
 // Stage `sfm`: photos -> calibrated, undistorted views in a normalised frame with sparse points (README.md).
 //   reads   ingest (photos.json, linear EXRs, 8-bit copies); optionally given poses, and the user's masks
-//   writes  images/ linear/ sparse/0 transforms.json scene.json sfm/gains.json sfm/report.json sfm/evidence/matches.png
+//   writes  images/ linear/ sparse/0 transforms.json scene.json sfm/gains.json sfm/lenses.json sfm/report.json
+//   sfm/evidence/matches.png
 //           sfm/passes.json where an object was moved between passes of photos
 #pragma once
 

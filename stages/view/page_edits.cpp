@@ -31,10 +31,10 @@ void take_class(const std::vector<uint8_t>& selected, MaskClass kind, LayerParts
 
 Json no_edits(const std::string& why) { return {{"there", false}, {"why", why}}; }
 
-Json add_edits(const EditScene& scene, std::span<const View> views, const std::optional<std::filesystem::path>& masks,
-               const PageSurfels& surfels, Json& shapes, PageBlocks& blocks) {
+Json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels, const PageSurfels& surfels,
+               Json& shapes, PageBlocks& blocks) {
   const SplatLayer &diffuse = scene.trained.surfels.diffuse, &inside = scene.trained.surfels.transmittance;
-  SceneSelector selector(scene, views, masks);
+  SceneSelector selector(scene, views, pixels);
   LayerParts of_diffuse, of_inside;
   of_diffuse.resize(diffuse.size()), of_inside.resize(inside.size());
   Json classes = Json::array();

@@ -2,12 +2,11 @@
 // the mesh of every surfel, where surfels are that the page does not draw, and which surfels show which known shape.
 #pragma once
 
-#include <filesystem>
-#include <optional>
 #include <span>
 
 #include "core/base/json.h"
 #include "core/edit/edit_scene.h"
+#include "core/objects/class_pixels.h"
 #include "stages/view/page_surfels.h"
 
 namespace vitrine {
@@ -16,9 +15,8 @@ namespace vitrine {
 // beyond 255), absent_place, absent_class, absent_component and absent_flags of those of the diffuse layer that are not drawn,
 // and shape_surfel: of each entry of `shapes` (page_shapes.h), which gets their number as "surfels", the indices among both.
 // Returns {"there": true, "classes": names, "no_classes": why there are none, "components": how many}.
-nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> views,
-                                 const std::optional<std::filesystem::path>& masks, const PageSurfels& surfels,
-                                 nlohmann::ordered_json& shapes, PageBlocks& blocks);
+nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels,
+                                 const PageSurfels& surfels, nlohmann::ordered_json& shapes, PageBlocks& blocks);
 
 // In a page without edits: why.
 nlohmann::ordered_json no_edits(const std::string& why);

@@ -134,7 +134,8 @@ Json edits(const Scene& s, const StageContext& context, const PageSurfels& surfe
                                            .mesh = *mesh,
                                            .refine = context.optional_input("refine"),
                                            .decompose = context.optional_input("decompose")});
-  return add_edits(scene, s.photos, context.optional_input("masks"), surfels, shapes, blocks);
+  return add_edits(scene, s.photos, {context.optional_input("masks"), LabelledObjects::all(context.optional_input("objects"))},
+                   surfels, shapes, blocks);
 }
 
 void add_environment(const Environment& light, PageBlocks& blocks) {
@@ -236,14 +237,15 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 5,
+                 .version = 6,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
                             {.name = "refine", .optional = true, .doc = "Better surfels behind glass."},
                             {.name = "mesh", .optional = true, .doc = "The mesh that throws shadows."},
                             {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."},
-                            {.name = "masks", .optional = true, .doc = "Which pixels show which class, for edits."}}};
+                            {.name = "masks", .optional = true, .doc = "Which pixels show the object, for edits."},
+                            {.name = "objects", .optional = true, .doc = "Which pixels show glass and mirrors, for edits."}}};
   return make_stage<ViewConfig>(std::move(info), run_view, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
                                               {"page", empty_page_digest("view")}};

@@ -29,7 +29,7 @@ TEST_F(TinyRoom, ASceneMadeWithLittleMemoryIsNotServedToARunWithout) {
   EXPECT_EQ(states(), (States{{"ingest", "cached"},
                               {"sfm", "cached"},
                               {"masks", "cached"},
-                              {"shapes", "cached"},
+                              {"objects", "cached"},
                               {"normals", "cached"},
                               {"optimize", "ran"}}));
   // A limit that is no hindrance is no other run.
@@ -60,7 +60,7 @@ TEST_F(TinyRoom, TrainingThatDivergesKeepsItsCheckpointAndAllBeforeIt) {
   EXPECT_EQ(states(), (States{{"ingest", "cached"},
                               {"sfm", "cached"},
                               {"masks", "cached"},
-                              {"shapes", "cached"},
+                              {"objects", "cached"},
                               {"normals", "cached"},
                               {"optimize", "ran"}}));
   EXPECT_EQ(digests(), sane);

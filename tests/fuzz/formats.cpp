@@ -8,7 +8,7 @@ namespace vitrine {
 std::vector<std::string> yaml_corpus(), lights_corpus(), marks_corpus(), edits_corpus(), records_corpus();
 std::vector<std::string> colmap_binary_corpus(), colmap_text_corpus(), transforms_corpus(), matrices_corpus();
 std::vector<std::string> mesh_ply_corpus(), surfel_ply_corpus(), exr_corpus(), hdr_corpus(), photo_corpus(), tiff_corpus(),
-    onnx_corpus(), weights_corpus(), shapes_corpus();
+    onnx_corpus(), weights_corpus(), objects_corpus();
 std::vector<std::string> icc_corpus(), tagged_photo_corpus();
 
 std::span<const FuzzFormat> fuzz_formats() {
@@ -58,7 +58,7 @@ std::span<const FuzzFormat> fuzz_formats() {
       {"marks", fuzz_marks, marks_corpus, yaml},
       {"edits", fuzz_edits, edits_corpus, yaml},
       {"records", fuzz_records, records_corpus, json},
-      {"shapes", fuzz_shapes, shapes_corpus, json},
+      {"objects", fuzz_objects, objects_corpus, json},
       {"colmap_binary", fuzz_colmap_binary, colmap_binary_corpus, {kPartMark, "../", "\0"sv}},
       {"colmap_text", fuzz_colmap_text, colmap_text_corpus, numbers},
       {"transforms", fuzz_transforms, transforms_corpus, json},

@@ -1,5 +1,5 @@
-// Small geometry that core has once. Sources call it; each file that writes such a thing out has its reason here, and a file that
-// no longer does so leaves the list.
+// What the tree has once: small geometry of core, and who may decide or read what. Each file that does such a thing by itself has
+// its reason here, and a file that no longer does so leaves the list.
 #include <regex>
 #include <set>
 #include <sstream>
@@ -55,7 +55,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        R"(nth_element)",
        "std::nth_element(values.begin(), middle, values.end());",
        {"core/mesh/mesh_distance.cpp", "stages/optimize/neighbours.cpp", "stages/sfm/point_filter.cpp",  // split nodes of trees
-        "core/photo/measures.cpp", "core/stereo/visible_paint.h"}},  // use the part on one side
+        "core/photo/measures.cpp"}},  // use the part on one side
       {"connected_components() of core/math/connected_components.h, or DisjointSets",
        "core/math/",
        R"(open\.back\(\)|stack\.back\(\)|(\w+)\[(\w+)\] = \1\[\1\[\2\]\])",
@@ -65,6 +65,32 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/math/",
        R"(size_t\(z\) \* size_t\(\w+)",
        "return (size_t(z) * size_t(ny) + size_t(y)) * size_t(nx) + size_t(x);",
+       {}},
+      {"the table of objects (core/objects): the masks of glass and mirrors are read by the stage that makes it alone",
+       "core/objects/",
+       R"(\b(read_view_mask|view_mask_path|mask_silhouette)\()",
+       "auto mask = read_view_mask(artifact, MaskClass::Transparent, view);",
+       {"core/camera/view_masks.cpp", "core/camera/view_masks.h", "core/stereo/mask_silhouette.cpp",
+        "core/stereo/mask_silhouette.h",
+        "core/train/targets.cpp",       // object and ignore
+        "stages/evaluate/regions.cpp",  // object and ignore
+        "stages/optimize/outputs.cpp",  // writes those of the object that was trained
+        "stages/masks/contact_sheet.cpp", "stages/masks/outputs.cpp", "stages/mark/run_results.cpp",  // make and show masks
+        "stages/objects/labels.cpp", "stages/objects/objects.cpp"}},
+      {"CarvingRule of core/stereo/carving.h, which has the thresholds of carving",
+       "core/stereo/carving",
+       R"(\bdissent = )",
+       "constexpr CarvingRule kRule{.dissent = 0.08};",
+       {}},
+      {"the role that the objects stage decided (core/objects)",
+       "stages/objects/",
+       R"(stereo/view_dependence|\blower_half)",
+       "#include \"core/stereo/view_dependence.h\"",
+       {"core/stereo/view_dependence.cpp"}},
+      {"a file of data that a stage writes for others: a report.json is for people",
+       "pipeline/",  // shows reports
+       R"((read_file|read_json_file|parse)\(.*report\.json)",
+       "read_json_file(mesh / \"report.json\", \"report\", read);",
        {}},
   };
   for (const ToolboxRule& rule : rules) {

@@ -125,7 +125,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
   const auto is_drawn = [&](size_t v) { return mark_of[v] != nullptr && !mark_of[v]->box; };  // a polygon
   const bool tight = thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
   HullDesc desc{.resolution = config.resolution,
-                .rule = {.dissent = 0, .fewest_views = std::max<size_t>(whole, 2)},
+                .rule = {.fewest_views = std::max<size_t>(whole, 2)},
                 .one_piece = true,
                 .most_one_sided = kMostOneSided};
   const VisualHull hull(cones, desc);
@@ -162,7 +162,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
       outlines.push_back(silhouette(views[v], found[v]));
       out.summary.refined += !is_drawn(v);
     }
-    desc.rule = {.dissent = config.dissent};
+    desc.rule = kOutlineVote;
     const VisualHull second(outlines, desc);
     if (!second.empty()) {
       const FittedShapes fits = fit_shapes(outlines, second);
@@ -203,8 +203,6 @@ bool marks_class(MaskClass kind, MaskClass of) {
 void describe(Describer& d, BoxesConfig& c) {
   d.option("max_side", c.max_side, "Longest side of the photos that outlines are looked for in, pixels.").range(64, 4096);
   d.option("resolution", c.resolution, "Voxels along the longest side of a marked thing.").range(16, 512);
-  d.option("dissent", c.dissent, "Share of the photos that may see a point outside the thing before it is cut away.")
-      .range(0, 0.5);
 }
 
 std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,

@@ -15,9 +15,8 @@
 namespace vitrine {
 
 struct BoxesConfig {
-  int max_side = 320;    // of the photos that outlines are looked for in
-  int resolution = 96;   // voxels along a hull's longest side
-  double dissent = 0.2;  // of the second hull
+  int max_side = 320;   // of the photos that outlines are looked for in
+  int resolution = 96;  // voxels along a hull's longest side
 };
 void describe(Describer& d, BoxesConfig& c);
 
@@ -46,6 +45,7 @@ class MarkedSource final : public MaskSource {
   MarkedSource(std::shared_ptr<const MarkedMasks> masks, MaskClass kind) : masks_(std::move(masks)), kind_(kind) {}
   std::string_view name() const override { return "boxes"; }
   std::optional<SoftMask> at(size_t view) const override;
+  std::string_view trust() const override { return "marked"; }
   bool propagated() const override { return true; }
   void report(nlohmann::ordered_json& j) const override;
 

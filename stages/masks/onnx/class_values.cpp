@@ -79,7 +79,6 @@ void describe(Describer& d, NetworkMasksConfig& c) {
   d.option("soft", c.soft, "Write the probabilities; false: yes or no.");
   d.option("confidence", c.confidence, "Factor on the confidence, which is 0 at the threshold.").range(0, 1);
   d.option("vote", c.vote, "Let the photos vote: where a class does not hold still in space, the others overrule a photo.");
-  d.option("dissent", c.dissent, "Share of the photos that may see a point outside before it is cut away.").range(0, 0.5);
   d.option("resolution", c.resolution, "Voxels along the longest side of what is voted on.").range(16, 512);
 }
 

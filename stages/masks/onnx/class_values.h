@@ -22,7 +22,6 @@ struct NetworkMasksConfig {
   bool soft = true;
   double confidence = 0.8;
   bool vote = true;
-  double dissent = 0.25;
   int resolution = 96;
 
   const std::vector<double>& channels_of(MaskClass kind) const;

@@ -64,7 +64,7 @@ void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
     own.push_back(inside_of(c.value[v]));
     photos.push_back(silhouette(masks.views[v], own[v]));
   }
-  const VisualHull hull(photos, {.resolution = masks.config.resolution, .rule = {.dissent = masks.config.dissent}});
+  const VisualHull hull(photos, {.resolution = masks.config.resolution, .rule = kOutlineVote});
   if (hull.empty()) return;
   const std::vector<std::vector<uint8_t>> carried = silhouettes_of(hull, masks.views);
   double sum = 0;

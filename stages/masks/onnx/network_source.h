@@ -32,6 +32,7 @@ class NetworkSource final : public MaskSource {
  public:
   NetworkSource(std::shared_ptr<const NetworkMasks> masks, MaskClass kind) : masks_(std::move(masks)), kind_(kind) {}
   std::string_view name() const override { return "onnx"; }
+  std::string_view trust() const override { return "detected"; }
   std::optional<SoftMask> at(size_t view) const override;
   void report(nlohmann::ordered_json& j) const override;
 

@@ -35,9 +35,8 @@ class ProposedSource final : public MaskSource {
   ProposedSource(std::shared_ptr<const Proposal> proposal, MaskClass kind) : proposal_(std::move(proposal)), kind_(kind) {}
   std::string_view name() const override { return "proposed"; }
   std::optional<SoftMask> at(size_t view) const override;
-  bool guessed() const override {
-    return proposal_->cases.empty();
-  }  // boxes that stand on their edges are as good as a user's marks
+  // Boxes that stand on their edges explain the photos.
+  std::string_view trust() const override { return proposal_->cases.empty() ? "guessed" : "detected"; }
   bool propagated() const override { return true; }
   void report(nlohmann::ordered_json& j) const override;
 

@@ -21,7 +21,7 @@ constexpr const char* kPreset = "preview";
 constexpr int kSurfelsPerFirstPoint = 3;  // as in the preset: surfels to end with for one point inside the frustums to start with
 
 // Inputs that are optional and nevertheless computed: what `vitrine run` gives to training. The others are for other figures.
-const std::set<std::string> kWantedInputs = {"masks", "shapes", "normals"};
+const std::set<std::string> kWantedInputs = {"masks", "objects", "normals"};
 const std::set<std::string> kRelitInputs = {"mesh", "refine", "decompose"};
 
 std::vector<std::string> common_options(const ProgramsDesc& desc) {

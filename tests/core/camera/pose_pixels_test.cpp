@@ -282,7 +282,7 @@ TEST(PosePixels, AnEarlierRunsReportTellsItsUndistortedPictures) {
   make_folders(folder.path() / "sparse/0");
   make_folders(folder.path() / "sfm");
   write_colmap_model(folder.path() / "sparse/0", resized_model(truth, 600, 450), ColmapFormat::Binary);
-  write_file(folder.path() / "sfm/report.json", R"({"cameras": [{"photographed": {"width": 640, "height": 480},
+  write_file(folder.path() / "sfm/lenses.json", R"({"cameras": [{"photographed": {"width": 640, "height": 480},
       "undistorted": {"width": 600, "height": 450}, "resampled": true}]})");
   const Error e = error_of([&] { read_given_poses(folder.path(), turned_photos(truth, std::vector<int>(8, 1)), 0); });
   EXPECT_EQ(e.detail().code, "POSES_UNDISTORTED") << "600 is a usual size, but the report is certain";

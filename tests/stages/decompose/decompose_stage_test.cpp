@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/hash.h"
 #include "core/camera/passes.h"
 
 #include "core/camera/view_masks.h"
@@ -16,6 +17,7 @@
 #include "tests/stages/decompose/lit_room.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -413,14 +415,14 @@ TEST(Decompose, OverexposedPhotosEndInAGuessAndAWarning) {
 }
 
 TEST(Decompose, PixelsOfMirrorsDoNotSpeakAboutTheLight) {
-  const TemporaryFolder copy, masks;
+  const TemporaryFolder copy, masks, objects;
   fs::copy(room().folder(), copy.path(), fs::copy_options::recursive);
   // Trained at half size; masks are as large as the photos.
   auto split = nlohmann::json::parse(read_file(copy.path() / "optimize/views.json"));
   split["max_side"] = 56;
   write_file(copy.path() / "optimize/views.json", split.dump());
   std::map<std::string, fs::path> inputs{
-      {"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}, {"masks", masks.path()}};
+      {"sfm", copy.path()}, {"optimize", copy.path()}, {"mesh", copy.path()}, {"objects", objects.path()}};
   DecomposeConfig config = quick();
   config.solver.rounds = 1;
   config.sheet_rows = 0;
@@ -429,13 +431,39 @@ TEST(Decompose, PixelsOfMirrorsDoNotSpeakAboutTheLight) {
     make_folders(path.parent_path());
     write_ldr(path, Image8(v.intrinsics.width, v.intrinsics.height, 1, uint8_t(255)));
   }
+  test::write_objects_artifact(objects.path(), masks.path(), room().views);
   test::RecordingContext context(inputs);
   run_decompose(config, context);
   EXPECT_TRUE(context.warnings.contains("FEW_DULL_POINTS"));
-  make_folders(masks.path() / "masks/transparent");
-  write_ldr(view_mask_path(masks.path(), MaskClass::Transparent, room().views[0]), Image8(8, 6, 1));
+  write_ldr(label_path(objects.path(), room().views[0]), Image8(8, 6, 3));
   test::RecordingContext damaged(inputs);
-  EXPECT_EQ(error_of([&] { run_decompose(config, damaged); }).detail().code, "MASK_SIZE");
+  EXPECT_EQ(error_of([&] { run_decompose(config, damaged); }).detail().code, "BAD_LABELS");
+}
+
+// What is only guessed takes no pixel from the light and no paint from a surfel: the same bytes as without objects.
+TEST(Decompose, AGuessedObjectChangesNothing) {
+  const TemporaryFolder masks, objects;
+  for (const View& v : room().views) {
+    const fs::path path = view_mask_path(masks.path(), MaskClass::Specular, v);
+    make_folders(path.parent_path());
+    write_ldr(path, Image8(v.intrinsics.width, v.intrinsics.height, 1, uint8_t(255)));
+  }
+  DecomposeConfig config = quick();
+  config.solver.rounds = 1;
+  config.sheet_rows = 0;
+  const auto digest = [&](std::optional<ObjectTrust> trust) {
+    std::map<std::string, fs::path> inputs = room().inputs();
+    if (trust) {
+      const ObjectSet set{.objects = {{.id = 1, .name = "ball", .role = ObjectRole::Mirror, .trust = *trust}}, .shapes = {}};
+      inputs["objects"] = test::write_objects_artifact(objects.path(), masks.path(), room().views, set);
+    }
+    test::RecordingContext context(inputs);
+    run_decompose(config, context);
+    return digest_folder(context.output());
+  };
+  const auto none = digest({});
+  EXPECT_EQ(digest(ObjectTrust::Guessed), none);
+  EXPECT_NE(digest(ObjectTrust::Given), none);
 }
 
 TEST(Decompose, WithoutPicturesTheirErrorIsAbsentNotZero) {

@@ -6,11 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "core/light/environment.h"
-#include "core/math/spherical_harmonics.h"
 #include "stages/decompose/light_solver.h"
-#include "tests/support/error_of.h"
 #include "tests/support/tiny_capture.h"
-#include "tests/support/turned_ball.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -41,16 +39,26 @@ class PolishedBall {
       write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
     }
   }
-  Metals metals(float marked = 1, const std::vector<MeshVerdict>& verdicts = {}) const {
-    const auto mask = [&](const View&, const Intrinsics& k) { return ImageF(k.width, k.height, 1, marked); };
+  // The ball as an object of this role, all pixels of all photos marked.
+  Metals metals(ObjectRole role) const {
+    const fs::path artifact = capture.sfm().parent_path() / "found";
+    const ObjectSet set{.objects = {{.id = 3, .name = "ball", .role = role}}, .shapes = {}};
+    for (const View& v : capture.views) {
+      const fs::path path = view_mask_path(artifact, MaskClass::Specular, v);
+      make_folders(path.parent_path());
+      write_ldr(path, Image8(v.intrinsics.width, v.intrinsics.height, 1, uint8_t(255)));
+    }
+    fs::remove_all(artifact / "objects");
+    test::write_objects_artifact(artifact, artifact, capture.views, set);
+    return metals(LabelledObjects::trusted(artifact));
+  }
+  Metals metals(const LabelledObjects& objects) const {
     return find_metals({.sfm_folder = capture.sfm(),
                         .scene = scene,
                         .mesh = mesh,
                         .views = capture.views,
                         .environment = environment,
-                        .mirrors = mask,
-                        .glass_or_mirrors = mask,
-                        .verdicts = verdicts});
+                        .objects = objects});
   }
 
   test::TinyCapture capture;
@@ -71,70 +79,19 @@ class PolishedBall {
 
 TEST(Metals, CopperIsCopper) {
   const PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
-  const Metals found = ball.metals();
+  const Metals found = ball.metals(ObjectRole::Mirror);
   ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_TRUE(found.things[0].metal) << found.things[0].lower_half;
+  EXPECT_EQ(found.things[0].object, 3);
+  EXPECT_TRUE(found.things[0].metal);
   for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(found.things[0].reflectance[c], PolishedBall::kCopper[c], 0.04);
   EXPECT_GT(std::ranges::count(found.of_surfel, 0), std::ptrdiff_t(found.of_surfel.size() * 2 / 3));
 }
 
-// The mesh has the shape that goes with its own verdict: whatever is measured here, that one counts.
-TEST(Metals, TheMeshStageHasTheFirstWord) {
+// Whatever it looks like: the table of objects decides.
+TEST(Metals, TheRoleOfTheObjectDecides) {
   const PolishedBall copper({}, [](float) { return PolishedBall::kCopper; });
-  const Bounds3 around{{-1, -1, -1}, {1, 1, 1}}, beside{{1, 1, 1}, {2, 2, 2}};
-  EXPECT_FALSE(copper.metals(1, {{beside, true}, {around, false}}).things.at(0).metal);
-  EXPECT_TRUE(copper.metals(1, {{around, true}}).things.at(0).metal);
-  EXPECT_TRUE(copper.metals(1, {{beside, false}}).things.at(0).metal) << "of something else";
-}
-
-// Silhouettes of things that touch are one hull, with one verdict.
-TEST(Metals, KnownShapesAreThingsOfTheirOwn) {
-  PolishedBall copper({}, [](float) { return PolishedBall::kCopper; });
-  const Bounds3 around{{-1, -1, -1}, {1, 1, 1}};
-  const auto as = [&](ShapeRole role, bool verdict) {
-    copper.scene.image.shape.set = std::make_shared<const ShapeSet>(
-        ShapeSet{{{test::turned_ball({0, 0, 0}, test::TinyCapture::kRadius), role, 0.01, -1, {}}}});
-    return copper.metals(1, {{around, verdict}}).things.at(0);
-  };
-  const Polished mirror = as(ShapeRole::Mirror, false);
-  EXPECT_TRUE(mirror.metal);
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(mirror.reflectance[c], PolishedBall::kCopper[c], 0.04);
-  EXPECT_FALSE(as(ShapeRole::Coat, true).metal);
-
-  // One half of the ball alone is known, by a shape that leaves it further down.
-  SurfaceOfRevolution upper = test::turned_ball({0, 0, 0}, test::TinyCapture::kRadius);
-  for (Vec2d& p : upper.profile)
-    if (p.y < 0) p.x *= 0.3;
-  copper.scene.image.shape.set = std::make_shared<const ShapeSet>(ShapeSet{{{upper, ShapeRole::Mirror, 0.01, -1, {}}}});
-  const Metals halves = copper.metals(1, {{around, false}});
-  ASSERT_EQ(halves.things.size(), 2u);
-  EXPECT_NE(halves.things[0].metal, halves.things[1].metal);
-  // What hangs together with it, and is metal to the mesh stage, belongs to it.
-  const Metals whole = copper.metals(1, {{around, true}});
-  ASSERT_EQ(whole.things.size(), 1u);
-  EXPECT_TRUE(whole.things[0].metal);
-}
-
-TEST(MeshVerdicts, AreReadFromTheReportOfTheMesh) {
-  const TemporaryFolder folder;
-  const fs::path report = folder.path() / "report.json";
-  EXPECT_TRUE(mesh_verdicts(report).empty());
-  for (const char* none : {R"({"voxel": 1})", R"({"mirrors": {"low": [0, 0, 0]}})", R"({"mirrors": []})"}) {
-    write_file(report, none);
-    EXPECT_TRUE(mesh_verdicts(report).empty()) << none;
-  }
-  write_file(report, R"({"mirrors": [{"kind": "glaze", "low": [0, 1, 2], "high": [3, 4, 5]},
-                                     {"kind": "metal", "low": [0, 0, 0], "high": [1, 1, 1]}]})");
-  const auto verdicts = mesh_verdicts(report);
-  ASSERT_EQ(verdicts.size(), 2u);
-  EXPECT_FALSE(verdicts[0].metal);
-  EXPECT_EQ(verdicts[0].bounds.high, (Vec3d{3, 4, 5}));
-  EXPECT_TRUE(verdicts[1].metal);
-  for (const char* bad :
-       {"{", R"({"mirrors": [{"kind": "metal"}]})", R"({"mirrors": [{"kind": "metal", "low": [1], "high": []}]})"}) {
-    write_file(report, bad);
-    EXPECT_EQ(error_of([&] { mesh_verdicts(report); }).detail().code, "BAD_MESH_REPORT") << bad;
-  }
+  EXPECT_TRUE(copper.metals(ObjectRole::Mirror).things.at(0).metal);
+  EXPECT_FALSE(copper.metals(ObjectRole::Coat).things.at(0).metal);
 }
 
 TEST(Metals, WhatStandsDeepInsideIsAPictureInIt) {
@@ -145,34 +102,16 @@ TEST(Metals, WhatStandsDeepInsideIsAPictureInIt) {
     layer.at(Attribute::Mean, deep)[c] *= 0.6f;   // 0.16 below the surface, beyond the reach of 0.05
     layer.at(Attribute::Mean, apart)[c] *= 1.6f;  // as far before it: something else
   }
-  const Metals found = ball.metals();
+  const Metals found = ball.metals(ObjectRole::Mirror);
   EXPECT_EQ(found.of_surfel[deep], 0);
   EXPECT_EQ(found.of_surfel[apart], -1);
 }
 
-TEST(Metals, HandlesAndKnobsAreNotTheKettlesMetal) {
-  PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
-  SplatLayer& layer = ball.scene.surfels.diffuse;
-  const auto set = [&](size_t i, float specular, float color) {
-    *layer.at(Attribute::SpecularWeight, i) = specular;  // raw
-    for (size_t c = 0; c < 3; ++c) layer.at(Attribute::ShDc, i)[c] = (color - 0.5f) / kShDc;
-  };
-  for (size_t i = 0; i < layer.size(); ++i) set(i, 2, 0.01f);
-  const size_t handle = layer.size() / 2, spout = handle + 1, dark = handle + 2;
-  set(handle, -4, 0.02f);
-  set(spout, -4, 0.4f);  // as bright as the copper: its pictures were painted on it
-  set(dark, 2, 0.f);     // a mirror, whose own colour is black
-  const Metals found = ball.metals();
-  EXPECT_EQ(found.of_surfel[handle], -1);
-  EXPECT_EQ(found.of_surfel[spout], 0);
-  EXPECT_EQ(found.of_surfel[dark], 0);
-}
-
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
   const PolishedBall ball(PolishedBall::kPaint, [](float cosine) { return schlick(Vec3f{0.04f, 0.04f, 0.04f}, cosine).value; });
-  const Metals found = ball.metals();
+  const Metals found = ball.metals(ObjectRole::Coat);
   ASSERT_EQ(found.things.size(), 1u);
-  EXPECT_FALSE(found.things[0].metal) << found.things[0].lower_half;
+  EXPECT_FALSE(found.things[0].metal);
   // Over the ball's belt, which many views see: what the photos show in the mean, and what is left of it.
   Vec3d gloss{};
   double count = 0;
@@ -207,7 +146,7 @@ TEST(Metals, MetalsLoseTheirPaintAndGlazesTheirGloss) {
 
 TEST(Metals, WithoutMarksThereIsNone) {
   const PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
-  const Metals found = ball.metals(0);
+  const Metals found = ball.metals(LabelledObjects());
   EXPECT_TRUE(found.things.empty());
   EXPECT_TRUE(std::ranges::all_of(found.of_surfel, [](int m) { return m < 0; }));
 }

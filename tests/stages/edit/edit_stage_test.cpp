@@ -364,7 +364,7 @@ TEST_F(EditGlass, OtherEditsLeaveItsShapeAndTintWhatStandsThere) {
 TEST_F(EditStage, WorksWithoutMaterialsAndMasks) {
   write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 1}\n" + kTint);
   auto inputs = with_edits();
-  inputs.erase("decompose"), inputs.erase("masks");
+  inputs.erase("decompose"), inputs.erase("masks"), inputs.erase("objects");
   RecordingContext context(inputs);
   run_edit({}, context);
   EXPECT_FALSE(fs::exists(context.output() / "edited/decompose"));

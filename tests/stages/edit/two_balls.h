@@ -5,6 +5,7 @@
 #include "core/light/environment.h"
 #include "core/picture/decomposed_materials.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine::test {
 
@@ -49,11 +50,9 @@ class TwoBalls {
   fs::path decompose() const { return folder.path() / "decompose"; }
   fs::path masks() const { return folder.path() / "masks"; }
   std::map<std::string, fs::path> artifacts() const {
-    return {{"sfm", capture.sfm()},
-            {"optimize", capture.optimize()},
-            {"mesh", capture.mesh()},
-            {"decompose", decompose()},
-            {"masks", masks()}};
+    return {{"sfm", capture.sfm()},   {"optimize", capture.optimize()},
+            {"mesh", capture.mesh()}, {"decompose", decompose()},
+            {"masks", masks()},       {"objects", masks()}};
   }
   bool in_a(size_t surfel) const { return surfel < kSurfelsA || surfel == kSurfelsA + kSurfelsB; }
   bool in_b(size_t surfel) const { return surfel >= kSurfelsA && surfel < kSurfelsA + kSurfelsB; }
@@ -92,6 +91,7 @@ class TwoBalls {
         }
       write_ldr(masks() / "masks/specular" / (v.stem() + ".png"), mask);
     }
+    write_objects_artifact(masks(), masks(), capture.views);
   }
   TemporaryFolder folder;
 };

@@ -9,6 +9,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -129,6 +130,7 @@ TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
   constexpr int kLeft = 24, kRight = 40;
   write_stage_mask(masks.path(), "object", v, kLeft, kRight);
   write_stage_mask(masks.path(), "specular", v, kLeft - 8, kLeft + 8);
+  test::write_objects_artifact(masks.path(), masks.path(), {v});
   ImageF photo = capture.photo(v);
   for (int y = 0; y < photo.height(); ++y)
     for (int x = 0; x < photo.width(); ++x)
@@ -136,7 +138,7 @@ TEST(EvaluateStage, AnObjectThatWasTrainedAloneIsJudgedAlone) {
         for (int c = 0; c < 3; ++c) photo.at(x, y, c) = 0.9f;
   write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
   auto inputs = capture.inputs(false);
-  inputs["masks"] = masks.path();
+  inputs["masks"] = inputs["objects"] = masks.path();
   const auto judged = [&](bool alone) {
     capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, alone);
     RecordingContext context(inputs);
@@ -174,7 +176,7 @@ TEST(EvaluateStage, NeutralPixelsOfAPhotoAreComparedWithTheRenderWhereItWasTrain
     write_stage_mask(masks.path(), kind, v, x0, x1);
     capture.write_split({0}, {1, 2, 3, 4, 5, 6, 7}, alone);
     auto inputs = capture.inputs(false);
-    inputs["masks"] = masks.path();
+    inputs["masks"] = inputs["objects"] = test::write_objects_artifact(masks.path(), masks.path(), {v});
     RecordingContext context(inputs);
     return metrics_of(context, config).contains("neutral");
   };
@@ -206,7 +208,7 @@ TEST(EvaluateStage, WhatWasTrainedWithTheObjectIsJudgedWithIt) {
   EXPECT_TRUE(beside);
 }
 
-TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
+TEST(EvaluateStage, RegionsComeFromTheObjectsWhereTheTruthHasNone) {
   const TinyCapture capture;
   const View& v = capture.views[0];
   const TemporaryFolder masks;
@@ -219,17 +221,17 @@ TEST(EvaluateStage, RegionsComeFromTheMasksStageWhereTheTruthHasNone) {
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = linear_from_srgb(srgb_from_linear(photo.at(x, y, c)) + 0.1f);
   write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
   auto inputs = capture.inputs(false);
-  inputs["masks"] = masks.path();
+  inputs["objects"] = test::write_objects_artifact(masks.path(), masks.path(), {v});
   RecordingContext context(inputs);
   const json r = metrics_of(context, quick())["regions"];
-  EXPECT_EQ(r["masks"], "masks");
-  EXPECT_NEAR(r["specular"]["psnr"].get<double>(), 20, 0.01);
+  EXPECT_EQ(r["masks"], "objects");
+  EXPECT_NEAR(r["specular"]["psnr"].get<double>(), 20 + 10 * std::log10(2.0), 0.01) << "glass reflects as well";
   EXPECT_NEAR(r["reflective"]["psnr"].get<double>(), 20, 0.01);
   EXPECT_NEAR(r["transparent"]["psnr"].get<double>(), 20 + 10 * std::log10(5.0), 0.01);
   EXPECT_GT(r["rest"]["psnr"].get<double>(), 45);
-  write("specular", 0, 5, 32);
+  write_ldr(label_path(masks.path(), v), Image8(8, 6, 3));
   RecordingContext wrong(inputs);
-  EXPECT_EQ(error_of([&] { run_evaluate(quick(), wrong); }).detail().code, "MASK_SIZE");
+  EXPECT_EQ(error_of([&] { run_evaluate(quick(), wrong); }).detail().code, "BAD_LABELS");
 }
 
 // The sphere turned to glass with a ball in it: layers, what lies behind the glass, and the glass itself.

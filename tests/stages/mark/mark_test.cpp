@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/json.h"
+#include "core/camera/mask_origin.h"
 #include "core/camera/photo_lenses.h"
 #include "core/camera/photo_marks.h"
 #include "core/camera/view_masks.h"
@@ -179,7 +180,7 @@ TEST_F(MarkStage, OfARunCamerasAndMasksComeAlong) {
     write_ldr(path, mask);
   }
   add("without_camera.png", test::blocks());
-  write_file(masks / "masks/report.json", R"({"classes": {"transparent": {"source": "boxes"}, "object": {"source": "none"}}})");
+  write_mask_origins(masks, {{MaskClass::Transparent, {"boxes", "marked", true}}});
   RecordingContext context({{"photos", photos()}, {"sfm", capture.sfm()}, {"masks", masks}});
   const json scene = part(page(context), "scene");
   EXPECT_TRUE(scene["has_cameras"]);
@@ -217,7 +218,7 @@ TEST_F(MarkStage, MasksAreBentAsTheLensBends) {
   write_colmap_model(sfm / "sparse/0", model, ColmapFormat::Binary);
   write_gains(sfm / "sfm/gains.json", {{"a.png", {1, 1, 1}}});
   write_scene_info(sfm / "scene.json", {});
-  write_file(sfm / "sfm/report.json", R"({"cameras": [{"photographed":
+  write_file(sfm / "sfm/lenses.json", R"({"cameras": [{"photographed":
       {"id": 1, "model": "SIMPLE_RADIAL", "width": 80, "height": 60, "params": [70, 40, 30, -0.15]}}],
       "photos": [{"name": "a.png", "registered": true}, {"name": "lost.png", "registered": false}]})");
   EXPECT_EQ(read_photo_lenses(sfm, load_view_set(sfm)).without_camera, std::vector<std::string>{"lost.png"});
@@ -229,7 +230,7 @@ TEST_F(MarkStage, MasksAreBentAsTheLensBends) {
   const fs::path artifact = folder.path() / "artifact", path = view_mask_path(artifact, MaskClass::Specular, view);
   make_folders(path.parent_path());
   write_ldr(path, mask);
-  write_file(artifact / "masks/report.json", R"({"classes": {"specular": {"source": "files"}}})");
+  write_mask_origins(artifact, {{MaskClass::Specular, {"files", "given", false}}});
   const RunResults results = read_run_results(sfm, artifact);
   const RunPhoto& photo = results.photos.at("a.png");
   ASSERT_EQ(photo.mask_width, 80);

@@ -220,9 +220,7 @@ TEST_F(Marked, MistakesAreShownAtTheirLine) {
 
 TEST_F(Marked, PhotosThatSfmCouldNotPlaceAreLeftOut) {
   make_folders(sfm() / "sfm");
-  write_file(sfm() / "sfm/report.json", R"({"cameras": [], "photos": [{"name": "v0.jpg", "registered": true},
-      {"name": "left/lost.jpg", "registered": false}, {"name": "gone.jpg", "registered": false},
-      {"name": "left/v4.jpg", "registered": false}]})");
+  write_file(sfm() / "sfm/lenses.json", R"({"cameras": [], "without_camera": ["left/lost.jpg", "gone.jpg", "left/v4.jpg"]})");
   const auto lost = [](const char* photo) {
     return fmt::format("  - {{photo: {}, class: object, box: [8, 6, 40, 30]}}\n", photo);
   };

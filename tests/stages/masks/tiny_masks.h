@@ -40,7 +40,7 @@ inline void write_tiny_sfm(const fs::path& folder, const TinySfm& tiny) {
                               {"width", tiny.photographed.width},
                               {"height", tiny.photographed.height},
                               {"params", tiny.photographed.params}};
-  write_file(folder / "sfm/report.json", nlohmann::json{{"cameras", {{{"photographed", camera}}}}}.dump());
+  write_file(folder / "sfm/lenses.json", nlohmann::json{{"cameras", {{{"photographed", camera}}}}}.dump());
 }
 
 // White disk on black, in the middle of the picture unless told otherwise.

@@ -11,6 +11,7 @@
 #include "tests/stages/normals/still_life.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -83,10 +84,9 @@ Errors errors_on(const StillLife& life, const fs::path& normals, StillLife::Surf
 }
 
 // --- geometric ------------------------------------------------------------------------------------------------------------
-TEST(NormalsFromPhotos, AreRightOnPaintAndFromTheHullOnAMirror) {
-  const auto r = run(scene(), {}, {{"masks", scene().masks()}});
+TEST(NormalsFromPhotos, AreRightOnPaintAndFromTheShapeOnAMirror) {
+  const auto r = run(scene(), {}, {{"objects", scene().objects()}});
   EXPECT_EQ(r->report["source"], "geometric");
-  EXPECT_TRUE(r->report["hull"]["specular"]["used"].get<bool>());
   EXPECT_TRUE(r->context.warnings.empty());
   Errors table = errors_on(scene(), r->normals(), StillLife::Table), ball = errors_on(scene(), r->normals(), StillLife::Ball),
          mirror = errors_on(scene(), r->normals(), StillLife::Mirror);
@@ -103,37 +103,41 @@ TEST(NormalsFromPhotos, AreRightOnPaintAndFromTheHullOnAMirror) {
   RecordProperty("mirror_median_deg", std::to_string(mirror.percentile(0.5)));
 }
 
-TEST(NormalsFromPhotos, AClassWhoseMasksLeaveNoHullIsNamed) {
-  const TemporaryFolder masks;
-  fs::copy(scene().masks(), masks.path(), fs::copy_options::recursive);
-  make_folders(masks.path() / "masks/transparent");
-  for (size_t v = 0; v < scene().views.size(); ++v) {  // in another corner of every photo
-    Image8 mask(StillLife::kWidth, StillLife::kHeight, 1);
-    for (int y = 0; y < 12; ++y)
-      for (int x = 0; x < 12; ++x)
-        mask.at(v % 2 ? x : StillLife::kWidth - 1 - x, v % 4 < 2 ? y : StillLife::kHeight - 1 - y) = 255;
-    write_ldr(masks.path() / "masks/transparent" / (scene().views[v].stem() + ".png"), mask);
-  }
-  const auto r = run(scene(), {{"geometric.max_side", "60"}}, {{"masks", masks.path()}});
-  EXPECT_EQ(r->context.warnings.size(), 1u);
-  EXPECT_TRUE(r->context.warnings.contains("NO_HULL"));
-  EXPECT_FALSE(r->report["hull"]["transparent"]["used"].get<bool>());
-  EXPECT_TRUE(r->report["hull"]["specular"]["used"].get<bool>());
+TEST(NormalsFromPhotos, AMirrorThatNobodyKnowsIsWorseThanItsShape) {
+  const auto r = run(scene(), {{"source", "geometric"}, {"geometric.max_side", "60"}});
+  Errors mirror = errors_on(scene(), r->normals(), StillLife::Mirror);
+  EXPECT_TRUE(mirror.known() < 0.5 || mirror.percentile(0.5) > 20) << mirror.known() << " " << mirror.percentile(0.5);
 }
 
-TEST(NormalsFromPhotos, AMirrorWithoutMaskIsWorseThanItsHull) {
-  const auto r = run(scene(), {{"source", "geometric"}, {"geometric.hull", "[]"}, {"geometric.max_side", "60"}},
-                     {{"masks", scene().masks()}});
-  Errors mirror = errors_on(scene(), r->normals(), StillLife::Mirror);
-  EXPECT_TRUE(r->report["hull"].empty());
-  EXPECT_TRUE(mirror.known() < 0.5 || mirror.percentile(0.5) > 20) << mirror.known() << " " << mirror.percentile(0.5);
+// What is guessed gives no normal, and takes none.
+TEST(NormalsFromPhotos, AGuessedObjectChangesNothing) {
+  const TemporaryFolder folder;
+  ObjectSet set = read_objects(scene().objects());
+  for (Object& o : set.objects) o.trust = ObjectTrust::Guessed;
+  test::write_objects_artifact(folder.path(), scene().masks(), scene().views, set);
+  const std::vector<std::pair<std::string, std::string>> small{{"geometric.max_side", "60"}};
+  const auto guessed = run(scene(), small, {{"objects", folder.path()}}), none = run(scene(), small);
+  EXPECT_EQ(digest_folder(guessed->normals()), digest_folder(none->normals()));
+  const auto given = run(scene(), small, {{"objects", scene().objects()}});
+  EXPECT_NE(digest_folder(given->normals()), digest_folder(none->normals()));
+}
+
+// Glass that nothing fixes in space: stereo sees something else there.
+TEST(NormalsFromPhotos, AreUnknownOnGlassWithoutAShape) {
+  const TemporaryFolder folder;
+  const ObjectSet set{.objects = {{.id = 1, .name = "glass", .role = ObjectRole::ThinGlass}}, .shapes = {}};
+  make_folders(folder.path() / "masks");
+  fs::copy(scene().masks() / "masks/specular", folder.path() / "masks/transparent", fs::copy_options::recursive);
+  test::write_objects_artifact(folder.path(), folder.path(), scene().views, set);
+  const auto r = run(scene(), {{"geometric.max_side", "60"}}, {{"objects", folder.path()}});
+  EXPECT_LT(errors_on(scene(), r->normals(), StillLife::Mirror).known(), 0.1);
 }
 
 TEST(NormalsFromPhotos, AreTheSameBytesForAnyNumberOfThreads) {
   set_thread_limit(1);
-  const auto one = run(scene(), {{"geometric.max_side", "60"}}, {{"masks", scene().masks()}});
+  const auto one = run(scene(), {{"geometric.max_side", "60"}}, {{"objects", scene().objects()}});
   set_thread_limit(3);
-  const auto three = run(scene(), {{"geometric.max_side", "60"}}, {{"masks", scene().masks()}});
+  const auto three = run(scene(), {{"geometric.max_side", "60"}}, {{"objects", scene().objects()}});
   set_thread_limit(0);
   EXPECT_EQ(digest_folder(one->normals()), digest_folder(three->normals()));
 }

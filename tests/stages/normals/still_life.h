@@ -16,6 +16,7 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine::test {
 
@@ -72,10 +73,15 @@ class StillLife {
     write_gains(sfm() / "sfm/gains.json", gains);
     write_scene_info(sfm() / "scene.json", SceneInfo{});
     parallel_for(views.size(), 1, [&](size_t i) { write_photo(i); });
+    SurfaceOfRevolution ball{{0.2, -0.05, 0.14}, {0, 0, 1}, {}};
+    for (int i = 0; i <= 48; ++i)
+      ball.profile.push_back({0.14 * std::sin(std::numbers::pi * i / 48), -0.14 * std::cos(std::numbers::pi * i / 48)});
+    write_objects_artifact(objects(), masks(), views, one_object(ball, ObjectRole::Mirror, 0.01));
   }
 
   fs::path sfm() const { return folder.path() / "sfm"; }
   fs::path masks() const { return folder.path() / "masks"; }
+  fs::path objects() const { return folder.path() / "objects"; }  // an artifact: the mirror ball
 
   static Point seen(const Vec3d& o, const Vec3d& d) {
     Point best;

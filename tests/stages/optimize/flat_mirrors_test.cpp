@@ -45,7 +45,7 @@ class MirrorOnAWall : public ::testing::Test {
     return {.entries = {{plane, ShapeRole::Mirror, 0.02, -1, {}}}};
   }
   LayerInitDesc desc(const ShapeSet& shapes) const {
-    return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes, .sh_degree = 0};
+    return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes, .glass = shapes, .sh_degree = 0};
   }
 
   static constexpr double kWall = 0.7;

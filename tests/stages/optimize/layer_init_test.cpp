@@ -3,10 +3,10 @@
 
 #include "core/scene/activation.h"
 #include "core/stereo/box_fit.h"
-#include "core/train/coat_masks.h"
 #include "stages/optimize/layer_init.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -25,12 +25,15 @@ class GlassAlone : public ::testing::Test {
       write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
     }
     capture_ = load_capture(sfm, config_.resolution.max_side, config_.holdout_every);
-    targets_ = load_targets(capture_, masks, {});
+    ObjectSet set = test::one_object(box, ObjectRole::ThinGlass, 0.02, false);  // as a visual hull
+    glass_ = set.shapes;
+    test::write_objects_artifact(masks, masks, capture_.view_set.views, std::move(set));
+    targets_ = load_targets(capture_, {}, LabelledObjects::trusted(masks), {});
     scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
     scene_.transmittance = SplatLayer(LayerKind::Transmittance, 0, 0);
   }
   LayerInitDesc desc() const {
-    return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0};
+    return {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .glass = glass_, .sh_degree = 0};
   }
   double value(Attribute a, size_t i) const { return double(sigmoid(*scene_.diffuse.at(a, i))); }
 
@@ -38,7 +41,7 @@ class GlassAlone : public ::testing::Test {
   OptimizeConfig config_ = testing::tiny_config(100);
   Capture capture_;
   Targets targets_;
-  ShapeSet shapes_;
+  ShapeSet shapes_, glass_;
   SplatScene scene_{.diffuse = testing::tiny_scene()};
 };
 
@@ -63,9 +66,9 @@ TEST_F(GlassAlone, KeepsItsReflectanceWhenReflectionBegins) {
   EXPECT_GT(glass, 50u);
 }
 
-// A window, a picture under glass: no closed region is the glass. What stands behind it must not leave the picture.
+// Glass that the photos do not fix in space. What stands behind it must not leave the picture.
 TEST_F(GlassAlone, IsNoHoleWhereNoGlassCanBePlaced) {
-  config_.phases.transmittance.hull_points = 0;
+  glass_ = {};
   for (size_t i = 0; i < scene_.diffuse.size(); ++i)
     *scene_.diffuse.at(Attribute::SpecularWeight, i) = *scene_.diffuse.at(Attribute::Transmission, i) = logit(kDull);
   const SplatScene before = scene_;
@@ -84,18 +87,18 @@ TEST_F(GlassAlone, IsNoHoleWhereNoGlassCanBePlaced) {
   EXPECT_LT(changed, was.size() / 50);
 }
 
-// The tiny scene with masks of its ball, which is painted. Shapes as the shapes stage finds them.
+// The tiny scene with masks of its ball, which is painted.
 class PaintedBall : public ::testing::Test {
  protected:
   PaintedBall() : folder_("painted-ball-test") {
-    const fs::path sfm = folder_.path() / "sfm", masks = folder_.path() / "found";
+    const fs::path sfm = folder_.path() / "sfm", masks = found();
     testing::write_tiny_sfm(sfm, 18, 48, 36);
     SurfaceOfRevolution ball{{0, 0, 0}, {0, 0, 1}, {}};
     for (int i = 0; i <= 24; ++i) {
       const double polar = std::numbers::pi * i / 24;
       ball.profile.push_back({kRadius * std::sin(polar), -kRadius * std::cos(polar)});
     }
-    shapes_.entries.push_back({ball, ShapeRole::Coat, 0.06 * kRadius, -1, {}});
+    ball_ = ball;
     for (const View& view : testing::ring_of_views(18, 48, 36)) {
       const std::vector<uint8_t> inside = mask_of_rays(view, [&](size_t, const Vec3d& eye, const Vec3d& direction) {
         return ball.intersect({eye, direction}).has_value();
@@ -105,13 +108,21 @@ class PaintedBall : public ::testing::Test {
       write_ldr(masks / "masks/specular" / (view.stem() + ".png"), mask);
     }
     capture_ = load_capture(sfm, config_.resolution.max_side, config_.holdout_every);
-    targets_ = load_targets(capture_, masks, {});
     scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
   }
+  fs::path found() const { return folder_.path() / "found"; }
+  void mark(ObjectRole role, bool exact) {
+    const ObjectSet set = test::one_object(ball_, role, 0.06 * kRadius, exact);
+    test::write_objects_artifact(found(), found(), capture_.view_set.views, set);
+    const auto objects = LabelledObjects::trusted(found());
+    targets_ = load_targets(capture_, {}, objects, {});
+    shapes_ = objects.objects().drawn_shapes();
+  }
   HullCounts begin() {
-    separate_coats(capture_, shapes_, targets_);
-    return begin_reflection({.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .sh_degree = 0}, 200,
-                            1000, scene_);
+    const ShapeSet no_glass;
+    return begin_reflection(
+        {.config = config_, .capture = capture_, .targets = targets_, .shapes = shapes_, .glass = no_glass, .sh_degree = 0}, 200,
+        1000, scene_);
   }
   double value(Attribute a, size_t i) const { return double(sigmoid(*scene_.diffuse.at(a, i))); }
   bool on_ball(size_t i) const {
@@ -125,12 +136,13 @@ class PaintedBall : public ::testing::Test {
   Capture capture_;
   Targets targets_;
   ShapeSet shapes_;
+  SurfaceOfRevolution ball_;
   SplatScene scene_{.diffuse = testing::tiny_scene()};
 };
 
 TEST_F(PaintedBall, KeepsItsSurfelsUnderACoat) {
   for (const bool exact : {true, false}) {
-    shapes_.entries[0].exact = exact;
+    mark(ObjectRole::Coat, exact);
     scene_.diffuse = testing::tiny_scene();
     const SplatLayer before = scene_.diffuse;
     const HullCounts counts = begin();
@@ -156,29 +168,31 @@ TEST_F(PaintedBall, KeepsItsSurfelsUnderACoat) {
 }
 
 TEST_F(PaintedBall, LosesItsSurfelsWhereItMirrors) {
-  shapes_.entries[0].role = ShapeRole::Mirror;
+  mark(ObjectRole::Mirror, true);
   const size_t before = scene_.diffuse.size();
   const HullCounts counts = begin();
   EXPECT_GT(counts.moved, 5u);
   EXPECT_EQ(scene_.diffuse.size(), before - counts.moved + counts.hull);
 }
 
-TEST_F(PaintedBall, LeavesTheSpecularMask) {
-  const Targets marked = targets_;
-  separate_coats(capture_, shapes_, targets_);
-  size_t coat = 0;
-  for (size_t photo = 0; photo < marked.photos.size(); ++photo)
-    for (size_t l = 0; l < kLevels; ++l) {
-      const TargetLevel &was = marked.photos[photo][l], &is = targets_.photos[photo][l];
-      EXPECT_EQ(is.coat, was.masks[size_t(MaskClass::Specular)]);
-      for (const uint8_t v : is.masks[size_t(MaskClass::Specular)]) EXPECT_EQ(v, 0);
-      for (const uint8_t v : is.coat) coat += v > 0;
-    }
-  EXPECT_GT(coat, 500u);
-  shapes_.entries[0].role = ShapeRole::Mirror;
-  Targets mirrors = marked;
-  separate_coats(capture_, shapes_, mirrors);
-  EXPECT_EQ(mirrors.photos, marked.photos);
+// A mirror of which only a visual hull is known keeps its surfels, too.
+TEST_F(PaintedBall, IsAMirrorInTheMasksIfItsShapeIsKnown) {
+  const auto pixels = [&](ObjectRole role, bool exact) {
+    mark(role, exact);
+    size_t coat = 0, specular = 0;
+    for (const auto& levels : targets_.photos)
+      for (const TargetLevel& level : levels) {
+        coat += size_t(std::ranges::count_if(level.coat, [](uint8_t v) { return v > 0; }));
+        specular += size_t(std::ranges::count_if(level.masks[size_t(MaskClass::Specular)], [](uint8_t v) { return v > 0; }));
+      }
+    EXPECT_TRUE(targets_.any(MaskClass::Specular)) << "it reflects";
+    return std::pair(coat, specular);
+  };
+  const size_t all = pixels(ObjectRole::Coat, true).first;
+  EXPECT_GT(all, 500u);
+  EXPECT_EQ(pixels(ObjectRole::Coat, true), std::pair(all, size_t{0}));
+  EXPECT_EQ(pixels(ObjectRole::Mirror, false), std::pair(all, size_t{0}));
+  EXPECT_EQ(pixels(ObjectRole::Mirror, true), std::pair(size_t{0}, all));
 }
 
 }  // namespace

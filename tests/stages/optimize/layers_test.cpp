@@ -10,6 +10,7 @@
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -28,7 +29,9 @@ class LayeredRun : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder("layers-test");
-    testing::write_tiny_sfm(folder_->path() / "sfm", 18, 48, 36, testing::tiny_mirror_scene());
+    const fs::path sfm = folder_->path() / "sfm";
+    testing::write_tiny_sfm(sfm, 18, 48, 36, testing::tiny_mirror_scene());
+    test::write_objects_artifact(sfm, sfm, load_view_set(sfm).views);
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -37,7 +40,7 @@ class LayeredRun : public ::testing::Test {
   }
   static TestContext context(const std::string& name) {
     TestContext c(folder_->path() / "sfm", folder_->path() / name);
-    c.masks = folder_->path() / "sfm";
+    c.objects = folder_->path() / "sfm";
     return c;
   }
   // Killed before these steps, the run ends with the bytes of one that was left alone.
@@ -83,15 +86,14 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
     for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
     write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
   }
-  const fs::path shapes = folder_->path() / "case shapes/shapes";
-  fs::create_directories(shapes);
-  const ShapeSet known{{{box, ShapeRole::Sheet, 0.02, -1, {}}}};
-  write_file(shapes / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(known, shapes)}}.dump());
+  const fs::path objects =
+      test::write_objects_artifact(folder_->path() / "case objects", masks, load_view_set(folder_->path() / "sfm").views,
+                                   test::one_object(box, ObjectRole::ThinGlass, 0.02));
   OptimizeConfig config = layered_config(60);
   config.layers = "full";
   const auto context_of = [&](const std::string& name, int threads) {
     TestContext c = context(name);
-    c.masks = masks, c.shapes = shapes.parent_path();
+    c.objects = objects;
     c.thread_count = threads;
     return c;
   };
@@ -117,13 +119,12 @@ TEST_F(LayeredRun, ACoatSurvivesBeingKilled) {
     const double polar = std::numbers::pi * i / 24;
     ball.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
   }
-  const fs::path shapes = folder_->path() / "coat/shapes";
-  fs::create_directories(shapes);
-  const ShapeSet known{{{ball, ShapeRole::Coat, 0.015, -1, {}}}};
-  write_file(shapes / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(known, shapes)}}.dump());
+  const fs::path sfm = folder_->path() / "sfm";
+  const fs::path objects = test::write_objects_artifact(folder_->path() / "coat", sfm, load_view_set(sfm).views,
+                                                        test::one_object(ball, ObjectRole::Coat, 0.015));
   const auto context_of = [&](const std::string& name, int threads) {
     TestContext c = context(name);
-    c.shapes = shapes.parent_path();
+    c.objects = objects;
     c.thread_count = threads;
     return c;
   };
@@ -138,33 +139,45 @@ TEST_F(LayeredRun, ACoatSurvivesBeingKilled) {
   expect_same_bytes(config, whole, killed, {17, 18, 19, 40, 59});  // reflection begins at 18
 }
 
-TEST_F(LayeredRun, ProposedMasksAskForNoLayers) {
-  const fs::path masks = folder_->path() / "proposed";
-  fs::create_directories(masks / "masks");
-  fs::copy(folder_->path() / "sfm/masks/specular", masks / "masks/specular");
-  const auto has_reflection = [&](const char* name, const std::string& report, const std::string& layers) {
-    if (!report.empty()) write_file(masks / "masks/report.json", report);
+TEST_F(LayeredRun, GuessedObjectsAskForNoLayers) {
+  const fs::path sfm = folder_->path() / "sfm";
+  const auto has_reflection = [&](ObjectTrust trust, const std::string& layers) {
+    const std::string word(name(trust));
+    const ObjectSet set{.objects = {{.id = 1, .name = "ball", .role = ObjectRole::Mirror, .trust = trust}}, .shapes = {}};
     OptimizeConfig config = layered_config(8);
     config.layers = layers;
     config.fill_unseen = false;
-    TestContext c = context(name);
-    c.masks = masks;
+    TestContext c = context(word + " " + layers);
+    c.objects = test::write_objects_artifact(folder_->path() / (word + " objects"), sfm, load_view_set(sfm).views, set);
     run_optimize(config, c);
     return fs::exists(c.output() / "gaussians/reflection.ply");
   };
-  EXPECT_TRUE(has_reflection("own", "", "auto"));
-  EXPECT_TRUE(has_reflection("files", R"({"classes": {"specular": {"source": "files"}}})", "auto"));
-  EXPECT_FALSE(has_reflection("guess", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "auto"));
-  EXPECT_TRUE(has_reflection("case", R"({"classes": {"specular": {"source": "proposed", "guessed": false}}})", "auto"));
-  EXPECT_TRUE(has_reflection("forced", R"({"classes": {"specular": {"source": "proposed", "guessed": true}}})", "full"));
-  EXPECT_THROW(has_reflection("broken", "{", "auto"), Error);
+  EXPECT_TRUE(has_reflection(ObjectTrust::Given, "auto"));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Marked, "auto"));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Detected, "auto"));
+  EXPECT_FALSE(has_reflection(ObjectTrust::Guessed, "auto"));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Guessed, "full")) << "everything may reflect";
+}
+
+// What is guessed changes nothing: the same bytes as without objects.
+TEST_F(LayeredRun, AGuessedObjectLeavesNoTrace) {
+  const fs::path sfm = folder_->path() / "sfm";
+  ObjectSet set = test::one_object(Box{Mat3d::identity(), {-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2}}, ObjectRole::Mirror, 0.02);
+  set.objects[0].trust = ObjectTrust::Guessed;
+  TestContext guessed = context("leaves no trace"), none = context("without objects");
+  guessed.objects = test::write_objects_artifact(folder_->path() / "guess", sfm, load_view_set(sfm).views, set);
+  none.objects = std::nullopt;
+  const OptimizeConfig config = layered_config(8);
+  run_optimize(config, guessed);
+  run_optimize(config, none);
+  EXPECT_EQ(digest_folder(guessed.output()), digest_folder(none.output()));
 }
 
 TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
   OptimizeConfig config = layered_config(3);
   const auto code_of = [&](const fs::path& masks) {
     TestContext c = context("bad");
-    c.masks = masks;
+    c.objects = std::nullopt, c.masks = masks;
     try {
       run_optimize(config, c);
     } catch (const Error& e) {
@@ -173,16 +186,22 @@ TEST_F(LayeredRun, MasksThatFitNoPhotoAreErrors) {
     return c.warnings.empty() ? std::string() : c.warnings.front();
   };
   const fs::path folder = folder_->path();
-  write_ldr(folder / "strange/masks/specular/nobody.png", Image8(48, 36, 1, 255));
+  write_ldr(folder / "strange/masks/ignore/nobody.png", Image8(48, 36, 1, 255));
   EXPECT_EQ(code_of(folder / "strange"), "MASKS_MATCH_NO_PHOTO");
-  write_ldr(folder / "small/masks/specular/view_03.png", Image8(24, 18, 1, 255));
+  write_ldr(folder / "small/masks/ignore/view_03.png", Image8(24, 18, 1, 255));
   EXPECT_EQ(code_of(folder / "small"), "MASK_SIZE");
   for (const View& view : testing::ring_of_views(18, 48, 36)) {
-    write_ldr(folder / "black/masks/specular" / (view.stem() + ".png"), Image8(48, 36, 1, 0));
+    write_ldr(folder / "black/masks/ignore" / (view.stem() + ".png"), Image8(48, 36, 1, 0));
     write_ldr(folder / "white/masks/ignore" / (view.stem() + ".png"), Image8(48, 36, 1, 255));
+    write_ldr(folder / "glass/masks/transparent" / (view.stem() + ".png"), Image8(48, 36, 1, 255));
   }
   EXPECT_EQ(code_of(folder / "black"), "MASK_EMPTY");
   EXPECT_EQ(code_of(folder / "white"), "MASK_COVERS_MOST");
+  TestContext everywhere = context("glass everywhere");
+  everywhere.objects = test::write_objects_artifact(folder / "glass", folder / "glass", load_view_set(folder / "sfm").views);
+  run_optimize(config, everywhere);
+  ASSERT_FALSE(everywhere.warnings.empty());
+  EXPECT_EQ(everywhere.warnings.front(), "MASK_COVERS_MOST");
 }
 
 }  // namespace

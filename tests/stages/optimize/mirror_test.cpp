@@ -7,12 +7,13 @@
 
 #include "core/base/hash.h"
 #include "core/base/json.h"
+#include "core/camera/view_set.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
-#include "core/shape/shape_file.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -42,24 +43,21 @@ double mirror_psnr(const fs::path& sfm, const fs::path& artifact) {
   return -10 * std::log10(sum / count);
 }
 
-// An artifact of the shapes stage with a ball that mirrors, its radius wavy by `off`.
-fs::path known_ball(const fs::path& artifact, const Vec3d& centre, double off) {
+// An artifact of the objects stage with a ball that mirrors, its radius wavy by `off`.
+fs::path known_ball(const fs::path& sfm, const fs::path& artifact, const Vec3d& centre, double off) {
   SurfaceOfRevolution ball{centre, {0, 0, 1}, {}};
   for (int i = 0; i <= 48; ++i) {
     const double polar = std::numbers::pi * i / 48, radius = 0.25 + off * std::sin(9 * polar);
     ball.profile.push_back({radius * std::sin(polar), -radius * std::cos(polar)});
   }
-  const fs::path found = artifact / "shapes";
-  fs::create_directories(found);
-  const ShapeSet known{{{ball, ShapeRole::Mirror, 0.015, -1, {}}}};
-  write_file(found / "shapes.json", nlohmann::ordered_json{{"shapes", write_shapes(known, found)}}.dump());
-  return artifact;
+  return test::write_objects_artifact(artifact, sfm, load_view_set(sfm).views, test::one_object(ball, ObjectRole::Mirror, 0.015));
 }
 
 TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   const TemporaryFolder folder("mirror-test");
-  const fs::path sfm = folder.path() / "sfm", shapes = known_ball(folder.path() / "found", {0, 0, 0}, 0);
+  const fs::path sfm = folder.path() / "sfm";
   testing::write_tiny_sfm(sfm, 18, 48, 36, testing::tiny_mirror_scene());
+  const fs::path objects = known_ball(sfm, folder.path() / "found", {0, 0, 0}, 0);
   OptimizeConfig config = testing::tiny_config(1000);
   config.initial.stereo_side = 48;
   config.phases.reflection.hull_points = 150;
@@ -78,7 +76,7 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
     EXPECT_FALSE(fs::exists(alone.output() / "gaussians/reflection.ply"));
     config.layers = "auto";
     TestContext layered(sfm, work / "layered");
-    layered.masks = sfm, layered.shapes = shapes;
+    layered.objects = objects;
     run_optimize(config, layered);
     EXPECT_FALSE(fs::exists(layered.output() / "gaussians/transmittance.ply"));
     const size_t surfels = read_layer(layered.output() / "gaussians/diffuse.ply").size() +
@@ -102,7 +100,7 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   const TemporaryFolder folder("solid-test");
   const fs::path sfm = folder.path() / "sfm";
   testing::write_tiny_sfm(sfm, 18, 144, 108, testing::tiny_mirror_scene());
-  const fs::path artifact = known_ball(folder.path() / "found", {0.003, -0.002, 0}, 0.004);
+  const fs::path artifact = known_ball(sfm, folder.path() / "found", {0.003, -0.002, 0}, 0.004);
   OptimizeConfig config = testing::tiny_config(120);
   config.initial.stereo_side = 48;
   config.checkpoint_every = 20;
@@ -110,7 +108,7 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   config.phases.reflection.surface_from = 0.25;
   const auto run = [&](const char* name, int threads, std::initializer_list<int> stops) {
     TestContext context(sfm, folder.path() / name);
-    context.masks = sfm, context.shapes = artifact;
+    context.objects = artifact;
     context.thread_count = threads;
     for (int stop : stops) {
       context.after_step = [stop](int step) {

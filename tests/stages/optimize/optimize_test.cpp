@@ -320,10 +320,15 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
 
   const Capture capture = load_capture(folder.path(), 0, config.holdout_every);
   ASSERT_EQ(capture.train.size(), 1u);
-  const Targets targets = load_targets(capture, std::nullopt, std::nullopt);
+  const Targets targets = load_targets(capture, std::nullopt, {}, std::nullopt);
   const ShapeSet shapes;
-  const TrainerSetup setup{
-      .config = config, .capture = capture, .targets = targets, .shapes = shapes, .layers = {}, .max_surfels = 700};
+  const TrainerSetup setup{.config = config,
+                           .capture = capture,
+                           .targets = targets,
+                           .shapes = shapes,
+                           .glass = shapes,
+                           .layers = {},
+                           .max_surfels = 700};
   Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600), {});
   std::vector<double> losses;
   for (int step = 0; step < 10; ++step) {

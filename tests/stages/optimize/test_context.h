@@ -38,7 +38,7 @@ class TestContext final : public StageContext {
     return sfm_;
   }
   std::optional<fs::path> optional_input(std::string_view name) const override {
-    return name == "masks" ? masks : name == "shapes" ? shapes : std::nullopt;
+    return name == "masks" ? masks : name == "objects" ? objects : std::nullopt;
   }
   const fs::path& output() const override { return output_; }
   const fs::path& scratch() const override { return scratch_; }
@@ -55,7 +55,7 @@ class TestContext final : public StageContext {
 
   int thread_count = 2;
   size_t memory = 0;
-  std::optional<fs::path> masks, shapes;  // artifacts of these stages
+  std::optional<fs::path> masks, objects;  // artifacts of these stages
   std::function<void(int)> after_step;
   Progress last_progress;
   std::map<std::string, double> metrics, timings;

@@ -26,7 +26,7 @@ struct Decided {
     c.write(sfm(), masks());
     for (size_t i = 0; i < without_mask; ++i) fs::remove(view_mask_path(masks(), MaskClass::Object, c.view(int(5 * i + 1))));
     capture = load_capture(sfm(), kSide, kHoldoutEvery);
-    targets = load_targets(capture, masks(), std::nullopt);
+    targets = load_targets(capture, masks(), {}, std::nullopt);
     const DenseDepth dense = dense_depth(capture, kSide, 5, 1);
     const auto get = [&]() -> const DenseDepth& { return dense; };
     surroundings = surroundings_to_train("auto", {}, capture, get, targets);

@@ -9,6 +9,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -45,7 +46,8 @@ class GlassBall : public ::testing::Test {
         }
       write_ldr(masks() / "masks/transparent" / (v.stem() + ".png"), mask);
     }
-    write_file(capture.mesh() / "mesh/report.json", R"({"voxel": 0.02})");
+    test::write_objects_artifact(masks(), masks(), capture.views);
+    write_file(capture.mesh() / "mesh/grid.json", R"({"voxel": 0.02})");
     write_scene();
   }
 
@@ -88,7 +90,7 @@ class GlassBall : public ::testing::Test {
   }
   std::map<std::string, fs::path> inputs() const {
     auto in = capture.inputs(false);
-    in["masks"] = masks();
+    in["masks"] = in["objects"] = masks();
     return in;
   }
   fs::path masks() const { return root.path() / "masks"; }
@@ -286,9 +288,9 @@ TEST_F(GlassBall, WithoutATransmittanceLayerThereIsNothingToDo) {
 
 TEST_F(GlassBall, ARuinedReportOfTheMeshIsToldSo) {
   for (const char* text : {"{", R"({"voxel": 0})", R"({"voxel": "thick"})", "[]"}) {
-    write_file(capture.mesh() / "mesh/report.json", text);
+    write_file(capture.mesh() / "mesh/grid.json", text);
     test::RecordingContext context(inputs());
-    EXPECT_EQ(error_of([&] { run(context); }).detail().code, "BAD_MESH_REPORT") << text;
+    EXPECT_EQ(error_of([&] { run(context); }).detail().code, "BAD_JSON") << text;
   }
 }
 

@@ -11,6 +11,7 @@
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/written_objects.h"
 
 namespace vitrine {
 namespace {
@@ -27,8 +28,9 @@ class PaintedRoom : public ::testing::Test {
       for (size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] = ball.through(v, i) ? 255 : 0;
       write_ldr(masks() / "masks/transparent" / (v.stem() + ".png"), mask);
     }
+    test::write_objects_artifact(masks(), masks(), capture.views);
     write_mesh_ply(capture.mesh() / "mesh/mesh.ply", test::sphere_mesh(ball.kBall, {}, 48, 96));
-    write_file(capture.mesh() / "mesh/report.json", R"({"voxel": 0.02})");
+    write_file(capture.mesh() / "mesh/grid.json", R"({"voxel": 0.02})");
   }
 
   void photograph(bool solid) {
@@ -52,7 +54,7 @@ class PaintedRoom : public ::testing::Test {
   }
   std::map<std::string, fs::path> inputs() const {
     auto in = capture.inputs(false);
-    in["masks"] = masks();
+    in["masks"] = in["objects"] = masks();
     return in;
   }
   fs::path masks() const { return root.path() / "masks"; }

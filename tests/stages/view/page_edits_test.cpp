@@ -47,7 +47,8 @@ class PageEdits : public testing::Test {
 };
 
 TEST_F(PageEdits, SurfelsKnowTheirClassAndTheirComponent) {
-  const ordered_json edits = add_edits(scene, balls.capture.views, balls.masks(), surfels, shapes, blocks);
+  const ordered_json edits =
+      add_edits(scene, balls.capture.views, {balls.masks(), LabelledObjects::all(balls.masks())}, surfels, shapes, blocks);
   EXPECT_EQ(edits["classes"], ordered_json::array({"specular"}));
   EXPECT_EQ(edits["components"], 2);
   EXPECT_FALSE(edits.contains("no_classes"));
@@ -72,7 +73,7 @@ TEST_F(PageEdits, SurfelsKnowTheirClassAndTheirComponent) {
 }
 
 TEST_F(PageEdits, SurfelsThatAreNotDrawnStandBehindThem) {
-  add_edits(scene, balls.capture.views, balls.masks(), surfels, shapes, blocks);
+  add_edits(scene, balls.capture.views, {balls.masks(), LabelledObjects::all(balls.masks())}, surfels, shapes, blocks);
   const std::vector<uint8_t> components = bytes("absent_component");
   ASSERT_EQ(components.size(), balls.kSurfelsB);
   EXPECT_TRUE(std::ranges::all_of(components, [](uint8_t c) { return c == 2; }));
@@ -82,7 +83,7 @@ TEST_F(PageEdits, SurfelsThatAreNotDrawnStandBehindThem) {
 }
 
 TEST_F(PageEdits, WithoutMasksThePageSaysWhyThereAreNoClasses) {
-  const ordered_json edits = add_edits(scene, balls.capture.views, std::nullopt, surfels, shapes, blocks);
+  const ordered_json edits = add_edits(scene, balls.capture.views, {}, surfels, shapes, blocks);
   EXPECT_TRUE(edits["classes"].empty());
   EXPECT_NE(edits["no_classes"].get<std::string>().find("--masks marks.yaml"), std::string::npos);
   EXPECT_TRUE(std::ranges::all_of(bytes("part_class"), [](uint8_t c) { return c == 0; }));

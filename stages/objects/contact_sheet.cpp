@@ -1,0 +1,112 @@
+#include "stages/objects/contact_sheet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/base/file.h"
+#include "core/base/parallel.h"
+#include "core/image/bitmap_font.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/stereo/silhouette.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kGap = 4, kMargin = 6, kTextScale = 2, kCellWidth = 480, kColumns = 2;
+constexpr size_t kPhotos = 8;
+constexpr double kFewestNamed = 200;  // pixels of an object that is named
+constexpr std::array<std::array<uint8_t, 3>, kObjectRoles> kRoleColors{
+    {{160, 160, 160}, {0, 178, 255}, {0, 110, 255}, {255, 115, 0}, {90, 220, 60}}};  // [ObjectRole]
+constexpr float kTint = 0.35f, kPaleTint = 0.15f;                                    // of the colour of a role over its pixels
+
+// A pixel whose neighbour to the right or below belongs to another entry.
+void draw_silhouettes(const ObjectSet& set, const View& view, Image8& picture) {
+  const ShapeSet& shapes = set.shapes;
+  const Intrinsics& k = view.intrinsics;
+  constexpr int kNone = -1;
+  std::vector<int> shown(size_t(k.width) * size_t(k.height), kNone);
+  mask_of_rays(view, [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
+    double t = 1e300;
+    for (size_t i = 0; i < shapes.entries.size(); ++i)
+      if (const auto hit = intersect(shapes.entries[i].shape, {eye, direction}); hit && hit->t < t)
+        t = hit->t, shown[pixel] = int(i);
+    return false;
+  });
+  const auto at = [&](int x, int y) {
+    return shown[size_t(std::min(y, k.height - 1)) * size_t(k.width) + size_t(std::min(x, k.width - 1))];
+  };
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      const int here = at(x, y);
+      const int other = at(x + 1, y) != here ? at(x + 1, y) : at(x, y + 1);
+      if (other == here) continue;
+      const Object* object = set.of_shape(size_t(std::max(here, other)));
+      const auto& color = kRoleColors[object != nullptr ? static_cast<size_t>(object->role) : 0];
+      for (int dy = 0; dy < 2; ++dy)
+        for (int dx = 0; dx < 2; ++dx)
+          for (int c = 0; c < 3; ++c)
+            picture.at(std::min(x + dx, k.width - 1), std::min(y + dy, k.height - 1), c) = color[size_t(c)];
+    }
+}
+
+// Tints the pixels of each object, and writes its name in their middle.
+void draw_labels(const ObjectSet& set, const Image16& labels, Image8& picture) {
+  struct Middle {
+    double x = 0, y = 0, count = 0;
+  };
+  std::map<uint16_t, Middle> middles;
+  for (int y = 0; y < labels.height(); ++y)
+    for (int x = 0; x < labels.width(); ++x) {
+      const Object* object = set.find(labels.at(x, y));
+      if (object == nullptr) continue;
+      Middle& m = middles[object->id];
+      m.x += x, m.y += y, ++m.count;
+      const float tint = object->trust == ObjectTrust::Guessed ? kPaleTint : kTint;
+      const auto& color = kRoleColors[static_cast<size_t>(object->role)];
+      for (int c = 0; c < 3; ++c)
+        picture.at(x, y, c) = uint8_t(std::lround((1 - tint) * float(picture.at(x, y, c)) + tint * float(color[size_t(c)])));
+    }
+  for (const auto& [id, m] : middles)
+    if (m.count >= kFewestNamed) draw_text(picture, int(m.x / m.count), int(m.y / m.count), set.find(id)->name, 1, 255);
+}
+
+}  // namespace
+
+void write_contact_sheet(const fs::path& file, const fs::path& sfm, const ViewSet& set, const LabelledObjects& objects) {
+  const size_t count = std::min(kPhotos, set.views.size());
+  std::vector<Image8> cells(count);
+  std::vector<std::string> names(count);
+  parallel_for(count, 1, [&](size_t i) {
+    View view = set.views[i * set.views.size() / count];
+    names[i] = view.name;
+    const ImageF linear = read_exr_rgb(linear_image_path(sfm, view));
+    view.intrinsics = view.intrinsics.limited_to(kCellWidth);
+    const ImageF photo = srgb_from_linear_image(resized(linear, view.intrinsics.width, view.intrinsics.height));
+    cells[i] = Image8(photo.width(), photo.height(), 3);
+    for (size_t p = 0; p < photo.data().size(); ++p)
+      cells[i].data()[p] = uint8_t(std::lround(std::clamp(photo.data()[p], 0.f, 1.f) * 255.f));
+    const Image16 labels = objects.labels(view, view.intrinsics);
+    if (!labels.empty()) draw_labels(objects.objects(), labels, cells[i]);
+    draw_silhouettes(objects.objects(), view, cells[i]);
+  });
+  int width = 0, height = 0;
+  for (const Image8& cell : cells) width = std::max(width, cell.width()), height = std::max(height, cell.height());
+  const int bar = kGlyphHeight * kTextScale + 2 * kMargin, rows = int(count + kColumns - 1) / kColumns;
+  Image8 sheet(kColumns * (width + kGap) + kGap, bar + rows * (height + bar), 3, uint8_t(24));
+  draw_text(sheet, kGap, kMargin, "BLUE GLASS, ORANGE MIRROR, GREEN COAT", kTextScale, 200);
+  for (size_t i = 0; i < count; ++i) {
+    const int left = kGap + int(i % kColumns) * (width + kGap), top = bar + int(i / kColumns) * (height + bar);
+    for (int y = 0; y < cells[i].height(); ++y)
+      for (int x = 0; x < cells[i].width(); ++x)
+        for (int c = 0; c < 3; ++c) sheet.at(left + x, top + y, c) = cells[i].at(x, y, c);
+    draw_text(sheet, left, top + height + kMargin, names[i], kTextScale, 255);
+  }
+  write_ldr(file, sheet);
+}
+
+}  // namespace vitrine
