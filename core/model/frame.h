@@ -69,7 +69,7 @@ struct SilhouetteImages {
   std::vector<SilhouettePixel> pixels;        // ascending
   std::vector<float> rest, grad_rest, solid;  // [pixel][3] linear radiance: behind the silhouette, of the shape where it crosses
   std::vector<float> grad_covered;            // [pixel]
-  void clear();
+  void clear();                               // but for shapes
 };
 
 // Pixels that show a coat (ShapePass): the channels stay those of the paint, reflections take the surface of the shape. Empty

@@ -73,7 +73,6 @@ bool shows(const SplatLayer& diffuse, size_t i, const std::vector<Located>& shap
 
 void SilhouetteImages::clear() {
   pixels.clear();
-  shapes.clear();
   for (auto* values : {&rest, &grad_rest, &solid, &grad_covered}) values->clear();
 }
 

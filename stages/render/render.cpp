@@ -70,7 +70,7 @@ void run_render(const RenderConfig& config, StageContext& context) {
 Stage render_stage() {
   StageInfo info{
       .name = "render",
-      .version = 6,
+      .version = 7,
       .summary = "pictures of a trained scene from any camera",
       .inputs = {{.name = "sfm", .doc = "Cameras and gains of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

@@ -46,6 +46,36 @@ TEST(FlatMirror, ShowsTheScene) {
   EXPECT_GT(both, 100u);
 }
 
+// Also in a picture in which no silhouette is to be drawn.
+TEST(FlatMirror, ShowsTheSceneWithoutSilhouettes) {
+  Showcase s;
+  hang_mirror(s);
+  ImageOptions options = s.options();
+  Frame with, without, close;
+  LayeredModel(options).forward(s.scene, s.view, with);
+  ASSERT_FALSE(with.silhouette.pixels.empty());
+  options.shape.silhouettes = false;
+  LayeredModel(options).forward(s.scene, s.view, without);
+  EXPECT_TRUE(without.silhouette.pixels.empty());
+  ASSERT_FALSE(without.panes.empty());
+  size_t both = 0;
+  const size_t pixels = with.pixel_count();
+  for (size_t i = 0; i < pixels; ++i) {
+    if (with.panes.shown[i] == 0 || without.panes.shown[i] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(with.panes.near_color[c * pixels + i], without.panes.near_color[c * pixels + i]);
+    ++both;
+  }
+  EXPECT_GT(both, 100u);
+
+  // The middle of the mirror fills the picture.
+  View view = s.view;
+  view.intrinsics.fx *= 8, view.intrinsics.fy *= 8;
+  LayeredModel(s.options()).forward(s.scene, view, close);
+  EXPECT_TRUE(close.silhouette.pixels.empty());
+  ASSERT_FALSE(close.panes.empty());
+  EXPECT_GT(std::ranges::count(close.panes.teaches, 1), int(pixels) / 2);
+}
+
 // Training moves the surfels of a mirror a little before it: they do not hide the scene from the camera behind it.
 TEST(FlatMirror, IsNotHiddenByItsOwnSurfels) {
   Showcase on, before;
