@@ -59,12 +59,25 @@ void start_layers(Frame& frame) {
   l.inner_transmittance.assign(pixels, 1.f);
 }
 
+// One for each radiance that there is.
+void start_weights(Frame& frame) {
+  for (SecondaryRays* rays : {&frame.reflection, &frame.transmission}) rays->picture_weight.assign(rays->radiance.size(), 0.f);
+  frame.behind.picture_weight.assign(frame.behind.radiance.size() / 3, 0.f);
+}
+
 }  // namespace
+
+void LayerImages::clear() {
+  for (auto* plane : {&diffuse, &reflection, &transmission, &reflected, &transmitted, &fresnel, &inner_transmittance})
+    plane->clear();
+}
 
 void CompositePass::forward(const SplatScene&, Frame& frame) {
   const ShadedPixels& s = frame.shaded;
   const size_t pixels = frame.pixel_count();
+  frame.layers.clear();
   if (frame.options.composite.layer_images) start_layers(frame);
+  start_weights(frame);
   if (s.groups() == 0) return;
   const bool gated = frame.options.composite.gate > 0 && !frame.reflection.radiance.empty() &&
                      (!frame.transmission.radiance.empty() || !frame.behind.radiance.empty());

@@ -14,8 +14,9 @@ class CompositePass final : public Pass {
   std::string_view name() const override { return "composite"; }
   PassAccess access() const override {
     return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers,
-                      FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance, FramePart::TransmittedRadiance},
-            .writes = {FramePart::LayerImages},
+                      FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance, FramePart::TransmittedRadiance,
+                      FramePart::Coats},
+            .writes = {FramePart::PictureWeights, FramePart::LayerImages},
             .adds = {FramePart::Linear}};
   }
 

@@ -20,6 +20,7 @@ void DiffusePass::forward(const SplatScene& scene, Frame& frame) {
   opened_ = draws_sheets(frame.options);
   const bool layered = scene.reflection.size() + scene.transmittance.size() > 0 || opened_;
   desc.features = layered || options.materials ? FeatureSet::Material : FeatureSet::Surface;
+  frame.opened.clear();
   if (opened_) without_glass_with_materials(scene, opened_degrees(scene, frame.options), frame.opened);
   const SplatLayer& drawn = opened_ ? frame.opened.surfels : scene.diffuse;
   desc.sh_degree = opened_ ? drawn.sh_degree() : std::min(options.sh_degree, drawn.sh_degree());

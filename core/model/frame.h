@@ -23,6 +23,7 @@ struct LayerImages {
   std::vector<float> reflected, transmitted;             // [3,h,w] C_r, C_t as traced
   std::vector<float> fresnel;                            // [3,h,w] F
   std::vector<float> inner_transmittance;                // [h,w] what the transmittance layer lets through to whatever is behind
+  void clear();
 };
 
 // What thin glass shows of what stands behind it (ThinGlassPass): of every pixel that asks for it, whichever send rays; black,
@@ -32,8 +33,8 @@ struct BehindGlass {
   std::vector<float> inner_transmittance;      // [h,w] past the last surfel
   std::vector<GlassPath> path;                 // [h,w] where some glass is thick; empty without
   std::vector<float> median_z;                 // [h,w] where half of it is passed, if so much stands there at all
-  std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (composite)
-  void clear();
+  std::vector<float> picture_weight;  // [h,w] what the radiance counts in the picture: mean over the channels (CompositePass)
+  void clear();                       // but for picture_weight
 };
 
 // Known sheets of glass that stand before what the surfels show (SheetPass). Empty without one in the picture.
@@ -91,7 +92,8 @@ struct CoatImages {
 // Everything but the glass in one layer (ThinGlassPass): the opaque surfels of the diffuse layer, then the transmittance layer.
 struct OpenedScene {
   SplatLayer surfels;
-  std::vector<uint32_t> opaque;  // which of the diffuse layer, ascending
+  std::vector<uint32_t> opaque;                        // which of the diffuse layer, ascending
+  void clear() { surfels.resize(0), opaque.clear(); }  // memory stays
 };
 
 struct Frame {

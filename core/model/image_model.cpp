@@ -8,10 +8,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::array<std::string_view, 15> kPartNames{
-    "diffuse channels",     "linear radiance",     "shown shapes",   "silhouettes",  "sheets", "surfaces",
-    "reflection askers",    "transmission askers", "opened scene",   "behind glass", "panes",  "reflected radiance",
-    "transmitted radiance", "layer images",        "display picture"};
+constexpr std::array<std::string_view, 17> kPartNames{
+    "diffuse channels",   "linear radiance",      "shown shapes",        "coats",        "silhouettes",    "sheets",
+    "surfaces",           "reflection askers",    "transmission askers", "opened scene", "behind glass",   "panes",
+    "reflected radiance", "transmitted radiance", "picture weights",     "layer images", "display picture"};
 static_assert(kPartNames.size() == static_cast<size_t>(FramePart::Srgb) + 1);
 
 [[noreturn]] void refuse(std::string_view pass, std::string_view does, FramePart part, const std::string& why) {

@@ -17,16 +17,18 @@ enum class FramePart : unsigned char {
   DiffuseChannels,      // Frame::diffuse
   Linear,               // Frame::linear
   ShownShapes,          // Frame::silhouette.shapes
+  Coats,                // Frame::coats
   Silhouettes,          // the rest of Frame::silhouette
   Sheets,               // Frame::sheets
   Surfaces,             // Frame::shaded, but for the two below
   ReflectionAskers,     // ShadedPixels::asks
   TransmissionAskers,   // likewise
   OpenedScene,          // Frame::opened
-  BehindGlass,          // Frame::behind
+  BehindGlass,          // Frame::behind, but for picture_weight
   Panes,                // Frame::panes
-  ReflectedRadiance,    // Frame::reflection
-  TransmittedRadiance,  // Frame::transmission
+  ReflectedRadiance,    // Frame::reflection, likewise
+  TransmittedRadiance,  // Frame::transmission, likewise
+  PictureWeights,       // picture_weight of these three
   LayerImages,          // Frame::layers
   Srgb,                 // Frame::srgb
 };

@@ -18,7 +18,7 @@ void ShadedPixels::clear() {
 void SecondaryRays::clear() {
   rays.clear();
   for (auto* v : {&origins, &directions, &radiance, &grad_radiance}) v->clear();
-  for (auto* v : {&near, &spread, &mean_distance, &alpha, &weight, &inner_transmittance, &picture_weight}) v->clear();
+  for (auto* v : {&near, &spread, &mean_distance, &alpha, &weight, &inner_transmittance}) v->clear();
   begin.clear();
   values.resize(0);
   gradients = {};
@@ -44,7 +44,6 @@ void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const Sha
   radiance.assign(groups, Vec3f{});
   grad_radiance.assign(groups, Vec3f{});
   inner_transmittance.assign(groups, 1.f);
-  picture_weight.assign(groups, 0.f);
   for (auto* per_ray : {&mean_distance, &alpha, &weight}) per_ray->resize(rays.size());
   for (auto* per_ray : {&gradients.transmittance, &gradients.first_hit}) per_ray->assign(rays.size(), 0.f);
   parallel_chunks(groups, kRayGrain, [&](size_t, size_t first, size_t last) {

@@ -53,12 +53,12 @@ struct SecondaryRays {
   std::vector<uint32_t> begin;  // [groups + 1] into the rays
   std::vector<Vec3f> radiance, grad_radiance;
   std::vector<float> inner_transmittance;  // of the layer, mean over the group's rays; 1 without a ray
-  std::vector<float> picture_weight;       // what the radiance counts in the picture: mean over the channels (composite)
+  std::vector<float> picture_weight;       // what the radiance counts in the picture: mean over the channels (CompositePass)
 
   SurfelStatistics statistics;  // of the layer, filled by the reverse of the pass; empty when the pass did not run
 
   bool sent(size_t group) const { return !begin.empty() && begin[group + 1] > begin[group]; }
-  // Forgets everything but the memory.
+  // Forgets everything but the memory and picture_weight.
   void clear();
   // The steps of a pass that traces: take the rays of consecutive chunks of groups (and size the arrays that the pass
   // fills), trace and sum up per group; in reverse from grad_radiance to the layer, its statistics and the rays.

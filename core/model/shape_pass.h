@@ -25,7 +25,9 @@ std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, d
 class ShapePass final : public Pass {
  public:
   std::string_view name() const override { return "shape"; }
-  PassAccess access() const override { return {.writes = {FramePart::ShownShapes}, .adds = {FramePart::DiffuseChannels}}; }
+  PassAccess access() const override {
+    return {.writes = {FramePart::ShownShapes, FramePart::Coats}, .adds = {FramePart::DiffuseChannels}};
+  }
 
   // Writes the channels Normal and ZDepth of mirrors, as sums: times alpha; and the coats.
   void forward(const SplatScene& scene, Frame& frame) override;

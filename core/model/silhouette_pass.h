@@ -27,7 +27,7 @@ class SilhouettePass final : public Pass {
   PassAccess access() const override {
     return {.reads = {FramePart::ShownShapes, FramePart::Sheets},
             .writes = {FramePart::Silhouettes},
-            .adds = {FramePart::DiffuseChannels, FramePart::Linear}};
+            .adds = {FramePart::Coats, FramePart::DiffuseChannels, FramePart::Linear}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;
@@ -55,9 +55,7 @@ class SilhouettePass final : public Pass {
 class SilhouetteBlendPass final : public Pass {
  public:
   std::string_view name() const override { return "silhouette_blend"; }
-  PassAccess access() const override {
-    return {.reads = {FramePart::Silhouettes}, .adds = {FramePart::Linear, FramePart::LayerImages}};
-  }
+  PassAccess access() const override { return {.adds = {FramePart::Silhouettes, FramePart::Linear, FramePart::LayerImages}}; }
   void forward(const SplatScene& scene, Frame& frame) override;
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
 };

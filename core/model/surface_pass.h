@@ -8,8 +8,7 @@
 // whole group. Every pixel is chosen with probability 1/size, hence the expected gradient of a loss that is a sum over pixels is
 // the gradient with all rays traced.
 //   Pixels of a coat ask for a reflection whatever their k_s. Its rays neither move nor turn the surfels of the paint, and f0
-//   stays
-// that of the clear layer.
+// stays that of the clear layer.
 #pragma once
 
 #include "core/model/pass.h"
@@ -20,7 +19,7 @@ class SurfacePass final : public Pass {
  public:
   std::string_view name() const override { return "surface"; }
   PassAccess access() const override {
-    return {.reads = {FramePart::DiffuseChannels, FramePart::Sheets},
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Sheets, FramePart::Coats},
             .writes = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers}};
   }
 

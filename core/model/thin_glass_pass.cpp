@@ -7,7 +7,7 @@
 namespace vitrine {
 
 void BehindGlass::clear() {
-  for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &median_z, &picture_weight}) plane->clear();
+  for (auto* plane : {&radiance, &grad_radiance, &inner_transmittance, &median_z}) plane->clear();
   path.clear();
 }
 
@@ -20,7 +20,6 @@ void ThinGlassPass::take_drawn(Frame& frame) const {
   behind.median_z = frame.sheets.behind_median;
   behind.inner_transmittance.resize(frame.pixel_count());
   std::ranges::transform(frame.sheets.behind_alpha, behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
-  behind.picture_weight.assign(frame.pixel_count(), 0.f);
 }
 
 void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
@@ -52,7 +51,6 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   std::transform(alpha.begin(), alpha.end(), behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
   const std::span<const float> median = picture_.plane(Aov::MedianZ);
   behind.median_z.assign(median.begin(), median.end());
-  behind.picture_weight.assign(alpha.size(), 0.f);
   if (options.thick) bent_.forward(options, merged, frame);
 }
 

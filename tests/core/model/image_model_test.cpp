@@ -12,6 +12,7 @@
 #include "core/model/display_pass.h"
 #include "core/model/shape_pass.h"
 #include "core/model/sheet_pass.h"
+#include "core/model/silhouette_pass.h"
 #include "core/model/surface_pass.h"
 #include "core/scene/activation.h"
 
@@ -103,9 +104,16 @@ TEST(ImageModel, RefusesPassesInAWrongOrder) {
               m.emplace<DiffusePass>();
               m.emplace<SheetPass>();
               m.emplace<SurfacePass>();
-              m.emplace<ShapePass>();
             }),
-            "pass 'shape' adds to 'diffuse channels', which pass 'surface' before it has read");
+            "pass 'surface' reads 'coats', which no pass before it writes");
+  EXPECT_EQ(refusal([](ImageModel& m) {
+              m.emplace<DiffusePass>();
+              m.emplace<SheetPass>();
+              m.emplace<ShapePass>();
+              m.emplace<SurfacePass>();
+              m.emplace<SilhouettePass>(Backend::Reference);
+            }),
+            "pass 'silhouette' adds to 'coats', which pass 'surface' before it has read");
   EXPECT_EQ(refusal([](ImageModel& m) {
               m.emplace<DiffusePass>();
               m.emplace<DiffusePass>();
