@@ -52,12 +52,7 @@ void DiffusePass::backward_of_opened(const SplatScene& scene, Frame& frame, Spla
     grad_.fill(0.f);
   statistics_.reset(drawn.size());
   renderer_->backward({.gradients = &frame.grad_diffuse, .error_image = frame.error_image}, grad_, &statistics_);
-  SurfelStatistics* of_transmittance = nullptr;
-  if (scene.transmittance.size() > 0) {
-    of_transmittance = &frame.transmission.statistics;
-    if (of_transmittance->weight.size() != scene.transmittance.size()) of_transmittance->reset(scene.transmittance.size());
-  }
-  give_back(frame.opened, opened_degrees(scene, frame.options), {grad_, statistics_}, grad, frame.statistics, of_transmittance);
+  give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
 }
 
 }  // namespace vitrine

@@ -23,6 +23,13 @@ static_assert(kPartNames.size() == static_cast<size_t>(FramePart::Srgb) + 1);
 
 std::string_view name(FramePart part) { return kPartNames[static_cast<size_t>(part)]; }
 
+void start_statistics(const SplatScene& scene, Frame& frame) {
+  frame.statistics.reset(scene.diffuse.size());
+  frame.reflection.statistics.reset(scene.reflection.size());
+  frame.transmission.statistics.reset(scene.transmittance.size());
+  frame.reflection.took_part = frame.transmission.took_part = false;
+}
+
 void ImageModel::add(std::unique_ptr<Pass> pass) {
   writer_.resize(kPartNames.size()), reader_.resize(kPartNames.size());
   const auto of = [](std::vector<std::string>& passes, FramePart part) -> std::string& {
@@ -52,7 +59,7 @@ void ImageModel::forward(const SplatScene& scene, const View& view, const ImageO
 }
 
 void ImageModel::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) const {
-  frame.statistics.reset(scene.diffuse.size());
+  start_statistics(scene, frame);
   for (auto pass = passes_.rbegin(); pass != passes_.rend(); ++pass) (*pass)->backward(scene, frame, grad);
 }
 

@@ -12,6 +12,10 @@
 
 namespace vitrine {
 
+// Sums of zero for every surfel of the scene; no layer has taken part. ImageModel::backward() begins with it; who runs passes
+// alone calls it before.
+void start_statistics(const SplatScene& scene, Frame& frame);
+
 class ImageModel {
  public:
   explicit ImageModel(const ImageOptions& options) : options_(options) {}
@@ -35,7 +39,7 @@ class ImageModel {
   void forward(const SplatScene& scene, const View& view, Frame& frame) const { forward(scene, view, options_, frame); }
   // With other options than its own, for one picture.
   void forward(const SplatScene& scene, const View& view, const ImageOptions& options, Frame& frame) const;
-  // Of the last forward(), with its options. Sets the frame's statistics of the diffuse layer.
+  // Of the last forward(), with its options. Sets the frame's statistics of all layers.
   void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) const;
 
  private:

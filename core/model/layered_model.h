@@ -6,7 +6,7 @@
 //   losses: picture -> frame.grad_srgb; channels -> frame.grad_diffuse;
 //           first hits of frame.reflection / frame.transmission -> their gradients.first_hit
 //   model.backward(scene, frame, grad);                      // adds to all layers of grad
-//   densification: frame.statistics, frame.reflection.statistics, frame.transmission.statistics
+//   densification: frame.statistics, frame.reflection.statistics, frame.transmission.statistics (and took_part of these two)
 //
 // First materials: surfels outside the masks begin with k_s and tau below 1/255 (say 0.002), or every pixel of the picture asks
 // for rays and shares the budget with those that need it. Schedule: give the scene a layer when its phase begins;

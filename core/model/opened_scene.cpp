@@ -77,10 +77,10 @@ void without_glass_with_materials(const SplatScene& scene, OpenedDegrees degrees
   gather(scene, degrees, LayerKind::Diffuse, opened);
 }
 
-void give_back(const OpenedScene& opened, OpenedDegrees degrees, const OpenedGradients& from, SplatScene& grad,
-               SurfelStatistics& of_diffuse, SurfelStatistics* of_transmittance) {
-  const auto& [merged, opaque] = opened;
+void give_back(OpenedDegrees degrees, const OpenedGradients& from, Frame& frame, SplatScene& grad) {
+  const auto& [merged, opaque] = frame.opened;
   const bool materials = merged.kind() == LayerKind::Diffuse;
+  frame.transmission.took_part |= merged.size() > opaque.size();
   parallel_chunks(merged.size(), kOpenedGrain, [&](size_t, size_t first, size_t last) {
     for (size_t k = first; k < last; ++k) {
       const bool own = k >= opaque.size();
@@ -92,11 +92,10 @@ void give_back(const OpenedScene& opened, OpenedDegrees degrees, const OpenedGra
       if (materials && !own)
         for (Attribute a : kSurfaceMaterials)
           for (size_t c = 0; c < to.width(a); ++c) to.at(a, i)[c] += from.surfels.at(a, k)[c];
-      SurfelStatistics* statistics = own ? of_transmittance : &of_diffuse;
-      if (statistics == nullptr) continue;
-      statistics->screen_gradient[i] += from.statistics.screen_gradient[k];
-      statistics->weight[i] += from.statistics.weight[k];
-      statistics->error[i] += from.statistics.error[k];
+      SurfelStatistics& statistics = own ? frame.transmission.statistics : frame.statistics;
+      statistics.screen_gradient[i] += from.statistics.screen_gradient[k];
+      statistics.weight[i] += from.statistics.weight[k];
+      statistics.error[i] += from.statistics.error[k];
     }
   });
 }

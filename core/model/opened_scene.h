@@ -23,13 +23,11 @@ void without_glass(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& 
 // With materials as well: a diffuse layer. Surfels of the transmittance layer have those of an opaque surface without gloss.
 void without_glass_with_materials(const SplatScene& scene, OpenedDegrees degrees, OpenedScene& opened);
 
-// Adds gradients and statistics of the opened scene's surfels to those of the layers that they come from; `of_transmittance` may
-// be null.
-struct OpenedGradients {
+// Adds gradients and statistics of the opened scene's surfels to those of the layers that they come from.
+struct OpenedGradients {  // of frame.opened
   const SplatLayer& surfels;
   const SurfelStatistics& statistics;
 };
-void give_back(const OpenedScene& opened, OpenedDegrees degrees, const OpenedGradients& from, SplatScene& grad,
-               SurfelStatistics& of_diffuse, SurfelStatistics* of_transmittance);
+void give_back(OpenedDegrees degrees, const OpenedGradients& from, Frame& frame, SplatScene& grad);
 
 }  // namespace vitrine

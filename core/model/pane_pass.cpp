@@ -245,7 +245,7 @@ void PanePass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad)
     }
     m.picture->backward(blame, grad_, statistics_);
   }
-  give_back(frame.opened, opened_degrees(scene, frame.options), {grad_, statistics_}, grad, frame.statistics, nullptr);
+  give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
 }
 
 }  // namespace vitrine

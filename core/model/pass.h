@@ -48,7 +48,7 @@ class Pass {
   // Finds its options in frame.options.
   virtual void forward(const SplatScene& scene, Frame& frame) = 0;
   // Takes the gradients that later passes and the losses left in the frame one step back; adds to `grad`, and to the frame's
-  // statistics of the layers.
+  // statistics of the layers, whose sums of zero ImageModel::backward() sets before.
   virtual void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) = 0;
 };
 

@@ -22,7 +22,6 @@ void SecondaryRays::clear() {
   begin.clear();
   values.resize(0);
   gradients = {};
-  statistics = {};
 }
 
 void SecondaryRays::gather(size_t groups, std::span<const std::vector<SecondaryRay>> rays_of) {
@@ -72,7 +71,7 @@ void SecondaryRays::trace_back(const Tracer& tracer, const TraceDesc& desc, cons
       if (!error_image.empty()) blame_[i] = weight[i] * picture_weight[ray.group] * error_image[shaded.chosen_pixel(ray.group)];
     }
   });
-  for (auto* values : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) values->assign(grad.size(), 0.f);
+  took_part = true;
   tracer.backward(batch(), desc, hits, {.gradients = &gradients, .error = blame_}, grad, ray_gradients, &statistics);
 }
 

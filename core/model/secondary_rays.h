@@ -55,13 +55,14 @@ struct SecondaryRays {
   std::vector<float> inner_transmittance;  // of the layer, mean over the group's rays; 1 without a ray
   std::vector<float> picture_weight;       // what the radiance counts in the picture: mean over the channels (CompositePass)
 
-  SurfelStatistics statistics;  // of the layer, filled by the reverse of the pass; empty when the pass did not run
+  SurfelStatistics statistics;  // of the layer: sums over all passes that show surfels of it, in reverse
+  bool took_part = false;       // whether any of these passes had something to do in the last reverse
 
   bool sent(size_t group) const { return !begin.empty() && begin[group + 1] > begin[group]; }
-  // Forgets everything but the memory and picture_weight.
+  // Forgets the last picture, but for picture_weight and what the last reverse left.
   void clear();
   // The steps of a pass that traces: take the rays of consecutive chunks of groups (and size the arrays that the pass
-  // fills), trace and sum up per group; in reverse from grad_radiance to the layer, its statistics and the rays.
+  // fills), trace and sum up per group; in reverse from grad_radiance to the rays, and added to the layer and its statistics.
   void gather(size_t groups, std::span<const std::vector<SecondaryRay>> rays_of);
   void trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, bool keep_hits);
   void trace_back(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, std::span<const float> error_image,

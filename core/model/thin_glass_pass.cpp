@@ -74,12 +74,11 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
   if (options.thick) bent_.backward(frame, blame_, grad_, statistics_);
   gradients_.width = picture_.width;
   gradients_.height = picture_.height;
-  std::swap(gradients_.planes[static_cast<size_t>(Aov::Color)], behind.grad_radiance);
+  std::vector<float>& of_color = gradients_.planes[static_cast<size_t>(Aov::Color)];
+  std::swap(of_color, behind.grad_radiance);
   renderer_->backward({.gradients = &gradients_, .error_image = blame_}, grad_, &statistics_);
-
-  SurfelStatistics& of_layer = frame.transmission.statistics;
-  of_layer.reset(scene.transmittance.size());
-  give_back(frame.opened, opened_degrees(scene, frame.options), {grad_, statistics_}, grad, frame.statistics, &of_layer);
+  std::swap(of_color, behind.grad_radiance);
+  give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
 }
 
 }  // namespace vitrine

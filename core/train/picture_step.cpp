@@ -48,6 +48,11 @@ SurfelStatistics& statistics_of(Frame& frame, LayerKind kind) {
   return kind == LayerKind::Reflection ? frame.reflection.statistics : frame.transmission.statistics;
 }
 
+bool took_part(const Frame& frame, LayerKind kind) {
+  if (kind == LayerKind::Diffuse) return true;
+  return kind == LayerKind::Reflection ? frame.reflection.took_part : frame.transmission.took_part;
+}
+
 void hold_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float>& damping, std::span<float> error,
                 SplatLayer& grad) {
   damping.resize(diffuse.size());

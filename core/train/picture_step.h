@@ -19,8 +19,10 @@ struct PictureTarget {
 LossValues learn(const PictureTarget& target, const LossSet& losses, double fraction, uint64_t step, LayeredModel& model,
                  const SplatScene& scene, Frame& frame, SplatScene& grad);
 
-// What the layer's pass noted about its surfels; empty when it had nothing to do.
+// What the last reverse says about the layer's surfels: sums over all passes that show them.
 SurfelStatistics& statistics_of(Frame& frame, LayerKind kind);
+// Whether a pass showed the layer in the last reverse, so that there is something to learn.
+bool took_part(const Frame& frame, LayerKind kind);
 
 // Glass stays where it is, whatever is seen through it: `damping` (of geometry and opacity, Adam::step) goes from 1 to
 // `glass_factor` as a surfel is transparent, and it is not blamed for the error (`error`: of each surfel, or empty). What is no

@@ -168,7 +168,7 @@ void Trainer::update(const PhaseClock& clock, const std::string& photo) {
   for (LayerKind kind : kAllLayers) {
     const SurfelStatistics& statistics = statistics_of(frame_, kind);
     const bool diffuse = kind == LayerKind::Diffuse;
-    if (!diffuse && statistics.weight.empty()) continue;  // the pass had nothing to do
+    if (!took_part(frame_, kind)) continue;
     const std::span<const float> damping = diffuse ? std::span<const float>(damping_) : std::span<const float>();
     const AttributeRates rates = clock.rates(kind, config().rates, kSceneRadius);
     // What is guessed where no photo looks stays as guessed: its rims, which photos do see, would drift off into the gaps.

@@ -104,7 +104,7 @@ void FineTune::update() {
   for (LayerKind kind : kAllLayers) {
     const bool diffuse = kind == LayerKind::Diffuse;
     const SurfelStatistics& statistics = statistics_of(frame_, kind);
-    if (statistics.weight.empty()) continue;  // the pass had nothing to do
+    if (!took_part(frame_, kind)) continue;
     training_[static_cast<size_t>(kind)].descend(
         grad_.layer(kind), statistics,
         {.rates = rates,

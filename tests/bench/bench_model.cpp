@@ -110,7 +110,7 @@ void model_passes(benchmark::State& state, int budget) {
   for (auto _ : state) {
     for (size_t i = 0; i < passes.size(); ++i) timed(ms[i], [&] { passes[i]->forward(r.scene, frame); });
     for (size_t i = 0; i < frame.srgb.size(); ++i) frame.grad_srgb[i] = frame.srgb[i] > 0.4f ? 1e-6f : -1e-6f;
-    frame.statistics.reset(r.scene.diffuse.size());
+    start_statistics(r.scene, frame);
     for (size_t i = passes.size(); i-- > 0;) timed(ms[passes.size() + i], [&] { passes[i]->backward(r.scene, frame, grad); });
     ++steps;
   }
