@@ -28,9 +28,10 @@ std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t
   return out;
 }
 
-DecomposedMaterials remaining(const DecomposedMaterials& m, const std::vector<uint8_t>& keep) {
-  return {remaining(m.albedo, keep), remaining(m.roughness, keep), remaining(m.f0, keep), remaining(m.specular_weight, keep),
-          remaining(m.transmission, keep)};
+DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
+  return {remaining(m.albedo, keep.diffuse),       remaining(m.roughness, keep.diffuse),
+          remaining(m.f0, keep.diffuse),           remaining(m.specular_weight, keep.diffuse),
+          remaining(m.transmission, keep.diffuse), remaining(m.albedo_behind_glass, keep.transmittance)};
 }
 
 // Mirrors that most of their specular surfels still lie on, coats that most of their paint does, sheets that most of their glass
@@ -98,13 +99,12 @@ EditScene read_edit_scene(const EditFolders& folders) {
                  .code = "EMPTY_MESH"});
   if (folders.decompose) {
     scene.materials = read_decomposed_materials(*folders.decompose);
-    if (scene.materials->size() != scene.trained.surfels.diffuse.size())
-      throw Error(
-          ErrorKind::Input, "the materials belong to another scene",
-          {.where = decomposed_materials_path(*folders.decompose).string(),
-           .why = fmt::format("{} materials for {} surfels", scene.materials->size(), scene.trained.surfels.diffuse.size()),
-           .hint = "run the decompose stage again",
-           .code = "BAD_MATERIALS"});
+    if (const std::string why = misfit(*scene.materials, scene.trained.surfels); !why.empty())
+      throw Error(ErrorKind::Input, "the materials belong to another scene",
+                  {.where = decomposed_materials_path(*folders.decompose).string(),
+                   .why = why,
+                   .hint = "run the decompose stage again",
+                   .code = "BAD_MATERIALS"});
     const fs::path walls = decomposed_surroundings_path(*folders.decompose);
     std::error_code ec;
     if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);
@@ -144,7 +144,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
   write_image_options(folder / "optimize" / "model.json", image);
   copy(from.optimize, fs::path("optimize") / "views.json");
   if (!from.decompose) return;
-  write_decomposed_materials(folder, remaining(*scene.materials, scene.there.diffuse));
+  write_decomposed_materials(folder, remaining(*scene.materials, scene.there));
   copy(*from.decompose, fs::path("decompose") / "environment.exr");
   const TriMesh walls = submesh(scene.surroundings, whole_faces(scene.surroundings, scene.there.walls));
   if (!walls.faces.empty()) write_mesh_ply(decomposed_surroundings_path(folder), walls);

@@ -28,7 +28,7 @@ struct Parts {
 
 struct EditScene {
   TrainedScene trained;
-  std::optional<DecomposedMaterials> materials;  // of trained.surfels.diffuse
+  std::optional<DecomposedMaterials> materials;  // of trained.surfels
   TriMesh mesh, surroundings;                    // the latter: walls that the decompose stage found, or empty
   TriMesh content;                               // what stands behind glass (the mesh stage's behind_glass.ply), or empty
   Parts there;                                   // what no edit has deleted

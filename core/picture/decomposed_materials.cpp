@@ -21,14 +21,19 @@ constexpr std::array<const char*, 9> kProperties{"albedo_r", "albedo_g", "albedo
                                                  "f0_g",     "f0_b",     "specular_weight", "transmission"};
 constexpr std::string_view kBeforeCount =
     "ply\nformat binary_little_endian 1.0\ncomment vitrine_relight_materials 1\ncomment color lin_rec709\nelement vertex ";
+constexpr std::string_view kBehindGlass = "element behind_glass ";
+constexpr size_t kAlbedo = 3;  // of the properties, the first ones
 constexpr size_t kMaxSurfels = size_t(1) << 31;
 using Row = std::array<float, kProperties.size()>;
 
-std::string after_count() {
+// After the count of an element, its first properties.
+std::string properties(size_t count) {
   std::string text = "\n";
-  for (const char* property : kProperties) text += fmt::format("property float {}\n", property);
-  return text + "end_header\n";
+  for (size_t i = 0; i < count; ++i) text += fmt::format("property float {}\n", kProperties[i]);
+  return text;
 }
+
+constexpr std::string_view kEndOfHeader = "end_header\n";
 
 }  // namespace
 
@@ -41,7 +46,10 @@ void DecomposedMaterials::resize(size_t surfels) {
 }
 
 void write_decomposed_materials(const fs::path& folder, const DecomposedMaterials& m) {
-  std::string bytes = fmt::format("{}{}{}", kBeforeCount, m.size(), after_count());
+  std::string bytes = fmt::format("{}{}{}", kBeforeCount, m.size(), properties(kProperties.size()));
+  const std::vector<Vec3f>& behind = m.albedo_behind_glass;
+  if (!behind.empty()) bytes += fmt::format("{}{}{}", kBehindGlass, behind.size(), properties(kAlbedo));
+  bytes += kEndOfHeader;
   const size_t start = bytes.size();
   bytes.resize(start + m.size() * sizeof(Row));
   for (size_t i = 0; i < m.size(); ++i) {
@@ -49,6 +57,8 @@ void write_decomposed_materials(const fs::path& folder, const DecomposedMaterial
                   m.f0[i].y,     m.f0[i].z,     m.specular_weight[i], m.transmission[i]};
     std::memcpy(bytes.data() + start + i * sizeof(Row), row.data(), sizeof(Row));
   }
+  static_assert(sizeof(Vec3f) == kAlbedo * sizeof(float));
+  bytes.append(reinterpret_cast<const char*>(behind.data()), behind.size() * sizeof(Vec3f));
   const fs::path path = decomposed_materials_path(folder);
   make_folders(path.parent_path());
   write_file(path, bytes);
@@ -64,16 +74,35 @@ DecomposedMaterials read_decomposed_materials(const fs::path& folder) {
   const std::string bytes = read_file(path);
   const std::string_view text(bytes);
   if (!text.starts_with(kBeforeCount)) throw fail("its header is not the one that the decompose stage writes");
-  size_t count = 0;
-  const auto [end, error] = std::from_chars(bytes.data() + kBeforeCount.size(), bytes.data() + bytes.size(), count);
-  if (error != std::errc() || count > kMaxSurfels) throw fail("its header gives no sensible number of surfels");
-  const size_t header = static_cast<size_t>(end - bytes.data());
-  const std::string rest = after_count();
-  if (!text.substr(header).starts_with(rest)) throw fail("it has other properties than the decompose stage writes");
-  const size_t start = header + rest.size(), wanted = count * sizeof(Row), present = bytes.size() - start;
-  if (present != wanted) throw fail(fmt::format("{} surfels need {} bytes, {} are there", count, wanted, present));
+  size_t at = kBeforeCount.size();
+  const auto element = [&](size_t property_count) {
+    size_t count = 0;
+    const auto [end, error] = std::from_chars(bytes.data() + at, bytes.data() + bytes.size(), count);
+    if (error != std::errc() || count > kMaxSurfels) throw fail("its header gives no sensible number of surfels");
+    at = static_cast<size_t>(end - bytes.data());
+    const std::string rest = properties(property_count);
+    if (!text.substr(at).starts_with(rest)) throw fail("it has other properties than the decompose stage writes");
+    at += rest.size();
+    return count;
+  };
+  const size_t count = element(kProperties.size());
+  size_t behind = 0;
+  if (text.substr(at).starts_with(kBehindGlass)) {
+    at += kBehindGlass.size();
+    behind = element(kAlbedo);
+  }
+  if (!text.substr(at).starts_with(kEndOfHeader)) throw fail("it has other properties than the decompose stage writes");
+  const size_t start = at + kEndOfHeader.size(), after = start + count * sizeof(Row);
+  const size_t wanted = count * sizeof(Row) + behind * sizeof(Vec3f), present = bytes.size() - start;
+  if (present != wanted) throw fail(fmt::format("{} surfels need {} bytes, {} are there", count + behind, wanted, present));
   DecomposedMaterials m;
   m.resize(count);
+  m.albedo_behind_glass.resize(behind);
+  if (behind > 0) std::memcpy(m.albedo_behind_glass.data(), bytes.data() + after, behind * sizeof(Vec3f));
+  for (size_t i = 0; i < behind; ++i)
+    for (size_t c = 0; c < kAlbedo; ++c)
+      if (const float v = m.albedo_behind_glass[i][c]; !(v >= 0.f && v <= 1.f))
+        throw fail(fmt::format("{} of surfel {} behind glass is not in [0, 1]", kProperties[c], i));
   for (size_t i = 0; i < count; ++i) {
     Row row;
     std::memcpy(row.data(), bytes.data() + start + i * sizeof(Row), sizeof(Row));
@@ -86,6 +115,15 @@ DecomposedMaterials read_decomposed_materials(const fs::path& folder) {
     m.transmission[i] = row[8];
   }
   return m;
+}
+
+std::string misfit(const DecomposedMaterials& materials, const SplatScene& scene) {
+  const size_t behind = materials.albedo_behind_glass.size();
+  if (materials.size() != scene.diffuse.size())
+    return fmt::format("{} materials for {} surfels", materials.size(), scene.diffuse.size());
+  if (behind > 0 && behind != scene.transmittance.size())
+    return fmt::format("{} materials for {} surfels behind glass", behind, scene.transmittance.size());
+  return {};
 }
 
 }  // namespace vitrine

@@ -1,15 +1,19 @@
-// What the decompose stage found for every surfel of gaussians/diffuse.ply, in the same order: materials freed of the light of
-// the photos. The file is a binary PLY, one vertex per surfel, floats in the order of the members below:
-//   albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
+// What the decompose stage found for every surfel, freed of the light of the photos: materials of gaussians/diffuse.ply, albedo
+// of gaussians/transmittance.ply, in the same order. The file is a binary PLY of two elements, floats in the order of the members
+// below; the second is there if the scene has such a layer:
+//   vertex         albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
+//   behind_glass   albedo_r albedo_g albedo_b
 // All are activated values: albedo in [0, 1] linear, the others in [0, 1]. Algorithms 7.1: radiance of a diffuse surface =
 // albedo / pi times irradiance, in the units of decompose/environment.exr. A surfel that shows the sky (light from far away, no
 // surface) reflects nothing, albedo, f0 and specular weight are 0: under another light that light is seen in its place.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "core/math/vec.h"
+#include "core/scene/splat_scene.h"
 
 namespace vitrine {
 
@@ -19,8 +23,10 @@ struct DecomposedMaterials {
   std::vector<Vec3f> f0;               // [surfels] reflectance head on
   std::vector<float> specular_weight;  // [surfels]
   std::vector<float> transmission;     // [surfels]
+  // [surfels of the transmittance layer] linear; they have no gloss. Empty: not known.
+  std::vector<Vec3f> albedo_behind_glass;
 
-  size_t size() const { return albedo.size(); }
+  size_t size() const { return albedo.size(); }  // of the diffuse layer
   bool shows_sky(size_t i) const { return albedo[i] == Vec3f{} && f0[i] == Vec3f{} && specular_weight[i] == 0; }
   void resize(size_t surfels);
 };
@@ -40,8 +46,11 @@ inline std::filesystem::path decomposed_surroundings_path(const std::filesystem:
 }
 
 // `folder`: an artifact of the decompose stage, or an output folder. Throws Error{Input} with file and cause (missing, truncated,
-// other properties, a value that is not in [0, 1]). Whether the count fits the surfels is the caller's to check.
+// other properties, a value that is not in [0, 1]). Whether the counts fit the surfels is the caller's to check, with misfit().
 DecomposedMaterials read_decomposed_materials(const std::filesystem::path& folder);
 void write_decomposed_materials(const std::filesystem::path& folder, const DecomposedMaterials& materials);
+
+// Why they are those of another scene; empty: they fit.
+std::string misfit(const DecomposedMaterials& materials, const SplatScene& scene);
 
 }  // namespace vitrine

@@ -24,10 +24,10 @@ RelitScene read_relit_scene(const RelitFolders& folders) {
   RelitScene scene;
   scene.trained = read_trained_scene(folders.optimize, folders.refine);
   scene.materials = read_decomposed_materials(folders.decompose);
-  if (scene.materials.size() != scene.trained.surfels.diffuse.size())
+  if (const std::string why = misfit(scene.materials, scene.trained.surfels); !why.empty())
     throw Error(ErrorKind::Input, "the materials belong to another scene",
                 {.where = decomposed_materials_path(folders.decompose).string(),
-                 .why = fmt::format("{} materials for {} surfels", scene.materials.size(), scene.trained.surfels.diffuse.size()),
+                 .why = why,
                  .hint = "run the stage decompose again",
                  .code = "BAD_MATERIALS"});
   scene.captured = read_environment(decomposed_environment_path(folders.decompose));

@@ -16,7 +16,7 @@ namespace vitrine {
 
 struct RelitScene {
   TrainedScene trained;
-  DecomposedMaterials materials;  // of trained.surfels.diffuse
+  DecomposedMaterials materials;  // of trained.surfels
   Environment captured;           // the light of the photos
   TriMesh mesh;
   TriMesh surroundings;  // walls around it, colours = albedo: they block light and send it on; empty: there are none

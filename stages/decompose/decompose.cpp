@@ -22,20 +22,22 @@
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/activation.h"
+#include "stages/decompose/behind_glass.h"
+#include "stages/decompose/environment_map.h"
 #include "stages/decompose/grey_card.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/metals.h"
 #include "stages/decompose/mirrored_sky.h"
 #include "stages/decompose/painted_shell.h"
 #include "stages/decompose/pictures.h"
+#include "stages/decompose/report.h"
+#include "stages/decompose/shadow_mesh.h"
 #include "stages/decompose/spread.h"
 #include "stages/decompose/wall_extension.h"
 
 namespace vitrine {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr float kMaxInside = 0.5f;    // more rays that meet back sides: the point lies under the surface
 constexpr float kMaxSpecular = 0.3f;  // points with more gloss or glass do not speak about the light
@@ -45,22 +47,8 @@ constexpr double kOuterFactor = 6, kOuterPoints = 20000;        // walls are as 
 constexpr float kTrainedGloss = 0.05f;                          // specular weight from which Fresnel's share is trained in full
 constexpr float kLeastMasked = 0.1f;                            // of a point's pixels
 constexpr size_t kFewestPoints = 64;
-constexpr double kTrainedShare = 0.5;    // of a card's box that the object alone may cover by chance
-constexpr float kGainError_log = 0.25f;  // of a photo's gain; a quarter of a stop is usual where a surface is not quite matt
-constexpr double kPolishReach = 6;       // edges of the mesh, between polished faces and their surfels
-
-bool different_gains(const Vec3f& a, const Vec3f& b) {
-  bool different = false;
-  for (size_t c = 0; c < 3; ++c) different = different || std::abs(std::log(a[c] / b[c])) > kGainError_log;
-  return different;
-}
-
-double area_of(const TriMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.faces)
-    area += 0.5 * double(length(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a])));
-  return area;
-}
+constexpr double kTrainedShare = 0.5;  // of a card's box that the object alone may cover by chance
+constexpr double kPolishReach = 6;     // edges of the mesh, between polished faces and their surfels
 
 class Decomposition {
  public:
@@ -79,17 +67,8 @@ class Decomposition {
       views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
     }
     if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
-    const fs::path mesh_path = context.input("mesh") / "mesh" / "mesh.ply";
-    mesh_ = read_mesh_ply(mesh_path);
+    mesh_ = read_shadow_mesh(context.input("mesh"));
     const double area = area_of(mesh_);
-    if (!(area > 0) || mesh_.colors.size() != mesh_.positions.size())
-      throw Error(ErrorKind::Input, "the mesh is not usable for shadows",
-                  {.where = mesh_path.string(),
-                   .why = mesh_.faces.empty() ? "it has no triangles"
-                          : !(area > 0)       ? "its triangles have no area"
-                                              : "it has no colours",
-                   .hint = "run the mesh stage again",
-                   .code = "NO_SURFACE"});
     for (const Vec3f& p : mesh_.positions) box_.extend(cast<double>(p));
     const Vec3d margin = 0.02 * (box_.high - box_.low) + Vec3d{1e-3, 1e-3, 1e-3};
     box_.low = box_.low - margin;
@@ -116,15 +95,9 @@ class Decomposition {
   void gather() {
     const Timer clock;
     sky_distance_ = config_.sky_distance > 0 ? float(config_.sky_distance) : distance_to_sky(sparse_, box_);
-    points_ = lit_points(scene_.surfels.diffuse, views_,
-                         {.inner = box_,
-                          .voxel = voxel_,
-                          .outer_factor = outer_voxel_ / voxel_,
-                          .max_side = config_.max_side,
-                          .near_z = scene_.image.diffuse.near_z,
-                          .sky_distance = sky_distance_,
-                          .masked = [&](const View& v, const Intrinsics& k) { return marked(v, k); }},
-                         [&](double f) { step(0.2 * f, "surface points"); });
+    LitPointsDesc desc = points_desc();
+    desc.masked = [&](const View& v, const Intrinsics& k) { return marked(v, k); };
+    points_ = lit_points(layer(), views_, desc, [&](double f) { step(0.2 * f, "surface points"); });
     if (points_.size() < kFewestPoints)
       throw Error(ErrorKind::Input, "the views show too little surface to find the light",
                   {.why = fmt::format("{} points", points_.size()),
@@ -136,38 +109,35 @@ class Decomposition {
     context_.timing("points", clock.seconds());
   }
 
-  bool shows_sky(size_t surfel) const {
-    const float* p = layer().at(Attribute::Mean, surfel);
+  LitPointsDesc points_desc() const {
+    return {.inner = box_,
+            .voxel = voxel_,
+            .outer_factor = outer_voxel_ / voxel_,
+            .max_side = config_.max_side,
+            .near_z = scene_.image.diffuse.near_z,
+            .sky_distance = sky_distance_};
+  }
+  TransportDesc rays_desc() const {
+    return {.grid = {.bands = size_t(config_.bands)},
+            .reach = float(3 * edge_),
+            .offset = float(0.1 * edge_),
+            .outer_offset = float(outer_voxel_),
+            .seed = uint64_t(config_.seed)};
+  }
+  SpreadDesc spread_desc() const { return {.inner_radius = float(voxel_), .outer_radius = float(outer_voxel_)}; }
+
+  bool shows_sky(const SplatLayer& of, size_t surfel) const {
+    const float* p = of.at(Attribute::Mean, surfel);
     return length(Vec3f{p[0], p[1], p[2]} - around_.centre) > sky_distance_;
   }
 
   void trace() {
     const Timer clock;
-    std::vector<float> clear;
-    if (scene_.surfels.transmittance.size() > 0) clear = mesh_transmission();
-    transport_ = transport({.mesh = mesh_, .transmission = clear, .around = around_, .shell = shell_}, points_,
-                           {.grid = {.bands = size_t(config_.bands)},
-                            .reach = float(3 * edge_),
-                            .offset = float(0.1 * edge_),
-                            .outer_offset = float(outer_voxel_),
-                            .seed = uint64_t(config_.seed)},
+    if (scene_.surfels.transmittance.size() > 0) clear_ = transmission_of(mesh_, points_, voxel_);
+    transport_ = transport({.mesh = mesh_, .transmission = clear_, .around = around_, .shell = shell_}, points_, rays_desc(),
                            [&](double f) { step(0.2 + 0.4 * f, fmt::format("light that reaches {} points", points_.size())); });
     for (const float share : transport_.inside) usable_.push_back(share < kMaxInside);
     context_.timing("rays", clock.seconds());
-  }
-
-  // Of the nearest surface points, per vertex of the mesh.
-  std::vector<float> mesh_transmission() const {
-    std::vector<Vec3f> positions;
-    for (const LitPoint& p : points_) positions.push_back(p.position);
-    const PointGrid grid(positions, float(2 * voxel_));
-    std::vector<float> out(mesh_.positions.size(), 0.f);
-    std::vector<PointGrid::Near> near;
-    for (size_t v = 0; v < out.size(); ++v) {
-      grid.nearest(mesh_.positions[v], 1, float(6 * voxel_), near);
-      if (!near.empty()) out[v] = points_[near[0].index].transmission;
-    }
-    return out;
   }
 
   void solve() {
@@ -213,8 +183,7 @@ class Decomposition {
     const SplatLayer& layer = scene_.surfels.diffuse;
     std::vector<Vec3f> irradiance(points_.size());
     for (size_t i = 0; i < points_.size(); ++i) irradiance[i] = transport_.irradiance(i, solution_.light);
-    irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_,
-                                    {.inner_radius = float(voxel_), .outer_radius = float(outer_voxel_)});
+    irradiance_ = spread_irradiance(layer, box_, points_, irradiance, usable_, spread_desc());
     std::vector<Vec3f> eyes;
     for (const View& v : views_) eyes.push_back(cast<float>(v.centre_in_world()));
     const std::vector<Vec3f> radiance = surfel_radiance(layer, eyes);
@@ -222,20 +191,48 @@ class Decomposition {
     const bool reflects = scene_.surfels.reflection.size() > 0, transmits = scene_.surfels.transmittance.size() > 0;
     for (size_t i = 0; i < layer.size(); ++i) {
       for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] = std::max(0.f, std::numbers::pi_v<float> * radiance[i][c] / std::max(1e-4f, irradiance_[i][c]));
+        materials_.albedo[i][c] = albedo_of(radiance[i][c], irradiance_[i][c]);
         materials_.f0[i][c] = sigmoid(layer.at(Attribute::F0, i)[c]);
       }
       // What no layer trained is a first guess, not a finding: matt and opaque.
       materials_.roughness[i] = reflects ? sigmoid(*layer.at(Attribute::Roughness, i)) : 1.f;
       materials_.specular_weight[i] = reflects ? sigmoid(*layer.at(Attribute::SpecularWeight, i)) : 0.f;
       materials_.transmission[i] = transmits ? sigmoid(*layer.at(Attribute::Transmission, i)) : 0.f;
-      if (shows_sky(i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
+      if (shows_sky(layer, i)) materials_.albedo[i] = materials_.f0[i] = {}, materials_.specular_weight[i] = 0;
     }
     if (reflects) dull_unmarked();
     polish(radiance);
+    look_behind_glass(eyes);
     if (card_) match_card(radiance);
-    for (Vec3f& rho : materials_.albedo)
-      for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
+    for (auto* albedo : {&materials_.albedo, &materials_.albedo_behind_glass})
+      for (Vec3f& rho : *albedo)
+        for (size_t c = 0; c < 3; ++c) rho[c] = std::min(kMaxAlbedo, rho[c]);
+  }
+
+  static float albedo_of(float radiance, float irradiance) {
+    return std::max(0.f, std::numbers::pi_v<float> * radiance / std::max(1e-4f, irradiance));
+  }
+
+  void look_behind_glass(std::span<const Vec3f> eyes) {
+    const SplatLayer& inside = scene_.surfels.transmittance;
+    if (inside.size() == 0) return;
+    const fs::path content = context_.input("mesh") / "mesh" / "behind_glass.ply";
+    const std::vector<Vec3f> irradiance =
+        irradiance_behind_glass({.scene = scene_,
+                                 .views = views_,
+                                 .first = {.mesh = mesh_, .transmission = clear_, .around = around_, .shell = shell_},
+                                 .content = fs::exists(content) ? read_mesh_ply(content) : TriMesh(),
+                                 .light = solution_.light,
+                                 .points = points_desc(),
+                                 .rays = rays_desc(),
+                                 .spread = spread_desc()},
+                                [&](double f) { step(0.8 + 0.1 * f, "what stands behind glass"); });
+    if (irradiance.empty()) return;
+    const std::vector<Vec3f> radiance = surfel_radiance(inside, eyes);
+    materials_.albedo_behind_glass.resize(inside.size());
+    for (size_t i = 0; i < inside.size(); ++i)
+      for (size_t c = 0; c < 3 && !shows_sky(inside, i); ++c)
+        materials_.albedo_behind_glass[i][c] = albedo_of(radiance[i][c], irradiance[i][c]);
   }
 
   // Where no mask calls for gloss, a small specular weight is what training did not care about, and its f0 was never asked for:
@@ -274,28 +271,18 @@ class Decomposition {
   // `scene`: radiances of the surfels. `small`: the view as large as pictures of the scene are.
   Vec3f albedo_in_photo(const View& view, const View& small, std::span<const Vec3f> scene) {
     const fs::path sfm = context_.input("sfm");
-    const ImageF photo = read_exr_rgb(linear_image_path(sfm, view));
-    const Vec3f card = photographed(*card_, view, photo);
-    const auto gain = gain_by_scene(photo, SurfelColors(layer(), scene, scene_.image.diffuse.near_z).picture(small));
-    const auto solved = cast<float>(view.gain);
-    Vec3f radiance;
-    for (size_t c = 0; c < 3; ++c) radiance[c] = card[c] / (gain ? *gain : solved)[c];
-    if (gain && different_gains(*gain, solved))
+    const CardInPhoto found =
+        albedo_of_card(*card_, view,
+                       {.photo = read_exr_rgb(linear_image_path(sfm, view)),
+                        .rendered = SurfelColors(layer(), scene, scene_.image.diffuse.near_z).picture(small),
+                        .light = Environment(environment()).irradiance(up_in_photo(view, all_views_, read_passes(sfm)))});
+    if (const auto& drift = found.drift)
       context_.warning(
           "PHOTO_GAIN",
           fmt::format("the object in {} has {:.2f} {:.2f} {:.2f} times the colour that the gain of the photo gives it: "
                       "gains of the sfm stage drift, and colours of the trained scene may",
-                      view.name, gain->x / solved.x, gain->y / solved.y, gain->z / solved.z));
-    const Vec3f light = Environment(environment()).irradiance(up_in_photo(view, all_views_, read_passes(sfm)));
-    if (!(std::min({light.x, light.y, light.z}) > 0))
-      throw Error(ErrorKind::Input, "the light on the grey card is not known",
-                  {.where = view.name,
-                   .why = "the light that was found has a channel without any light from above",
-                   .hint = "leave out decompose.grey_card",
-                   .code = "GREY_CARD"});
-    Vec3f out;
-    for (size_t c = 0; c < 3; ++c) out[c] = std::numbers::pi_v<float> * radiance[c] / light[c];
-    return out;
+                      view.name, drift->x, drift->y, drift->z));
+    return found.albedo;
   }
 
   // On albedos as they were found, not yet limited: what the convention makes brighter than white may turn out grey.
@@ -308,33 +295,15 @@ class Decomposition {
     card_beside_ = object_alone_ ? shown < kTrainedShare : shown == 0;
     const Vec3f found = card_beside_ ? albedo_in_photo(shown_in, view, radiance) : median_in(*card_, shown_in, picture);
     for (size_t c = 0; c < 3; ++c) card_gain_[c] = float(config_.grey_albedo) / found[c];
-    for (size_t i = 0; i < materials_.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        materials_.albedo[i][c] *= card_gain_[c];
-        irradiance_[i][c] /= card_gain_[c];
-      }
+    for (auto* albedo : {&materials_.albedo, &materials_.albedo_behind_glass})
+      for (Vec3f& rho : *albedo) rho = hadamard(rho, card_gain_);
+    for (Vec3f& e : irradiance_)
+      for (size_t c = 0; c < 3; ++c) e[c] /= card_gain_[c];
     for (Vec3f& l : solution_.light)
       for (size_t c = 0; c < 3; ++c) l[c] /= card_gain_[c];
   }
 
-  // Seen walls and sky as they are, the rest as solved.
-  ImageF environment() const {
-    const int h = config_.panorama_height;
-    ImageF out(2 * h, h, 3);
-    Vec3d sum{};
-    double count = 0;
-    for (size_t j = 0; j < solution_.light.size(); ++j)
-      if (solution_.free[j]) sum += cast<double>(solution_.light[j]), count += 1;
-    const Vec3f mean = count > 0 ? cast<float>(sum / count) : Vec3f{};
-    for (size_t t = 0; t < out.pixel_count(); ++t) {
-      const size_t cell = transport_.grid.cell_of(around_.direction(t));
-      Vec3f value = solution_.free[cell] ? solution_.light[cell] : mean;
-      if (around_.seen(t))
-        for (size_t c = 0; c < 3; ++c) value[c] = around_.radiance[t][c] / card_gain_[c];
-      for (size_t c = 0; c < 3; ++c) out.data()[3 * t + c] = value[c];
-    }
-    return out;
-  }
+  ImageF environment() const { return environment_map(around_, transport_.grid, solution_, card_gain_); }
 
   void write() {
     step(0.9, "pictures and files");
@@ -354,30 +323,19 @@ class Decomposition {
                                                                   .views = views_,
                                                                   .rows = config_.sheet_rows,
                                                                   .cell_width = config_.sheet_cell_width});
-    size_t usable = 0, inner = 0, free = 0;
-    for (size_t i = 0; i < points_.size(); ++i) usable += usable_[i], inner += points_[i].inner;
-    for (const bool f : solution_.free) free += f;
-    Json report{
-        {"points",
-         {{"all", points_.size()}, {"on_mesh", inner}, {"usable", usable}, {"solved_with", chosen_.size()}, {"voxel", voxel_}}},
-        {"cells", {{"all", solution_.light.size()}, {"solved", free}}},
-        {"surroundings",
-         {{"share_of_sphere", around_.wall_share()},
-          {"faces", shell_.faces.size()},
-          {"sky_distance", sky_distance_},
-          {"continued_to_sine", walls_.sine},
-          {"mirrored_sky_from_sine", horizon_ ? nlohmann::ordered_json(*horizon_) : nlohmann::ordered_json()}}},
-        {"light_known_share", solution_.known_share},
-        {"misfit_log_rms", solution_.misfit},
-        {"scale",
-         {{"by", card_ ? "grey_card" : "convention"},
-          {"meaning", card_
-                          ? fmt::format("the card has the albedo {}", config_.grey_albedo)
-                          : fmt::format("the open light is white in the mean, and the brightest twentieth of the surface has the "
-                                        "albedo {}",
-                                        config_.white_albedo)},
-          {"limited_by_bounced_light", solution_.scale_by_bounces}}}};
-    if (card_beside_) report["scale"]["card"] = "in the photo, beside the trained scene";
+    nlohmann::ordered_json report = report_of({.config = config_,
+                                               .points = points_,
+                                               .usable = usable_,
+                                               .solved_with = chosen_.size(),
+                                               .voxel = voxel_,
+                                               .solution = solution_,
+                                               .around = around_,
+                                               .shell_faces = shell_.faces.size(),
+                                               .sky_distance = sky_distance_,
+                                               .walls = walls_,
+                                               .horizon = horizon_,
+                                               .card_beside = card_beside_});
+    if (!materials_.albedo_behind_glass.empty()) report["surfels_behind_glass"] = materials_.albedo_behind_glass.size();
     if (baked) report["baked_log_rms"] = *baked;
     for (const Polished& p : polished_)
       if (p.pixels > 0)
@@ -390,6 +348,7 @@ class Decomposition {
     context_.metric("misfit_log_rms", solution_.misfit.back());
     context_.metric("light_known_share", solution_.known_share);
     if (baked) context_.metric("baked_log_rms", *baked);
+    const auto free = std::ranges::count(solution_.free, true);
     if (free == 0)
       context_.warning("NO_OPEN_LIGHT", "no surface point looks past the mesh and its surroundings: all light counts as known");
     if (solution_.scale_by_bounces)
@@ -417,6 +376,7 @@ class Decomposition {
   std::vector<Vec3f> sparse_;
   double voxel_ = 0, outer_voxel_ = 0, edge_ = 0;
   float sky_distance_ = 0;
+  std::vector<float> clear_;  // [vertices of the mesh] their transmission; empty: there is no glass
   std::vector<LitPoint> points_;
   std::vector<bool> usable_;
   Surroundings around_;

@@ -1,6 +1,6 @@
-// Decompose: the colours of the diffuse layer taken apart into albedo and light (algorithms 7.3, "bake then solve").
-// README.md teaches the method and the options.
-//   reads   sfm/{sparse,linear,gains,passes}, gaussians/diffuse.ply, optimize/views.json, mesh/mesh.ply, optional masks
+// Decompose: the colours of the diffuse and the transmittance layer taken apart into albedo and light (algorithms 7.3, "bake then
+// solve"). README.md teaches the method and the options.
+//   reads   sfm/{sparse,linear,gains,passes}, gaussians/*.ply, optimize/{views,model}.json, mesh/{mesh,behind_glass}.ply, masks
 //   writes  decompose/{materials.ply,environment.exr,surroundings.ply,report.json,albedo.png,baked.png}
 #pragma once
 

@@ -1,6 +1,8 @@
 #include "stages/decompose/grey_card.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/config/photo_box.h"
@@ -14,6 +16,7 @@ constexpr float kDarkestCard = 0.004f;   // of a linear photo of 8 bits: darker 
 constexpr float kBrightestCard = 0.95f;  // brighter is clipped
 constexpr double kLeastUsable = 0.5;     // of the box: the median of fewer is that of the darker ones
 constexpr size_t kFewestShared = 200;    // pixels of photo and scene
+constexpr float kGainError_log = 0.25f;  // of a photo's gain; a quarter of a stop is usual where a surface is not quite matt
 constexpr double kShortestUp = 0.2;      // mean cosine of the cameras' elevation; shorter: they look straight down
 
 // Calls `take` for the pixels of a picture of the view, at any size, that the box covers.
@@ -113,6 +116,29 @@ std::optional<Vec3f> gain_by_scene(const ImageF& photo, const ImageF& rendered) 
     if (ratios[c].size() < kFewestShared) return std::nullopt;
     out[c] = upper_median_of(std::span(ratios[c]));
   }
+  return out;
+}
+
+CardInPhoto albedo_of_card(const GreyCard& card, const View& view, const PhotoOfCard& seen) {
+  const Vec3f photographed_card = photographed(card, view, seen.photo);
+  const auto gain = gain_by_scene(seen.photo, seen.rendered);
+  const auto solved = cast<float>(view.gain);
+  const Vec3f &by = gain ? *gain : solved, &light = seen.light;
+  if (!(std::min({light.x, light.y, light.z}) > 0))
+    throw Error(ErrorKind::Input, "the light on the grey card is not known",
+                {.where = view.name,
+                 .why = "the light that was found has a channel without any light from above",
+                 .hint = "leave out decompose.grey_card",
+                 .code = "GREY_CARD"});
+  CardInPhoto out;
+  Vec3f drift;
+  bool drifts = false;
+  for (size_t c = 0; c < 3; ++c) {
+    out.albedo[c] = std::numbers::pi_v<float> * photographed_card[c] / by[c] / light[c];
+    drift[c] = by[c] / solved[c];
+    drifts = drifts || std::abs(std::log(drift[c])) > kGainError_log;
+  }
+  if (drifts) out.drift = drift;
   return out;
 }
 

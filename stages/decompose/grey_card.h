@@ -35,6 +35,17 @@ Vec3f photographed(const GreyCard& card, const View& view, const ImageF& photo);
 // the pixels, per channel. That is the gain of the view; but gains that the sfm stage solved may drift around the object, and
 // their errors would be errors of all albedos. Nothing when the photo shows too little of the scene.
 std::optional<Vec3f> gain_by_scene(const ImageF& photo, const ImageF& rendered);
+// A card beside the trained scene.
+struct CardInPhoto {
+  Vec3f albedo{};
+  std::optional<Vec3f> drift = std::nullopt;  // gain_by_scene / the view's gain, where they differ by more than is usual
+};
+struct PhotoOfCard {
+  const ImageF& photo;     // linear
+  const ImageF& rendered;  // the scene in it
+  Vec3f light{};           // irradiance of what looks up
+};
+CardInPhoto albedo_of_card(const GreyCard& card, const View& view, const PhotoOfCard& seen);
 // Up in the scene for what stands beside the object in a photo: +z in the first pass, whose photos the scene's frame is
 // levelled with; in others the mean up vector of the pass' cameras, for each pass goes around the object. Throws Error{Input}
 // where that has no direction.

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
+#include "core/model/kernels/fresnel.h"
 #include "core/trace/mesh_hits.h"
 
 namespace vitrine {
@@ -61,27 +62,31 @@ class Rays {
   struct Met {
     bool something = false, back = false;
     Vec3f radiance{};
+    float share = 1;  // of the light that comes along the ray, past panes that mirror the rest
   };
   Met trace(const Vec3f& origin, const Vec3f& direction, float shell_near) const {
-    float near = 0;
+    float near = 0, share = 1;
     for (int pane = 0; pane <= kMaxPanes; ++pane) {
       const std::optional<MeshHit> hit = mesh_.first_hit(origin, direction, near);
       if (!hit) break;
       const Vec3f p = origin + hit->t * direction;
       // What the photos show is the front; its light is not that of the back.
-      if (!clear(hit->face, p)) return {true, hit->from_inside, hit->from_inside ? Vec3f{} : color_at(scene_.mesh, hit->face, p)};
+      if (!clear(hit->face, p))
+        return {true, hit->from_inside, hit->from_inside ? Vec3f{} : color_at(scene_.mesh, hit->face, p), share};
       near = hit->t * 1.0001f + 1e-5f;
+      share *= through_pane(std::abs(dot(hit->normal, direction)));
     }
     if (shell_)
       if (const std::optional<MeshHit> hit = shell_->first_hit(origin, direction, shell_near))
-        return {true, false, color_at(scene_.shell, hit->face, origin + hit->t * direction)};
+        return {true, false, color_at(scene_.shell, hit->face, origin + hit->t * direction), share};
     // Sky that the surfels show is known too; far away the direction alone counts.
     const size_t texel = scene_.around.texel_of(direction);
-    if (scene_.around.seen(texel) && !scene_.around.wall[texel]) return {true, false, scene_.around.radiance[texel]};
-    return {};
+    if (scene_.around.seen(texel) && !scene_.around.wall[texel]) return {true, false, scene_.around.radiance[texel], share};
+    return {false, false, {}, share};
   }
 
  private:
+  static float through_pane(float cosine) { return static_cast<float>(1 - kPaneReflectance) * (1 - sheet_grazing(cosine).value); }
   bool clear(uint32_t face, const Vec3f& p) const {
     if (scene_.transmission.empty()) return false;
     const Vec3f w = corner_weights(scene_.mesh, face, p);
@@ -121,8 +126,8 @@ Transport transport(const TransportScene& scene, std::span<const LitPoint> point
       const Vec3f direction = grid.direction(j, u, v);
       const float cosine = dot(direction, point.normal);
       if (!(cosine > 0)) continue;
-      const float weight = cosine * grid.solid_angle();
       const Rays::Met met = rays.trace(origin, direction, point.inner ? 0.f : desc.outer_offset);
+      const float weight = met.share * cosine * grid.solid_angle();
       ++shot;
       back += met.back;
       if (met.something)

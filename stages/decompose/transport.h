@@ -2,7 +2,8 @@
 // brings the radiance that the photos show there (the light of the capture, bounced: algorithms 7.3, L_ind), none from a back
 // side, which no photo shows; one that leaves brings the unknown radiance of its cell, or the known one where the surroundings
 // show sky. Irradiance is then linear in the unknown light:
-//   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega where the ray of point s and cell j leaves the scene
+//   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega T where the ray of point s and cell j leaves the scene
+// T: what the panes that it passes do not mirror (core/model/kernels/fresnel.h).
 #pragma once
 
 #include <functional>

@@ -68,10 +68,15 @@ Counts change(EditScene& scene, const Parts& parts, const Edit& edit) {
   for (size_t i = 0; i < parts.diffuse.size(); ++i)
     if (parts.diffuse[i] && !scene.shows_sky(i)) change_surfel(scene, i, edit.set), ++n.diffuse;
   if (!edit.set.tint) return n;
-  // What glass shows has no material, but a colour; classes and components mean the glass, not what stands in it.
+  // What glass shows has no material but its albedo; classes and components mean the glass, not what stands in it.
   if (edit.select.geometric())
-    for (size_t i = 0; i < parts.transmittance.size(); ++i)
-      if (parts.transmittance[i]) tint_light(scene.trained.surfels.transmittance, i, *edit.set.tint), ++n.transmittance;
+    for (size_t i = 0; i < parts.transmittance.size(); ++i) {
+      if (!parts.transmittance[i]) continue;
+      tint_light(scene.trained.surfels.transmittance, i, *edit.set.tint), ++n.transmittance;
+      if (!scene.materials || scene.materials->albedo_behind_glass.empty()) continue;
+      Vec3f& albedo = scene.materials->albedo_behind_glass[i];
+      albedo = tinted(albedo, *edit.set.tint);
+    }
   const auto tint_vertices = [&](TriMesh& mesh, const std::vector<uint8_t>& vertices, size_t& changed) {
     for (size_t v = 0; v < mesh.colors.size(); ++v)
       if (vertices[v]) mesh.colors[v] = tinted(mesh.colors[v], *edit.set.tint), ++changed;

@@ -11,8 +11,7 @@
 #include "core/math/quantile.h"
 #include "core/mesh/mesh_io.h"
 #include "core/objects/class_pixels.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/surfel_colors.h"
+#include "core/picture/albedo_picture.h"
 #include "core/picture/trained_scene.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/contact_sheet.h"
@@ -106,14 +105,13 @@ class Evaluator {
     const auto folder = context_.optional_input("decompose");
     if (!folder) return not_measured("truth.albedo", "there is no decompose artifact");
     const DecomposedMaterials materials = read_decomposed_materials(*folder);
-    const SplatLayer& surfels = painter_.surfels().diffuse;
-    if (materials.size() != surfels.size())
+    if (const std::string why = misfit(materials, painter_.surfels()); !why.empty())
       throw Error(ErrorKind::Input, "the materials belong to another scene",
                   {.where = decomposed_materials_path(*folder).string(),
-                   .why = fmt::format("{} of them for {} surfels", materials.size(), surfels.size()),
+                   .why = why,
                    .hint = "run the decompose stage again",
                    .code = "BAD_MATERIALS"});
-    albedo_.emplace(surfels, materials.albedo, painter_.image().diffuse.near_z);
+    albedo_.emplace(painter_.surfels(), painter_.image(), materials);
   }
 
   void score_albedo(size_t index, const ViewPicture& render, const RegionMasks& masks) {
@@ -410,7 +408,7 @@ class Evaluator {
   SurfaceError surface_;        // outside the glass
   std::map<std::string, SurfaceError> region_surface_;
   std::vector<double> transmitted_;
-  std::optional<SurfelColors> albedo_;
+  std::optional<AlbedoPainter> albedo_;
   AlbedoError albedo_error_;
   std::vector<SheetRow> sheet_;
   Evaluation result_;

@@ -156,10 +156,10 @@ const DecomposedMaterials& ExportSource::decomposed() {
   if (decomposed_) return *decomposed_;
   VITRINE_CHECK(inputs_.decompose, "asked for materials of a stage that did not run");
   DecomposedMaterials found = read_decomposed_materials(*inputs_.decompose);
-  if (found.size() != diffuse().size())
+  if (const std::string why = misfit(found, scene().surfels); !why.empty())
     throw Error(ErrorKind::Input, "the materials belong to another scene",
                 {.where = decomposed_materials_path(*inputs_.decompose).string(),
-                 .why = fmt::format("{} materials, {} surfels", found.size(), diffuse().size()),
+                 .why = why,
                  .hint = "run the decompose stage again",
                  .code = "MATERIALS_MISMATCH"});
   decomposed_ = std::move(found);

@@ -491,30 +491,5 @@ TEST(DecomposeOptions, EvenTheDearestFitAnOrdinaryMachine) {
   EXPECT_LT(2 * 2 * 3 * most("sheet_rows") * cell_bytes, 2e9);  // two sheets of three columns, and their cells
 }
 
-TEST(DecomposedMaterials, RoundTripAndDamage) {
-  const TemporaryFolder folder;
-  DecomposedMaterials m;
-  m.resize(2);
-  m.albedo = {{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
-  m.f0 = {{0.04f, 0.05f, 0.06f}, {1, 1, 1}};
-  m.roughness = {0.3f, 0}, m.specular_weight = {0.5f, 0.25f}, m.transmission = {0, 1};
-  write_decomposed_materials(folder.path(), m);
-  const DecomposedMaterials back = read_decomposed_materials(folder.path());
-  EXPECT_EQ(back.albedo, m.albedo);
-  EXPECT_EQ(back.f0, m.f0);
-  EXPECT_EQ(back.roughness, m.roughness);
-  EXPECT_EQ(back.specular_weight, m.specular_weight);
-  EXPECT_EQ(back.transmission, m.transmission);
-  const fs::path path = decomposed_materials_path(folder.path());
-  const std::string good = read_file(path);
-  std::string not_a_number = good;
-  for (size_t i = good.size() - 4; i < good.size(); ++i) not_a_number[i] = char(0xff);
-  for (const std::string& bad :
-       {good.substr(0, good.size() - 3), good + "x", std::string("ply\n"), std::string(), not_a_number}) {
-    write_file(path, bad);
-    EXPECT_EQ(error_of([&] { read_decomposed_materials(folder.path()); }).kind(), ErrorKind::Input);
-  }
-}
-
 }  // namespace
 }  // namespace vitrine

@@ -50,13 +50,17 @@ class EditStage : public testing::Test {
   }
   // Without ball B, of a scene that the refine stage left with these surfels and options.
   TrainedScene without_b(const SplatLayer& refined, const ImageOptions& options) const {
-    const fs::path refine = folder_.path() / "refined";
+    const fs::path refine = folder_.path() / "refined", decompose = folder_.path() / "decomposed";
     make_folders(refine / "refine/gaussians");
     write_layer(refine / "refine/gaussians/diffuse.ply", refined);
     write_image_options(refine / "refine/model.json", options);
+    DecomposedMaterials materials = balls().materials;
+    materials.albedo_behind_glass.clear();  // the refined scene has no such layer
+    write_decomposed_materials(decompose, materials);
+    write_environment(decomposed_environment_path(decompose), Environment(ImageF(8, 4, 3, 1.f)));
     write_file(folder_.path() / "edits.yaml", "edits:\n  - select: {component: 2}\n    delete: true\n");
     auto inputs = with_edits();
-    inputs["refine"] = refine;
+    inputs["refine"] = refine, inputs["decompose"] = decompose;
     RecordingContext context(inputs);
     run_edit({}, context);
     return read_trained_scene(context.output() / "edited");
@@ -89,8 +93,12 @@ TEST_F(EditStage, ABoxSelectsAPlace) {
   const RelitScene scene = edited("  - select: {box: [0.1, -0.2, 0, 0.4, 0.2, 0.2]}\n" + kTint);
   expect_tinted(scene, [](size_t i) { return balls().in_b(i) && balls().layer.at(Attribute::Mean, i)[2] >= 0; });
   size_t tinted = 0;
-  for (size_t i = 0; i < 2 * TwoBalls::kInside; ++i)
-    tinted += scene.trained.surfels.transmittance.at(Attribute::ShDc, i)[0] != balls().behind_glass.at(Attribute::ShDc, i)[0];
+  for (size_t i = 0; i < 2 * TwoBalls::kInside; ++i) {
+    const bool now =
+        scene.trained.surfels.transmittance.at(Attribute::ShDc, i)[0] != balls().behind_glass.at(Attribute::ShDc, i)[0];
+    tinted += now;
+    EXPECT_EQ(scene.materials.albedo_behind_glass[i], (Vec3f{now ? 0.3f : 0.6f, 0.5f, 0.4f}));
+  }
   EXPECT_GT(tinted, 0u) << "what glass shows at that place has a colour, too";
   EXPECT_LE(tinted, TwoBalls::kInside);
 }
@@ -172,6 +180,7 @@ TEST_F(EditStage, DeletedPartsAreGoneWithWhatIsInThem) {
   for (size_t c = 0; c < 3; ++c)
     EXPECT_EQ(scene.trained.surfels.diffuse.at(Attribute::Mean, 0)[c], balls().layer.at(Attribute::Mean, TwoBalls::kSurfelsA)[c]);
   EXPECT_EQ(scene.trained.surfels.transmittance.size(), TwoBalls::kInside);
+  EXPECT_EQ(scene.materials.albedo_behind_glass.size(), TwoBalls::kInside);
   EXPECT_NEAR(double(scene.mesh.faces.size()), double(balls().mesh.faces.size() - balls().faces_a), 8);
   EXPECT_EQ(report()["edits"][0]["surfels"], TwoBalls::kSurfelsA + TwoBalls::kHidden);
   EXPECT_EQ(report()["edits"][0]["surfels_behind_glass"], TwoBalls::kInside);

@@ -31,6 +31,7 @@ class TwoBalls {
     }
     append(behind_glass, sphere_layer(0.03, kInside), kA);
     append(behind_glass, sphere_layer(0.03, kInside), kB);
+    materials.albedo_behind_glass.assign(behind_glass.size(), Vec3f{0.6f, 0.5f, 0.4f});
     mesh = sphere_mesh(kRadiusA, kA, 24, 48);
     const TriMesh b = sphere_mesh(kRadiusB, kB, 12, 24);
     vertices_a = mesh.positions.size(), faces_a = mesh.faces.size();

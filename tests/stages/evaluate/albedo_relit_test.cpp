@@ -74,6 +74,17 @@ class AlbedoRelit : public testing::Test {
     return metrics.at("truth");
   }
 
+  nlohmann::json albedo_figures() {
+    auto inputs = capture.inputs(true);
+    inputs["decompose"] = decompose.path();
+    RecordingContext context(inputs);
+    EvaluateConfig config;
+    config.mesh_samples = 200;
+    config.relit_samples = 0;
+    run_evaluate(config, context);
+    return nlohmann::json::parse(read_file(context.output() / "eval/metrics.json")).at("truth").at("albedo");
+  }
+
   TinyCapture capture;
   TemporaryFolder decompose;
   nlohmann::json not_measured;
@@ -95,6 +106,65 @@ TEST_F(AlbedoRelit, OneFactorPerChannelIsFoundAndTheLightIsTurnedIntoOurFrame) {
   for (int y = 0; y < 32; ++y) std::copy_n(map.pixel(0, 31 - y), 3 * 64, upside_down.pixel(0, y));
   write_environment(capture.truth() / "env/side.exr", Environment(upside_down));
   EXPECT_LT(truth_figures().at("relit").at("environments").at("side").at("psnr"), 20);
+}
+
+// What stands behind glass is seen through it, whether surfels show the glass or a known sheet does.
+TEST_F(AlbedoRelit, AlbedoBehindGlassIsSeenThroughIt) {
+  std::vector<size_t> inside, outside;
+  for (size_t i = 0; i < capture.layer.size(); ++i) (capture.layer.at(Attribute::Mean, i)[2] < 0 ? inside : outside).push_back(i);
+  SplatScene scene{.diffuse = SplatLayer(LayerKind::Diffuse, 0, outside.size()),
+                   .transmittance = SplatLayer(LayerKind::Transmittance, 0, inside.size())};
+  DecomposedMaterials found;
+  const auto albedo = [&](size_t i) { return hadamard(paint(capture.layer.at(Attribute::Mean, i)), kFactor); };
+  const auto copy = [&](size_t from, SplatLayer& to, size_t at) {
+    for (const AttributeRow& r : kAttributes)
+      if (to.width(r.id) > 0) std::copy_n(capture.layer.at(r.id, from), to.width(r.id), to.at(r.id, at));
+  };
+  for (size_t k = 0; k < outside.size(); ++k) copy(outside[k], scene.diffuse, k), found.albedo.push_back(albedo(outside[k]));
+  for (size_t k = 0; k < inside.size(); ++k)
+    copy(inside[k], scene.transmittance, k), found.albedo_behind_glass.push_back(albedo(inside[k]));
+  std::ranges::fill(scene.diffuse.values(Attribute::Transmission), -12.f);
+  const SplatLayer glass = sphere_layer(1.1 * TinyCapture::kRadius);
+  for (size_t i = 0; i < glass.size(); ++i) {
+    if (glass.at(Attribute::Mean, i)[2] > 0) continue;
+    const size_t at = scene.diffuse.size();
+    scene.diffuse.resize(at + 1);
+    for (const AttributeRow& r : kAttributes) std::copy_n(glass.at(r.id, i), glass.width(r.id), scene.diffuse.at(r.id, at));
+    *scene.diffuse.at(Attribute::Transmission, at) = 6;
+    found.albedo.push_back({0.3f, 0.1f, 0.2f});
+  }
+  found.resize(scene.diffuse.size());
+  for (size_t i = 0; i < found.size(); ++i) found.transmission[i] = i < outside.size() ? 0.f : 0.99f;
+  write_decomposed_materials(decompose.path(), found);
+  write_layer(capture.optimize() / "gaussians/diffuse.ply", scene.diffuse);
+  write_layer(capture.optimize() / "gaussians/transmittance.ply", scene.transmittance);
+  for (const View& v : capture.views) {
+    const auto lowest = TinyCapture::kHeight;
+    capture.write_mask("object", v, 0, TinyCapture::kWidth);
+    Image8 mask(TinyCapture::kWidth, lowest, 1);
+    for (int y = 0; y < lowest; ++y)
+      for (int x = 0; x < TinyCapture::kWidth; ++x) {  // where the ray meets the ball's lower half
+        const Rigid world = inverse(v.cam_from_world);
+        const Vec3d o = world.translation, d = normalized(world.rotation * v.intrinsics.ray(x + 0.5, y + 0.5));
+        const double b = dot(o, d), disc = b * b - dot(o, o) + TinyCapture::kRadius * TinyCapture::kRadius;
+        if (disc > 0 && (o + (-b - std::sqrt(disc)) * d).z < 0) mask.at(x, y) = 255;
+      }
+    make_folders(capture.truth() / "mask/transparent");
+    write_ldr(capture.truth() / "mask/transparent" / (v.stem() + ".png"), mask);
+  }
+  ImageOptions image;
+  image.transmission.glass = Glass::Thin;
+  for (const bool known : {false, true}) {
+    if (known) {
+      const double r = 1.1 * TinyCapture::kRadius;
+      const Box sheet{Mat3d::identity(), {-r, -r, -r}, {r, r, 0}};
+      image.shape.set = std::make_shared<ShapeSet>(ShapeSet{{{sheet, ShapeRole::Sheet, 0.01, -1, {}}}});
+    }
+    write_image_options(capture.optimize() / "optimize/model.json", image);
+    const auto scores = albedo_figures();
+    EXPECT_GT(scores.at("psnr"), 35) << known;
+    EXPECT_GT(scores.at("through_glass_psnr"), 33) << known;
+  }
 }
 
 TEST_F(AlbedoRelit, ASmallerTruthIsComparedWithMeansOverItsPixels) {
