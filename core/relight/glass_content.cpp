@@ -13,7 +13,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kFluenceSamples = 48;
+constexpr int kFluenceSamples = 48, kPatchSamples = 192;
+constexpr float kAbove = 0.3f;       // in grains: where rays start over a thing behind glass
 constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
 constexpr float kLeastFluence_rel = 1e-3f;
 constexpr float kGlassReach = 3;  // in grains: how far off the mesh a surfel still belongs to it
@@ -38,6 +39,16 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
   opaque_ = std::move(opened.opaque);
   merged_ = std::move(opened.surfels);
   if (image.transmission.thick) matt_ = merged_;
+  if (!scene.behind_glass.faces.empty()) things_.emplace(scene.behind_glass);
+  const SplatLayer& inside = scene.trained.surfels.transmittance;
+  for (size_t i = 0; i < inside.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) middle_[c] += inside.at(Attribute::Mean, i)[c] / float(inside.size());
+}
+
+// Black is the sky behind glass, which is light (core/picture/decomposed_materials.h).
+bool GlassContent::knows_albedo(size_t inside) const {
+  const std::vector<Vec3f>& albedo = scene_->materials.albedo_behind_glass;
+  return !albedo.empty() && albedo[inside] != Vec3f{};
 }
 
 std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
@@ -45,6 +56,7 @@ std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
   std::vector<Vec3f> out(inside.size());
   parallel_for(out.size(), kTask, [&](size_t i) {
     throw_if_interrupted();
+    if (knows_albedo(i)) return;
     const float* m = inside.at(Attribute::Mean, i);
     out[i] = lit.fluence({m[0], m[1], m[2]}, i, kFluenceSamples);
   });
@@ -61,6 +73,29 @@ Vec3f GlassContent::arriving_at(const LitScene& lit, size_t surfel) const {
     if (const auto place = surface_->front_near(mean + reach * n, -n, 2 * reach))
       return surface_->at(lit.irradiance(), *place) / std::numbers::pi_v<float>;
   return lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples);
+}
+
+// Irradiance / pi of the front of a surfel: of the thing that it lies on, which throws its shadow; off all things, of the side
+// that looks away from the middle of them.
+Vec3f GlassContent::arriving_inside(const LitScene& lit, size_t inside) const {
+  const SplatLayer& layer = scene_->trained.surfels.transmittance;
+  const float *m = layer.at(Attribute::Mean, inside), *q = layer.at(Attribute::Rotation, inside);
+  const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
+  const float reach = kGlassReach * surface_->grain();
+  float nearest = reach;
+  std::optional<LitScene::Patch> front;
+  for (const Vec3f& n : {normal, -normal}) {
+    if (!things_) break;
+    const auto hit = things_->first_face(mean + reach * n, -n, 0, 2 * reach);
+    if (!hit || hit->from_inside || !(std::abs(hit->t - reach) < nearest)) continue;
+    nearest = std::abs(hit->t - reach);
+    front = {mean + (reach - hit->t + kAbove * surface_->grain()) * n, n};
+  }
+  const auto blocked = [&](const Vec3f& direction) {
+    return front && things_->occluded(front->point, direction, 0, MeshHits::kFar);
+  };
+  const LitScene::Patch patch = front.value_or(LitScene::Patch{mean, dot(normal, mean - middle_) > 0 ? normal : -normal});
+  return lit.irradiance_in_the_open(patch, blocked, inside, kPatchSamples);
 }
 
 void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
@@ -81,17 +116,22 @@ void GlassContent::relight(const LitScene& lit, const LitSceneDesc& desc) {
   const SplatLayer& inside = scene_->trained.surfels.transmittance;
   const Vec3f mean = scene_->captured.mean();
   const float least = kLeastFluence_rel * (mean.x + mean.y + mean.z) / 3 + 1e-12f;
-  for (size_t i = 0; i < inside.size(); ++i) {
+  const std::vector<Vec3f>& albedo = scene_->materials.albedo_behind_glass;
+  parallel_for(inside.size(), kTask, [&](size_t i) {
+    throw_if_interrupted();
     const size_t to = opaque_.size() + i, width = inside.width(Attribute::ShRest);
-    for (size_t c = 0; c < 3; ++c) {
+    const bool known = knows_albedo(i);
+    if (known) set_color(merged_, to, hadamard(albedo[i], arriving_inside(lit, i)));
+    for (size_t k = 0; known && k < width; ++k) merged_.at(Attribute::ShRest, to)[k] = 0;
+    for (size_t c = 0; !known && c < 3; ++c) {
       const float ratio = std::min((now[i][c] + least) / (fluence_before_[i][c] + least), kMostBrighter);
       merged_.at(Attribute::ShDc, to)[c] = (ratio * (0.5f + kShDc * inside.at(Attribute::ShDc, i)[c]) - 0.5f) / kShDc;
       for (size_t k = c; k < width; k += 3) merged_.at(Attribute::ShRest, to)[k] = ratio * inside.at(Attribute::ShRest, i)[k];
     }
-    if (matt_.size() == 0) continue;
+    if (matt_.size() == 0) return;
     for (const Attribute a : {Attribute::ShDc, Attribute::ShRest})
       std::copy_n(merged_.at(a, to), merged_.width(a), matt_.at(a, to));
-  }
+  });
 }
 
 void GlassContent::look(const Frame& frame, std::span<const uint32_t> asking) {

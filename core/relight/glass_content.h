@@ -1,6 +1,7 @@
 // What is seen through the glass of a scene, under another light (README 5): the opaque surfels of the diffuse layer with the
-// light that their place on the mesh scatters, and the transmittance layer, whose trained colours are scaled by the light there
-// now over the light there then. Rasterised together from the pixel's own camera: a thin pane bends no rays
+// light that their place on the mesh scatters, and the transmittance layer: its albedo in the light that reaches it through the
+// panes, past what stands behind them; where no albedo is known, its trained colours, scaled by the light there now over the
+// light there then. Rasterised together from the pixel's own camera: a thin pane bends no rays
 // (core/model/thin_glass_pass.h). What mirrors behind it is a surface to be shaded like any other. Where glass is thick, rays
 // that it bends are sent through the same surfels (core/model/bent_rays.h), and what mirrors there looks matt. Scenes that were
 // trained with Glass::Traced show the transmittance layer alone.
@@ -39,14 +40,18 @@ class GlassContent {
   std::optional<ShownSurface> gloss(uint32_t pixel, const PixelRay<float>& ray) const;
 
  private:
-  std::vector<Vec3f> fluence(const LitScene& lit) const;  // [surfels of the transmittance layer]
+  std::vector<Vec3f> fluence(const LitScene& lit) const;  // [surfels of the transmittance layer]; zero where the albedo is known
   Vec3f arriving_at(const LitScene& lit, size_t surfel) const;
+  bool knows_albedo(size_t inside) const;  // of a surfel of the transmittance layer
+  Vec3f arriving_inside(const LitScene& lit, size_t inside) const;
 
   const RelitScene* scene_;
   const SceneSurface* surface_;
-  std::vector<uint32_t> opaque_;  // of the diffuse layer
-  SplatLayer merged_;             // those, then the transmittance layer, with the materials of a diffuse layer
-  SplatLayer matt_;               // the same for bent rays, which shade no mirrors; empty: no glass is thick
+  std::vector<uint32_t> opaque_;    // of the diffuse layer
+  SplatLayer merged_;               // those, then the transmittance layer, with the materials of a diffuse layer
+  SplatLayer matt_;                 // the same for bent rays, which shade no mirrors; empty: no glass is thick
+  std::optional<MeshHits> things_;  // RelitScene::behind_glass
+  Vec3f middle_{};                  // of the transmittance layer
   std::vector<Vec3f> fluence_before_;
   std::unique_ptr<Renderer> renderer_;
   Frame picture_;                   // of merged_: its diffuse channels

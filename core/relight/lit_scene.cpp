@@ -134,25 +134,41 @@ LitScene::Arrival LitScene::arriving(const Vec3f& origin, const Vec3f& direction
   return a;
 }
 
-Vec3f LitScene::fluence(const Vec3f& point, uint64_t stream, int samples) const {
+template <class Take>
+void LitScene::sample_arriving(const Vec3f& point, uint64_t stream, int samples, const Take& take) const {
   const SamplePoints points(desc_.seed, mix64(kFluenceStream, stream));
   const auto n = static_cast<uint32_t>(samples);
   const Environment& environment = lighting_->environment;
-  Vec3f sum{};
   for (uint32_t i = 0; i < n; ++i) {
     const float per_sample = 1 / (4 * kPi * float(n));
     if (!environment.black()) {
       const Environment::Sample s = environment.sample(points.point(0, i));
-      sum += (per_sample / s.pdf * surface_->visibility(point, s.direction)) * s.radiance;
+      take(s.direction, (per_sample / s.pdf * surface_->visibility(point, s.direction)) * s.radiance);
     }
     const Vec2f u = points.point(1, i);
     const float z = 1 - 2 * u.x, r = std::sqrt(std::max(1 - z * z, 0.f)), phi = 2 * kPi * u.y;
-    sum += (1 / float(n)) * arriving(point, {r * std::cos(phi), r * std::sin(phi), z}).from_scene;
+    const Vec3f direction{r * std::cos(phi), r * std::sin(phi), z};
+    take(direction, (1 / float(n)) * arriving(point, direction).from_scene);
     for (size_t lamp = 0; lamp < lighting_->lamps(); ++lamp) {
       const LampSample s = lighting_->sample_lamp(lamp, point, points.point(2, i));
-      if (s.pdf > 0) sum += (per_sample / s.pdf * surface_->visibility(point, s.direction, s.distance)) * s.radiance;
+      if (s.pdf > 0) take(s.direction, (per_sample / s.pdf * surface_->visibility(point, s.direction, s.distance)) * s.radiance);
     }
   }
+}
+
+Vec3f LitScene::fluence(const Vec3f& point, uint64_t stream, int samples) const {
+  Vec3f sum{};
+  sample_arriving(point, stream, samples, [&](const Vec3f&, const Vec3f& radiance) { sum += radiance; });
+  return sum;
+}
+
+// Fluence is the mean over 4 pi: E / pi = 4 times that of L n.l.
+Vec3f LitScene::irradiance_in_the_open(const Patch& patch, const Blocked& blocked, uint64_t stream, int samples) const {
+  Vec3f sum{};
+  sample_arriving(patch.point, stream, samples, [&](const Vec3f& direction, const Vec3f& radiance) {
+    const float cosine = dot(direction, patch.normal);
+    if (cosine > 0 && radiance != Vec3f{} && !blocked(direction)) sum += (4 * cosine) * radiance;
+  });
   return sum;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/light/lighting.h"
@@ -36,8 +37,17 @@ class LitScene {
   Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
   // Mean over all directions of the light that arrives at a point in the open, lamps included (algorithms 7.4).
   Vec3f fluence(const Vec3f& point, uint64_t stream, int samples) const;
+  // Irradiance / pi of one side of a patch in the open. `blocked(direction)`: by what this scene does not know.
+  using Blocked = std::function<bool(const Vec3f& direction)>;
+  struct Patch {
+    Vec3f point, normal;
+  };
+  Vec3f irradiance_in_the_open(const Patch& patch, const Blocked& blocked, uint64_t stream, int samples) const;
 
  private:
+  // Calls take(direction, radiance) for samples of the light that arrives at a point; they sum up to the fluence.
+  template <class Take>
+  void sample_arriving(const Vec3f& point, uint64_t stream, int samples, const Take& take) const;
   std::vector<Vec3f> direct_irradiance() const;
   void bounce(const std::vector<Vec3f>& direct);
   void smooth(std::vector<Vec3f>& per_vertex) const;

@@ -36,8 +36,10 @@ RelitScene read_relit_scene(const RelitFolders& folders) {
   if (scene.mesh.faces.empty())
     throw Error(ErrorKind::Input, "the mesh is empty: nothing would throw a shadow",
                 {.where = mesh.string(), .hint = "run the stage mesh again, with other options", .code = "EMPTY_MESH"});
-  const fs::path around = decomposed_surroundings_path(folders.decompose);
   std::error_code ec;
+  if (const fs::path content = folders.mesh / "mesh" / "behind_glass.ply"; fs::exists(content, ec))
+    scene.behind_glass = read_mesh_ply(content);
+  const fs::path around = decomposed_surroundings_path(folders.decompose);
   if (fs::exists(around, ec)) {
     scene.surroundings = read_mesh_ply(around);
     if (scene.surroundings.colors.size() != scene.surroundings.positions.size())

@@ -19,6 +19,7 @@ struct RelitScene {
   DecomposedMaterials materials;  // of trained.surfels
   Environment captured;           // the light of the photos
   TriMesh mesh;
+  TriMesh behind_glass;  // what stands behind its glass, which `mesh` does not have; may be empty
   TriMesh surroundings;  // walls around it, colours = albedo: they block light and send it on; empty: there are none
 
   RelitMaterial material(size_t surfel) const {

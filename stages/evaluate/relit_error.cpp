@@ -137,6 +137,7 @@ std::vector<RelitScore> relit_scores(RelitScene scene, const RelitRegions& regio
       for (size_t c = 0; c < 3; ++c) albedo[c] = std::min(1.f, float((*desc.albedo_scale)[c]) * albedo[c]);
     };
     std::ranges::for_each(scene.materials.albedo, scaled);
+    std::ranges::for_each(scene.materials.albedo_behind_glass, scaled);
     std::ranges::for_each(scene.surroundings.colors, scaled);
     // Albedos that are too bright were found under a light that is too dim; what stands under glass is lit in proportion to it.
     ImageF light = scene.captured.map();

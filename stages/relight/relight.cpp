@@ -227,7 +227,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
 Stage relight_stage() {
   StageInfo info{
       .name = "relight",
-      .version = 10,
+      .version = 11,
       .summary = "pictures of a scene under another light",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},

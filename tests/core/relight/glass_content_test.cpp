@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "core/shape/shape_set.h"
 #include "tests/core/relight/relit_ball.h"
 
@@ -26,6 +28,29 @@ TEST(GlassContent, FollowsTheLightThatReachesItThroughTheGlass) {
     // Beside the inner ball, what lies beyond the glass.
     EXPECT_NEAR(before.at(24, 2, 0), 1, 0.02);
     EXPECT_NEAR(twice.at(24, 2, 0), 2, 0.04);
+  }
+}
+
+// What has an albedo scatters the light that reaches its front through the glass, and stands in its own shadow.
+TEST(GlassContent, KnownAlbedoIsLitOnItsFront) {
+  constexpr float kPi = std::numbers::pi_v<float>;
+  constexpr float kAlbedo[] = {0.5f, 0.3f, 0.2f};
+  for (const bool meshed : {true, false}) {
+    RelitScene scene = test::ball_in_glass(Glass::Thin);
+    scene.materials.albedo_behind_glass.assign(scene.trained.surfels.transmittance.size(), {kAlbedo[0], kAlbedo[1], kAlbedo[2]});
+    if (meshed) scene.behind_glass = test::sphere_mesh(0.2, {}, 48, 96);
+    RelitPainter painter(std::move(scene));
+    Lighting sun;
+    sun.environment = Environment(ImageF(8, 4, 3, 0.f));
+    sun.directionals.push_back({.towards = {0, 0, 1}, .irradiance = {kPi, kPi, kPi}});
+    painter.set_lighting(sun);
+    const auto middle = [&](const Vec3d& eye, int c) {
+      return painter.picture(test::view_from(eye), {.samples = 4}).radiance.at(24, 18, c);
+    };
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(middle({0.8, 0, 0.6}, c), 0.6f * kAlbedo[c], 0.06f * kAlbedo[c]) << meshed;
+      EXPECT_LT(middle({0.8, 0, -0.6}, c), 0.1f * kAlbedo[c]) << meshed;
+    }
   }
 }
 
