@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/camera/mask_files.h"
+#include "core/camera/view.h"
 
 namespace vitrine {
 
@@ -17,6 +19,13 @@ struct MaskOrigin {
 
 // `artifact`: the folder that holds masks/. Masks without the file are the user's own. Throws Error{Input}.
 MaskOrigin mask_origin(const std::filesystem::path& artifact, MaskClass kind);
-void write_mask_origins(const std::filesystem::path& artifact, const std::map<MaskClass, MaskOrigin>& origins);
+// `things`: what marks call the things of masks/marked.
+void write_mask_origins(const std::filesystem::path& artifact, const std::map<MaskClass, MaskOrigin>& origins,
+                        const std::vector<std::string>& things = {});
+
+// Things that a user marked: masks/marked/<photo>.png, 16 bit, of any size, has 1 + the index of the thing that a pixel shows, 0:
+// none. Their names; empty: the marks give none.
+std::vector<std::string> marked_things(const std::filesystem::path& artifact);
+std::filesystem::path marked_things_path(const std::filesystem::path& artifact, const View& view);
 
 }  // namespace vitrine

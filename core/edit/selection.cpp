@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <fmt/ranges.h>
+
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
@@ -118,6 +120,7 @@ Parts SceneSelector::select(const Selector& selector, const std::string& where) 
   });
   const auto both = [](uint8_t a, uint8_t b) { return uint8_t(a && b); };
   if (selector.kind) combine(out, of_class(*selector.kind, where), both);
+  if (selector.object) combine(out, of_object(*selector.object, where), both);
   if (selector.component) combine(out, of_component(*selector.component, where), both);
   for (const Selector& except : selector.except)
     combine(out, select(except, where), [](uint8_t a, uint8_t b) { return uint8_t(a && !b); });
@@ -212,32 +215,44 @@ std::vector<MaskClass> SceneSelector::classes() const {
   return out;
 }
 
-std::vector<SceneSelector::MaskedView> SceneSelector::masked_views(MaskClass kind, const std::string& where) const {
-  const auto missing = [&](std::string why) {
-    return Error(ErrorKind::Input, fmt::format("this scene has no masks of the class '{}'", name(kind)),
-                 {.where = where,
-                  .why = std::move(why),
-                  .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
-                  .code = "NO_MASKS"});
-  };
-  if (!pixels_.has(kind))
-    throw missing("nothing of this class is marked, or the stages masks and objects have not been computed");
+std::vector<SceneSelector::MaskedView> SceneSelector::views_with(const PixelsOf& pixels) const {
   std::vector<MaskedView> out;
   for (View view : views_) {
     throw_if_interrupted();
-    const auto mask = pixels_.of(kind, view);
+    const auto mask = pixels(view);
     if (!mask) continue;
     view.intrinsics = view.intrinsics.limited_to(kMaskSide);
     out.push_back({view, widened(resized(*mask, view.intrinsics.width, view.intrinsics.height))});
   }
-  if (out.empty()) throw missing("none of its files belongs to a photo");
   return out;
 }
 
 const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
-  const auto known = classes_.find(kind);
-  if (known != classes_.end()) return known->second;
-  const std::vector<MaskedView> views = masked_views(kind, where);
+  if (const auto known = classes_.find(kind); known != classes_.end()) return known->second;
+  const std::vector<MaskedView> views = views_with([&](const View& view) { return pixels_.of(kind, view); });
+  if (views.empty())
+    throw Error(ErrorKind::Input, fmt::format("this scene has no masks of the class '{}'", name(kind)),
+                {.where = where,
+                 .why = "nothing of this class is marked, or the stages masks and objects have not been computed",
+                 .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
+                 .code = "NO_MASKS"});
+  return classes_[kind] = seen_in(views);
+}
+
+const Parts& SceneSelector::of_object(const std::string& name, const std::string& where) {
+  if (const auto known = objects_.find(name); known != objects_.end()) return known->second;
+  const std::vector<std::string> names = pixels_.object_names();
+  if (std::ranges::find(names, name) == names.end())
+    throw Error(ErrorKind::Input, fmt::format("this scene has no object '{}'", name),
+                {.where = where,
+                 .why = names.empty() ? std::string("its table of objects is empty, or the stage objects has not been computed")
+                                      : fmt::format("its objects are: {}", fmt::join(names, ", ")),
+                 .hint = "objects/objects.json has the names; vitrine run ... --masks marks.yaml gives them",
+                 .code = "NO_OBJECT"});
+  return objects_[name] = seen_in(views_with([&](const View& view) { return pixels_.of_object(name, view); }));
+}
+
+Parts SceneSelector::seen_in(std::span<const MaskedView> views) {
   Parts out;
   out.diffuse = surfels_seen_in(views);
   const SplatLayer& behind_glass = scene_.trained.surfels.transmittance;
@@ -250,7 +265,7 @@ const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
   out.vertices = vertices_seen_in(views);
   out.walls.assign(scene_.surroundings.positions.size(), 0);
   set_faces(scene_.mesh, out);
-  return classes_[kind] = std::move(out);
+  return out;
 }
 
 std::vector<uint8_t> SceneSelector::surfels_seen_in(std::span<const MaskedView> views) const {

@@ -3,6 +3,7 @@
 //                share = sum w m / sum w,   w = summed blending weights, m = mask at its centre;
 //              for a vertex those photos count in which the mesh does not hide it. What no photo sees (the inside of a
 //              thing) belongs to the class when it stands behind the mask in nearly all photos: its visual hull.
+//   object     the same with the labels of an object (core/objects)
 //   box        the place itself          marks      the place, projected into every marked photo
 //   component  faces of the mesh that hang together; surfels near them, and what glass shows inside of them
 // The mesh of what stands behind glass is selected as the surfels that glass shows are.
@@ -37,7 +38,7 @@ class SceneSelector {
   // All but the pixels must live as long as this; edits that change materials or delete parts change no selection.
   SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
 
-  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks or a component does not exist.
+  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks, or an object or a component does not exist.
   Parts select(const Selector& selector, const std::string& where);
   const std::vector<MeshComponent>& components() const { return components_; }  // from most faces to fewest
 
@@ -54,8 +55,11 @@ class SceneSelector {
     View view;
     ImageF mask;
   };
-  std::vector<MaskedView> masked_views(MaskClass kind, const std::string& where) const;
+  using PixelsOf = std::function<std::optional<ImageF>(const View&)>;
   const Parts& of_class(MaskClass kind, const std::string& where);
+  const Parts& of_object(const std::string& name, const std::string& where);
+  std::vector<MaskedView> views_with(const PixelsOf& pixels) const;
+  Parts seen_in(std::span<const MaskedView> views);
   // What is near a component, or, for what glass shows, inside of one; 0: nothing.
   uint32_t component_near(const Vec3f& p) const;
   uint32_t component_around(const Vec3f& p) const;
@@ -68,6 +72,7 @@ class SceneSelector {
   std::span<const View> views_;
   ClassPixels pixels_;
   std::map<MaskClass, Parts> classes_;
+  std::map<std::string, Parts> objects_;
   std::unique_ptr<MeshHits> hits_;
   MeshDistance distance_;
   float reach_ = 0;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/camera/mask_files.h"
@@ -19,13 +20,14 @@ struct EditMark {
 // All that is given must hold. Nothing given: everything.
 struct Selector {
   std::optional<MaskClass> kind = {};
+  std::optional<std::string> object = {};  // its name in the table of objects
   std::optional<Bounds3> box = {};
   std::vector<EditMark> marks = {};
   std::optional<size_t> component = {};  // of the mesh, 1 = most faces
   std::vector<Selector> except = {};     // one at most: what it selects is left out
 
   // By place alone, whatever the photos or the mesh say.
-  bool geometric() const { return !kind && !component; }
+  bool geometric() const { return !kind && !object && !component; }
 };
 
 }  // namespace vitrine

@@ -49,7 +49,7 @@ struct Object {
     size_t views = 0;                       // training photos that show it
     std::optional<double> inside;           // share of the pixels of its shapes' silhouettes that the masks mark
     std::optional<double> covered;          // share of the marked pixels that these silhouettes cover
-    std::optional<double> view_dependence;  // of its luminance (core/stereo/view_dependence.h); of opaque objects
+    std::optional<double> view_dependence;  // of its luminance; of opaque objects
   } evidence = {};
 };
 

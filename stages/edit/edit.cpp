@@ -110,8 +110,8 @@ Counts remove(EditScene& scene, const Parts& parts) {
               {.where = edit.where,
                .why = fmt::format("no surfel and no part of the mesh{} is in: {}", some_deleted ? " that is still there" : "",
                                   edit.wanted),
-               .hint = fmt::format("the mesh lies between [{:.3g}, {:.3g}, {:.3g}] and [{:.3g}, {:.3g}, {:.3g}]; classes: "
-                                   "masks/contact_sheet.png; pixels of marks: images/",
+               .hint = fmt::format("the mesh lies between [{:.3g}, {:.3g}, {:.3g}] and [{:.3g}, {:.3g}, {:.3g}]; classes and "
+                                   "objects: objects/contact_sheet.png; pixels of marks: images/",
                                    box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z),
                .code = "EDIT_SELECTS_NOTHING"});
 }

@@ -44,7 +44,7 @@ class Reader {
     }
     const YamlNode *select = node.find("select"), *set = node.find("set"), *remove = node.find("delete");
     if (select == nullptr) {
-      in_.complain(node, "an edit says what it selects: a class, a box, marks, a component, or 'all'");
+      in_.complain(node, "an edit says what it selects: a class, an object, a box, marks, a component, or 'all'");
     } else if (select->kind == YamlNode::Kind::Scalar) {
       if (select->text != "all") in_.complain(*select, fmt::format("\"{}\" is no selection: 'all', or a map", select->text));
       out.wanted = "all";
@@ -64,7 +64,7 @@ class Reader {
 
   Selector selector(const YamlNode& node, bool outer, std::string& words) {
     Selector out;
-    std::vector<std::string> keys{"class", "box", "marks", "component"};
+    std::vector<std::string> keys{"class", "object", "box", "marks", "component"};
     if (outer) keys.emplace_back("except");
     in_.only_keys(node, keys);
     if (node.kind != YamlNode::Kind::Map) return out;
@@ -74,6 +74,13 @@ class Reader {
       out.kind = mask_class(kind->text);
       if (!out.kind) in_.complain(*kind, fmt::format("'{}' is no class: object, transparent, specular or ignore", kind->text));
       say(fmt::format("class {}", kind->text));
+    }
+    if (const YamlNode* object = node.find("object")) {
+      if (object->kind != YamlNode::Kind::Scalar || object->text.empty())
+        in_.complain(*object, "an object is selected by its name in objects/objects.json");
+      else
+        out.object = object->text;
+      say(fmt::format("object {}", object->text));
     }
     if (const YamlNode* box = node.find("box")) {
       out.box = world_box(*box);

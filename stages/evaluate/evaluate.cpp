@@ -175,6 +175,7 @@ class Evaluator {
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
     score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
+    if (heldout) score_objects(index, render, photo, judged, score);
     if (heldout) score.neutral_shift = shift_of_neutral(view, render, photo, judged, masks);
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
@@ -182,6 +183,20 @@ class Evaluator {
     if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
     if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
+  }
+
+  void score_objects(size_t index, const ViewPicture& render, const ImageF& photo, const std::optional<ImageF>& judged,
+                     ViewScore& score) {
+    const Image16 labels = objects_.labels(views_[index], render.intrinsics);
+    if (labels.empty()) return;
+    for (const Object& object : objects_.objects().objects) {
+      ImageF shown(labels.width(), labels.height(), 1);
+      std::ranges::transform(labels.data(), shown.data().begin(), [&](uint16_t id) { return id == object.id ? 1.f : 0.f; });
+      if (judged) keep_within(*judged, shown);
+      if (std::ranges::count(shown.data(), 1.f) < config_.min_region_pixels) continue;
+      score.object_psnr[object.id] = psnr(render.srgb, photo, &shown);
+      result_.object_names[object.id] = object.name;
+    }
   }
 
   // The masks inside which the scene was trained, if it was not trained everywhere.

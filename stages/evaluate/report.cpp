@@ -193,6 +193,12 @@ std::string metrics_json(const Evaluation& e) {
     regions["masks"] = e.regions_from;
     j["regions"] = regions;
   }
+  for (const auto& [id, object] : e.object_names) {
+    std::vector<double> psnr;
+    for (const ViewScore& v : e.views)
+      if (const auto it = v.object_psnr.find(id); v.heldout && it != v.object_psnr.end()) psnr.push_back(it->second);
+    if (!psnr.empty()) j["objects"].push_back({{"id", id}, {"name", object}, {"psnr", mean(psnr)}, {"views", psnr.size()}});
+  }
   if (const ViewScore* v = strongest_neutral_shift(e)) {
     const auto measured = std::count_if(e.views.begin(), e.views.end(),
                                         [](const ViewScore& s) { return s.heldout && s.neutral_shift.has_value(); });

@@ -22,6 +22,7 @@ struct ViewScore {
   bool heldout = false;
   double psnr = 0, ssim = 0;
   std::map<std::string, double> region_psnr;
+  std::map<uint16_t, double> object_psnr;  // by id in the table of objects
   std::optional<PoseError> pose;
   std::optional<double> normal_mae_deg, zdepth_rel;
   std::optional<double> neutral_shift;  // nullopt: too few bright, neutral and plain pixels
@@ -52,6 +53,7 @@ struct Evaluation {
   std::optional<TruthScores> truth;
   double mesh_threshold_rel = 0;
   int min_region_pixels = 0;
+  std::map<uint16_t, std::string> object_names;     // those of the table of objects that some view shows
   std::string regions_from;                         // "truth", "objects", or empty: there are none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };

@@ -231,7 +231,12 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   make_folders(context.output() / "masks");
   const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output(), .bit_depth = config.bit_depth};
   const MaskResults results = write_masks(desc, context);
-  write_mask_report(desc, results);
+  std::vector<std::string> things;
+  if (carried) {
+    write_marked_things(context.output(), capture, *carried);
+    for (const MarkedMasks::Thing& t : carried->things) things.push_back(t.word);
+  }
+  write_mask_report(desc, results, things);
   write_contact_sheet(desc, results);
 
   std::string summary;

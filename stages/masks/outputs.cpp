@@ -113,7 +113,7 @@ MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context) {
   return results;
 }
 
-void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
+void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things) {
   const std::vector<View>& views = desc.capture.set.views;
   nlohmann::ordered_json j;
   j["photos"] = views.size();
@@ -135,7 +135,7 @@ void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results) {
     }
     j["classes"][std::string(name(kind))] = std::move(row);
   }
-  write_mask_origins(desc.output, origins);
+  write_mask_origins(desc.output, origins, things);
   write_file(desc.output / "masks/report.json", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 

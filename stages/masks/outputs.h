@@ -36,6 +36,7 @@ struct MaskOutputDesc {
 float value_without_mask(MaskClass kind);
 
 MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context);
-void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results);
+// `things`: what marks call what they outline.
+void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things = {});
 
 }  // namespace vitrine

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.h"
@@ -27,10 +28,11 @@ namespace vitrine {
 namespace {
 
 constexpr std::array<MaskClass, 2> kClasses{MaskClass::Transparent, MaskClass::Specular};
-constexpr double kDoubtful = 0.5;        // of a given object's pixels: fewer in the masks, and the photos doubt it
-constexpr double kFacetEdge_rel = 0.02;  // of a shape's size: edges of shapes.ply
-constexpr double kExactInside = 0.92;    // of the pixels of a free form, inside the masks, for its normals to count on a coat
-constexpr double kExplainedHull = 0.5;   // of the pixels of an object without a fitted shape: more in planes, and it is these
+constexpr double kDoubtful = 0.5;         // of a given object's pixels: fewer in the masks, and the photos doubt it
+constexpr double kFacetEdge_rel = 0.02;   // of a shape's size: edges of shapes.ply
+constexpr double kExactInside = 0.92;     // of the pixels of a free form, inside the masks, for its normals to count on a coat
+constexpr double kLeastUnlocated = 0.02;  // of the pixels of a class: fewer are crumbs of masks
+constexpr double kExplainedHull = 0.5;    // of the pixels of an object without a fitted shape: more in planes, and it is these
 
 MaskClass class_of(ObjectRole role) { return is_glass(role) ? MaskClass::Transparent : MaskClass::Specular; }
 
@@ -190,9 +192,10 @@ class ObjectsRun {
   // Writes the label images; marked pixels without a shape become an object of their own for each class.
   void label() {
     if (!masks_) return;
-    const uint16_t last = set_.objects.empty() ? uint16_t(0) : set_.objects.back().id;
-    const UnlocatedObjects unlocated{static_cast<uint16_t>(last + 1), static_cast<uint16_t>(last + 2)};
-    std::vector<std::vector<uint8_t>> shown(views_.views.size());  // [view][id]
+    const auto [first, second] = unused_ids();
+    const UnlocatedObjects unlocated{first, second};
+    const std::vector<std::string> things = marked_things(*masks_);
+    std::vector<PhotoCounts> photos(views_.views.size());
     parallel_for(views_.views.size(), 1, [&](size_t v) {
       if (interrupt_signal() != 0) return;
       const Image16 labels = labelled_pixels(*masks_, views_.views[v], set_, unlocated);
@@ -200,27 +203,84 @@ class ObjectsRun {
       const fs::path path = label_path(context_.output(), views_.views[v]);
       make_folders(path.parent_path());
       write_png16(path, labels);
-      shown[v].assign(size_t(last) + 3, 0);
-      for (const uint16_t id : labels.data()) shown[v][id] = 1;
+      if (!is_heldout(v, config_.holdout_every))
+        photos[v] = counted(labels, marked_things_path(*masks_, views_.views[v]), things);
     });
     throw_if_interrupted();
-    const auto photos = [&](uint16_t id) {  // of training that show it
-      size_t count = 0;
-      for (size_t v = 0; v < shown.size(); ++v)
-        count += !is_heldout(v, config_.holdout_every) && !shown[v].empty() && shown[v][id];
-      return count;
-    };
-    for (const auto& [id, role] : {std::pair{unlocated.glass, ObjectRole::ThinGlass}, {unlocated.specular, ObjectRole::Coat}}) {
-      if (photos(id) == 0) continue;
-      int number = 1;
-      for (const Object& o : set_.objects) number += is_glass(role) ? is_glass(o.role) : o.role == role;
-      std::string unique = numbered(role, number);
-      while (std::ranges::any_of(set_.objects, [&](const Object& o) { return o.name == unique; }))
-        unique = numbered(role, ++number);
-      set_.objects.push_back({.id = id, .name = unique, .role = role, .trust = trust_of(class_of(role))});
+    PhotoCounts all;
+    for (const PhotoCounts& photo : photos) {
+      for (const auto& [id, count] : photo.pixels) all.pixels[id] += count, ++all.views[id];
+      for (const auto& [pair, count] : photo.things) all.things[pair] += count;
     }
-    for (Object& object : set_.objects) object.evidence.views = photos(object.id);
+    for (const auto& [id, role] : {std::pair{unlocated.glass, ObjectRole::ThinGlass}, {unlocated.specular, ObjectRole::Coat}}) {
+      double of_class = double(all.pixels[id]);
+      for (const Object& o : set_.objects) of_class += is_glass(o.role) == is_glass(role) ? double(all.pixels[o.id]) : 0;
+      if (!(double(all.pixels[id]) > kLeastUnlocated * of_class)) continue;  // ids that the table lacks read as 0
+      set_.objects.push_back({.id = id, .name = unused_name(role), .role = role, .trust = trust_of(class_of(role))});
+      if (set_.objects.back().trust != ObjectTrust::Guessed)
+        context_.warning(
+            "OBJECT_WITHOUT_SHAPE",
+            fmt::format("{} ({:.0f} % of what the {} masks mark): the photos do not fix where it is, from all sides or "
+                        "at all; it has no shape",
+                        set_.objects.back().name, 100 * double(all.pixels[id]) / of_class, name(class_of(role))));
+    }
+    std::ranges::sort(set_.objects, {}, &Object::id);
+    for (Object& object : set_.objects) object.evidence.views = all.views[object.id];
+    if (!given_) take_names(all, things);
     context_.progress({.fraction = 0.9, .text = "labels written", .values = {}});
+  }
+
+  struct PhotoCounts {
+    std::map<uint16_t, size_t> pixels, views;                // [id]
+    std::map<std::pair<uint16_t, uint16_t>, size_t> things;  // [id, 1 + marked thing] pixels
+  };
+  static PhotoCounts counted(const Image16& labels, const fs::path& marked, const std::vector<std::string>& things) {
+    PhotoCounts out;
+    const ImageF marks = !things.empty() && fs::exists(marked) ? read_unchanged(marked) : ImageF();
+    for (int y = 0; y < labels.height(); ++y)
+      for (int x = 0; x < labels.width(); ++x) {
+        const uint16_t id = labels.at(x, y);
+        if (id == 0) continue;
+        ++out.pixels[id];
+        if (marks.empty()) continue;
+        const float value = marks.at(x * marks.width() / labels.width(), y * marks.height() / labels.height(), 0);
+        if (const auto thing = uint16_t(std::lround(65535.f * value)); thing > 0 && thing <= things.size())
+          ++out.things[{id, thing}];
+      }
+    return out;
+  }
+
+  // An object is called as the thing that most of its pixels were marked as.
+  void take_names(const PhotoCounts& counts, const std::vector<std::string>& things) {
+    for (Object& object : set_.objects) {
+      size_t most = 0, of = 0;
+      for (size_t t = 1; t <= things.size(); ++t)
+        if (const auto found = counts.things.find({object.id, uint16_t(t)}); found != counts.things.end() && found->second > most)
+          most = found->second, of = t;
+      if (of == 0 || things[of - 1].empty() || 2 * most < counts.pixels.at(object.id)) continue;
+      object.name.clear();
+      object.name = unused_name(things[of - 1]);
+    }
+  }
+
+  bool has_name(const std::string& name) const {
+    return std::ranges::any_of(set_.objects, [&](const Object& o) { return o.name == name; });
+  }
+  std::string unused_name(const std::string& word) const {
+    std::string out = word;
+    for (int n = 2; has_name(out); ++n) out = fmt::format("{}-{}", word, n);
+    return out;
+  }
+  std::string unused_name(ObjectRole role) const {
+    int n = 1;
+    while (has_name(numbered(role, n))) ++n;
+    return numbered(role, n);
+  }
+  std::pair<uint16_t, uint16_t> unused_ids() const {
+    std::vector<uint16_t> out;
+    for (uint16_t id = 1; out.size() < 2; ++id)
+      if (set_.find(id) == nullptr) out.push_back(id);
+    return {out[0], out[1]};
   }
 
   // How shapes and masks agree.

@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/mask_origin.h"
 #include "core/camera/photo_marks.h"
+#include "core/image/ldr.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/revolution_edges.h"
 #include "core/stereo/shape_fit.h"
@@ -136,7 +139,7 @@ Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::
                             : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
                  .hint = "mark the whole thing, and the same thing, in photos from different sides",
                  .code = "MARKS_DISAGREE"});
-  Carried out{silhouettes_of(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.kind}};
+  Carried out{silhouettes_of(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.word, thing.kind}};
   out.summary.marks = thing.marks.size();
   const Vec3d extent = hull.bounds().high - hull.bounds().low;
   out.summary.edge = std::max({extent.x, extent.y, extent.z});
@@ -217,6 +220,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   for (size_t v = 0; v < views.size(); ++v) {
     masks->sizes.push_back(views[v].intrinsics);
     const size_t pixels = size_t(masks->sizes[v].width) * size_t(masks->sizes[v].height);
+    masks->shown.emplace_back(pixels, uint16_t(0));
     for (auto* planes : {&masks->inside[v], &masks->doubted[v]})
       for (auto& plane : *planes) plane.assign(pixels, 0);
   }
@@ -228,6 +232,11 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
                  ? fmt::format("; a box has these outlines ({:.0f} % of the pixels)", 100 * carried.summary.box_agreement)
                  : "");
     masks->things.push_back(carried.summary);
+    const bool glass = things[t].kind == MaskClass::Transparent;
+    if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
+      for (size_t v = 0; v < views.size(); ++v)
+        for (size_t i = 0; i < carried.inside[v].size(); ++i)
+          if (uint16_t& shown = masks->shown[v][i]; carried.inside[v][i] && (glass || shown == 0)) shown = uint16_t(t + 1);
     for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
         if (!marks_class(things[t].kind, kind)) continue;
@@ -239,6 +248,17 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
     progress(double(t + 1) / double(things.size()));
   }
   return masks;
+}
+
+void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks) {
+  if (std::ranges::all_of(masks.things, [](const MarkedMasks::Thing& t) { return t.word.empty(); })) return;
+  parallel_for(masks.shown.size(), 1, [&](size_t v) {
+    Image16 image(masks.sizes[v].width, masks.sizes[v].height, 1);
+    std::ranges::copy(masks.shown[v], image.data().begin());
+    const std::filesystem::path path = marked_things_path(artifact, capture.set.views[v]);
+    make_folders(path.parent_path());
+    write_png16(path, image);
+  });
 }
 
 std::optional<SoftMask> MarkedSource::at(size_t view) const {

@@ -22,7 +22,7 @@ void describe(Describer& d, BoxesConfig& c);
 
 struct MarkedMasks {
   struct Thing {
-    std::string name;
+    std::string name, word;  // MarkedThing
     MaskClass kind;
     size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found (no polygon says it)
     double edge = 0;                // longest edge of the hull's box, scene units
@@ -34,6 +34,7 @@ struct MarkedMasks {
   std::vector<Intrinsics> sizes;                                           // [view]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
+  std::vector<std::vector<uint16_t>> shown;  // [view][h,w] 1 + the thing, glass before others; 0: none
 };
 // Throws Error{Input} when no point of space lies inside all marks of a thing.
 std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,
@@ -53,6 +54,9 @@ class MarkedSource final : public MaskSource {
   std::shared_ptr<const MarkedMasks> masks_;
   MaskClass kind_;
 };
+
+// masks/marked, where a thing has a name (core/camera/mask_origin.h).
+void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks);
 
 // Whether marks of `kind` say something of `of`.
 bool marks_class(MaskClass kind, MaskClass of);

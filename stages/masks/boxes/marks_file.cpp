@@ -125,7 +125,8 @@ class Reader {
     std::string thing_name(name(*kind));
     if (thing != nullptr) thing_name += " " + thing->text;
     auto it = std::find_if(things_.begin(), things_.end(), [&](const MarkedThing& t) { return t.name == thing_name; });
-    if (it == things_.end()) it = things_.insert(things_.end(), {thing_name, *kind, {}});
+    if (it == things_.end())
+      it = things_.insert(things_.end(), {thing_name, thing != nullptr ? thing->text : std::string(), *kind, {}});
     if (lost) return void(lost_.emplace_back(thing_name, photo->text));
     const auto line = outline(node, region->corners, *size, *view);
     if (!line) return;

@@ -22,6 +22,7 @@ struct Mark {
 
 struct MarkedThing {
   std::string name;  // "transparent", or "transparent case"
+  std::string word;  // "case", or empty
   MaskClass kind = MaskClass::Object;
   std::vector<Mark> marks;  // in two photos at least, one a photo
 };

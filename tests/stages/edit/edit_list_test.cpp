@@ -38,8 +38,12 @@ TEST(EditList, EveryKeyIsRead) {
     set: {tint: [2, 1, 0]}
   - select: {component: 1}
     delete: true
+  - select: {object: copper kettle}
+    set: {tint: 2}
 )");
-  ASSERT_EQ(edits.size(), 3u);
+  ASSERT_EQ(edits.size(), 4u);
+  EXPECT_EQ(edits[3].select.object, "copper kettle");
+  EXPECT_FALSE(edits[3].select.geometric());
   const Selector& s = edits[0].select;
   EXPECT_EQ(edits[0].name, "gold");
   EXPECT_TRUE(edits[0].where.ends_with("edits.yaml:2:5")) << edits[0].where;

@@ -89,6 +89,19 @@ TEST_F(EditStage, AClassSelectsWhatThePhotosShowInItsMasks) {
   EXPECT_LE(wrong, 4u) << "vertices at the poles of a ball";
 }
 
+TEST_F(EditStage, AnObjectIsSelectedByItsName) {
+  const RelitScene by_name = edited("  - select: {object: reflecting}\n" + kTint);
+  const std::vector<Vec3f> albedo = by_name.materials.albedo;
+  expect_tinted(by_name, [](size_t i) { return balls().in_a(i); });
+  EXPECT_EQ(edited("  - select: {class: specular}\n" + kTint).materials.albedo, albedo);
+}
+
+TEST_F(EditStage, AnObjectThatTheSceneLacksIsNamedWithThoseThatItHas) {
+  const Error unknown = refused("  - select: {object: door}\n    delete: true\n");
+  EXPECT_EQ(unknown.detail().code, "NO_OBJECT");
+  EXPECT_NE(unknown.detail().why.find("its objects are: reflecting"), std::string::npos) << unknown.what();
+}
+
 TEST_F(EditStage, ABoxSelectsAPlace) {
   const RelitScene scene = edited("  - select: {box: [0.1, -0.2, 0, 0.4, 0.2, 0.2]}\n" + kTint);
   expect_tinted(scene, [](size_t i) { return balls().in_b(i) && balls().layer.at(Attribute::Mean, i)[2] >= 0; });

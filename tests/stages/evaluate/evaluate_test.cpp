@@ -223,8 +223,13 @@ TEST(EvaluateStage, RegionsComeFromTheObjectsWhereTheTruthHasNone) {
   auto inputs = capture.inputs(false);
   inputs["objects"] = test::write_objects_artifact(masks.path(), masks.path(), {v});
   RecordingContext context(inputs);
-  const json r = metrics_of(context, quick())["regions"];
+  const json m = metrics_of(context, quick()), r = m["regions"];
   EXPECT_EQ(r["masks"], "objects");
+  ASSERT_EQ(m["objects"].size(), 2u);
+  for (const json& object : m["objects"]) {
+    EXPECT_EQ(object["views"], 1);
+    EXPECT_NEAR(object["psnr"].get<double>(), object["name"] == "glass" ? 20 + 10 * std::log10(5.0) : 20, 0.01) << object;
+  }
   EXPECT_NEAR(r["specular"]["psnr"].get<double>(), 20 + 10 * std::log10(2.0), 0.01) << "glass reflects as well";
   EXPECT_NEAR(r["reflective"]["psnr"].get<double>(), 20, 0.01);
   EXPECT_NEAR(r["transparent"]["psnr"].get<double>(), 20 + 10 * std::log10(5.0), 0.01);

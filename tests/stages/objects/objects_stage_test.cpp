@@ -170,6 +170,7 @@ TEST(ObjectsStage, WithoutShapesEachClassIsOneObject) {
   const ObjectSet set = read_objects(context->output());
   EXPECT_TRUE(set.shapes.entries.empty());
   ASSERT_EQ(set.objects.size(), 2u);
+  EXPECT_TRUE(context->warnings.contains("OBJECT_WITHOUT_SHAPE"));
   EXPECT_EQ(set.objects[0].role, ObjectRole::ThinGlass);
   EXPECT_EQ(set.objects[1].role, ObjectRole::Coat) << "its surfels show what it reflects";
   EXPECT_EQ(set.trusted().objects.size(), 2u);
@@ -214,6 +215,29 @@ TEST(ObjectsStage, WithoutMasksNothingIsFound) {
   const auto context = run();
   EXPECT_TRUE(read_objects(context->output()).empty());
   EXPECT_FALSE(fs::exists(context->output() / "objects/shapes.ply"));
+}
+
+// What a person called the things that they marked, whatever the class has more.
+TEST(ObjectsStage, TakesTheNamesOfMarks) {
+  TemporaryFolder marked;
+  fs::copy(scene().masks(), marked.path(), fs::copy_options::recursive);
+  write_mask_origins(marked.path(),
+                     {{MaskClass::Transparent, {"boxes", "marked", true}}, {MaskClass::Specular, {"boxes", "marked", true}}},
+                     {"", "kettle", "showcase"});
+  const auto views = load_view_set(scene().sfm()).views;
+  for (const View& view : views) {
+    const ImageF glass = *read_view_mask(scene().masks(), MaskClass::Transparent, view);
+    const ImageF metal = *read_view_mask(scene().masks(), MaskClass::Specular, view);
+    Image16 things(glass.width(), glass.height(), 1);
+    for (size_t i = 0; i < things.data().size(); ++i) things.data()[i] = glass.data()[i] > 0 ? 3 : metal.data()[i] > 0 ? 2 : 0;
+    make_folders(marked_things_path(marked.path(), view).parent_path());
+    write_png16(marked_things_path(marked.path(), view), things);
+  }
+  const ObjectSet set = read_objects(run({{"masks", marked.path()}})->output());
+  ASSERT_EQ(set.objects.size(), 2u);
+  EXPECT_EQ(set.objects[0].name, "showcase");
+  EXPECT_EQ(set.objects[1].name, "kettle");
+  EXPECT_EQ(set.objects[1].trust, ObjectTrust::Marked);
 }
 
 // Masks that the masks stage only guessed become objects that later stages leave alone.
