@@ -6,7 +6,6 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/base/log.h"
@@ -84,11 +83,6 @@ const StageNode& Graph::at(std::string_view name) const {
     if (n.name == name) return n;
     names.push_back(n.name);
   }
-  for (const StageNode& n : nodes)
-    if (stage_name_before(n.name) == name) {
-      log_warning("warning: {}", renamed_stage_message(name, n.name));
-      return n;
-    }
   const std::string near = nearest_word(name, names);
   throw Error(
       ErrorKind::Usage,

@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "core/artifact/current.h"
-#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/inside.h"
@@ -35,18 +34,7 @@ fs::path project_of(const std::string& word) {
                  .why = "it has no vitrine.yaml",
                  .hint = "vitrine run PHOTOS -o DIR makes one",
                  .code = "NO_PROJECT"});
-  adopt_old_results(project);
   return project;
-}
-
-void adopt_old_results(const fs::path& project) {
-  if (!has_results_of_renamed_stages(project)) return;
-  try {
-    const ProjectLock lock(project);
-    for (const std::string& line : adopt_results_of_renamed_stages(project)) log_warning("warning: {}", line);
-  } catch (const Error& e) {  // a folder that cannot be written to, or that is in use: what is there is read as it is
-    log_warning("warning: results of the version before keep their old names: {}", e.message());
-  }
 }
 
 fs::path default_project(const fs::path& photos) {

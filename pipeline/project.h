@@ -8,10 +8,7 @@
 namespace vitrine {
 
 bool is_project(const fs::path& folder);  // made by an earlier run: it has vitrine.yaml
-// An output folder of the version before gets the results of renamed stages under their new names
-// (core/artifact/renamed_stage.h), and says so. Nothing happens to others.
-void adopt_old_results(const fs::path& project);
-// The output folder that a command line names, with old results adopted. Error{Input} when it is none.
+// The output folder that a command line names. Error{Input} when it is none.
 fs::path project_of(const std::string& word);
 // The folder for `vitrine run PHOTOS` without -o.
 fs::path default_project(const fs::path& photos);

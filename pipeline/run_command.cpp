@@ -220,7 +220,6 @@ int dry_run(Planner& planner, const fs::path& project) {
 int run(const RunArguments& a, const Words& words, bool& opened) {
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);
-  if (is_project(target.project)) adopt_old_results(target.project);
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));

@@ -6,7 +6,6 @@
 #include <optional>
 #include <sstream>
 
-#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/config/apply.h"
@@ -88,8 +87,6 @@ Settings::Settings(const Graph& graph) {
   for (const StageNode& node : graph.nodes) {
     options.table.groups.push_back({node.name, node.summary});
     options.add_json(node.description, node.name);
-    if (const std::string before(stage_name_before(node.name)); !before.empty())
-      options.table.renamed.push_back({before, node.name});
   }
 }
 
@@ -131,19 +128,6 @@ bool Settings::apply_preset(const std::string& name, const std::string& where, C
   return true;
 }
 
-void Settings::rename_layers(std::vector<LayerFile>& files, ConfigErrors& errors) const {
-  std::map<std::string, std::string> given;  // section -> file
-  for (LayerFile& file : files) {
-    if (file.prefix.empty()) continue;
-    const std::string now = options.table.present_path(file.prefix);
-    if (const auto [first, fresh] = given.emplace(now, file.path.string()); !fresh)
-      errors.add(file.path.string(),
-                 fmt::format("'{}' is of the same stage, by its old or new name: leave one of them out", first->second));
-    if (now != file.prefix) errors.warn(file.path.string(), renamed_stage_message(file.prefix, now));
-    file.prefix = now;
-  }
-}
-
 void Settings::load(const SettingsDesc& desc) {
   std::vector<LayerFile> files;
   if (const auto user = user_config()) files.push_back({*user, {}});
@@ -157,7 +141,6 @@ void Settings::load(const SettingsDesc& desc) {
     for (const fs::path& path : found) files.push_back({path, path.stem().string()});
   }
   ConfigErrors errors;
-  rename_layers(files, errors);
   const size_t first_of_command = files.size();
   for (const std::string& path : desc.configs) files.push_back({path, {}});
 

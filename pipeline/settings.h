@@ -47,7 +47,6 @@ class Settings {
   };
   std::vector<std::string> warnings_;
   // Files stages/<stage>.yaml under a name of the version before.
-  void rename_layers(std::vector<LayerFile>& files, ConfigErrors& errors) const;
   // A folder `truth` beside the photos, unless input.truth says something, be it "none".
   void find_truth();
   // Relative paths of input.* given by this layer start at `base`.

@@ -1,6 +1,5 @@
 #include "stages/stage_cli.h"
 
-#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
@@ -43,23 +42,6 @@ CommandLine stage_command_line(const StageInfo& info, StageArguments& a) {
   cli.flag("version", 0, a.version, "Print the version.");
   cli.flag("help", 'h', a.help, "Print this text.");
   return cli;
-}
-
-// The part of a file that is the stage's, under its name or the one that it had; null where the whole file is its options.
-const YamlNode* section_of(const YamlFile& file, const std::string& stage, const OptionTable& options, ConfigErrors& errors) {
-  const YamlNode* now = options.find(stage) == nullptr ? file.root.find(stage) : nullptr;
-  const std::string before(stage_name_before(stage));
-  for (const auto& [key, value] : file.root.entries) {
-    if (before.empty() || key.text != before || options.find(before) != nullptr) continue;
-    if (now == nullptr) {
-      errors.warn(file, key.mark, renamed_stage_message(before, stage));
-      return &value;
-    }
-    if (!is_name_of_another_now(before))  // else it is the section of another program
-      errors.add(file, key.mark, key.text.size(),
-                 fmt::format("'{}' and '{}' are the old and the new name of the same: leave one of them out", before, stage));
-  }
-  return now;
 }
 
 }  // namespace
@@ -116,7 +98,8 @@ void apply_stage_config(const StageArguments& arguments, const StageInfo& info, 
   ConfigErrors errors;
   for (const std::string& path : arguments.configs) {
     const YamlFile file = read_yaml(path);
-    const YamlNode* section = section_of(file, info.name, options, errors);
+    // The part of the file that is the stage's; null where the whole file is its options.
+    const YamlNode* section = options.find(info.name) == nullptr ? file.root.find(info.name) : nullptr;
     apply_yaml(file, section ? *section : file.root, options, {.shown = section ? info.name : std::string()}, errors);
   }
   for (const std::string& word : arguments.sets_from) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/artifact/current.h"
-#include "core/artifact/renamed_stage.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/process.h"
@@ -17,10 +16,6 @@ const StageInput& declared(const StageInfo& info, const std::string& name) {
   std::vector<std::string> names;
   for (const StageInput& input : info.inputs) {
     if (input.name == name) return input;
-    if (input.artifact && stage_name_before(input.name) == name) {
-      log_warning("--input: warning: {}", renamed_stage_message(name, input.name));
-      return input;
-    }
     names.push_back(input.name);
   }
   const std::string near = nearest_word(name, names);
@@ -31,21 +26,9 @@ const StageInput& declared(const StageInfo& info, const std::string& name) {
                .code = "BAD_INPUT_NAME"});
 }
 
-// An output folder of `vitrine run` from the version before.
-void refuse_old_results(const std::string& name, const fs::path& folder) {
-  const std::string before(stage_name_before(name));
-  if (before.empty() || !current_key(folder, before)) return;
-  throw Error(ErrorKind::Input, fmt::format("the folder has no result of the stage '{}', which was called '{}'", name, before),
-              {.where = folder.string(),
-               .hint = fmt::format("{} keeps it under the new name", join_command({"vitrine", "status", folder.string()})),
-               .code = "OLD_ARTIFACT"});
-}
-
 ResolvedInput resolve_artifact(const StageInfo& info, const std::string& name, fs::path path, DigestCache& digests) {
   if (const auto key = current_key(path, name))
     path = store_of(path) / name / *key;
-  else
-    refuse_old_results(name, path);
   const fs::path manifest_file = path / kManifestName;
   if (!fs::exists(manifest_file)) return {path, digests.digest_tree(path)};
   const Manifest manifest = manifest_from_json(read_file(manifest_file), manifest_file.string());

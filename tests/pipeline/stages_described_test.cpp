@@ -133,38 +133,6 @@ TEST(Stages, OptionsOfTheVersionBeforeAreAccepted) {
   EXPECT_GT(renamed, 0u);
 }
 
-TEST(Stages, SectionsOfRenamedStagesAreAcceptedInARun) {
-  Settings probe(graph());
-  size_t stages = 0;
-  for (const Renaming& r : probe.options.table.renamed)
-    stages += std::any_of(graph().nodes.begin(), graph().nodes.end(), [&](const StageNode& n) { return n.name == r.now; });
-  EXPECT_GT(stages, 0u);
-  test::expect_old_names_are_accepted([&](const auto& check) {
-    Settings settings(graph());
-    check(settings.options.table);
-  });
-}
-
-TEST(Stages, FilesOfAProjectMayHaveTheNamesOfRenamedStages) {
-  const TemporaryFolder project;
-  write_file(project.path() / "stages/relight.yaml", "points: 1234\n");
-  const auto load = [&] {
-    Settings settings(graph());
-    settings.load({.project = project.path()});
-    return settings.text("decompose.points");
-  };
-  EXPECT_EQ(load(), "1234");
-  write_file(project.path() / "stages/decompose.yaml", "points: 1235\n");
-  EXPECT_NE(error_of(load).message().find("leave one of them out"), std::string::npos);
-}
-
-TEST(Stages, AreFoundByTheNameOfTheVersionBefore) {
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(graph().at("relight").name, "decompose");
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("'relight' is called 'decompose' now"), std::string::npos);
-  EXPECT_THROW(graph().at("relit"), Error) << "it was no stage of a run";
-}
-
 TEST(Presets, AreReadWithoutComplaint) {
   const std::vector<std::string> presets = preset_names();
   for (const char* wanted : {"preview", "standard", "high"})

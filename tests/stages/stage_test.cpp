@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "core/artifact/current.h"
-#include "core/artifact/renamed_stage.h"
 #include "core/artifact/store.h"
 #include "core/base/events.h"
 #include "core/base/json.h"
@@ -245,38 +244,10 @@ std::string points_from(const StageInfo& info, const std::string& yaml) {
   return std::to_string(config.points);
 }
 
-TEST(RenamedStage, ReadsItsSectionUnderTheNameOfTheVersionBefore) {
-  for (const RenamedStage& r : kRenamedStages) {
-    const StageInfo info{.name = std::string(r.now), .summary = "s", .inputs = {}};
-    const std::string before(r.before), now(r.now);
-    testing::internal::CaptureStderr();
-    EXPECT_EQ(points_from(info, "mesh:\n  x: 1\n" + before + ":\n  points: 7\n"), "7");
-    const std::string told = testing::internal::GetCapturedStderr();
-    EXPECT_NE(told.find("options.yaml:3:1: warning: '" + before + "' is called '" + now + "' now"), std::string::npos) << told;
-    EXPECT_EQ(points_from(info, now + ":\n  points: 8\n"), "8");
-    EXPECT_EQ(points_from(info, "points: 9\n"), "9");
-  }
-  // `relight` beside `decompose` is the section of the program that has the name now; `relit` is nobody's.
-  EXPECT_EQ(points_from({.name = "decompose", .summary = "s", .inputs = {}}, "relight:\n  spp: 7\ndecompose:\n  points: 8\n"),
-            "8");
-  EXPECT_NE(points_from({.name = "relight", .summary = "s", .inputs = {}}, "relight:\n  points: 7\nrelit:\n  points: 8\n")
-                .find("'relit' and 'relight' are the old and the new name of the same"),
-            std::string::npos);
-}
-
-TEST(RenamedStage, IsAnInputUnderTheNameOfTheVersionBefore) {
-  const TemporaryFolder folder;
-  write_file(folder.path() / "relight/a.txt", "a");
-  DigestCache digests(folder.path() / "digests.txt");
-  const StageInfo info{.name = "export", .summary = "s", .inputs = {{.name = "decompose", .doc = "d"}}};
-  testing::internal::CaptureStderr();
-  const auto inputs = resolve_inputs(info, {"relight=" + (folder.path() / "relight").string()}, digests);
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("'relight' is called 'decompose' now"), std::string::npos);
-  EXPECT_TRUE(inputs.contains("decompose"));
-  // An output folder of the version before has to be opened by the pipeline first.
-  set_current_key(folder.path(), "relight", "0123");
-  const Error e = error_of([&] { resolve_inputs(info, {"decompose=" + folder.path().string()}, digests); });
-  EXPECT_EQ(e.detail().code, "OLD_ARTIFACT");
+TEST(StageFile, IsItsSectionOrTheWholeFile) {
+  const StageInfo info{.name = "decompose", .summary = "s", .inputs = {}};
+  EXPECT_EQ(points_from(info, "mesh:\n  x: 1\ndecompose:\n  points: 8\n"), "8");
+  EXPECT_EQ(points_from(info, "points: 9\n"), "9");
 }
 
 TEST_F(StageMain, DescribesItself) {
