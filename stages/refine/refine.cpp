@@ -74,8 +74,8 @@ class Refiner {
         context_(context),
         scene_(std::move(scene)),
         capture_(capture_of(config, context)),
-        targets_(load_targets(capture_, context.optional_input("masks"),
-                              LabelledObjects::trusted(context.optional_input("objects")), std::nullopt)),
+        objects_(LabelledObjects::trusted(context.optional_input("objects"))),
+        targets_(load_targets(capture_, context.optional_input("masks"), objects_, std::nullopt)),
         mesh_(read_mesh_ply(context.input("mesh") / "mesh" / "mesh.ply"), scene_.surfels.diffuse,
               voxel_of(context.input("mesh"))),
         // A scene trained on all photos is judged by them.
@@ -168,7 +168,11 @@ class Refiner {
                                                                    .level = kMapLevel});
     log_thickness(regions);
     thick_.assign(mesh_.regions, 0);
-    for (const RegionThickness& r : regions) thick_[r.region] = config_.glass == "thick" || r.thick();
+    const std::vector<uint8_t> solid = regions_of_solid_glass(objects_, views_, mesh_);
+    for (const RegionThickness& r : regions) {
+      thick_[r.region] = config_.glass == "thick" || solid[r.region] || r.thick();
+      given_solid_ = given_solid_ || solid[r.region];
+    }
     start_ = with_thick_glass(scene_, mesh_, thick_, ior);
     report["ior"] = rounded(config_.ior);
     report["regions"] = thickness_json(regions);
@@ -179,7 +183,8 @@ class Refiner {
   }
 
   static bool bends(const TrainedScene& scene) { return scene.image.transmission.thick != nullptr; }
-  bool forced() const { return config_.glass == "thick" && bends(start_); }
+  // By the option, or by the role of an object.
+  bool forced() const { return (config_.glass == "thick" || given_solid_) && bends(start_); }
 
   void find_candidates() {
     const SplatLayer& layer = scene_.surfels.transmittance;
@@ -326,12 +331,14 @@ class Refiner {
   StageContext& context_;
   const TrainedScene scene_;
   const Capture capture_;
+  const LabelledObjects objects_;
   Targets targets_;
   const GlassMesh mesh_;
   const std::vector<uint32_t> judges_;
   std::vector<GlassView> views_;
   TrainedScene start_;          // with thick glass, if any
   std::vector<uint8_t> thick_;  // [regions of the mesh]
+  bool given_solid_ = false;    // an object of the table is solid glass
   std::vector<Candidate> candidates_;
   Quality before_;
   Json report_ = Json::object();

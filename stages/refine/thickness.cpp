@@ -90,6 +90,25 @@ SplatLayer kept_or_blank(const SplatLayer& layer, std::span<const uint8_t> keep)
   return kept;
 }
 
+std::vector<uint8_t> regions_of_solid_glass(const LabelledObjects& objects, std::span<const GlassView> views,
+                                            const GlassMesh& mesh) {
+  std::vector<size_t> solid(mesh.regions, 0), all(mesh.regions, 0);
+  for (const GlassView& v : views) {
+    if (!v.segments.trusted) continue;
+    const Image16 labels = objects.labels(*v.view, v.view->intrinsics);
+    if (labels.empty()) continue;
+    for (size_t i = 0; i < v.segments.kind.size(); ++i) {
+      if (v.segments.kind[i] != SegmentKind::Closed) continue;
+      const Object* object = objects.objects().find(labels.data()[i]);
+      ++all[v.segments.region[i]];
+      solid[v.segments.region[i]] += object != nullptr && object->role == ObjectRole::SolidGlass;
+    }
+  }
+  std::vector<uint8_t> out(mesh.regions);
+  for (size_t r = 0; r < out.size(); ++r) out[r] = 2 * solid[r] > all[r];
+  return out;
+}
+
 TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior) {
   if (auto thick = thick_glass(mesh, chosen, ior)) {
     scene.image.transmission.glass = Glass::Thin;

@@ -6,6 +6,7 @@
 
 #include "core/base/json.h"
 #include "core/model/thick_glass.h"
+#include "core/objects/object_labels.h"
 #include "stages/refine/glass_views.h"
 
 namespace vitrine {
@@ -41,6 +42,9 @@ std::vector<uint8_t> seen_through(const SplatLayer& layer, std::span<const Glass
 // The surfels with keep[i] != 0. Glass shows nothing without a layer, so that of a layer that would be empty one invisible surfel
 // stays.
 SplatLayer kept_or_blank(const SplatLayer& layer, std::span<const uint8_t> keep);
+// [mesh.regions] 1 where most pixels that see the region's closed glass show an object of role solid_glass.
+std::vector<uint8_t> regions_of_solid_glass(const LabelledObjects& objects, std::span<const GlassView> views,
+                                            const GlassMesh& mesh);
 // The scene with bent rays in the chosen regions; as it is, when there are none.
 TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior);
 

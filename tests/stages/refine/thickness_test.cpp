@@ -127,6 +127,17 @@ TEST_F(PaintedRoom, ThinGlassStaysThinUnlessOneInsists) {
   EXPECT_NE(read_trained_scene(capture.optimize(), insisting.output()).image.transmission.thick, nullptr);
 }
 
+TEST_F(PaintedRoom, AnObjectOfSolidGlassIsThickWhateverItLooksLike) {
+  photograph(false);
+  const ObjectSet set{.objects = {{.id = 1, .name = "paperweight", .role = ObjectRole::SolidGlass}}, .shapes = {}};
+  fs::remove_all(masks() / "objects");
+  test::write_objects_artifact(masks(), masks(), capture.views, set);
+  test::RecordingContext context(inputs());
+  const Report report = run(context, "auto");
+  EXPECT_EQ(report.at("state"), "refined");
+  EXPECT_TRUE(report.at("glass").at("bent").get<bool>());
+}
+
 // A training on straight rays has put a picture of the bent room into the ball: here grey things that are not there.
 TEST_F(PaintedRoom, WhatStraightRaysPaintedIntoSolidGlassGoes) {
   SplatLayer& painted = scene.surfels.transmittance;
