@@ -19,7 +19,6 @@ struct MeshFusionConfig {
   double weight_alpha = 0.7;
   double mean_median_voxels = 2;
   double min_valid = 0.05;
-  bool mirror_hull = true;
   int memory_mb = 1024;
 };
 void describe(Describer& d, MeshFusionConfig& c);

@@ -34,7 +34,7 @@ struct LayerPhase {
   double densify_until = 0.75;
   double share = 0.2;  // of max_gaussians
   int initial_surfels = 6000;
-  int hull_points = 4000;  // diffuse surfels on the hull of this phase's masks
+  int hull_points = 4000;  // diffuse surfels on the shapes of this phase's objects
   int sh_degree = 2;
   double geometry_factor = 1;  // of the diffuse layer's rates of geometry, from now on
 };

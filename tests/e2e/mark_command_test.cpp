@@ -47,7 +47,7 @@ TEST_F(MarkCommand, OfARunShowsWhatIsThereAndSaysWhatIsNot) {
   ASSERT_EQ(masked.exit, 0) << masked.text;
   EXPECT_TRUE(masked.said("the marks of this run are not there any more")) << masked.text;
   EXPECT_FALSE(masked.said("has not been computed")) << masked.text;
-  EXPECT_TRUE(has(page, "\"mask_sources\":{\"ignore\":\"none\",\"object\":\"boxes\""));
+  EXPECT_TRUE(has(page, "\"mask_sources\":{\"object\":\"boxes\""));
   EXPECT_TRUE(has(page, "\"runs\":{\"object\":["));
 }
 
