@@ -14,7 +14,7 @@ namespace {
 constexpr double kBehind = 2.2 / 0.06;
 // The same of a coat: paint has no gaps, but a hull fills its hollows.
 constexpr double kBehindCoat = 4;
-constexpr size_t kRows = 8;
+constexpr size_t kBandRows = 8;
 
 // Where surfels of the coats lie at all.
 std::vector<Bounds3> coat_bounds(const ShapeSet& set) {
@@ -61,10 +61,10 @@ void ShapePass::show_mirrors(Frame& frame) {
   const Vec3d eye = frame.view->centre_in_world();
   const std::span<float> normal = frame.diffuse.plane(Aov::Normal), zdepth = frame.diffuse.plane(Aov::ZDepth);
   frame.silhouette.shapes.assign(g.pixels, 0);
-  bands_.resize((static_cast<size_t>(g.height) + kRows - 1) / kRows);
+  bands_.resize((static_cast<size_t>(g.height) + kBandRows - 1) / kBandRows);
   parallel_for(bands_.size(), 1, [&](size_t band) {
-    const size_t end = std::min((band + 1) * kRows * width, g.pixels);
-    for (size_t i = band * kRows * width; i < end; ++i) {
+    const size_t end = std::min((band + 1) * kBandRows * width, g.pixels);
+    for (size_t i = band * kBandRows * width; i < end; ++i) {
       const auto pixel = static_cast<uint32_t>(i);
       const float alpha = g.alpha[pixel];
       if (!(alpha > options_.min_alpha) || !(g.specular[pixel] > options_.polished * alpha)) continue;
@@ -87,7 +87,7 @@ void ShapePass::show_coats(Frame& frame) const {
   const Vec3d eye = frame.view->centre_in_world();
   CoatImages& coats = frame.coats;
   coats.start(g.pixels);
-  parallel_for(static_cast<size_t>(g.height), kRows, [&](size_t row) {
+  parallel_for(static_cast<size_t>(g.height), kBandRows, [&](size_t row) {
     for (size_t i = row * width; i < (row + 1) * width; ++i) {
       const auto pixel = static_cast<uint32_t>(i);
       const float alpha = g.alpha[pixel];

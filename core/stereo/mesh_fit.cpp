@@ -18,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInside = 0.5f;      // coverage
+constexpr float kMaskEdge = 0.5f;    // coverage
 constexpr double kSampleStep = 0.5;  // pixels, along the search for the edge of a mask
 constexpr double kBeside = 1.5;      // pixels outside a contact: where the mesh is there as well, it is no silhouette
 constexpr double kLeastReach = 2.5;  // pixels
@@ -48,13 +48,13 @@ std::optional<double> edge_along(const ImageF& mask, Vec2d at, Vec2d out, double
   const auto value = [&](double s) { return coverage_at(mask, at.x + s * out.x, at.y + s * out.y); };
   const float here = value(0);
   if (here < 0) return std::nullopt;
-  const double sign = here >= kInside ? 1 : -1;
+  const double sign = here >= kMaskEdge ? 1 : -1;
   float before = here;
   for (double s = kSampleStep; s <= reach; s += kSampleStep) {
     const float now = value(sign * s);
     if (now < 0) return std::nullopt;
-    if ((now >= kInside) != (here >= kInside)) {
-      const double part = double(before - kInside) / double(before - now);
+    if ((now >= kMaskEdge) != (here >= kMaskEdge)) {
+      const double part = double(before - kMaskEdge) / double(before - now);
       return sign * (s - kSampleStep + part * kSampleStep);
     }
     before = now;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kBand = 0.035;      // of the picture's longest side: pixels so near to a mask are beside it
 constexpr double kMostPhotos = 0.6;  // of those that have a point in the picture
-constexpr size_t kFewestPhotos = 3;
+constexpr size_t kFewestOfPlane = 3;
 constexpr int kTrials = 600;                // of RANSAC, for each plane
 constexpr double kOnPointPlane_rel = 0.01;  // of the distance from the cameras' centre
 constexpr size_t kFewestPoints = 8;         // on a plane
@@ -70,7 +70,7 @@ std::vector<WeightedPoint> points_about(std::span<const Silhouette> masks, std::
         const uint8_t there = where[v][size_t(at->y) * size_t(masks[v].view.intrinsics.width) + size_t(at->x)];
         ++seen, inside += there == 2, beside += there == 1;
       }
-    if (inside + beside < kFewestPhotos || double(inside + beside) < kMostPhotos * double(seen)) continue;
+    if (inside + beside < kFewestOfPlane || double(inside + beside) < kMostPhotos * double(seen)) continue;
     out.push_back({p, inside > beside ? inside_weight : 1});
   }
   return out;
@@ -188,7 +188,7 @@ std::vector<Plane> rectangles_on(const PointPlane& plane, std::span<const Vec3d>
       const float value = mask.value.at(int(at->x), int(at->y));
       look += value >= 0, marked += value >= 0.5f;
     }
-    inside[i] = marked >= kFewestPhotos && double(marked) >= kInsideShare * double(look);
+    inside[i] = marked >= kFewestOfPlane && double(marked) >= kInsideShare * double(look);
   });
   const ConnectedComponents parts = connected_components(
       inside.size(), [&](size_t i) { return inside[i] != 0; },

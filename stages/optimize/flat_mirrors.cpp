@@ -19,11 +19,11 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInMirror = 0.9f;      // share of a surfel's pixels that the specular masks mark: it is seen in a mirror alone
-constexpr float kBesideMirror = 0.5f;  // less: it stands before it
-constexpr float kSolid = 0.5f;         // opacity of surfels that tell a surface
-constexpr size_t kMostPairs = 1500;    // surfels that are registered
-constexpr float kCell = 0.04f;         // scene units
+constexpr float kInMirror = 0.9f;        // share of a surfel's pixels that the specular masks mark: it is seen in a mirror alone
+constexpr float kBesideMirror = 0.5f;    // less: it stands before it
+constexpr float kSurfaceOpacity = 0.5f;  // opacity of surfels that tell a surface
+constexpr size_t kMostPairs = 1500;      // surfels that are registered
+constexpr float kCell = 0.04f;           // scene units
 constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // scene units, of the rounds
 constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
 constexpr size_t kCandidates = 4;   // nearest surfels, the first of which with a like colour is the pair
@@ -125,7 +125,8 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   Facet plane = start.facets().front();
   Scenery scenery;
   for (uint32_t i = 0; i < diffuse_.size(); ++i) {
-    if (gloss_.share(i) > kBesideMirror || is_glass(diffuse_, i) || sigmoid(*diffuse_.at(Attribute::Opacity, i)) < kSolid)
+    if (gloss_.share(i) > kBesideMirror || is_glass(diffuse_, i) ||
+        sigmoid(*diffuse_.at(Attribute::Opacity, i)) < kSurfaceOpacity)
       continue;
     const Vec3d place = place_of(diffuse_, i);
     if (dot(plane.normal, place) < plane.offset) continue;
@@ -136,7 +137,7 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   }
   std::vector<uint32_t> sample;
   for (const uint32_t i : mirror.behind)
-    if (sigmoid(*diffuse_.at(Attribute::Opacity, i)) > kSolid) sample.push_back(i);
+    if (sigmoid(*diffuse_.at(Attribute::Opacity, i)) > kSurfaceOpacity) sample.push_back(i);
   if (const size_t all = sample.size(); all > kMostPairs) {
     for (size_t k = 0; k < kMostPairs; ++k) sample[k] = sample[k * all / kMostPairs];
     sample.resize(kMostPairs);

@@ -26,7 +26,7 @@ constexpr double kBorrowReach = 0.12;
 constexpr double kOneSurface = 1.12;     // ratio of depths up to which neighbouring points are taken for one surface
 constexpr double kUnknownDemand = 0.5;   // a pixel without a depth: half as much as one that its photo alone sees
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
-constexpr double kSky = 0.9;             // of the background's distance
+constexpr double kSkyShare = 0.9;        // of the background's distance
 
 struct Seed {
   Vec3f position, normal, linear;
@@ -129,7 +129,7 @@ void add_frustum_points(const OptimizeConfig& config, const Capture& capture, co
       // The pixel's plane, met by the ray through (x, y).
       const Vec3d normal = cast<double>(map.normal[pixel]);
       const double facing = dot(normal, k.ray(x, y));
-      const bool sky = double(map.zdepth[pixel]) > kSky * dense.background;
+      const bool sky = double(map.zdepth[pixel]) > kSkyShare * dense.background;
       const double z = sky ? dense.background / length(k.ray(x, y))
                            : double(map.zdepth[pixel]) * dot(normal, matched.ray(mx + 0.5, my + 0.5)) / facing;
       if (!(facing < 0) || !(z > 0)) continue;
