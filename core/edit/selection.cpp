@@ -11,19 +11,14 @@
 #include "core/base/process.h"
 #include "core/camera/projection.h"
 #include "core/image/resample.h"
-#include "core/render/renderer.h"
+#include "core/objects/part_labels.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr int kMaskSide = 320;          // of the pictures in which masks are looked up
-constexpr float kInside = 0.5f;         // share from which a part belongs to a class; mask value inside
-constexpr float kLeastSeen = 0.5f;      // pixels, summed over the photos: less was hidden
-constexpr double kHullShare = 0.8;      // of the photos that must show a hidden place inside the mask
-constexpr size_t kHullViews = 3;        // and at least so many that have it in the picture
+constexpr float kInside = 0.5f;         // mask value from which a pixel is inside
 constexpr float kReachEdges = 3;        // mean edges of the mesh: surfels farther away lie on no component
-constexpr float kOffSurface = 0.5f;     // mean edges: rays to the cameras start this far from the mesh
 constexpr size_t kNamedComponents = 5;  // in the error that another does not exist
 constexpr size_t kGrain = 256;
 
@@ -65,24 +60,11 @@ void combine(Parts& a, const Parts& b, Op&& op) {
     for (size_t i = 0; i < (a.*list).size(); ++i) (a.*list)[i] = op((a.*list)[i], (b.*list)[i]);
 }
 
-// By a pixel: what stands on the silhouette of a thing belongs to it, and its centre falls on either side.
-ImageF widened(const ImageF& mask) {
-  ImageF out = mask;
-  for (int y = 0; y < mask.height(); ++y)
-    for (int x = 0; x < mask.width(); ++x)
-      for (int v = std::max(0, y - 1); v <= std::min(y + 1, mask.height() - 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(x + 1, mask.width() - 1); ++u)
-          out.at(x, y) = std::max(out.at(x, y), mask.at(u, v));
+template <class Ids>
+std::vector<uint8_t> equal_to(const Ids& ids, uint16_t id) {
+  std::vector<uint8_t> out(ids.size());
+  std::ranges::transform(ids, out.begin(), [&](uint16_t other) { return uint8_t(other == id); });
   return out;
-}
-
-// Stands behind the mask in nearly all photos that have it in the picture.
-template <class Views>
-bool in_hull(const Views& views, const Vec3d& p) {
-  size_t seen = 0, inside = 0;
-  for (const auto& v : views)
-    if (const auto px = image_point(p, v.view)) ++seen, inside += v.mask.at(int(px->x), int(px->y)) > kInside;
-  return seen >= kHullViews && double(inside) >= kHullShare * double(seen);
 }
 
 }  // namespace
@@ -215,109 +197,61 @@ std::vector<MaskClass> SceneSelector::classes() const {
   return out;
 }
 
-std::vector<SceneSelector::MaskedView> SceneSelector::views_with(const PixelsOf& pixels) const {
-  std::vector<MaskedView> out;
-  for (View view : views_) {
-    throw_if_interrupted();
-    const auto mask = pixels(view);
-    if (!mask) continue;
-    view.intrinsics = view.intrinsics.limited_to(kMaskSide);
-    out.push_back({view, widened(resized(*mask, view.intrinsics.width, view.intrinsics.height))});
-  }
-  return out;
-}
-
 const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
   if (const auto known = classes_.find(kind); known != classes_.end()) return known->second;
-  const std::vector<MaskedView> views = views_with([&](const View& view) { return pixels_.of(kind, view); });
+  std::vector<LabelledView> views;  // label 1: inside
+  for (View view : views_) {
+    throw_if_interrupted();
+    const auto mask = pixels_.of(kind, view);
+    if (!mask) continue;
+    view.intrinsics = view.intrinsics.limited_to(kLabelSide);
+    const ImageF small = resized(*mask, view.intrinsics.width, view.intrinsics.height);
+    Image16 labels(small.width(), small.height(), 1);
+    std::ranges::transform(small.data(), labels.data().begin(), [](float v) { return uint16_t(v > kInside); });
+    views.push_back({view, std::move(labels)});
+  }
   if (views.empty())
     throw Error(ErrorKind::Input, fmt::format("this scene has no masks of the class '{}'", name(kind)),
                 {.where = where,
                  .why = "nothing of this class is marked, or the stages masks and objects have not been computed",
                  .hint = "vitrine run ... --masks marks.yaml makes them; boxes, marks and components need none",
                  .code = "NO_MASKS"});
-  return classes_[kind] = seen_in(views);
+  const SplatScene& surfels = scene_.trained.surfels;
+  const auto places = [&](size_t count, const auto& place) { return equal_to(labels_of_places(count, place, views), 1); };
+  Parts out;
+  out.diffuse = equal_to(labels_of_surfels(surfels.diffuse, scene_.trained.image.diffuse.near_z, views).label, 1);
+  out.transmittance = places(surfels.transmittance.size(), [&](size_t i) { return mean_of(surfels.transmittance, i); });
+  out.content = places(scene_.content.positions.size(), [&](size_t v) { return cast<double>(scene_.content.positions[v]); });
+  out.vertices = equal_to(labels_of_vertices(scene_.mesh, views), 1);
+  out.walls.assign(scene_.surroundings.positions.size(), 0);
+  set_faces(scene_.mesh, out);
+  return classes_[kind] = std::move(out);
 }
 
-const Parts& SceneSelector::of_object(const std::string& name, const std::string& where) {
-  if (const auto known = objects_.find(name); known != objects_.end()) return known->second;
-  const std::vector<std::string> names = pixels_.object_names();
-  if (std::ranges::find(names, name) == names.end())
+Parts SceneSelector::of_object(const std::string& name, const std::string& where) const {
+  const std::vector<Object>& objects = pixels_.objects().objects;
+  const auto object = std::ranges::find(objects, name, &Object::name);
+  if (object == objects.end()) {
+    std::vector<std::string> names;
+    for (const Object& o : objects) names.push_back(o.name);
     throw Error(ErrorKind::Input, fmt::format("this scene has no object '{}'", name),
                 {.where = where,
                  .why = names.empty() ? std::string("its table of objects is empty, or the stage objects has not been computed")
                                       : fmt::format("its objects are: {}", fmt::join(names, ", ")),
                  .hint = "objects/objects.json has the names; vitrine run ... --masks marks.yaml gives them",
                  .code = "NO_OBJECT"});
-  return objects_[name] = seen_in(views_with([&](const View& view) { return pixels_.of_object(name, view); }));
-}
-
-Parts SceneSelector::seen_in(std::span<const MaskedView> views) {
+  }
+  const SplatScene& surfels = scene_.trained.surfels;
+  const auto those = [&](std::span<const uint16_t> ids, size_t count) {
+    return ids.empty() ? std::vector<uint8_t>(count, 0) : equal_to(ids, object->id);
+  };
   Parts out;
-  out.diffuse = surfels_seen_in(views);
-  const SplatLayer& behind_glass = scene_.trained.surfels.transmittance;
-  out.transmittance.resize(behind_glass.size());
-  parallel_for(out.transmittance.size(), kGrain,
-               [&](size_t i) { out.transmittance[i] = in_hull(views, mean_of(behind_glass, i)); });
-  out.content.resize(scene_.content.positions.size());
-  parallel_for(out.content.size(), kGrain,
-               [&](size_t v) { out.content[v] = in_hull(views, cast<double>(scene_.content.positions[v])); });
-  out.vertices = vertices_seen_in(views);
+  out.diffuse = those(surfels.diffuse.object_ids(), surfels.diffuse.size());
+  out.transmittance = those(surfels.transmittance.object_ids(), surfels.transmittance.size());
+  out.vertices = those(scene_.mesh.object_ids, scene_.mesh.positions.size());
+  out.content = those(scene_.content.object_ids, scene_.content.positions.size());
   out.walls.assign(scene_.surroundings.positions.size(), 0);
   set_faces(scene_.mesh, out);
-  return out;
-}
-
-std::vector<uint8_t> SceneSelector::surfels_seen_in(std::span<const MaskedView> views) const {
-  const SplatLayer& layer = scene_.trained.surfels.diffuse;
-  const auto renderer = make_renderer(Backend::Cpu);
-  RasterImages images, gradients;
-  SplatLayer unused = layer.zeros_like();
-  std::vector<double> inside(layer.size(), 0), all(layer.size(), 0);
-  for (const MaskedView& v : views) {
-    throw_if_interrupted();
-    const RasterDesc desc{.intrinsics = v.view.intrinsics,
-                          .cam_from_world = v.view.cam_from_world,
-                          .features = FeatureSet::ColorOnly,
-                          .sh_degree = 0,
-                          .near_z = scene_.trained.image.diffuse.near_z};
-    renderer->forward(layer, desc, images);
-    // The reverse of the rasteriser counts how many pixels each surfel fills; it has no gradients to hand on.
-    gradients.reset(desc);
-    SurfelStatistics statistics;
-    renderer->backward({.gradients = &gradients}, unused, &statistics);
-    parallel_for(layer.size(), kGrain, [&](size_t i) {
-      const auto px = statistics.weight[i] > 0 ? image_point(mean_of(layer, i), v.view) : std::nullopt;
-      if (!px) return;
-      inside[i] += double(statistics.weight[i]) * double(v.mask.at(int(px->x), int(px->y)));
-      all[i] += double(statistics.weight[i]);
-    });
-  }
-  std::vector<uint8_t> out(layer.size());
-  parallel_for(out.size(), kGrain, [&](size_t i) {
-    out[i] = all[i] > kLeastSeen ? inside[i] > kInside * all[i] : in_hull(views, mean_of(layer, i));
-  });
-  return out;
-}
-
-std::vector<uint8_t> SceneSelector::vertices_seen_in(std::span<const MaskedView> views) {
-  if (!hits_) hits_ = std::make_unique<MeshHits>(scene_.mesh);
-  const float off = kOffSurface * reach_ / kReachEdges;
-  std::vector<uint8_t> out(scene_.mesh.positions.size());
-  parallel_for(out.size(), kGrain, [&](size_t v) {
-    const Vec3f p = scene_.mesh.positions[v];
-    size_t seen = 0;
-    float inside = 0;
-    for (const MaskedView& view : views) {
-      const auto px = image_point(cast<double>(p), view.view);
-      if (!px) continue;
-      const Vec3f to_camera = cast<float>(view.view.centre_in_world()) - p;
-      const float distance = length(to_camera);
-      if (hits_->occluded(p, to_camera / distance, off, distance)) continue;
-      ++seen, inside += view.mask.at(int(px->x), int(px->y));
-    }
-    out[v] = seen > 0 ? inside > kInside * float(seen) : in_hull(views, cast<double>(p));
-  });
   return out;
 }
 

@@ -1,9 +1,7 @@
 // Which surfels and which parts of the mesh a selector means.
-//   class      the photos that see it show it inside the masks. For a surfel each photo counts by the pixels that it fills there,
-//                share = sum w m / sum w,   w = summed blending weights, m = mask at its centre;
-//              for a vertex those photos count in which the mesh does not hide it. What no photo sees (the inside of a
-//              thing) belongs to the class when it stands behind the mask in nearly all photos: its visual hull.
-//   object     the same with the labels of an object (core/objects)
+//   class      what the photos that see it show inside the masks; what no photo sees belongs to the class when it stands behind
+//                the mask in nearly all photos (core/objects/part_labels.h)
+//   object     what carries the id of the object (core/objects), as trained and meshed
 //   box        the place itself          marks      the place, projected into every marked photo
 //   component  faces of the mesh that hang together; surfels near them, and what glass shows inside of them
 // The mesh of what stands behind glass is selected as the surfels that glass shows are.
@@ -12,7 +10,6 @@
 
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,7 +21,6 @@
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/objects/class_pixels.h"
-#include "core/trace/mesh_hits.h"
 
 namespace vitrine {
 
@@ -38,10 +34,12 @@ class SceneSelector {
   // All but the pixels must live as long as this; edits that change materials or delete parts change no selection.
   SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
 
-  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks, or an object or a component does not exist.
+  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks, or an object or a component does not
+  // exist.
   Parts select(const Selector& selector, const std::string& where);
   const std::vector<MeshComponent>& components() const { return components_; }  // from most faces to fewest
 
+  const ObjectSet& objects() const { return pixels_.objects(); }
   // Classes of which there are masks.
   std::vector<MaskClass> classes() const;
   // The component of each surfel of a layer, numbered as in Selector; 0: of none.
@@ -51,29 +49,18 @@ class SceneSelector {
   const SurfelComponents& surfel_components() const;
 
  private:
-  struct MaskedView {
-    View view;
-    ImageF mask;
-  };
-  using PixelsOf = std::function<std::optional<ImageF>(const View&)>;
   const Parts& of_class(MaskClass kind, const std::string& where);
-  const Parts& of_object(const std::string& name, const std::string& where);
-  std::vector<MaskedView> views_with(const PixelsOf& pixels) const;
-  Parts seen_in(std::span<const MaskedView> views);
+  Parts of_object(const std::string& name, const std::string& where) const;
   // What is near a component, or, for what glass shows, inside of one; 0: nothing.
   uint32_t component_near(const Vec3f& p) const;
   uint32_t component_around(const Vec3f& p) const;
   Parts of_component(size_t component, const std::string& where) const;
   Parts where_place(const std::function<bool(const Vec3d&)>& inside) const;
-  std::vector<uint8_t> surfels_seen_in(std::span<const MaskedView> views) const;
-  std::vector<uint8_t> vertices_seen_in(std::span<const MaskedView> views);
 
   const EditScene& scene_;
   std::span<const View> views_;
   ClassPixels pixels_;
   std::map<MaskClass, Parts> classes_;
-  std::map<std::string, Parts> objects_;
-  std::unique_ptr<MeshHits> hits_;
   MeshDistance distance_;
   float reach_ = 0;
   std::vector<uint32_t> component_of_face_;  // index into components_

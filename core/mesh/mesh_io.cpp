@@ -26,6 +26,7 @@ uint8_t encoded_byte(float linear) {
 void check_consistent(const TriMesh& mesh) {
   VITRINE_CHECK(mesh.normals.empty() || mesh.normals.size() == mesh.positions.size(), "one normal per vertex");
   VITRINE_CHECK(mesh.colors.empty() || mesh.colors.size() == mesh.positions.size(), "one colour per vertex");
+  VITRINE_CHECK(mesh.object_ids.empty() || mesh.object_ids.size() == mesh.positions.size(), "one object per vertex");
 }
 
 template <class T>
@@ -267,9 +268,9 @@ class PlyFile {
   }
 
   void read_vertices(const Element& e, TriMesh& mesh) {
-    static constexpr std::string_view kNames[9] = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
+    static constexpr std::string_view kNames[10] = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "object_id"};
     std::vector<int> slots;
-    bool present[9] = {};
+    bool present[10] = {};
     for (const Property& p : e.properties) {
       const auto found = std::find(std::begin(kNames), std::end(kNames), p.name);
       const bool used = found != std::end(kNames) && p.list_size == Scalar::None;
@@ -279,22 +280,27 @@ class PlyFile {
     if (!(present[0] && present[1] && present[2])) fail("the vertices have no x, y, z");
     if (!mesh.positions.empty()) fail("it has two vertex elements");
     const bool normals = present[3] && present[4] && present[5], colors = present[6] && present[7] && present[8];
+    const bool objects = present[9];
     mesh.positions.reserve(e.count);
     if (normals) mesh.normals.reserve(e.count);
     if (colors) mesh.colors.reserve(e.count);
+    if (objects) mesh.object_ids.reserve(e.count);
     for (size_t i = 0; i < e.count; ++i) {
-      float value[9] = {};
+      float value[10] = {};
       for (size_t k = 0; k < e.properties.size(); ++k) {
         const Property& p = e.properties[k];
         if (slots[k] < 0)
           skip_property(p);
         else
-          value[slots[k]] = static_cast<float>(slots[k] >= 6 ? next(p.type) / full_scale(p.type) : next(p.type));
+          value[slots[k]] = static_cast<float>(slots[k] >= 6 && slots[k] < 9 ? next(p.type) / full_scale(p.type) : next(p.type));
       }
       for (float v : value)
         if (!std::isfinite(v)) fail(fmt::format("vertex {} is not finite", i));
       mesh.positions.push_back({value[0], value[1], value[2]});
       if (normals) mesh.normals.push_back({value[3], value[4], value[5]});
+      if (objects && !(value[9] >= 0 && value[9] <= 65535))
+        fail(fmt::format("vertex {} has no id of an object: {}", i, value[9]));
+      if (objects) mesh.object_ids.push_back(static_cast<uint16_t>(value[9]));
       if (colors) mesh.colors.push_back({linear_from_srgb(value[6]), linear_from_srgb(value[7]), linear_from_srgb(value[8])});
     }
   }
@@ -334,13 +340,15 @@ void write_mesh_ply(const fs::path& path, const TriMesh& mesh) {
   out += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", mesh.positions.size());
   if (!mesh.normals.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.colors.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  if (!mesh.object_ids.empty()) out += "property ushort object_id\n";
   out += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.faces.size());
-  out.reserve(out.size() + mesh.positions.size() * 27 + mesh.faces.size() * 13);
+  out.reserve(out.size() + mesh.positions.size() * 29 + mesh.faces.size() * 13);
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     append_raw(out, mesh.positions[v]);
     if (!mesh.normals.empty()) append_raw(out, mesh.normals[v]);
     if (!mesh.colors.empty())
       for (size_t c = 0; c < 3; ++c) append_raw(out, encoded_byte(mesh.colors[v][c]));
+    if (!mesh.object_ids.empty()) append_raw(out, mesh.object_ids[v]);
   }
   for (const auto& f : mesh.faces) {
     append_raw(out, uint8_t{3});

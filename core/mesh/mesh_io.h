@@ -1,4 +1,4 @@
-// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours). The reader takes ASCII and
+// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours, object_id). The reader takes ASCII and
 // binary PLY, polygons are fanned; it checks every count against the file size before it allocates.
 #pragma once
 

@@ -56,6 +56,7 @@ TriMesh submesh(const TriMesh& mesh, std::span<const uint8_t> keep) {
     out.positions.push_back(mesh.positions[v]);
     if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
     if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+    if (!mesh.object_ids.empty()) out.object_ids.push_back(mesh.object_ids[v]);
   }
   for (size_t f = 0; f < keep.size(); ++f)
     if (keep[f]) out.faces.push_back({number[mesh.faces[f][0]], number[mesh.faces[f][1]], number[mesh.faces[f][2]]});

@@ -29,15 +29,4 @@ std::optional<ImageF> ClassPixels::of(MaskClass kind, const View& photo) const {
   return out.empty() ? std::nullopt : std::optional(std::move(out));
 }
 
-std::optional<ImageF> ClassPixels::of_object(const std::string& name, const View& photo) const {
-  ImageF out = objects_.coverage(photo, photo.intrinsics, [&](const Object& o) { return o.name == name; });
-  return out.empty() ? std::nullopt : std::optional(std::move(out));
-}
-
-std::vector<std::string> ClassPixels::object_names() const {
-  std::vector<std::string> out;
-  for (const Object& o : objects_.objects().objects) out.push_back(o.name);
-  return out;
-}
-
 }  // namespace vitrine

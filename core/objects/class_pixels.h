@@ -18,9 +18,7 @@ class ClassPixels {
   bool has(MaskClass kind) const;
   // [h,w,1] in [0,1] at the size of the photo's view; nullopt: nothing is known of this photo. Throws Error{Input}.
   std::optional<ImageF> of(MaskClass kind, const View& photo) const;
-  // The same of one object, by its name.
-  std::optional<ImageF> of_object(const std::string& name, const View& photo) const;
-  std::vector<std::string> object_names() const;
+  const ObjectSet& objects() const { return objects_.objects(); }
 
  private:
   std::optional<std::filesystem::path> masks_;

@@ -20,6 +20,7 @@ static_assert(std::endian::native == std::endian::little, "the file is little-en
 
 constexpr std::string_view kMagic = "ply\nformat binary_little_endian 1.0\n";
 constexpr int kFormatVersion = 1;
+constexpr std::string_view kObjectProperty = "property ushort object_id";
 // Far above any scene that fits into memory; a larger count is a damaged header.
 constexpr size_t kMaxSurfels = size_t(1) << 31;
 
@@ -44,6 +45,7 @@ std::string header_of(const SplatLayer& layer) {
                       kFormatVersion, name(layer.kind()), layer.sh_degree());
   text += fmt::format("element vertex {}\n", layer.size());
   for (const std::string& property : property_names(layer)) text += "property float " + property + "\n";
+  if (!layer.object_ids().empty()) text += fmt::format("{}\n", kObjectProperty);
   return text + "end_header\n";
 }
 
@@ -64,6 +66,11 @@ class HeaderReader {
     const std::string_view line = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     return line;
+  }
+  bool skip_line(std::string_view line) {
+    if (!bytes_.substr(position_).starts_with(fmt::format("{}\n", line))) return false;
+    position_ += line.size() + 1;
+    return true;
   }
   // The rest of the next line, which must begin with `prefix`.
   std::string_view expect(std::string_view prefix) {
@@ -94,14 +101,19 @@ void write_layer(const fs::path& path, const SplatLayer& layer) {
   size_t floats_per_surfel = 0;
   for (const AttributeRow& r : kAttributes) floats_per_surfel += layer.width(r.id);
   const size_t start = bytes.size();
-  bytes.resize(start + layer.size() * floats_per_surfel * sizeof(float));
+  const std::span<const uint16_t> ids = layer.object_ids();
+  bytes.resize(start + layer.size() * (floats_per_surfel * sizeof(float) + (ids.empty() ? 0 : sizeof(uint16_t))));
   char* out = bytes.data() + start;
-  for (size_t i = 0; i < layer.size(); ++i)
+  for (size_t i = 0; i < layer.size(); ++i) {
     for (const AttributeRow& r : kAttributes) {
       const size_t size = layer.width(r.id) * sizeof(float);
       if (size > 0) std::memcpy(out, layer.at(r.id, i), size);
       out += size;
     }
+    if (ids.empty()) continue;
+    std::memcpy(out, &ids[i], sizeof(uint16_t));
+    out += sizeof(uint16_t);
+  }
   write_file(path, bytes);
 }
 
@@ -128,13 +140,16 @@ SplatLayer read_layer(const fs::path& path) {
   for (const std::string& property : names)
     if (const std::string_view found = header.expect("property float "); found != property)
       header.fail(fmt::format("property '{}' where '{}' belongs", found, property));
+  const bool has_ids = header.skip_line(kObjectProperty);
   header.expect("end_header");
 
-  const size_t wanted = count * names.size() * sizeof(float), present = bytes.size() - header.position();
+  const size_t wanted = count * (names.size() * sizeof(float) + (has_ids ? sizeof(uint16_t) : 0)),
+               present = bytes.size() - header.position();
   if (present != wanted) header.fail(fmt::format("{} surfels need {} bytes, {} are there", count, wanted, present));
   layer.resize(count);
   const char* in = bytes.data() + header.position();
-  for (size_t i = 0; i < count; ++i)
+  std::vector<uint16_t> ids(has_ids ? count : 0);
+  for (size_t i = 0; i < count; ++i) {
     for (const AttributeRow& r : kAttributes) {
       const size_t width = layer.width(r.id);
       if (width == 0) continue;
@@ -144,6 +159,11 @@ SplatLayer read_layer(const fs::path& path) {
       for (size_t c = 0; c < width; ++c)
         if (!std::isfinite(values[c])) header.fail(fmt::format("{} of surfel {} is not a finite number", r.name, i));
     }
+    if (!has_ids) continue;
+    std::memcpy(&ids[i], in, sizeof(uint16_t));
+    in += sizeof(uint16_t);
+  }
+  layer.set_object_ids(std::move(ids));
   return layer;
 }
 

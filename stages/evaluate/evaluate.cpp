@@ -17,6 +17,7 @@
 #include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/layer_pictures.h"
 #include "stages/evaluate/neutral_shift.h"
+#include "stages/evaluate/object_agreement.h"
 #include "stages/evaluate/photo.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_error.h"
@@ -69,6 +70,9 @@ class Evaluator {
       result_.regions_from = "objects";
     score_views();
     if (truth_) finish_truth();
+    for (const auto& [id, iou] : agreement_.iou())
+      if (const auto known = result_.objects.find(id); known != result_.objects.end()) known->second.iou = iou;
+    result_.surfel_objects = agreement_.surfel_accuracy();
     write_file(context_.output() / "eval" / "metrics.json", metrics_json(result_));
     write_file(context_.output() / "eval" / "per_view.csv", per_view_csv(result_));
     if (!sheet_.empty())
@@ -187,7 +191,7 @@ class Evaluator {
 
   void score_objects(size_t index, const ViewPicture& render, const ImageF& photo, const std::optional<ImageF>& judged,
                      ViewScore& score) {
-    const Image16 labels = objects_.labels(views_[index], render.intrinsics);
+    Image16 labels = objects_.labels(views_[index], render.intrinsics);
     if (labels.empty()) return;
     for (const Object& object : objects_.objects().objects) {
       ImageF shown(labels.width(), labels.height(), 1);
@@ -195,8 +199,11 @@ class Evaluator {
       if (judged) keep_within(*judged, shown);
       if (std::ranges::count(shown.data(), 1.f) < config_.min_region_pixels) continue;
       score.object_psnr[object.id] = psnr(render.srgb, photo, &shown);
-      result_.object_names[object.id] = object.name;
+      result_.objects[object.id].name = object.name;
     }
+    View seen = views_[index];
+    seen.intrinsics = render.intrinsics;
+    agreement_.add({seen, std::move(labels)});
   }
 
   // The masks inside which the scene was trained, if it was not trained everywhere.
@@ -418,6 +425,7 @@ class Evaluator {
   bool layered_;  // there is more than the diffuse layer
   std::optional<fs::path> masks_;
   LabelledObjects objects_;
+  ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z};
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass

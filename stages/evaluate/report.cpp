@@ -30,6 +30,14 @@ Json definitions(const Evaluation& e) {
       "reflective = specular and not transparent, rest = neither transparent nor specular; where the truth has masks of clear "
       "coats, coated = these without the transparent, mirror = reflective and not coated; masks from {}",
       e.min_region_pixels, e.regions_from == "objects" ? "the objects stage" : "the truth");
+  if (!e.objects.empty()) {
+    d["objects.*.psnr"] = "as regions.*.psnr, over the pixels with the object's label";
+    d["objects.*.iou"] =
+        "pixels of all held-out views in which the surfels that carry the object's id have the largest blended weight and the "
+        "label is the object's, over the pixels where one of the two holds";
+    d["surfel_objects"] =
+        "share of the surfels that held-out views show which carry the id of the label that outweighs the others there";
+  }
   d["neutral.shift"] = fmt::format(
       "the largest ratio between two channels of (render / photo), less 1: median over the pixels of a held-out view that are "
       "bright, neutral and without texture in the photo and opaque in the render, in linear light; the largest of the views with "
@@ -193,12 +201,15 @@ std::string metrics_json(const Evaluation& e) {
     regions["masks"] = e.regions_from;
     j["regions"] = regions;
   }
-  for (const auto& [id, object] : e.object_names) {
+  for (const auto& [id, object] : e.objects) {
     std::vector<double> psnr;
     for (const ViewScore& v : e.views)
       if (const auto it = v.object_psnr.find(id); v.heldout && it != v.object_psnr.end()) psnr.push_back(it->second);
-    if (!psnr.empty()) j["objects"].push_back({{"id", id}, {"name", object}, {"psnr", mean(psnr)}, {"views", psnr.size()}});
+    if (psnr.empty()) continue;
+    j["objects"].push_back({{"id", id}, {"name", object.name}, {"psnr", mean(psnr)}, {"views", psnr.size()}});
+    if (object.iou) j["objects"].back()["iou"] = *object.iou;
   }
+  if (e.surfel_objects) j["surfel_objects"] = *e.surfel_objects;
   if (const ViewScore* v = strongest_neutral_shift(e)) {
     const auto measured = std::count_if(e.views.begin(), e.views.end(),
                                         [](const ViewScore& s) { return s.heldout && s.neutral_shift.has_value(); });

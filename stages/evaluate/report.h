@@ -53,7 +53,12 @@ struct Evaluation {
   std::optional<TruthScores> truth;
   double mesh_threshold_rel = 0;
   int min_region_pixels = 0;
-  std::map<uint16_t, std::string> object_names;     // those of the table of objects that some view shows
+  struct ObjectScore {
+    std::string name;
+    std::optional<double> iou;  // (object_agreement.h)
+  };
+  std::map<uint16_t, ObjectScore> objects;          // by id: those of the table of objects that some held-out view shows
+  std::optional<double> surfel_objects;             // share of surfels with the right id
   std::string regions_from;                         // "truth", "objects", or empty: there are none
   std::map<std::string, std::string> not_measured;  // key of metrics.json -> reason
 };

@@ -17,6 +17,7 @@
 #include "core/mesh/mesh_topology.h"
 #include "core/mesh/repair_cgal.h"
 #include "core/model/opened_scene.h"
+#include "core/objects/part_labels.h"
 #include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
 #include "stages/mesh/behind_glass.h"
@@ -145,12 +146,13 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
 }
 
 // mesh/behind_glass.ply, where glass shows something.
-void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views, const TriMesh& mesh,
-                        FusionDesc fusion, RenderedDepth& shell, StageContext& context, Json& report) {
+void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views,
+                        std::span<const LabelledView> labels, const TriMesh& mesh, FusionDesc fusion, RenderedDepth& shell,
+                        StageContext& context, Json& report) {
   OpenedScene content;
   without_glass(scene.surfels, opened_degrees(scene.surfels, scene.image), content);
   RenderedDepth inside(config, content.surfels, scene.image.diffuse.near_z, views);
-  const TriMesh behind =
+  TriMesh behind =
       behind_glass({.mesh = mesh,
                     .diffuse = scene.surfels.diffuse,
                     .views = views.size(),
@@ -166,6 +168,9 @@ void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, con
                      context.progress({.fraction = 0.96 + 0.04 * f, .text = "what stands behind glass", .values = {}});
                    });
   if (behind.faces.empty()) return;
+  if (!labels.empty())
+    behind.object_ids = labels_of_places(
+        behind.positions.size(), [&](size_t v) { return cast<double>(behind.positions[v]); }, labels);
   write_mesh_ply(context.output() / "mesh" / "behind_glass.ply", behind);
   report["behind_glass"] = json_of(mesh_report(behind));
   context.metric("faces_behind_glass", static_cast<double>(behind.faces.size()));
@@ -246,9 +251,11 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   TriMesh mesh = cleaned(raw, config, context, report);
   report["vertices_on_shapes"] = mirrors.put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
+  const std::vector<LabelledView> labels = labelled_views(LabelledObjects::all(context.optional_input("objects")), views);
+  if (!labels.empty()) mesh.object_ids = labels_of_vertices(mesh, labels);
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
   if (scene.surfels.transmittance.size() > 0)
-    write_behind_glass(config, scene, views, mesh, fusion_desc, rendered, context, report);
+    write_behind_glass(config, scene, views, labels, mesh, fusion_desc, rendered, context, report);
   const MeshReport final_report = mesh_report(mesh);
   report["mesh"] = json_of(final_report);
   report["mesh"]["self_intersections"] = self_intersection_count(mesh);

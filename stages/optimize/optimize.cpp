@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/timer.h"
+#include "core/objects/part_labels.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
 #include "core/train/capture.h"
@@ -189,9 +190,13 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
 
   RunReport report{.max_surfels = max_surfels, .heldout = {}};
   report.heldout = measure(*trainer, setup, capture.heldout);
+  SplatScene scene = trainer->scene();
+  std::vector<View> seen;
+  for (const uint32_t photo : capture.train) seen.push_back(capture.view_set.views[photo]);
+  assign_objects(labelled_views(LabelledObjects::all(context.optional_input("objects")), seen), capture.near_z, scene.diffuse,
+                 scene.transmittance);
   for (LayerKind kind : kAllLayers)
-    if (layers.has(kind))
-      write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), trainer->scene().layer(kind));
+    if (layers.has(kind)) write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), scene.layer(kind));
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture, alone);
   if (part) write_trained_masks(context.output() / "optimize/trained", capture, targets);

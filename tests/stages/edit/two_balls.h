@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/light/environment.h"
+#include "core/objects/part_labels.h"
 #include "core/picture/decomposed_materials.h"
 #include "tests/support/tiny_capture.h"
 #include "tests/support/written_objects.h"
@@ -40,12 +41,15 @@ class TwoBalls {
     mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
     mesh.colors.assign(mesh.positions.size(), Vec3f{0.5f, 0.5f, 0.5f});
 
-    write_layer(capture.optimize() / "gaussians/diffuse.ply", layer);
-    write_layer(capture.optimize() / "gaussians/transmittance.ply", behind_glass);
-    write_mesh_ply(capture.mesh() / "mesh/mesh.ply", mesh);
     write_decomposed_materials(decompose(), materials);
     write_environment(decomposed_environment_path(decompose()), Environment(ImageF(8, 4, 3, 1.f)));
     write_masks();
+    const std::vector<LabelledView> labels = labelled_views(LabelledObjects::all(masks()), capture.views);
+    assign_objects(labels, 0.01f, layer, behind_glass);
+    mesh.object_ids = labels_of_vertices(mesh, labels);
+    write_layer(capture.optimize() / "gaussians/diffuse.ply", layer);
+    write_layer(capture.optimize() / "gaussians/transmittance.ply", behind_glass);
+    write_mesh_ply(capture.mesh() / "mesh/mesh.ply", mesh);
   }
 
   fs::path decompose() const { return folder.path() / "decompose"; }
