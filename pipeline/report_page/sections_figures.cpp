@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/base/terminal.h"
+#include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/sections.h"
 
@@ -44,6 +45,23 @@ std::string decibels(const std::optional<double>& v) { return v ? fmt::format("{
 
 std::string trust_word(Rating rating) {
   return rating == Rating::Good ? "high" : rating == Rating::Borderline ? "medium" : "low";
+}
+
+std::string object_table(const Material& m) {
+  std::string rows;
+  for (const Facts& o : Facts::of_file(m.project / "eval/metrics.json").at("objects").items()) {
+    const auto iou = o.number("iou");
+    std::string role = o.text("role");
+    std::ranges::replace(role, '_', ' ');
+    rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", escaped(o.text("name")),
+                        escaped(role), escaped(o.text("trust")), decibels(o.number("psnr")),
+                        iou ? fmt::format("{:.0f}\u00a0%", 100 * *iou) : std::string("–"));
+  }
+  if (rows.empty()) return {};
+  return "<h3>Objects</h3><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Objects\"><table><thead><tr>"
+         "<th scope=\"col\">object</th><th scope=\"col\">role</th><th scope=\"col\">outlines</th><th scope=\"col\">new "
+         "views</th><th scope=\"col\">surfels and labels overlap</th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
 }
 
 }  // namespace
@@ -125,6 +143,7 @@ std::string regions_section(const Material& m) {
     body += "</dl></article>";
   }
   if (!body.empty()) body = "<div class=\"regions\">" + body + "</div>";
+  body += object_table(m);
   return section("regions", "What can be trusted",
                  "Per kind of surface: how it is drawn from new places, and how much the photos know of it.", body);
 }

@@ -212,7 +212,7 @@ void run_edit(const EditConfig&, StageContext& context) {
 Stage edit_stage() {
   StageInfo info{
       .name = "edit",
-      .version = 6,
+      .version = 7,
       .summary = "changes to a finished scene",
       .inputs = {{.name = "sfm", .doc = "Cameras of the photos."},
                  {.name = "optimize", .doc = "The trained surfels."},

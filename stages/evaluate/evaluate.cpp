@@ -199,7 +199,8 @@ class Evaluator {
       if (judged) keep_within(*judged, shown);
       if (std::ranges::count(shown.data(), 1.f) < config_.min_region_pixels) continue;
       score.object_psnr[object.id] = psnr(render.srgb, photo, &shown);
-      result_.objects[object.id].name = object.name;
+      auto& scored = result_.objects[object.id];
+      scored.name = object.name, scored.role = name(object.role), scored.trust = name(object.trust);
     }
     View seen = views_[index];
     seen.intrinsics = render.intrinsics;

@@ -206,7 +206,12 @@ std::string metrics_json(const Evaluation& e) {
     for (const ViewScore& v : e.views)
       if (const auto it = v.object_psnr.find(id); v.heldout && it != v.object_psnr.end()) psnr.push_back(it->second);
     if (psnr.empty()) continue;
-    j["objects"].push_back({{"id", id}, {"name", object.name}, {"psnr", mean(psnr)}, {"views", psnr.size()}});
+    j["objects"].push_back({{"id", id},
+                            {"name", object.name},
+                            {"role", object.role},
+                            {"trust", object.trust},
+                            {"psnr", mean(psnr)},
+                            {"views", psnr.size()}});
     if (object.iou) j["objects"].back()["iou"] = *object.iou;
   }
   if (e.surfel_objects) j["surfel_objects"] = *e.surfel_objects;

@@ -54,8 +54,8 @@ struct Evaluation {
   double mesh_threshold_rel = 0;
   int min_region_pixels = 0;
   struct ObjectScore {
-    std::string name;
-    std::optional<double> iou;  // (object_agreement.h)
+    std::string name, role, trust;  // as in objects.json
+    std::optional<double> iou;      // (object_agreement.h)
   };
   std::map<uint16_t, ObjectScore> objects;          // by id: those of the table of objects that some held-out view shows
   std::optional<double> surfel_objects;             // share of surfels with the right id

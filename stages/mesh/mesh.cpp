@@ -329,7 +329,7 @@ void describe(Describer& d, MeshConfig& c) {
 Stage mesh_stage() {
   return make_stage<MeshConfig>(
       {.name = "mesh",
-       .version = 14,
+       .version = 15,
        .summary = "TSDF fusion of the diffuse layer's depth, marching cubes, repair, decimation",
        .inputs = {{.name = "sfm", .doc = "Cameras and sparse points."},
                   {.name = "optimize", .doc = "The diffuse layer and its training views."},

@@ -38,7 +38,7 @@ void describe(Describer& d, RefineConfig& c) {
 Stage refine_stage() {
   StageInfo info{
       .name = "refine",
-      .version = 16,
+      .version = 17,
       .summary = "puts what stands behind glass in order, with the mesh",
       .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                  {.name = "masks", .optional = true, .doc = "The object, and what is to be ignored."},

@@ -250,9 +250,14 @@ class Refiner {
       context_.progress(
           {.fraction = fraction(), .text = fmt::format("step {}/{}", run->step_index(), config.iterations), .values = {}});
     }
-    return {.name = "fine_tuned",
-            .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),
-            .scene = {run->mean(), start.image}};
+    Candidate tuned{.name = "fine_tuned",
+                    .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),
+                    .scene = {run->mean(), start.image}};
+    for (const LayerKind kind : kAllLayers) {
+      const std::span<const uint16_t> ids = start.surfels.layer(kind).object_ids();
+      tuned.scene.surfels.layer(kind).set_object_ids({ids.begin(), ids.end()});
+    }
+    return tuned;
   }
 
   // Rays follow the mesh that was made before; it is true as long as glass stays where it was.

@@ -269,6 +269,9 @@ TEST(Page, HasEverySectionAndAsksTheNetworkForNothing) {
     EXPECT_TRUE(has(html, fmt::format("<section id=\"{}\"", id))) << id;
   EXPECT_TRUE(has(html, "12 features &amp; too few (likely: blurred)"));
   EXPECT_TRUE(has(html, "few &lt;views&gt;"));
+  EXPECT_TRUE(has(
+      html, "<th scope=\"row\">case &lt;1&gt;</th><td>thin glass</td><td>marked</td><td>24.3\u00a0dB</td><td>93\u00a0%</td>"));
+  EXPECT_TRUE(has(html, "<th scope=\"row\">kettle</th><td>mirror</td><td>given</td><td>21.7\u00a0dB</td><td>–</td>"));
   EXPECT_TRUE(has(html, "the glass looks thick (straight rays show what is behind it at 13.1 dB, refracted ones at 36.1 dB)"));
   EXPECT_TRUE(has(html, "default-src 'none'"));
   for (const char* outside : {"http://", "https://", "src=\"/", "url(", "@import", "<link"})

@@ -101,7 +101,9 @@ inline void write_output(const fs::path& out, const OutputDesc& d = {}) {
   file("normals/report.json", R"({"source": "geometric", "photos": [{"known": 0.5}, {"known": 0.9}]})");
   file("eval/metrics.json",
        fmt::format(R"({{"heldout": {{"psnr": {}, "ssim": {}, "views": {}}}, "train": {{"psnr": {}, "ssim": 0.9, "views": 1}},
-         "regions": {{"rest": {{"psnr": 28, "views": {}}}}}, "truth": {{"normal_mae_deg": 9.5}}}})",
+         "regions": {{"rest": {{"psnr": 28, "views": {}}}}}, "truth": {{"normal_mae_deg": 9.5}},
+         "objects": [{{"id": 1, "name": "case <1>", "role": "thin_glass", "trust": "marked", "psnr": 24.3, "views": 2, "iou": 0.93}},
+                     {{"id": 2, "name": "kettle", "role": "mirror", "trust": "given", "psnr": 21.7, "views": 2}}]}})",
                    d.psnr, d.ssim, d.heldout_views, d.train_psnr, d.heldout_views));
   std::string csv_name = "\"";
   for (char c : d.photo) csv_name += c == '"' ? std::string("\"\"") : std::string(1, c);
