@@ -9,9 +9,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kLabelSide = 640;       // of the labels that are looked at, pixels, longest side
-constexpr int kLabelMargin = 2;       // of their pixels: silhouettes may be too narrow by that
-constexpr double kTurnedAlike = 0.7;  // cosine between the normals of a vertex and of the shape, at least
+constexpr int kMirrorLabelSide = 640;  // of the labels that are looked at, pixels, longest side
+constexpr int kLabelMargin = 2;        // of their pixels: silhouettes may be too narrow by that
+constexpr double kTurnedAlike = 0.7;   // cosine between the normals of a vertex and of the shape, at least
 
 bool has_object(const ShapeSet& set, uint16_t object) {
   return std::ranges::any_of(set.entries, [&](const ShapeSet::Entry& e) { return e.object == object; });
@@ -43,7 +43,7 @@ MirrorDepth::MirrorDepth(LabelledObjects objects, const ShapeSet* learnt, const 
 
 void MirrorDepth::put(size_t i, RgbdFrame& frame, double tolerance) const {
   const View& view = views_[i];
-  const Image16 labels = objects_.labels(view, view.intrinsics.limited_to(kLabelSide));
+  const Image16 labels = objects_.labels(view, view.intrinsics.limited_to(kMirrorLabelSide));
   if (empty() || labels.empty()) return;
   const Intrinsics& k = frame.intrinsics;
   const Rigid world_from_cam = inverse(frame.cam_from_world);
