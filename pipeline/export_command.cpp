@@ -93,7 +93,7 @@ int export_command(const Words& words) {
   const ProjectLock lock(project);
   const fs::path target = result_folder(project, (a.edited ? edited_folder(project) : project) / kExportStage, a.output);
   ToolInputs inputs{
-      .stages = {"sfm", "optimize", "mesh"}, .optional = {"refine", "decompose"}, .missing = "there is no scene to export yet"};
+      .stages = {"sfm", "optimize", "mesh"}, .optional = {"refine", "decompose", "objects"}, .missing = "there is no scene to export yet"};
   const Words how = quietness(a);
   if (a.edited) {
     const EditedScene edited = edited_scene(project, {}, how);

@@ -62,7 +62,8 @@ void run_export(const ExportConfig& config, StageContext& context) {
                        .optimize = context.input("optimize"),
                        .mesh = context.input("mesh"),
                        .refine = context.optional_input("refine"),
-                       .decompose = context.optional_input("decompose")},
+                       .decompose = context.optional_input("decompose"),
+                       .objects = context.optional_input("objects")},
                       settings);
   const fs::path folder = context.output() / "export";
   make_folders(folder);
@@ -123,13 +124,14 @@ std::string format_table() {
 Stage export_stage() {
   StageInfo info;
   info.name = "export";
-  info.version = 11;
+  info.version = 12;
   info.summary = "writes the scene in other programs' formats";
   info.inputs = {{.name = "sfm", .doc = "cameras, sparse points and undistorted photos"},
                  {.name = "optimize", .doc = "the trained surfels"},
                  {.name = "refine", .optional = true, .doc = "better surfels behind glass"},
                  {.name = "mesh", .doc = "the mesh"},
-                 {.name = "decompose", .optional = true, .doc = "materials freed of the light of the photos"}};
+                 {.name = "decompose", .optional = true, .doc = "materials freed of the light of the photos"},
+                 {.name = "objects", .optional = true, .doc = "names of the objects"}};
   info.doing = "writing files for other programs";
   info.cost = export_cost;
   return make_stage<ExportConfig>(std::move(info), run_export, {}, problem);

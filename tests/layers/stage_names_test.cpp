@@ -29,7 +29,7 @@ constexpr Exception kExceptions[] = {
     {"run_command.cpp", "decompose", "--grey-card is its option decompose.grey_card"},
     {"run_command.cpp", "export", "--scale-bar is its option export.scale_bar"},
     // Commands of one program each, and the results that the program reads.
-    {"export_command.cpp", "export sfm optimize mesh refine decompose", "vitrine export"},
+    {"export_command.cpp", "export sfm optimize mesh refine decompose objects", "vitrine export"},
     {"export_folder.h", "export", "export/, which a run and vitrine export share"},
     {"render_command.cpp", "render sfm optimize", "vitrine render"},
     {"relight_command.cpp", "relight sfm optimize mesh decompose", "vitrine relight"},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/error.h"
 #include "core/math/color.h"
@@ -34,11 +35,12 @@ SurfelMaterial blended(std::span<const SurfaceSample> at, const std::array<uint3
   return out;
 }
 
-// One vertex for each pair of (vertex, chart), in order of first use.
+// One vertex for each pair of (vertex, chart), in order of first use; a part for each pair of (object, class).
 void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const SurfaceSample> at_vertex, const SolidGlass* solid,
                     PbrMesh& out) {
   // Vertices of one mesh vertex form a chain through `next`.
   std::vector<uint32_t> first(mesh.positions.size(), kNoFace), next, chart_of;
+  std::map<std::pair<uint16_t, FaceClass>, std::vector<std::array<uint32_t, 3>>> parts;
   for (size_t f = 0; f < mesh.faces.size(); ++f) {
     const uint32_t chart = atlas.chart_of_face[f];
     std::array<uint32_t, 3> face{};
@@ -69,8 +71,9 @@ void split_vertices(const TriMesh& mesh, const Atlas& atlas, std::span<const Sur
     const FaceClass as = !(transmission > kGlassTransmission)  ? FaceClass::Opaque
                          : solid != nullptr && solid->faces[f] ? FaceClass::SolidGlass
                                                                : FaceClass::Pane;
-    out.faces[static_cast<size_t>(as)].push_back(face);
+    parts[{mesh.object_of_face(f), as}].push_back(face);
   }
+  for (auto& [key, faces] : parts) out.parts.push_back({key.first, key.second, std::move(faces)});
 }
 
 void bake(const TriMesh& mesh, const Atlas& atlas, const SurfaceSampler& sampler, std::span<const SurfaceSample> at_vertex,

@@ -1,5 +1,5 @@
-// The mesh as other programs want it: vertices split at the borders of charts, texture coordinates, tangents, three classes of
-// faces (opaque, panes of glass, solid glass), and the textures of glTF's metallic-roughness model, baked from the surfels.
+// The mesh as other programs want it: vertices split at the borders of charts, texture coordinates, tangents, faces by object and
+// class (opaque, panes of glass, solid glass), and the textures of glTF's metallic-roughness model, baked from the surfels.
 //
 // From our layers (core/model/kernels/layer_blend.h) to glTF. At normal incidence a surface of ours reflects
 //   R = k_s + (1 - k_s) g(k_s) f0,
@@ -42,20 +42,31 @@ constexpr const char* name(FaceClass c) {
   return c == FaceClass::Opaque ? "opaque" : c == FaceClass::Pane ? "glass" : "solid_glass";
 }
 
+struct PbrPart {
+  uint16_t object = 0;  // of the table of objects; 0: none
+  FaceClass kind = FaceClass::Opaque;
+  std::vector<std::array<uint32_t, 3>> faces;
+};
+
 struct PbrMesh {
   std::vector<Vec3f> positions, normals;
   std::vector<Vec3f> tangents;          // along +x of the texture; the bitangent, normal x tangent, points up in the texture
   std::vector<Vec2f> uv;                // [0,1], origin at the upper left of the texture
   std::vector<uint32_t> source_vertex;  // of the mesh that it was made of
-  std::array<std::vector<std::array<uint32_t, 3>>, std::size(kFaceClasses)> faces;  // by class
+  std::vector<PbrPart> parts;           // by object, then by class; none is empty
   PbrTextures textures;
   bool any_specular = false;  // some f0 is not that of plain dielectrics
   double covered = 0;         // share of the texels on the surface where surfels were met
   size_t charts = 0;
   float ior = 1.5f, thickness = 0;  // of solid glass; the greatest thickness, scene units
 
-  const std::vector<std::array<uint32_t, 3>>& of(FaceClass c) const { return faces[static_cast<size_t>(c)]; }
-  bool has(FaceClass c) const { return !of(c).empty(); }
+  size_t count(FaceClass c) const {  // of faces
+    size_t n = 0;
+    for (const PbrPart& part : parts) n += part.kind == c ? part.faces.size() : 0;
+    return n;
+  }
+  bool has(FaceClass c) const { return count(c) > 0; }
+  bool has_objects() const { return !parts.empty() && parts.back().object > 0; }
   bool has_glass() const { return has(FaceClass::Pane) || has(FaceClass::SolidGlass); }
 };
 

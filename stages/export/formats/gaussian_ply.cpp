@@ -31,6 +31,8 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     VITRINE_CHECK(m.values.size() == layer.size(), "{} values of {} for {} surfels", m.values.size(), m.name, layer.size());
     property(m.name);
   }
+  const std::span<const uint16_t> objects = layer.object_ids();
+  if (!objects.empty()) property("object_id");
   header += "end_header\n";
 
   std::string bytes = header;
@@ -64,6 +66,7 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     if (desc.thickness > 0) put(std::log(desc.thickness));
     put_all(q, 4);
     for (const MoreProperty& m : desc.more) put(m.values[i]);
+    if (!objects.empty()) put(float(objects[i]));
   }
   write_file(path, bytes);
 }

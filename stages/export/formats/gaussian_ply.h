@@ -1,7 +1,8 @@
 // The PLY dialect of Gaussian splatting, shared by ply-2dgs, ply-3dgs and ply-albedo. Binary little endian, all properties float:
-//   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3  [more]
+//   x y z  nx ny nz  f_dc_0..2  f_rest_0..(3k-1)  opacity  scale_0 scale_1 [scale_2]  rot_0..3  [more]  [object_id]
 // f_rest is channel-major (all red coefficients, then green, then blue; 3k = 0, 9, 24 or 45 for degree 0 to 3), opacity is a
 // logit, scales are natural logarithms, rot is a quaternion w x y z. Readers show the colour 0.5 + 0.28209479 f_dc.
+// object_id is there where surfels have one, 0: none.
 #pragma once
 
 #include <filesystem>

@@ -1,10 +1,11 @@
 // mesh-glb: the mesh as binary glTF 2.0 with textures baked from the surfels (bake/pbr_mesh.h says how our materials become
-// glTF's). One primitive per class: "opaque", "glass" and "solid_glass". Glass is KHR_materials_transmission, which is the
-// thin-walled case: light goes straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a
-// single sheet. Glass that the refine stage found solid has KHR_materials_volume beside it, which bends light by the index of
-// refraction; its thickness is in the mesh's own space, like the positions, and what it absorbs is not said: nothing measured
-// it. The file is +Y up whatever the axes of the other formats: glTF knows no other. Its geometry is that of compact_mesh.h: the
-// node has the place and the size of the mesh.
+// glTF's). The node "scene" has what belongs to no object, and a child for each object; a mesh has one primitive per class of
+// faces: "opaque", "glass" and "solid_glass". Glass is KHR_materials_transmission, which is the thin-walled case: light goes
+// straight on, as it does through our panes; it is double-sided, since a pane of the mesh may be a single sheet. Glass that the
+// refine stage found solid has KHR_materials_volume beside it, which bends light by the index of refraction; its thickness is in
+// the mesh's own space, like the positions, and what it absorbs is not said: nothing measured it. The file is +Y up whatever the
+// axes of the other formats: glTF knows no other. Its geometry is that of compact_mesh.h: the node "scene" has the place and the
+// size of the mesh.
 #include "core/image/png.h"
 #include "stages/export/formats/compact_mesh.h"
 #include "stages/export/formats/format.h"
@@ -68,16 +69,17 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
     normals.push_back(frame.direction(mesh.normals[i]));
     tangents.push_back(frame.direction(mesh.tangents[i]));
   }
+  std::vector<Triangles> parts;
+  for (const PbrPart& part : mesh.parts) parts.push_back(part.faces);
   const CompactMesh geometry =
-      compact({.positions = positions, .normals = normals, .tangents = tangents, .uv = mesh.uv, .parts = mesh.faces});
+      compact({.positions = positions, .normals = normals, .tangents = tangents, .uv = mesh.uv, .parts = parts});
   GlbFile glb("vitrine");
   glb.json["asset"]["extras"] = {{"base_color", color_note(source)},
                                  {"unit", source.metric() ? "metre" : "the scene's: camera ring of radius 1"}};
   glb.json["scenes"] = {{{"nodes", {0}}}};
   const double side = shortest(geometry.side);
-  Json node{{"name", "scene"}, {"mesh", 0}, {"translation", Json::array()}, {"scale", {side, side, side}}};
-  for (size_t c = 0; c < 3; ++c) node["translation"].push_back(shortest(geometry.origin[c]));
-  glb.json["nodes"].push_back(std::move(node));
+  Json nodes = {{{"name", "scene"}, {"translation", Json::array()}, {"scale", {side, side, side}}}};
+  for (size_t c = 0; c < 3; ++c) nodes[0]["translation"].push_back(shortest(geometry.origin[c]));
   glb.require_extension("KHR_mesh_quantization");
   const Json attributes = {{"POSITION", glb.add_normalized(geometry.positions, 3, true)},
                            {"NORMAL", glb.add_normalized(geometry.normals, 3)},
@@ -91,16 +93,32 @@ std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesys
   if (mesh.any_specular) texture.specular_color = glb.add_texture("specular_color", png_bytes(t.specular_color));
   if (mesh.has_glass()) texture.transmission = glb.add_texture("transmission", png_bytes(t.transmission));
   if (mesh.has(FaceClass::SolidGlass)) texture.thickness = glb.add_texture("thickness", png_bytes(t.thickness));
-  Json& primitives = glb.json["meshes"] = {{{"name", "mesh"}, {"primitives", Json::array()}}};
+  std::array<size_t, std::size(kFaceClasses)> material_of{};
   for (const FaceClass kind : kFaceClasses) {
     if (!mesh.has(kind)) continue;
-    const Triangles& faces = geometry.parts[static_cast<size_t>(kind)];
+    material_of[static_cast<size_t>(kind)] = glb.json["materials"].size();
     glb.json["materials"].push_back(material(glb, mesh, texture, kind, frame.scale / side));
-    primitives[0]["primitives"].push_back({{"attributes", attributes},
-                                           {"indices", glb.add_indices(faces, geometry.vertex_count())},
-                                           {"material", glb.json["materials"].size() - 1},
+  }
+  Json meshes = Json::array();
+  for (size_t i = 0; i < mesh.parts.size(); ++i) {
+    const auto& [object, kind, faces] = mesh.parts[i];
+    if (i == 0 || mesh.parts[i - 1].object != object) {
+      const std::string name = source.object_name(object);
+      if (object == 0) {
+        nodes[0]["mesh"] = meshes.size();
+      } else {
+        nodes[0]["children"].push_back(nodes.size());
+        nodes.push_back({{"name", name}, {"mesh", meshes.size()}});
+      }
+      meshes.push_back({{"name", name}, {"primitives", Json::array()}});
+    }
+    meshes.back()["primitives"].push_back({{"attributes", attributes},
+                                           {"indices", glb.add_indices(geometry.parts[i], geometry.vertex_count())},
+                                           {"material", material_of[static_cast<size_t>(kind)]},
                                            {"mode", 4}});
   }
+  glb.json["nodes"] = std::move(nodes);
+  glb.json["meshes"] = std::move(meshes);
   glb.write(folder / file);
   return {file};
 }
@@ -112,9 +130,9 @@ ExportFormat mesh_glb_format() {
       .name = "mesh-glb",
       .summary = "the mesh with baked materials as binary glTF 2.0, +Y up",
       .holds =
-          "triangles, normals, tangents, texture coordinates; textures for base colour, metalness and roughness, normals, "
-          "specular colour and transmission; glass as KHR_materials_transmission, double-sided; solid glass with its "
-          "thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior",
+          "a node for each object; triangles, normals, tangents, texture coordinates; textures for base colour, metalness and "
+          "roughness, normals, specular colour and transmission; glass as KHR_materials_transmission, double-sided; solid glass "
+          "with its thickness (a texture) and index of refraction as KHR_materials_volume and KHR_materials_ior",
       .loses =
           "view dependence; gloss of what stands behind glass; what solid glass absorbs (it is clear), and its shell where it "
           "stands on something; base colours above 1; without the decompose stage, and of what is seen through glass alone, the "

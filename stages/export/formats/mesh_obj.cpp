@@ -1,6 +1,6 @@
-// mesh-obj: the mesh as Wavefront OBJ text with a material library and the baked textures beside it. A group for each class of
-// faces: "opaque", "glass", "solid_glass". Colour is the texture alone (Kd 1 1 1, no vertex colours): readers multiply the two.
-// OBJ counts v from below.
+// mesh-obj: the mesh as Wavefront OBJ text with a material library and the baked textures beside it. An object of the file for
+// each one of the scene; without any a group for each class of faces: "opaque", "glass", "solid_glass". Colour is the texture
+// alone (Kd 1 1 1, no vertex colours): readers multiply the two. OBJ counts v from below.
 #include "core/base/file.h"
 #include "core/image/ldr.h"
 #include "stages/export/formats/format.h"
@@ -33,11 +33,17 @@ std::vector<std::string> write_mesh_obj(ExportSource& source, const std::filesys
   for (const Vec3f& n : mesh.normals) out += fmt::format("vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
   for (const Vec2f& t : pbr.uv) out += fmt::format("vt {:.6f} {:.6f}\n", t.x, 1 - t.y);
   std::string materials;
-  for (const FaceClass kind : kFaceClasses) {
-    if (!pbr.has(kind)) continue;
-    materials += mtl_of(kind, kind == FaceClass::SolidGlass ? pbr.ior : 1.5f);
-    out += fmt::format("g {0}\nusemtl {0}\n", name(kind));
-    for (const auto& f : pbr.of(kind)) {
+  for (const FaceClass kind : kFaceClasses)
+    if (pbr.has(kind)) materials += mtl_of(kind, kind == FaceClass::SolidGlass ? pbr.ior : 1.5f);
+  for (size_t i = 0; i < pbr.parts.size(); ++i) {
+    const auto& [object, kind, faces] = pbr.parts[i];
+    // Readers take either word for the name of what follows.
+    if (!pbr.has_objects())
+      out += fmt::format("g {}\n", name(kind));
+    else if (i == 0 || pbr.parts[i - 1].object != object)
+      out += fmt::format("o {}\n", source.object_name(object));
+    out += fmt::format("usemtl {}\n", name(kind));
+    for (const auto& f : faces) {
       out += "f";
       for (size_t k : {size_t(0), size_t(mirrored ? 2 : 1), size_t(mirrored ? 1 : 2)}) {
         const uint32_t v = pbr.source_vertex[f[k]] + 1;
@@ -70,8 +76,8 @@ ExportFormat mesh_obj_format() {
   return {.name = "mesh-obj",
           .summary = "the mesh as OBJ text with MTL and textures",
           .holds =
-              "triangles, normals, texture coordinates; textures of base colour, roughness, metalness and normals; a group each "
-              "for opaque faces, panes of glass and solid glass, which has its index of refraction",
+              "the objects by name; triangles, normals, texture coordinates; textures of base colour, roughness, metalness and "
+              "normals; a material each for opaque faces, panes of glass and solid glass, which has its index of refraction",
           .loses =
               "view dependence, colours above 1; MTL has no texture for transmission (the picture lies beside it, the material "
               "is one for all glass of a group) nor for the colour of reflections; it cannot say that panes bend no light; large "

@@ -1,7 +1,8 @@
 // mesh-ply: the cleaned mesh as binary PLY. Vertex normals, colours as 8-bit sRGB, and what the surface is made of as floats:
-//   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]
+//   x y z  nx ny nz  red green blue  f0_r f0_g f0_b  roughness  transmission  [albedo_r albedo_g albedo_b]  [object_id]
 // f0 is the reflectance at normal incidence with the specular weight in it (bake/pbr_mesh.h). albedo: linear, when the decompose
-// stage found it; the 8-bit colours then are the albedo too, else the radiance that was fused with the mesh.
+// stage found it; the 8-bit colours then are the albedo too, else the radiance that was fused with the mesh. object_id: ushort, 0
+// none; the comments have its legend.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -32,13 +33,15 @@ std::vector<std::string> write_mesh_ply(ExportSource& source, const std::filesys
   const std::vector<SurfaceSample>& samples = source.vertex_samples();
   const bool albedo = source.has_albedo();
 
-  std::string out = "ply\nformat binary_little_endian 1.0\ncomment vitrine_format 1\ncomment " + color_note(source) + "\n";
+  std::string out = "ply\nformat binary_little_endian 1.0\n";
+  for (const std::string& line : source.header_lines({"vitrine_format 1", color_note(source)})) out += "comment " + line + "\n";
   out += fmt::format("element vertex {}\n", mesh.positions.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) out += fmt::format("property float {}\n", name);
   for (const char* name : {"red", "green", "blue"}) out += fmt::format("property uchar {}\n", name);
   for (const char* name : {"f0_r", "f0_g", "f0_b", "roughness", "transmission"}) out += fmt::format("property float {}\n", name);
   if (albedo)
     for (const char* name : {"albedo_r", "albedo_g", "albedo_b"}) out += fmt::format("property float {}\n", name);
+  if (!mesh.object_ids.empty()) out += "property ushort object_id\n";
   out += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.faces.size());
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     const SurfelMaterial& m = samples[i].material;
@@ -51,6 +54,7 @@ std::vector<std::string> write_mesh_ply(ExportSource& source, const std::filesys
     put(out, m.roughness);
     put(out, m.transmission);
     if (albedo) put(out, m.color);
+    if (!mesh.object_ids.empty()) put(out, mesh.object_ids[i]);
   }
   for (const auto& f : mesh.faces) {
     put(out, uint8_t(3));
@@ -67,7 +71,7 @@ ExportFormat mesh_ply_format() {
           .summary = "the mesh as binary PLY with materials at the vertices",
           .holds =
               "triangles, vertex normals, vertex colours (8-bit sRGB); reflectance f0, roughness, transmission per vertex, and "
-              "the linear albedo when there is one",
+              "the linear albedo when there is one; the object of each vertex, with their names in the header",
           .loses = "view dependence, 8-bit colours above 1, detail between vertices, which glass is solid",
           .write = write_mesh_ply};
 }

@@ -1,6 +1,10 @@
-// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures beside it. A UsdGeomMesh with
-// one subset per class of faces. UsdPreviewSurface knows no transmission: glass has opacity 1 - tau, which blends without
-// tinting. Particle fields (Gaussians) are left out: ply-3dgs and gaussians-glb carry them.
+// mesh-usd: the mesh as USD text with UsdPreviewSurface materials and the baked textures beside it. A UsdGeomMesh for
+// each object and for what belongs to none, with one subset per class of faces. UsdPreviewSurface knows no transmission: glass
+// has opacity 1 - tau, which blends without tinting. Particle fields (Gaussians) are left out: ply-3dgs and gaussians-glb carry
+// them.
+#include <algorithm>
+#include <set>
+
 #include "core/base/file.h"
 #include "core/image/ldr.h"
 #include "stages/export/formats/format.h"
@@ -81,6 +85,67 @@ std::string list(const Values& values, Format&& format) {
   return out + "]";
 }
 
+// A name of a prim: letters, digits and underscores, not a digit first; other bytes become underscores.
+std::string prim_name(std::string text) {
+  for (char& c : text)
+    if (!(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && !(c >= '0' && c <= '9')) c = '_';
+  return text.empty() || (text[0] >= '0' && text[0] <= '9') ? "_" + text : text;
+}
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+// A prim for the parts of one object.
+std::string usd_mesh(const std::string& prim, const std::string& shown, const PbrMesh& mesh, std::span<const PbrPart> parts,
+                     const ExportFrame& frame) {
+  std::vector<uint32_t> vertices;
+  for (const PbrPart& part : parts)
+    for (const auto& face : part.faces) vertices.insert(vertices.end(), face.begin(), face.end());
+  std::ranges::sort(vertices);
+  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  std::vector<std::array<size_t, 3>> faces;
+  for (const PbrPart& part : parts)
+    for (const auto& face : part.faces)
+      for (size_t k = 0; auto& corner : faces.emplace_back())
+        corner = size_t(std::ranges::lower_bound(vertices, face[k++]) - vertices.begin());
+  const auto point = [&](uint32_t v) {
+    const Vec3f p = frame.point(mesh.positions[v]);
+    return fmt::format("({}, {}, {})", p.x, p.y, p.z);
+  };
+  const auto normal = [&](uint32_t v) {
+    const Vec3f n = frame.direction(mesh.normals[v]);
+    return fmt::format("({:.4f}, {:.4f}, {:.4f})", n.x, n.y, n.z);
+  };
+  const auto uv = [&](uint32_t v) { return fmt::format("({:.6f}, {:.6f})", mesh.uv[v].x, 1 - mesh.uv[v].y); };
+  std::string out = fmt::format("  def Mesh \"{}\"", prim);
+  if (shown != prim) out += fmt::format(" (\n    displayName = {}\n  )", quoted(shown));
+  out += "\n  {\n    uniform token subdivisionScheme = \"none\"\n";
+  out += fmt::format("    uniform bool doubleSided = {}\n", mesh.has_glass() ? "true" : "false");
+  out += "    int[] faceVertexCounts = " + list(faces, [](const auto&) { return "3"; }) + "\n";
+  out +=
+      "    int[] faceVertexIndices = " + list(faces, [](const auto& f) { return fmt::format("{}, {}, {}", f[0], f[1], f[2]); }) +
+      "\n";
+  out += "    point3f[] points = " + list(vertices, point) + "\n";
+  out += "    normal3f[] normals = " + list(vertices, normal) + " (interpolation = \"vertex\")\n";
+  out += "    texCoord2f[] primvars:st = " + list(vertices, uv) + " (interpolation = \"vertex\")\n";
+  size_t first = 0;
+  for (const PbrPart& part : parts) {
+    std::vector<size_t> indices(part.faces.size());
+    for (size_t& i : indices) i = first++;
+    out += fmt::format("    def GeomSubset \"{}\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n    {{\n", name(part.kind));
+    out += "      uniform token elementType = \"face\"\n      uniform token familyName = \"materialBind\"\n";
+    out += "      int[] indices = " + list(indices, [](size_t i) { return std::to_string(i); }) + "\n";
+    out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name(part.kind));
+  }
+  return out + "  }\n";
+}
+
 std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesystem::path& folder) {
   const PbrMesh& mesh = source.pbr_mesh();
   // A stage has an up axis and is right-handed: a left-handed frame would show a mirror image.
@@ -90,16 +155,6 @@ std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesys
     source.add_note(fmt::format("USD is right-handed: written in {}", axes));
     frame = source.frame(axes);
   }
-  std::vector<std::array<uint32_t, 3>> faces;
-  for (const auto& part : mesh.faces) faces.insert(faces.end(), part.begin(), part.end());
-  const auto point = [&](const Vec3f& p) {
-    const Vec3f q = frame.point(p);
-    return fmt::format("({}, {}, {})", q.x, q.y, q.z);
-  };
-  const auto normal = [&](const Vec3f& n) {
-    const Vec3f q = frame.direction(n);
-    return fmt::format("({:.4f}, {:.4f}, {:.4f})", q.x, q.y, q.z);
-  };
   std::string out = fmt::format(R"(#usda 1.0
 (
   doc = "vitrine: {}"
@@ -110,34 +165,21 @@ std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesys
 
 def Xform "scene"
 {{
-  def Mesh "mesh"
-  {{
-    uniform token subdivisionScheme = "none"
-    uniform bool doubleSided = {}
 )",
-                                color_note(source), frame.y_up() ? "Y" : "Z", mesh.has_glass() ? "true" : "false");
-  out += "    int[] faceVertexCounts = " + list(faces, [](const auto&) { return "3"; }) + "\n";
-  out +=
-      "    int[] faceVertexIndices = " + list(faces, [](const auto& f) { return fmt::format("{}, {}, {}", f[0], f[1], f[2]); }) +
-      "\n";
-  out += "    point3f[] points = " + list(mesh.positions, point) + "\n";
-  out += "    normal3f[] normals = " + list(mesh.normals, normal) + " (interpolation = \"vertex\")\n";
-  out += "    texCoord2f[] primvars:st = " +
-         list(mesh.uv, [](const Vec2f& t) { return fmt::format("({:.6f}, {:.6f})", t.x, 1 - t.y); }) +
-         " (interpolation = \"vertex\")\n";
-  uint32_t first = 0;
-  std::string materials;
-  for (const FaceClass kind : kFaceClasses) {
-    if (!mesh.has(kind)) continue;
-    materials += usd_material(kind, kind == FaceClass::SolidGlass ? mesh.ior : 1.5f);
-    std::vector<uint32_t> indices(mesh.of(kind).size());
-    for (uint32_t& i : indices) i = first++;
-    out += fmt::format("    def GeomSubset \"{}\" (prepend apiSchemas = [\"MaterialBindingAPI\"])\n    {{\n", name(kind));
-    out += "      uniform token elementType = \"face\"\n      uniform token familyName = \"materialBind\"\n";
-    out += "      int[] indices = " + list(indices, [](uint32_t i) { return std::to_string(i); }) + "\n";
-    out += fmt::format("      rel material:binding = </scene/materials/{}>\n    }}\n", name(kind));
+                                color_note(source), frame.y_up() ? "Y" : "Z");
+  std::set<std::string> taken{"materials"};
+  for (size_t i = 0, end = 0; i < mesh.parts.size(); i = end) {
+    const uint16_t object = mesh.parts[i].object;
+    while (end < mesh.parts.size() && mesh.parts[end].object == object) ++end;
+    const std::string shown = object == 0 ? "mesh" : source.object_name(object);
+    std::string prim = prim_name(shown);
+    if (!taken.insert(prim).second) taken.insert(prim += fmt::format("_{}", object));
+    out += usd_mesh(prim, shown, mesh, std::span(mesh.parts).subspan(i, end - i), frame);
   }
-  out += "  }\n  def Scope \"materials\"\n  {\n" + materials + "  }\n}\n";
+  out += "  def Scope \"materials\"\n  {\n";
+  for (const FaceClass kind : kFaceClasses)
+    if (mesh.has(kind)) out += usd_material(kind, kind == FaceClass::SolidGlass ? mesh.ior : 1.5f);
+  out += "  }\n}\n";
   write_file(folder / "mesh.usda", out);
 
   std::vector<std::string> files{"mesh.usda"};
@@ -159,7 +201,8 @@ ExportFormat mesh_usd_format() {
   return {.name = "mesh-usd",
           .summary = "the mesh as USD text with UsdPreviewSurface materials",
           .holds =
-              "triangles, normals, texture coordinates; textures of base colour, metalness and roughness, normals; glass as "
+              "a mesh for each object; triangles, normals, texture coordinates; textures of base colour, metalness and "
+              "roughness, normals; glass as "
               "opacity; a subset each for opaque faces, panes and solid glass, which has its index of refraction",
           .loses =
               "transmission as such, refraction, and the colour of reflections (UsdPreviewSurface has none of them), view "

@@ -9,9 +9,10 @@ namespace {
 std::vector<std::string> write_ply_2dgs(ExportSource& source, const std::filesystem::path& folder) {
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_2dgs.ply";
-  write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
-                     {.comments = {"vitrine_format 1", "SplatRenderMode: 2dgs", vertical_axis(frame), "color lin_rec709"},
-                      .disk_normals = true});
+  write_gaussian_ply(
+      folder / file, in_frame(source.diffuse(), frame),
+      {.comments = source.header_lines({"vitrine_format 1", "SplatRenderMode: 2dgs", vertical_axis(frame), "color lin_rec709"}),
+       .disk_normals = true});
   return {file};
 }
 

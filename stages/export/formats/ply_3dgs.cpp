@@ -11,7 +11,7 @@ std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesys
   const ExportFrame frame = source.frame();
   const std::string file = "gaussians_3dgs.ply";
   write_gaussian_ply(folder / file, in_frame(source.diffuse(), frame),
-                     {.comments = {"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"},
+                     {.comments = source.header_lines({"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"}),
                       .thickness = disk_thickness(frame),
                       .convert_color = encode_sh_for_display});
   return {file};

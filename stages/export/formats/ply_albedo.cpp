@@ -20,6 +20,11 @@ std::vector<std::string> write_ply_albedo(ExportSource& source, const std::files
   for (uint32_t i = 0; i < diffuse.size(); ++i)
     if (!found.shows_sky(i)) kept.push_back(i);
   SplatLayer layer(LayerKind::Diffuse, 0, kept.size());
+  if (const auto ids = diffuse.object_ids(); !ids.empty()) {
+    std::vector<uint16_t> of_kept;
+    for (const uint32_t i : kept) of_kept.push_back(ids[i]);
+    layer.set_object_ids(std::move(of_kept));
+  }
   std::vector<MoreProperty> more{{"roughness", {}},       {"f0_r", {}},        {"f0_g", {}}, {"f0_b", {}},
                                  {"specular_weight", {}}, {"transmission", {}}};
   for (size_t to = 0; to < kept.size(); ++to) {
@@ -37,11 +42,12 @@ std::vector<std::string> write_ply_albedo(ExportSource& source, const std::files
   if (kept.size() < diffuse.size())
     source.add_note(fmt::format("{} surfels show the light of the photos and are left out", diffuse.size() - kept.size()));
   const std::string file = "gaussians_albedo.ply";
-  write_gaussian_ply(folder / file, in_frame(layer, frame),
-                     {.comments = {"vitrine_format 1", vertical_axis(frame), "color srgb_rec709", "color is albedo"},
-                      .normals = normals,
-                      .more = more,
-                      .thickness = disk_thickness(frame)});
+  write_gaussian_ply(
+      folder / file, in_frame(layer, frame),
+      {.comments = source.header_lines({"vitrine_format 1", vertical_axis(frame), "color srgb_rec709", "color is albedo"}),
+       .normals = normals,
+       .more = more,
+       .thickness = disk_thickness(frame)});
   return {file};
 }
 

@@ -10,9 +10,9 @@ namespace {
 std::vector<std::string> write_preview_3dgs(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "preview_3dgs.ply";
   const ExportFrame frame = source.frame();
-  write_gaussian_ply(
-      folder / file, in_frame(source.preview(), frame),
-      {.comments = {"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"}, .thickness = disk_thickness(frame)});
+  write_gaussian_ply(folder / file, in_frame(source.preview(), frame),
+                     {.comments = source.header_lines({"vitrine_format 1", vertical_axis(frame), "color srgb_rec709"}),
+                      .thickness = disk_thickness(frame)});
   return {file};
 }
 

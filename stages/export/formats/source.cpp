@@ -123,6 +123,28 @@ ExportFrame ExportSource::frame(std::string_view axes) {
   return ExportFrame::named(axes.empty() ? std::string_view(settings_.axes) : axes, scale);
 }
 
+const ObjectSet& ExportSource::objects() {
+  if (!objects_) objects_ = read_objects(inputs_.objects);
+  return *objects_;
+}
+
+std::string ExportSource::object_name(uint16_t id) {
+  const Object* object = objects().find(id);
+  if (object == nullptr) return id == 0 ? "scene" : fmt::format("object-{}", id);
+  std::string name = object->name;
+  // Names end lines of text files.
+  std::ranges::replace_if(
+      name, [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; }, ' ');
+  return name;
+}
+
+std::vector<std::string> ExportSource::header_lines(std::vector<std::string> lines) {
+  if (diffuse().object_ids().empty()) return lines;
+  for (const Object& o : objects().objects)
+    lines.push_back(fmt::format("object {}: {}, {}", o.id, object_name(o.id), name(o.role)));
+  return lines;
+}
+
 const TrainedScene& ExportSource::scene() {
   if (!scene_) scene_ = read_trained_scene(inputs_.optimize, inputs_.refine);
   return *scene_;
@@ -140,6 +162,10 @@ const TriMesh& ExportSource::mesh() {
       mesh.colors.clear();
     else
       mesh.colors.insert(mesh.colors.end(), content.colors.begin(), content.colors.end());
+    if (mesh.object_ids.empty() != content.object_ids.empty())
+      mesh.object_ids.clear();
+    else
+      mesh.object_ids.insert(mesh.object_ids.end(), content.object_ids.begin(), content.object_ids.end());
     mesh.positions.insert(mesh.positions.end(), content.positions.begin(), content.positions.end());
     mesh.normals.insert(mesh.normals.end(), content.normals.begin(), content.normals.end());
     for (std::array<uint32_t, 3> face : content.faces) {
@@ -205,10 +231,10 @@ const PbrMesh& ExportSource::pbr_mesh() {
   notes_.push_back(
       fmt::format("{} texels square, {} charts, surfels met in {:.1f} % of the texels on the surface; {} faces are glass",
                   pbr_mesh_->textures.base_color.width(), pbr_mesh_->charts, 100 * pbr_mesh_->covered,
-                  pbr_mesh_->of(FaceClass::Pane).size() + pbr_mesh_->of(FaceClass::SolidGlass).size()));
+                  pbr_mesh_->count(FaceClass::Pane) + pbr_mesh_->count(FaceClass::SolidGlass)));
   if (pbr_mesh_->has(FaceClass::SolidGlass))
     notes_.push_back(fmt::format("{} of them are solid glass, index of refraction {}, up to {:.3g} thick",
-                                 pbr_mesh_->of(FaceClass::SolidGlass).size(), pbr_mesh_->ior,
+                                 pbr_mesh_->count(FaceClass::SolidGlass), pbr_mesh_->ior,
                                  frame().scale * double(pbr_mesh_->thickness)));
   return *pbr_mesh_;
 }

@@ -12,6 +12,7 @@
 #include "core/camera/view.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/frame.h"
+#include "core/objects/object_set.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/picture/trained_scene.h"
 #include "stages/export/bake/pbr_mesh.h"
@@ -21,7 +22,7 @@ namespace vitrine {
 
 struct ExportInputs {
   std::filesystem::path sfm, optimize, mesh;
-  std::optional<std::filesystem::path> refine, decompose;
+  std::optional<std::filesystem::path> refine, decompose, objects;
 };
 
 struct ExportSettings {
@@ -43,6 +44,10 @@ class ExportSource {
   // The frame of the settings; `axes` replaces theirs for formats that have only one.
   ExportFrame frame(std::string_view axes = {});
   bool metric();  // lengths are metres
+  // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
+  std::string object_name(uint16_t id);
+  // `lines` and, where surfels have an id, one line an object: "object 3: kettle, mirror".
+  std::vector<std::string> header_lines(std::vector<std::string> lines);
   const TrainedScene& scene();
   const SplatLayer& diffuse() { return scene().surfels.diffuse; }
   // With vertex normals; checked: finite, not empty. What stands behind glass comes last, from vertex first_behind_glass() on;
@@ -66,6 +71,7 @@ class ExportSource {
 
  private:
   const SceneInfo& scene_info();
+  const ObjectSet& objects();
   const SurfaceSampler& sampler();
   float reach();
 
@@ -73,6 +79,7 @@ class ExportSource {
   ExportSettings settings_;
   std::optional<SceneInfo> info_;
   std::optional<TrainedScene> scene_;
+  std::optional<ObjectSet> objects_;
   std::optional<TriMesh> mesh_;
   std::optional<SolidGlass> solid_;  // faces and vertices of mesh_
   uint32_t first_behind_glass_ = 0;
