@@ -39,7 +39,7 @@ void describe(Describer& d, DecomposeConfig& c) {
 Stage decompose_stage() {
   return make_stage<DecomposeConfig>(
       {.name = "decompose",
-       .version = 15,
+       .version = 16,
        .summary = "takes the diffuse colours apart into albedo and light",
        .inputs = {{.name = "sfm", .doc = "Cameras, gains and undistorted photos."},
                   {.name = "optimize", .doc = "The trained surfels and their training views."},

@@ -26,7 +26,6 @@ constexpr size_t kFewestPixels = 300;                             // of a thing,
 constexpr size_t kFewestOfFace = 4;                               // views that tell gloss from paint
 constexpr float kLeastCoverage = 0.05f;                           // of a ray by surfels: less shows the light beyond
 constexpr float kBrightestMetal = 0.95f;                          // silver
-constexpr float kDull = 0.1f;                                     // of a face's pixels that may be marked
 constexpr float kGlaze = 0.04f;                                   // head on, index 1.5
 constexpr float kLeastPaint = 0.1f, kDarkestRadiance = 1e-4f;     // of a glazed surfel's radiance; radiance
 constexpr float kGlazeRoughness = 0.1f, kMetalRoughness = 0.25f;  // where none was trained
@@ -34,7 +33,6 @@ constexpr size_t kNearFaces = 8;                                  // whose gloss
 
 struct PolishedPixels {
   std::vector<uint32_t> face;
-  std::vector<int> object;
   std::vector<Vec3f> origins, normals, directions, photo, light;
   std::vector<int> view, x, y;
   std::vector<float> cosine;
@@ -44,15 +42,13 @@ struct PolishedPixels {
 
 class PolishedFinder {
  public:
-  explicit PolishedFinder(const MetalsDesc& desc)
-      : d_(desc),
-        hits_(desc.mesh),
-        normals_(vertex_normals(desc.mesh)),
-        shown_(desc.mesh.faces.size()),
-        not_dull_(shown_.size()) {
+  explicit PolishedFinder(const MetalsDesc& desc) : d_(desc), hits_(desc.mesh), normals_(vertex_normals(desc.mesh)) {
     for (const Object& o : desc.objects.objects().objects)
       if (o.role == ObjectRole::Mirror || o.role == ObjectRole::Coat) ids_.push_back(o.id);
-    of_object_.resize(ids_.size() * shown_.size());
+    for (size_t f = 0; f < desc.mesh.faces.size(); ++f) {
+      object_.push_back(desc.mesh.object_of_face(f));
+      thing_.push_back(thing_of(object_.back()));
+    }
   }
 
   Metals run() {
@@ -60,7 +56,6 @@ class PolishedFinder {
     Metals out{{}, std::vector<int>(surfels, -1), std::vector<Vec3f>(surfels)};
     for (size_t v = 0; v < d_.views.size() && !ids_.empty(); ++v) look_at(int(v));
     if (pixels_.size() == 0) return out;
-    own_faces();
     drop_unsure();
     trace();
     const std::vector<FaceShows> faces = faces_show();
@@ -84,18 +79,13 @@ class PolishedFinder {
         const Vec3f towards = normalized(cast<float>(world_from_cam.rotation * k.ray(x + 0.5, y + 0.5)));
         const auto hit = hits_.first_hit(eye, towards);
         if (!hit) continue;
-        ++shown_[hit->face];
-        not_dull_[hit->face] += labels.at(x, y) != 0;
-        const auto own = std::ranges::lower_bound(ids_, labels.at(x, y));
-        if (own == ids_.end() || *own != labels.at(x, y)) continue;
-        const auto object = static_cast<size_t>(own - ids_.begin());
-        ++of_object_[hit->face * ids_.size() + object];
+        // A rim of the mesh may stand before what the photo shows.
+        if (thing_[hit->face] < 0 || labels.at(x, y) != object_[hit->face]) continue;
         const Vec3f p = eye + hit->t * towards, n = normal_at(hit->face, p);
         const float cosine = -dot(n, towards);
         const float* c = photo.pixel(x, y);
         if (!(cosine > kMinCosine) || std::max({c[0], c[1], c[2]}) > kBrightest) continue;
         pixels_.face.push_back(hit->face);
-        pixels_.object.push_back(static_cast<int>(object));
         pixels_.view.push_back(number), pixels_.x.push_back(x), pixels_.y.push_back(y);
         pixels_.origins.push_back(p);
         pixels_.normals.push_back(n);
@@ -115,19 +105,16 @@ class PolishedFinder {
     return squared_length(n) > 0 ? normalized(n) : normalized(g);
   }
 
-  // A face is of the object that most of the pixels show which show the face.
-  void own_faces() {
-    thing_.assign(shown_.size(), -1);
-    for (size_t f = 0; f < thing_.size(); ++f)
-      for (size_t o = 0; o < ids_.size(); ++o)
-        if (2 * of_object_[f * ids_.size() + o] > shown_[f]) thing_[f] = static_cast<int>(o);
+  // Index into ids_, or -1.
+  int thing_of(uint16_t object) const {
+    const auto own = std::ranges::lower_bound(ids_, object);
+    return own == ids_.end() || *own != object ? -1 : static_cast<int>(own - ids_.begin());
   }
 
   // Objects that few pixels show are left as they are.
   void drop_unsure() {
     std::vector<size_t> pixels(ids_.size(), 0);
-    for (size_t i = 0; i < pixels_.size(); ++i)
-      if (thing_[pixels_.face[i]] == pixels_.object[i]) ++pixels[size_t(pixels_.object[i])];
+    for (const uint32_t face : pixels_.face) ++pixels[size_t(thing_[face])];
     for (int& t : thing_)
       if (t >= 0 && pixels[size_t(t)] < kFewestPixels) t = -1;
   }
@@ -136,18 +123,17 @@ class PolishedFinder {
   void trace() {
     PolishedPixels kept;
     for (size_t i = 0; i < pixels_.size(); ++i) {
-      if (thing_[pixels_.face[i]] < 0 || thing_[pixels_.face[i]] != pixels_.object[i]) continue;
+      if (thing_[pixels_.face[i]] < 0) continue;
       const auto again = hits_.first_hit(pixels_.origins[i], pixels_.directions[i], d_.reach);
       if (again && thing_[again->face] >= 0) continue;
       kept.face.push_back(pixels_.face[i]);
-      kept.object.push_back(pixels_.object[i]);
       kept.view.push_back(pixels_.view[i]), kept.x.push_back(pixels_.x[i]), kept.y.push_back(pixels_.y[i]);
       kept.origins.push_back(pixels_.origins[i]);
       kept.normals.push_back(pixels_.normals[i]);
       kept.directions.push_back(pixels_.directions[i]);
       kept.photo.push_back(pixels_.photo[i]);
       kept.cosine.push_back(pixels_.cosine[i]);
-      kept.well_known.push_back(again && float(not_dull_[again->face]) < kDull * float(shown_[again->face]));
+      kept.well_known.push_back(again && object_[again->face] == 0);
     }
     pixels_ = std::move(kept);
     tracer_ = make_tracer();
@@ -244,26 +230,17 @@ class PolishedFinder {
     for (const auto& f : d_.mesh.faces)
       centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
     const PointGrid grid(centres, d_.reach / 4);
-    const Bounds3 metal = metal_bounds(out.things);
+    const std::span<const uint16_t> objects = d_.scene.surfels.diffuse.object_ids();
     std::vector<PointGrid::Near> near;
-    for (size_t i = 0; i < out.of_surfel.size(); ++i) {
+    for (size_t i = 0; i < objects.size(); ++i) {
+      const int thing = thing_of(objects[i]);
+      if (thing < 0 || out.things[size_t(thing)].pixels == 0) continue;
+      out.of_surfel[i] = thing;
       const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
-      const Vec3f p{m[0], m[1], m[2]};
-      grid.nearest(p, kNearFaces, d_.reach, near);
-      if (near.empty() && metal.contains(p)) {
-        // Deep inside: a picture in the metal.
-        grid.nearest(p, 1, float(0.5 * metal.diagonal()), near);
-        if (near.empty()) continue;
-        const uint32_t f = near[0].index;
-        if (thing_[f] >= 0 && out.things[size_t(thing_[f])].metal && dot(p - centres[f], face_normal(f)) < 0)
-          out.of_surfel[i] = thing_[f];
-        continue;
-      }
-      if (near.empty() || thing_[near[0].index] < 0) continue;
-      out.of_surfel[i] = thing_[near[0].index];
+      grid.nearest({m[0], m[1], m[2]}, kNearFaces, d_.reach, near);
       float faces = 0;
       for (const auto& n : near)
-        if (thing_[n.index] == out.of_surfel[i] && shown[n.index].views > 0) {
+        if (thing_[n.index] == thing && shown[n.index].views > 0) {
           for (size_t c = 0; c < 3; ++c) out.gloss[i][c] += std::max(shown[n.index].mean[c] - shown[n.index].paint[c], 0.f);
           faces += 1;
         }
@@ -271,25 +248,12 @@ class PolishedFinder {
     }
   }
 
-  Vec3f face_normal(uint32_t face) const {
-    const auto& [a, b, c] = d_.mesh.faces[face];
-    return cross(d_.mesh.positions[b] - d_.mesh.positions[a], d_.mesh.positions[c] - d_.mesh.positions[a]);
-  }
-  Bounds3 metal_bounds(const std::vector<Polished>& things) const {
-    Bounds3 out;
-    for (size_t f = 0; f < thing_.size(); ++f)
-      if (thing_[f] >= 0 && things[size_t(thing_[f])].metal)
-        for (const uint32_t v : d_.mesh.faces[f]) out.extend(cast<double>(d_.mesh.positions[v]));
-    return out;
-  }
-
   const MetalsDesc& d_;
   MeshHits hits_;
   std::vector<Vec3f> normals_;
-  std::vector<uint16_t> ids_;               // [object] of mirrors and coats, ascending
-  std::vector<uint32_t> shown_, not_dull_;  // [face] pixels: all; of any object
-  std::vector<uint32_t> of_object_;         // [face][object] pixels
-  std::vector<int> thing_;                  // [face] object, or -1
+  std::vector<uint16_t> ids_;     // of mirrors and coats, ascending
+  std::vector<uint16_t> object_;  // [face] id, 0: matt
+  std::vector<int> thing_;        // [face] index into ids_, or -1
   std::unique_ptr<Tracer> tracer_;
   PolishedPixels pixels_;
 };

@@ -1,6 +1,6 @@
 // Materials of mirrors and coats (core/objects). Training leaves them as they look: a mirror keeps pictures of the old
-// surroundings in its diffuse colours, a coat its highlights. A face of the mesh belongs to the object that most pixels show
-// where they show the face. Of its pixels C and the light L of their mirrored rays (the trained scene, the environment beyond):
+// surroundings in its diffuse colours, a coat its highlights. Faces and surfels know their object. Of its pixels C and the light
+// L of their mirrored rays (the trained scene, the environment beyond):
 //   mirror  F0 = sum C / sum L  per channel, over the rays that meet what is matt of the mesh, which the photos know well;
 //           nothing is scattered, and it is as rough as the contrast of what it mirrors says (metal_roughness.h)
 //   coat    paint under a smooth dielectric:  C = D + F(n.v) L;  D is the mean of C - F L over the darker half of a face's views,
@@ -31,8 +31,7 @@ struct MetalsDesc {
   const Environment& environment;  // of the photos: what mirrored rays see beyond all surfels
   const LabelledObjects& objects;  // trusted ones
   int max_side = 320;              // pixels
-  float reach = 0.05f;  // scene units: surfels this near to a face of an object, and nearest to it, belong to it; mirrored rays
-                        // begin so far out
+  float reach = 0.05f;             // scene units: faces this near give a coated surfel its gloss; mirrored rays begin so far out
 };
 
 struct Polished {

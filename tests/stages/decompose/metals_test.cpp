@@ -17,11 +17,14 @@ namespace {
 class PolishedBall {
  public:
   static constexpr Vec3f kCopper{0.9f, 0.6f, 0.45f}, kPaint{0.12f, 0.2f, 0.3f};
+  static constexpr uint16_t kBall = 3;
 
   // What a photo shows of the ball: `paint` + reflectance(cosine) * light of the mirrored direction.
   PolishedBall(const Vec3f& paint, const std::function<Vec3f(float cosine)>& reflectance) : environment(light()) {
     scene.surfels.diffuse = capture.layer;
     mesh = test::sphere_mesh(test::TinyCapture::kRadius);
+    mesh.object_ids.assign(mesh.positions.size(), kBall);
+    scene.surfels.diffuse.set_object_ids(std::vector<uint16_t>(scene.surfels.diffuse.size(), kBall));
     for (const View& v : capture.views) {
       const Intrinsics& k = v.intrinsics;
       ImageF photo(k.width, k.height, 3);
@@ -42,7 +45,7 @@ class PolishedBall {
   // The ball as an object of this role, all pixels of all photos marked.
   Metals metals(ObjectRole role) const {
     const fs::path artifact = capture.sfm().parent_path() / "found";
-    const ObjectSet set{.objects = {{.id = 3, .name = "ball", .role = role}}, .shapes = {}};
+    const ObjectSet set{.objects = {{.id = kBall, .name = "ball", .role = role}}, .shapes = {}};
     for (const View& v : capture.views) {
       const fs::path path = view_mask_path(artifact, MaskClass::Specular, v);
       make_folders(path.parent_path());
@@ -94,17 +97,15 @@ TEST(Metals, TheRoleOfTheObjectDecides) {
   EXPECT_FALSE(copper.metals(ObjectRole::Coat).things.at(0).metal);
 }
 
-TEST(Metals, WhatStandsDeepInsideIsAPictureInIt) {
+TEST(Metals, SurfelsOfOtherObjectsKeepTheirMaterials) {
   PolishedBall ball({}, [](float) { return PolishedBall::kCopper; });
-  SplatLayer& layer = ball.scene.surfels.diffuse;
-  const size_t deep = layer.size() / 2, apart = deep + 1;
-  for (size_t c = 0; c < 3; ++c) {
-    layer.at(Attribute::Mean, deep)[c] *= 0.6f;   // 0.16 below the surface, beyond the reach of 0.05
-    layer.at(Attribute::Mean, apart)[c] *= 1.6f;  // as far before it: something else
-  }
+  std::vector<uint16_t> ids(ball.scene.surfels.diffuse.size(), PolishedBall::kBall);
+  ids[1] = 0, ids[2] = PolishedBall::kBall + 1;
+  ball.scene.surfels.diffuse.set_object_ids(ids);
   const Metals found = ball.metals(ObjectRole::Mirror);
-  EXPECT_EQ(found.of_surfel[deep], 0);
-  EXPECT_EQ(found.of_surfel[apart], -1);
+  EXPECT_EQ(found.of_surfel[0], 0);
+  EXPECT_EQ(found.of_surfel[1], -1);
+  EXPECT_EQ(found.of_surfel[2], -1);
 }
 
 TEST(Metals, GlossIsTakenFromThePaintOfAGlaze) {
