@@ -92,7 +92,7 @@ std::string prim_name(std::string text) {
   return text.empty() || (text[0] >= '0' && text[0] <= '9') ? "_" + text : text;
 }
 
-std::string quoted(std::string_view text) {
+std::string usd_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -124,7 +124,7 @@ std::string usd_mesh(const std::string& prim, const std::string& shown, const Pb
   };
   const auto uv = [&](uint32_t v) { return fmt::format("({:.6f}, {:.6f})", mesh.uv[v].x, 1 - mesh.uv[v].y); };
   std::string out = fmt::format("  def Mesh \"{}\"", prim);
-  if (shown != prim) out += fmt::format(" (\n    displayName = {}\n  )", quoted(shown));
+  if (shown != prim) out += fmt::format(" (\n    displayName = {}\n  )", usd_string(shown));
   out += "\n  {\n    uniform token subdivisionScheme = \"none\"\n";
   out += fmt::format("    uniform bool doubleSided = {}\n", mesh.has_glass() ? "true" : "false");
   out += "    int[] faceVertexCounts = " + list(faces, [](const auto&) { return "3"; }) + "\n";

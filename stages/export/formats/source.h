@@ -46,7 +46,7 @@ class ExportSource {
   bool metric();  // lengths are metres
   // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
   std::string object_name(uint16_t id);
-  // `lines` and, where surfels have an id, one line an object: "object 3: kettle, mirror".
+  // `lines` and, where surfels have an id, one line an object: "object 3: vase, mirror".
   std::vector<std::string> header_lines(std::vector<std::string> lines);
   const TrainedScene& scene();
   const SplatLayer& diffuse() { return scene().surfels.diffuse; }

@@ -83,7 +83,7 @@ TEST_F(ObjectNames, AreObjectsOfTheObj) {
 TEST_F(ObjectNames, ArePrimsOfTheUsd) {
   const std::string text = read_file(exported({"mesh-usd"}) / "mesh.usda");
   EXPECT_NE(text.find("  def Mesh \"mesh\"\n"), std::string::npos) << "what belongs to none";
-  EXPECT_NE(text.find("  def Mesh \"mesh____\" (\n    displayName = \"mesh \\\"é\\\"\"\n"), std::string::npos);
+  EXPECT_NE(text.find("  def Mesh \"mesh_____\" (\n    displayName = \"mesh \\\"é\\\"\"\n"), std::string::npos);
   EXPECT_NE(text.find("  def Mesh \"object_7\" (\n    displayName = \"object-7\"\n"), std::string::npos);
   // Each prim has its own vertices: the largest index is the number of its points less one.
   size_t prims = 0;
