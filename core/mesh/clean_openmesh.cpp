@@ -163,6 +163,7 @@ TriMesh decimated(const TriMesh& mesh, const DecimateDesc& desc) {
   for (uint32_t s : source) {
     all.positions.push_back(mesh.positions[s]);
     if (!mesh.colors.empty()) all.colors.push_back(mesh.colors[s]);
+    if (!mesh.object_ids.empty()) all.object_ids.push_back(mesh.object_ids[s]);
   }
   for (const auto f : open.faces()) {
     if (open.status(f).deleted()) continue;

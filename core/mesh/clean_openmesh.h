@@ -1,5 +1,5 @@
 // Cleaning of a repaired mesh: small components away, Taubin smoothing (1995), quadric decimation (Garland and Heckbert 1997,
-// by OpenMesh). Colours follow their vertices; normals are not kept: compute vertex_normals() at the end.
+// by OpenMesh). Colours and ids of objects follow their vertices; normals are not kept: compute vertex_normals() at the end.
 #pragma once
 
 #include "core/mesh/tri_mesh.h"

@@ -49,14 +49,17 @@ TEST(Taubin, KeepsTheOutlineOfAGrid) {
 
 TEST(Decimation, HitsTheTargetAndStaysOnTheSphere) {
   TriMesh m = shapes::sphere({0, 0, 0}, 1, 100, 150);
-  for (const Vec3f& p : m.positions) m.colors.push_back(p);
+  for (const Vec3f& p : m.positions) m.colors.push_back(p), m.object_ids.push_back(p.z > 0);
   const TriMesh small = decimated(m, {.target_faces = 2000});
   const MeshReport r = mesh_report(small);
   EXPECT_LE(r.faces, 2000u);
   EXPECT_GE(r.faces, 1990u);
   EXPECT_TRUE(r.closed());
   EXPECT_NEAR(r.volume, mesh_report(m).volume, 0.04);  // seen: 0.028
-  for (size_t v = 0; v < small.positions.size(); ++v) EXPECT_EQ(small.colors[v], small.positions[v]);
+  for (size_t v = 0; v < small.positions.size(); ++v) {
+    EXPECT_EQ(small.colors[v], small.positions[v]);
+    EXPECT_EQ(small.object_ids[v], small.positions[v].z > 0);
+  }
   EXPECT_EQ(decimated(small, {.target_faces = 5000}).faces.size(), small.faces.size());
 }
 
