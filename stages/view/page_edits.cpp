@@ -63,16 +63,19 @@ Json add_edits(const EditScene& scene, std::span<const View> views, const ClassP
   sort_along_curve(diffuse, absent);
   kinds.clear(), components.clear();
   std::vector<uint8_t> flags;
+  std::vector<uint16_t> objects;
   for (uint32_t k = 0; k < absent.size(); ++k) {
     const uint32_t i = absent[k];
     place[i] = static_cast<uint32_t>(surfels.drawn) + k;
     kinds.push_back(of_diffuse.classes[i]), components.push_back(of_diffuse.components[i]);
     flags.push_back(scene.shows_sky(i) ? kSkySurfel : 0);
+    objects.push_back(diffuse.object_ids().empty() ? uint16_t(0) : diffuse.object_ids()[i]);
   }
   blocks.words("absent_place", page_places(diffuse, absent), 3);
   blocks.bytes("absent_class", kinds, 1);
   blocks.bytes("absent_component", components, 1);
   blocks.bytes("absent_flags", flags, 1);
+  if (!selector.objects().empty()) blocks.words("absent_object", objects, 1);
 
   std::vector<uint32_t> members;
   for (size_t e = 0; e < shapes["entries"].size(); ++e) {

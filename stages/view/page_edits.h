@@ -12,8 +12,9 @@
 namespace vitrine {
 
 // Blocks part_class and part_component of the drawn surfels (a bit a class in the order of kMaskClasses; 0: no component, or one
-// beyond 255), absent_place, absent_class, absent_component and absent_flags of those of the diffuse layer that are not drawn,
-// and shape_surfel: of each entry of `shapes` (page_shapes.h), which gets their number as "surfels", the indices among both.
+// beyond 255), absent_place, absent_class, absent_component, absent_flags and, where there are objects, absent_object (as
+// part_object, page_objects.h) of those of the diffuse layer that are not drawn, and shape_surfel: of each entry of `shapes`
+// (page_shapes.h), which gets their number as "surfels", the indices among both.
 // Returns {"there": true, "classes": names, "no_classes": why there are none, "components": how many}.
 nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels,
                                  const PageSurfels& surfels, nlohmann::ordered_json& shapes, PageBlocks& blocks);

@@ -48,7 +48,8 @@ nlohmann::ordered_json add_shapes(const ShapeSet* set, PageBlocks& blocks) {
                        {"tolerance", e.tolerance},
                        {"closed", !std::holds_alternative<Plane>(e.shape)},
                        {"exact", e.exact},
-                       {"parent", e.parent}});
+                       {"parent", e.parent},
+                       {"object", e.object}});
     TriMesh mesh = tessellated(e.shape, kSpacing_rel * size_of(e.shape));
     if (mesh.faces.size() > kMostFaces) mesh = decimated(mesh, {.target_faces = kMostFaces});
     const std::vector<Vec3f> smooth = vertex_normals(mesh);

@@ -10,8 +10,8 @@ namespace vitrine {
 
 // Blocks shape_place, shape_normal, shape_part (facet, entry; facet 65535: curved) of vertices, shape_corner of triangles.
 // Returns
-//   {"entries": [{"role", "tolerance", "closed", "exact", "parent"}], "facets": [{"entry", "normal", "offset", "clear",
-//   "at_pane"}]}
+//   {"entries": [{"role", "tolerance", "closed", "exact", "parent", "object"}], "facets": [{"entry", "normal", "offset",
+//   "clear", "at_pane"}]}
 // Throws nothing; an empty set gives empty lists.
 nlohmann::ordered_json add_shapes(const ShapeSet* set, PageBlocks& blocks);
 

@@ -19,6 +19,7 @@
 #include "core/mesh/mesh_topology.h"
 #include "stages/page_text.h"
 #include "stages/view/page_edits.h"
+#include "stages/view/page_objects.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
 #include "stages/view/photo_coverage.h"
@@ -104,7 +105,7 @@ Json small_photos(const Scene& s, const fs::path& sfm, int side) {
 }
 
 // What is shown where a browser cannot draw surfels.
-void add_mesh(const TriMesh& mesh, size_t faces, PageBlocks& blocks) {
+void add_mesh(const TriMesh& mesh, size_t faces, bool with_objects, PageBlocks& blocks) {
   const TriMesh small = mesh.faces.size() > faces ? decimated(mesh, {.target_faces = faces}) : mesh;
   std::vector<float> positions;
   std::vector<uint8_t> colors;
@@ -120,9 +121,11 @@ void add_mesh(const TriMesh& mesh, size_t faces, PageBlocks& blocks) {
   blocks.floats("mesh_position", positions, 3);
   blocks.bytes("mesh_color", colors, 3);
   blocks.indices("mesh_face", corners, 3);
+  if (with_objects && !small.object_ids.empty()) blocks.words("mesh_object", small.object_ids, 1);
 }
 
-Json edits(const Scene& s, const StageContext& context, const PageSurfels& surfels, Json& shapes, PageBlocks& blocks) {
+Json edits(const Scene& s, const StageContext& context, const LabelledObjects& objects, const PageSurfels& surfels, Json& shapes,
+           PageBlocks& blocks) {
   const fs::path optimize = context.input("optimize");
   std::error_code ec;
   if (fs::exists(optimize / "edits.yaml", ec))
@@ -134,8 +137,7 @@ Json edits(const Scene& s, const StageContext& context, const PageSurfels& surfe
                                            .mesh = *mesh,
                                            .refine = context.optional_input("refine"),
                                            .decompose = context.optional_input("decompose")});
-  return add_edits(scene, s.photos, {context.optional_input("masks"), LabelledObjects::all(context.optional_input("objects"))},
-                   surfels, shapes, blocks);
+  return add_edits(scene, s.photos, {context.optional_input("masks"), objects}, surfels, shapes, blocks);
 }
 
 void add_environment(const Environment& light, PageBlocks& blocks) {
@@ -187,8 +189,10 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
     if (!s.heldout[i]) trained_on.push_back(s.views[i]);
   add_coverage(photo_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
   Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
-  const Json editable = edits(s, context, surfels, shapes, blocks);
-  if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), blocks);
+  const LabelledObjects labelled = LabelledObjects::all(context.optional_input("objects"));
+  const Json objects = add_objects(labelled.objects(), s.trained.surfels, surfels, blocks);
+  const Json editable = edits(s, context, labelled, surfels, shapes, blocks);
+  if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), !objects.empty(), blocks);
 
   Json cameras = Json::array(), centres = Json::array();
   for (size_t i = 0; i < s.views.size(); ++i) cameras.push_back(camera_json(s.views[i], s.photos[i].intrinsics, s.heldout[i]));
@@ -212,6 +216,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
              {"probe_side", kProbeSide},
              {"probes", centres},
              {"shapes", shapes},
+             {"objects", objects},
              {"edits", editable},
              {"cameras", cameras},
              {"blocks", blocks.directory()}};
@@ -237,7 +242,7 @@ void run_view(const ViewConfig& config, StageContext& context) {
 
 Stage view_stage() {
   StageInfo info{.name = "view",
-                 .version = 6,
+                 .version = 7,
                  .summary = "one page that shows the scene from any side, under any light",
                  .inputs = {{.name = "sfm", .doc = "Cameras, gains and photos."},
                             {.name = "optimize", .doc = "The trained surfels and the list of held-out views."},
@@ -245,7 +250,7 @@ Stage view_stage() {
                             {.name = "mesh", .optional = true, .doc = "The mesh that throws shadows."},
                             {.name = "decompose", .optional = true, .doc = "Materials and the light of the photos."},
                             {.name = "masks", .optional = true, .doc = "Which pixels show the object, for edits."},
-                            {.name = "objects", .optional = true, .doc = "Which pixels show glass and mirrors, for edits."}}};
+                            {.name = "objects", .optional = true, .doc = "The table of objects, and which pixels show them."}}};
   return make_stage<ViewConfig>(std::move(info), run_view, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())},
                                               {"page", empty_page_digest("view")}};

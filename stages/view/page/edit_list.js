@@ -1,5 +1,5 @@
 // Edits in the format of `vitrine edit` (stages/edit/README.md):
-//   {name, select: 'all' or {class, component, box: [6], marks: [{photo, box: [4] or polygon: [[x, y], ...], size}], except},
+//   {name, select: 'all' or {class, object, component, box: [6], marks: [{photo, box: [4] or polygon: [[x, y], ...], size}], except},
 //    remove, set: {tint: [3], f0: [3], roughness, k_s, tau}}
 import { crossing } from '../../page/polygon.js';
 import { quoted, read_yaml } from '../../page/yaml.js';
@@ -19,8 +19,9 @@ function mark_text({ photo, box, polygon, size }) {
 }
 function select_text(select, indent) {
   if (select === 'all') return 'all';
-  const { class: kind, component, box, marks, except } = select, pairs = [];
+  const { class: kind, object, component, box, marks, except } = select, pairs = [];
   if (kind) pairs.push(['class', kind]);
+  if (object) pairs.push(['object', quoted(object)]);
   if (component) pairs.push(['component', short(component)]);
   if (box) pairs.push(['box', list(box)]);
   if (marks) pairs.push(['marks', `[${marks.map((m) => `\n${indent}  ${mark_text(m)}`).join(',')}]`]);
@@ -39,7 +40,7 @@ export function edits_yaml(edits) {
 // Why `vitrine edit` would refuse it; '' if it would not.
 export function mistake_of({ name, select, remove, set }, count) {
   if (!name.trim()) return 'it has no name';
-  if (select !== 'all' && !['class', 'component', 'box', 'marks'].some((key) => select[key])) return 'it selects nothing yet';
+  if (select !== 'all' && !['class', 'object', 'component', 'box', 'marks'].some((key) => select[key])) return 'it selects nothing yet';
   if (select.marks && select.marks.length === 0) return 'it has no marks yet';
   const crossed = (select.marks ?? []).find(({ polygon }) => polygon && crossing(polygon));
   if (crossed) return `its outline in ${crossed.photo} crosses itself`;
@@ -76,20 +77,21 @@ function mark_of(where, node, photos) {
     ...(size ? { size: numbers(where, size, 2, 1) } : {}),
   };
 }
-function select_of(where, node, photos, outer) {
+function select_of(where, node, photos, objects, outer) {
   if (outer && node === 'all') return 'all';
-  only(where, node, ['class', 'component', 'box', 'marks', ...(outer ? ['except'] : [])]);
+  only(where, node, ['class', 'object', 'component', 'box', 'marks', ...(outer ? ['except'] : [])]);
   const out = {};
   if ('class' in node) out.class = kClasses.includes(node.class) ? node.class : fail(where, `there is no class \u201c${node.class}\u201d`);
+  if ('object' in node) out.object = objects.includes(node.object) ? node.object : fail(where, `there is no object \u201c${node.object}\u201d`);
   if ('component' in node) out.component = number(where, node.component, 1, far);
   if ('box' in node) out.box = numbers(where, node.box, 6);
   if ('marks' in node) out.marks = Array.isArray(node.marks) ? node.marks.map((m) => mark_of(where, m, photos)) : fail(where, 'marks are a list');
-  if ('except' in node) out.except = select_of(where, node.except, photos, false);
+  if ('except' in node) out.except = select_of(where, node.except, photos, objects, false);
   return out;
 }
 
-// photos: their names. Throws Error with a sentence for people.
-export function edits_of(text, photos) {
+// photos, objects: their names. Throws Error with a sentence for people.
+export function edits_of(text, photos, objects) {
   const root = read_yaml(text);
   only('at its top', root, ['edits']);
   if (!Array.isArray(root.edits)) fail('at its top', 'edits are a list');
@@ -98,7 +100,7 @@ export function edits_of(text, photos) {
     only(where, node, ['name', 'select', 'set', 'delete']);
     if (('set' in node) === ('delete' in node)) fail(where, 'it has either \u201cset\u201d or \u201cdelete: true\u201d');
     if ('delete' in node && node.delete !== 'true') fail(where, '\u201cdelete\u201d is either true or left out');
-    const out = { name: String(node.name ?? where), select: select_of(where, node.select, photos, true), remove: node.delete === 'true', set: {} };
+    const out = { name: String(node.name ?? where), select: select_of(where, node.select, photos, objects, true), remove: node.delete === 'true', set: {} };
     if ('set' in node) only(where, node.set, Object.keys(kSet));
     for (const [key, v] of Object.entries(node.set ?? {})) {
       const one = kColors.includes(key) && Array.isArray(v) ? numbers(where, v, 3, 0, kSet[key]) : number(where, v, 0, kSet[key]);

@@ -9,44 +9,40 @@ const byte_of = (v) => Math.round(255 * Math.sqrt(Math.min(1, Math.max(0, v))));
 
 export class EditPreview {
   constructor(picture, page, selection) {
-    const { surfels, shapes } = picture, t = surfels.textures;
-    this.scene = page.scene, this.selection = selection, this.shapes = shapes, this.blocks = page.blocks;
-    this.opacities = surfels.by.opacities;
+    const t = picture.surfels.textures;
+    this.picture = picture, this.scene = page.scene, this.selection = selection, this.blocks = page.blocks;
     // Every kind of texture once: without materials some are the same.
     this.textures = {
       materials: [...new Set([t.materials, t.lit_materials])], weights: [...new Set([t.weights, t.lit_weights])], tints: [t.tints],
-      albedo: page.scene.relit ? [t.albedo] : [], places: [t.places],
+      albedo: page.scene.relit ? [t.albedo] : [],
     };
     this.originals = new Map(Object.values(this.textures).flat().map((one) => [one, one.image.data.slice()]));
-    this.original_opacities = this.opacities.slice();
   }
 
   // Applies the edits in their order to the originals. -> of each the number of surfels that `vitrine edit` would report,
   // and that of content behind glass which it changes: [{surfels, content}].
   show(edits) {
-    const { selection } = this, places = this.textures.places[0].image.data;
+    const { selection } = this;
     for (const [one, data] of this.originals) one.image.data.set(data);
-    this.opacities.set(this.original_opacities);
-    const there = new Uint8Array(selection.count).fill(1), counts = [];
+    const gone = new Uint8Array(selection.count), counts = [];
     for (const { select, remove, set } of edits) {
       const chosen = selection.flags_of(select), geometric = is_geometric(select);
       let surfels = 0, content = 0;
       for (let i = 0; i < selection.count; ++i) {
-        if (!chosen[i] || !there[i]) continue;
+        if (!chosen[i] || gone[i]) continue;
         const inside = selection.is_inside(i);
-        if (remove) there[i] = 0;
+        if (remove) gone[i] = 1;
         else if (!inside && selection.is_sky(i)) continue;
         if (!inside) ++surfels;
         else if (remove || (set.tint && geometric)) ++content;
-        if (i >= selection.drawn) continue;
-        if (remove) this.opacities[i] = places[4 * i + 3] = 0;  // for pictures, for rays
-        else if (!inside) this.change(i, set);
-        if (!remove && set.tint && (!inside || geometric)) this.tint(i, set.tint, inside);
+        if (remove || i >= selection.drawn) continue;
+        if (!inside) this.change(i, set);
+        if (set.tint && (!inside || geometric)) this.tint(i, set.tint, inside);
       }
       counts.push({ surfels, content });
     }
     for (const one of this.originals.keys()) one.needsUpdate = true;
-    this.shapes.leave_out(this.gone_shapes(there));
+    this.picture.leave_out('deleted', gone, this.gone_shapes(gone));
     return counts;
   }
 
@@ -70,13 +66,13 @@ export class EditPreview {
   }
 
   // Entries that go with most of the surfels that show them (stages/edit/README.md), and what stands out of those.
-  gone_shapes(there) {
+  gone_shapes(gone_surfels) {
     const gone = new Set(), { entries } = this.scene.shapes, list = this.blocks.shape_surfel;
-    if (there.every((v) => v !== 0)) return gone;
+    if (!gone_surfels.includes(1)) return gone;
     let at = 0;
     entries.forEach(({ role, parent, surfels }, entry) => {
       let left = 0;
-      for (let k = 0; k < surfels; ++k) left += there[list[at + k]];
+      for (let k = 0; k < surfels; ++k) left += 1 - gone_surfels[list[at + k]];
       at += surfels;
       const stays = surfels > 0 ? 2 * left >= surfels : role === 'sheet';
       if (!stays || gone.has(parent)) gone.add(entry);

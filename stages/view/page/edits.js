@@ -14,7 +14,7 @@ export class Edits {
     this.preview = new EditPreview(view.picture, page, this.selection);
     this.list = [], this.found = [], this.counts = [], this.chosen = -1;
     addEventListener('beforeunload', (e) => this.unsaved && e.preventDefault());
-    this.photos = page.scene.cameras.map((c) => c.name);
+    this.photos = page.scene.cameras.map((c) => c.name), this.objects = page.scene.objects.map((o) => o.name);
   }
   get one() {
     return this.list[this.chosen];
@@ -32,8 +32,8 @@ export class Edits {
     this.chosen = index;
     this.view.changed(), this.view.draw_marks();
   }
-  add() {
-    this.list.push({ name: `edit ${this.list.length + 1}`, select: {}, remove: false, set: {} });
+  add(name = `edit ${this.list.length + 1}`, select = {}) {
+    this.list.push({ name, select, remove: false, set: {} });
     this.choose(this.list.length - 1);
   }
   remove() {
@@ -64,7 +64,7 @@ export class Edits {
   }
   async open(file) {
     try {
-      this.list = edits_of(await file.text(), this.photos);
+      this.list = edits_of(await file.text(), this.photos, this.objects);
       this.view.tell('');
       this.choose(this.list.length ? 0 : -1), this.changed();
       this.unsaved = false;

@@ -8,19 +8,21 @@ import { file_button, keep_rows, slider } from './controls.js';
 
 const row = (...children) => element('div', { className: 'row' }, ...children);
 const label = (text, ...children) => element('label', { className: 'row' }, ...children, text);
-const kKinds = { class: 'a class', component: 'a component', box: 'a box', marks: 'marks in photos', all: 'everything' };
+const kKinds = { class: 'a class', object: 'an object', component: 'a component', box: 'a box', marks: 'marks in photos', all: 'everything' };
 const kind_of = (select) => (select === 'all' ? 'all' : Object.keys(kKinds).find((k) => select[k] !== undefined) ?? '');
 
 // What is selected: one kind of it; selections of several conditions, from a file, are kept as they are.
 function selection_rows(edits, scene) {
-  const { classes, no_classes, components } = scene.edits, rows = {};
-  const kinds = Object.keys(kKinds).filter((k) => (k !== 'class' || classes.length) && (k !== 'component' || components > 0));
+  const { classes, no_classes, components } = scene.edits, objects = scene.objects.map((o) => o.name), rows = {};
+  const kinds = Object.keys(kKinds).filter((k) => (k !== 'class' || classes.length) && (k !== 'object' || objects.length) && (k !== 'component' || components > 0));
   const by = element('select', { id: 'edit_by', onchange: () => (edits.view.hand.drop(), edits.change({ select: start[by.value]() })) }, element('option', { value: '', textContent: 'choose \u2026', hidden: true }), ...kinds.map((k) => element('option', { value: k, textContent: kKinds[k] })));
-  const start = { class: () => ({ class: classes[0] }), component: () => (edits.pick_component(), { component: 1 }), box: () => ({ box: box_around() }), marks: () => ({ marks: [] }), all: () => 'all' };
+  const start = { class: () => ({ class: classes[0] }), object: () => ({ object: objects[0] }), component: () => (edits.pick_component(), { component: 1 }), box: () => ({ box: box_around() }), marks: () => ({ marks: [] }), all: () => 'all' };
   const box_around = () => [...scene.middle.map((v) => v - 0.25 * scene.radius), ...scene.middle.map((v) => v + 0.25 * scene.radius)].map((v) => Math.round(1000 * v) / 1000);
 
   const kind = element('select', { id: 'edit_class', onchange: () => edits.change({ select: { class: kind.value } }) }, ...classes.map((c) => element('option', { textContent: c })));
   rows.class = row(kind);
+  const object = element('select', { id: 'edit_object', 'aria-label': 'object', onchange: () => edits.change({ select: { object: object.value } }) }, ...objects.map((name) => element('option', { value: name, textContent: name })));
+  rows.object = row(object);
   const component = element('input', { type: 'number', id: 'edit_component', min: 1, max: components, step: 1, onchange: () => edits.change({ select: { component: Math.max(1, Math.round(Number(component.value))) } }) });
   rows.component = row(component, button('Click it in the picture', () => edits.pick_component(), { id: 'pick_component' }));
   const ends = Array.from({ length: 6 }, (_, i) => element('input', { type: 'number', id: `box_${i}`, step: 0.01, 'aria-label': `${'xyz'[i % 3]} ${i < 3 ? 'from' : 'to'}`, onchange: () => edits.change({ select: { box: ends.map((e) => Number(e.value)) } }) }));
@@ -34,6 +36,7 @@ function selection_rows(edits, scene) {
     by.value = shown;
     for (const [k, r] of Object.entries(rows)) r.hidden = k !== shown;
     if (shown === 'class') kind.value = select.class;
+    if (shown === 'object') object.value = select.object;
     if (shown === 'component') component.value = select.component;
     if (shown === 'box') ends.forEach((e, i) => (e.value = Number(select.box[i].toFixed(4))));
     marks.replaceChildren(...(select.marks ?? []).map((m, i) => row(m.photo, button('\u00d7', () => edits.change({ select: { ...select, marks: select.marks.filter((_, k) => k !== i) } }), { title: 'remove this mark' }))));
@@ -76,7 +79,7 @@ function material_rows(edits) {
   return { parts: [label('delete it', remove), ...parts], show: (edit) => shows.forEach((f) => f(edit)) };
 }
 
-// -> { parts: elements, show() }
+// -> { parts: elements, show(), begin(object): a new edit of that object; missing where there are no edits }
 export function edits_section(view, page) {
   const { scene } = page;
   if (!scene.edits.there) view.filed.push({ opens: /\.ya?ml$/i, open: (file) => view.tell(`${file.name} is not opened: ${scene.edits.why}`) });
@@ -106,5 +109,6 @@ export function edits_section(view, page) {
     if (document.activeElement !== name) name.value = edits.one.name;
     select.show(edits.one), material.show(edits.one);
   }
-  return { parts, show };
+  const begin = (object) => (edits.add(object, { object }), edits.changed(), name.focus(), name.select());
+  return { parts, show, begin };
 }

@@ -2,6 +2,7 @@
 import { ClipPlane, clip_section } from './clip_plane.js';
 import { read_page } from './scene_data.js';
 import { show_mesh } from './mesh_canvas.js';
+import { Objects, objects_section } from './objects.js';
 import { read_state } from './url_state.js';
 import { View } from './view.js';
 import { make_panel } from './panel.js';
@@ -26,14 +27,15 @@ async function open() {
   const why = missing();
   if (why) {
     const panel = document.getElementById('panel'), clip = new ClipPlane(page.scene.middle, page.blocks.mesh_position ?? []);
-    clip.restore(read_state().query);
-    const shown = show_mesh(document.getElementById('picture'), page, clip);
+    const objects = new Objects(page.scene.objects);
+    for (const part of [clip, objects]) part.restore(read_state().query);
+    const shown = show_mesh(document.getElementById('picture'), page, clip, objects);
     tell(`${why}: ${shown ? 'the mesh alone is shown, in its plain colours' : 'and the scene has no mesh to show instead'}.`);
     if (!shown) panel.remove();
     else {
       const { nodes, show } = clip_section(clip, page.scene.scale_known ? ' m' : '', () => shown.position.toArray()), draw = clip.on_change;
       clip.on_change = () => (draw(), show());
-      panel.append(...nodes);
+      panel.append(...nodes, ...objects_section(objects).nodes);
     }
     return { mesh_alone: true, page };
   }

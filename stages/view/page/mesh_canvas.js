@@ -3,9 +3,10 @@ import { PerspectiveCamera, Vector3 } from 'three';
 import { clipped } from './clip_plane.js';
 import { from_three, projected, stand_at } from './cameras.js';
 
-// Draws into `canvas` from the first photo's camera what `clip` shows of it; null where the page has no mesh. -> the camera
-export function show_mesh(canvas, { scene, blocks }, clip) {
-  const { mesh_position: places, mesh_color: colors, mesh_face: faces } = blocks;
+// Draws into `canvas` from the first photo's camera what `clip` shows of it, without faces that two corners give to hidden `objects`; null
+// where the page has no mesh. -> the camera
+export function show_mesh(canvas, { scene, blocks }, clip, objects) {
+  const { mesh_position: places, mesh_color: colors, mesh_face: faces, mesh_object: ids = [] } = blocks;
   if (!faces?.length) return null;
   const eye = new PerspectiveCamera(), target = new Vector3(), up = new Vector3(0, 0, 1);
   eye.up.copy(up);
@@ -19,6 +20,7 @@ export function show_mesh(canvas, { scene, blocks }, clip) {
     const hidden = on_screen.map((_, v) => places[3 * v] * plane[0] + places[3 * v + 1] * plane[1] + places[3 * v + 2] * plane[2] < plane[3]);
     for (let f = 0; f < faces.length; f += 3) {
       const corners = [...faces.subarray(f, f + 3)], [a, b, c] = corners.map((v) => on_screen[v]), cut = corners.filter((v) => hidden[v]).length;
+      if (corners.filter((v) => objects.hidden.has(ids[v])).length >= 2) continue;
       if (cut === 3 || Math.min(a[2], b[2], c[2]) <= 0.01) continue;
       order.push([f, a[2] + b[2] + c[2]]);
       if (cut > 0) outlines.set(f, clipped(corners.map((v) => [...places.subarray(3 * v, 3 * v + 3)]), plane).map((p) => projected(camera, p)));
@@ -55,7 +57,7 @@ export function show_mesh(canvas, { scene, blocks }, clip) {
     draw();
   }, { passive: false });
   addEventListener('resize', draw);
-  clip.on_change = draw;
+  clip.on_change = objects.on_change = draw;
   draw();
   return eye;
 }

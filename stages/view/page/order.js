@@ -31,7 +31,7 @@ function grown(array, count) {
 export class Order {
   // places [3 n], turns [4 n] (w x y z), spans [2 n] (standard deviations), opacities [n], flags [n]
   constructor({ places, turns, spans, opacities, flags, maps }) {
-    Object.assign(this, { places, opacities, flags, trained: opacities.slice() });  // edits change opacities
+    Object.assign(this, { places, opacities, flags, trained: opacities.slice() });  // Surfels.leave_out changes opacities
     const n = opacities.length;
     this.axes = new Float32Array(6 * n);  // both, as long as the deviations
     for (let i = 0; i < n; ++i) {

@@ -7,6 +7,7 @@ import { file_button, slider } from './controls.js';
 import { edits_section } from './edits_panel.js';
 import { lamps_section } from './lamps_panel.js';
 import { measures_section } from './measures.js';
+import { objects_section } from './objects.js';
 import { kModes } from './picture.js';
 import { two_runs_section } from './two_runs.js';
 
@@ -59,12 +60,12 @@ export function make_panel(view, page) {
     element('p', { textContent: 'Views and paths are for vitrine render --views and vitrine relight --views.' }));
 
   const clip = clip_section(view.clip, scene.scale_known ? ' m' : '', () => view.eye.position.toArray());
-  for (const { nodes, show } of [clip, measures_section(view), annotations_section(view), two_runs_section(view)]) {
+  const edits = edits_section(view, page);
+  for (const { nodes, show } of [clip, measures_section(view), annotations_section(view), two_runs_section(view), objects_section(view.objects, edits.begin)]) {
     panel.append(...nodes);
     changes.push(show);
   }
 
-  const edits = edits_section(view, page);
   changes.push(edits.show);
   section('Edits', ...edits.parts);
 

@@ -53,6 +53,7 @@ export class Picture {
     this.has_glass = scene.drawn > scene.solid;
     this.glass = this.has_glass ? channels(4) : null;
     this.pictures = null;  // made when panes are there
+    this.left_out = {};    // by leave_out
     this.make_probes(page);
 
     const { facets, entries } = scene.shapes, role = { mirror: 0, sheet: 1, coat: 2 };
@@ -202,6 +203,19 @@ export class Picture {
       });
       facts[4 * i] = layer;
     });
+  }
+
+  // Leaves out surfels (those with a flag) and entries of known shapes for this reason, in place of those before.
+  leave_out(reason, flags, entries) {
+    this.left_out[reason] = { flags, entries };
+    const all = Object.values(this.left_out);
+    this.surfels.leave_out((i) => all.some((some) => some.flags[i]));
+    this.shapes.leave_out(new Set(all.flatMap((some) => [...some.entries])));
+  }
+  // Leaves out the objects of these ids (a set), and no other.
+  hide_objects(ids) {
+    const entries = this.scene.shapes.entries.flatMap(({ object }, i) => (ids.has(object) ? [i] : []));
+    this.leave_out('hidden', this.blocks.part_object.map((id) => ids.has(id)), entries);
   }
 
   // Modes that show a property of the surface alone.

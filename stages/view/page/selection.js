@@ -1,5 +1,5 @@
-// Which surfels a selection of `vitrine edit` means (core/edit/selection.h): classes and components are what the program found when it
-// wrote the page, places are found here. Surfels that the page does not draw (glass of known shape, those left out) stand behind the
+// Which surfels a selection of `vitrine edit` means (core/edit/selection.h): classes, objects and components are what the program found
+// when it wrote the page, places are found here. Surfels that the page does not draw (glass of known shape, those left out) stand behind the
 // drawn ones: they count.
 import { resized } from './cameras.js';
 import { inside } from '../../page/polygon.js';
@@ -20,6 +20,8 @@ export class Selection {
     this.scene = scene, this.drawn = drawn;
     this.places = joined(surfel_places(b.place).subarray(0, 3 * drawn), surfel_places(b.absent_place));
     this.classes = joined(b.part_class, b.absent_class), this.components = joined(b.part_component, b.absent_component);
+    this.objects = b.part_object && joined(b.part_object, b.absent_object);
+    this.id_of = new Map(scene.objects.map(({ id, name }) => [name, id]));
     this.flags = joined(b.flags.subarray(0, drawn), b.absent_flags);
     this.count = this.flags.length;
     this.cameras = new Map(scene.cameras.map((c) => [c.name, resized(c, c.photo[0], c.photo[1])]));
@@ -48,13 +50,14 @@ export class Selection {
   flags_of(select) {
     const out = new Uint8Array(this.count).fill(1);
     if (select === 'all') return out;
-    const { class: kind, component, box, marks, except } = select;
-    if (!kind && !component && !box && !marks?.length) return out.fill(0);  // nothing is chosen yet
-    const bit = kind ? 1 << kClasses.indexOf(kind) : 0;
+    const { class: kind, object, component, box, marks, except } = select;
+    if (!kind && !object && !component && !box && !marks?.length) return out.fill(0);  // nothing is chosen yet
+    const bit = kind ? 1 << kClasses.indexOf(kind) : 0, id = this.id_of.get(object);
     const in_marks = (marks ?? []).map((m) => this.in_mark(m)), left_out = except ? this.flags_of(except) : null;
     for (let i = 0; i < this.count; ++i) {
       const x = this.places[3 * i], y = this.places[3 * i + 1], z = this.places[3 * i + 2];
       if (kind && !(this.classes[i] & bit)) out[i] = 0;
+      else if (object && this.objects[i] !== id) out[i] = 0;
       else if (component && this.components[i] !== component) out[i] = 0;
       else if (box && !(x >= box[0] && x <= box[3] && y >= box[1] && y <= box[4] && z >= box[2] && z <= box[5])) out[i] = 0;
       else if (!in_marks.every((f) => f(x, y, z))) out[i] = 0;
@@ -76,4 +79,4 @@ export class Selection {
 }
 
 // By place alone: such tints also change what glass shows there.
-export const is_geometric = (select) => select === 'all' || (!select.class && !select.component);
+export const is_geometric = (select) => select === 'all' || (!select.class && !select.object && !select.component);

@@ -58,7 +58,7 @@ export class Surfels {
   constructor(renderer, { scene, blocks }) {
     const n = scene.surfels, b = blocks;
     this.renderer = renderer;
-    this.solid = scene.solid;
+    this.solid = scene.solid, this.drawn = scene.drawn;
     this.near_z = scene.near_z;
     this.clip = kNoClip;  // clip_plane.js
     this.places = surfel_places(b.place);
@@ -137,6 +137,13 @@ export class Surfels {
     const { image } = this.textures.irradiance;
     for (let i = 0; 3 * i < values.length; ++i) for (let c = 0; c < 3; ++c) image.data[4 * i + c] = half(Math.min(values[3 * i + c], 65000));
     this.textures.irradiance.needsUpdate = true;
+  }
+
+  // Neither pictures nor rays meet the drawn surfels that is_gone(i).
+  leave_out(is_gone) {
+    const { opacities, trained } = this.by, { data } = this.textures.places.image;
+    for (let i = 0; i < this.drawn; ++i) opacities[i] = data[4 * i + 3] = is_gone(i) ? 0 : trained[i];
+    this.textures.places.needsUpdate = true;
   }
 
   // Colours and normals as `camera` sees them. what: {paint, lit, clear: tau in the place of k_s}

@@ -85,7 +85,7 @@ export class TwoRuns {
     const how = { centres: `aligned by the places of ${photos} of the same names`, rotations: `aligned by the rotations of ${photos} of the same names`,
                   nothing: 'no photo has the same name in both, so the same frame is assumed' }[by];
     const more = [scale === 1 ? '' : `, ${scale.toFixed(3)} times as large`, error > kRough ? `; the cameras are ${(100 * error).toFixed(0)} % of their ring apart` : ''];
-    return `Right: ${name}, ${how}${more.join('')}.${page.scene.relit ? '' : ' It has no materials: where they are needed it is shown as photographed.'}${this.view.edits?.list.length ? ' Edits are shown on the left alone.' : ''}`;
+    return `Right: ${name}, ${how}${more.join('')}.${page.scene.relit ? '' : ' It has no materials: where they are needed it is shown as photographed.'}${this.view.edits?.list.length || this.view.objects.hidden.size ? ' Edits and hidden objects concern the left alone.' : ''}`;
   }
 }
 

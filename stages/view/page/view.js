@@ -10,6 +10,7 @@ import { Hand } from './hand.js';
 import { listen_to_keys } from './keys.js';
 import { lit } from './lamps.js';
 import { Measures } from './measures.js';
+import { Objects } from './objects.js';
 import { kModes, Picture } from './picture.js';
 import { evening, read_sky, sky, studio } from './sky.js';
 import { TwoRuns } from './two_runs.js';
@@ -32,8 +33,10 @@ export class View {
     this.path = [];
     this.clip = new ClipPlane(this.scene.middle, this.picture.surfels.places.subarray(0, 3 * this.scene.solid));
     this.clip.on_change = () => (this.show_state(), this.adjusting());
+    this.objects = new Objects(this.scene.objects);
+    this.objects.on_change = () => (this.picture.hide_objects(this.objects.hidden), this.show_state(), this.adjusting());
     this.measures = new Measures(this), this.notes = new Annotations(this), this.runs = new TwoRuns(this);
-    this.kept = [this.clip, this.notes];        // what has a part of the address: address(), restore(query)
+    this.kept = [this.clip, this.notes, this.objects];  // what has a part of the address: address(), restore(query)
     this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen, {camera, sx, sy: pixels of the screen in one of its})
     this.filed = [this.notes, this.runs];       // what opens files of some names: opens, open(file)
 

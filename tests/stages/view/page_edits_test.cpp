@@ -73,10 +73,15 @@ TEST_F(PageEdits, SurfelsKnowTheirClassAndTheirComponent) {
 }
 
 TEST_F(PageEdits, SurfelsThatAreNotDrawnStandBehindThem) {
+  SplatLayer& diffuse = scene.trained.surfels.diffuse;
+  std::vector<uint16_t> ids(diffuse.size());
+  for (size_t i = 0; i < ids.size(); ++i) ids[i] = balls.in_b(i) ? 7 : 1;
+  diffuse.set_object_ids(ids);
   add_edits(scene, balls.capture.views, {balls.masks(), LabelledObjects::all(balls.masks())}, surfels, shapes, blocks);
   const std::vector<uint8_t> components = bytes("absent_component");
   ASSERT_EQ(components.size(), balls.kSurfelsB);
   EXPECT_TRUE(std::ranges::all_of(components, [](uint8_t c) { return c == 2; }));
+  EXPECT_EQ(bytes("absent_object"), std::vector<uint8_t>(balls.kSurfelsB, 7)) << "low bytes of their ids";
   EXPECT_EQ(bytes("absent_place").size(), 3 * balls.kSurfelsB) << "counted in numbers of 16 bits";
   EXPECT_EQ(shapes["entries"][0]["surfels"], balls.kSurfelsB) << "all its glass shows the sheet";
   EXPECT_EQ(shapes["entries"][0]["parent"], -1);

@@ -281,11 +281,13 @@ TEST(PageShapes, FacesOfABoxKnowTheirPlanes) {
   set.entries.push_back({.shape = Box{Mat3d::identity(), {-1, -1, -1}, {1, 1, 1}},
                          .role = ShapeRole::Sheet,
                          .tolerance = 0.02,
-                         .clear = {1, 1, 1, 1, 0, 1}});
+                         .clear = {1, 1, 1, 1, 0, 1},
+                         .object = 3});
   PageBlocks blocks;
   const auto shapes = add_shapes(&set, blocks);
   ASSERT_EQ(shapes["facets"].size(), 6u);
   EXPECT_EQ(shapes["entries"][0]["role"], "sheet");
+  EXPECT_EQ(shapes["entries"][0]["object"], 3);
   EXPECT_FALSE(shapes["facets"][4]["clear"]);
   EXPECT_NEAR(shapes["facets"][5]["at_pane"].get<double>(), 0.008, 1e-9);
   EXPECT_EQ(blocks.directory()[3]["name"], "shape_corner");
