@@ -23,6 +23,9 @@ class LabelledObjects {
   static LabelledObjects trusted(const std::optional<std::filesystem::path>& artifact) {
     return {artifact, read_objects(artifact).trusted()};
   }
+  static LabelledObjects known(const std::optional<std::filesystem::path>& artifact) {
+    return {artifact, read_objects(artifact).known()};
+  }
   static LabelledObjects all(const std::optional<std::filesystem::path>& artifact) { return {artifact, read_objects(artifact)}; }
 
   const ObjectSet& objects() const { return objects_; }

@@ -33,14 +33,21 @@ const Object* ObjectSet::find(uint16_t id) const {
   return at != objects.end() && at->id == id ? &*at : nullptr;
 }
 
-ObjectSet ObjectSet::trusted() const {
+ObjectSet ObjectSet::kept(const std::function<bool(const Object&)>& keeps) const {
   ObjectSet out;
-  std::ranges::copy_if(objects, std::back_inserter(out.objects),
-                       [](const Object& o) { return o.trust != ObjectTrust::Guessed && o.role != ObjectRole::Opaque; });
+  std::ranges::copy_if(objects, std::back_inserter(out.objects), keeps);
   std::vector<uint8_t> keep(shapes.entries.size());
   for (size_t i = 0; i < keep.size(); ++i) keep[i] = out.find(shapes.entries[i].object) != nullptr;
   out.shapes = shapes.kept(keep);
   return out;
+}
+
+ObjectSet ObjectSet::known() const {
+  return kept([](const Object& o) { return o.trust != ObjectTrust::Guessed; });
+}
+
+ObjectSet ObjectSet::trusted() const {
+  return kept([](const Object& o) { return o.trust != ObjectTrust::Guessed && o.role != ObjectRole::Opaque; });
 }
 
 ShapeSet ObjectSet::drawn_shapes() const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,7 +62,9 @@ struct ObjectSet {
   const Object* of_shape(size_t entry) const { return find(shapes.entries[entry].object); }
   bool empty() const { return objects.empty(); }
 
-  // The objects that become layers, normals, depths and materials: all but guessed ones and those whose role is opaque. The one
+  // All but guessed ones: those whose ids surfels and vertices carry.
+  ObjectSet known() const;
+  // The objects that become layers, normals, depths and materials: known ones whose role is not opaque. The one
   // place where trust is decided.
   ObjectSet trusted() const;
   // The shapes that the image formation draws (core/model): exact ones of thin glass and mirrors, all of coats.
@@ -69,6 +72,9 @@ struct ObjectSet {
   // Whether an object is shaded as a mirror of known shape. Without such a shape its surfels show its reflections, as those of a
   // coat do.
   bool is_drawn_mirror(const Object& object) const;
+
+ private:
+  ObjectSet kept(const std::function<bool(const Object&)>& keeps) const;
 };
 
 ShapeRole shape_role(ObjectRole role);  // Coat for Opaque

@@ -251,7 +251,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   TriMesh mesh = cleaned(raw, config, context, report);
   report["vertices_on_shapes"] = mirrors.put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
-  const std::vector<LabelledView> labels = labelled_views(LabelledObjects::all(context.optional_input("objects")), views);
+  const std::vector<LabelledView> labels = labelled_views(LabelledObjects::known(context.optional_input("objects")), views);
   if (!labels.empty()) mesh.object_ids = labels_of_vertices(mesh, labels);
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
   if (scene.surfels.transmittance.size() > 0)
