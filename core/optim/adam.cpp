@@ -139,9 +139,7 @@ void Adam::load(ArchiveReader& in) {
   in.layer(m_);
   in.layer(v_);
   in.array(steps_);
-  if (m_.size() != v_.size() || steps_.size() != m_.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                {.why = "moments of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+  if (m_.size() != v_.size() || steps_.size() != m_.size()) in.fail("moments of different sizes");
 }
 
 void keep_surfels(SplatLayer& layer, std::span<const uint32_t> kept) {

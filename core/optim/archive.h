@@ -74,12 +74,13 @@ class ArchiveReader {
     }
   }
   bool at_end() const { return position_ == bytes_.size(); }
+  // Throws Error{Input}: what was read makes no sense.
+  [[noreturn]] static void fail(const std::string& why = "its sizes do not add up") {
+    throw Error(ErrorKind::Input, "a checkpoint is damaged",
+                {.why = why, .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+  }
 
  private:
-  [[noreturn]] static void fail() {
-    throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                {.why = "its sizes do not add up", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
-  }
   const char* take(size_t size) {
     if (size > bytes_.size() - position_) fail();
     const char* p = bytes_.data() + position_;

@@ -289,8 +289,7 @@ void SurfelAccumulator::load(ArchiveReader& in) {
   in.array(share);
   if (share.size() != weight.size() || error.size() != weight.size() || screen_gradient.size() != weight.size() ||
       seen.size() != weight.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                {.why = "statistics of different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+    in.fail("statistics of different sizes");
 }
 
 CopySplit copy_split(double opacity, int copies) {

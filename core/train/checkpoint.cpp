@@ -1,5 +1,6 @@
 #include "core/train/checkpoint.h"
 
+#include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/hash.h"
 
@@ -7,16 +8,16 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::string_view kMagic = "vitrine-checkpoint 5\n";
+constexpr std::string_view kMagic = "vitrine-checkpoint 6\n";
 constexpr size_t kDigestSize = 32;
 
 }  // namespace
 
-void write_checkpoint_bytes(const std::filesystem::path& path, const std::string& state) {
+void write_checkpoint(const std::filesystem::path& path, const std::string& state) {
   write_file(path, std::string(kMagic) + digest_bytes(state).hex() + state);
 }
 
-std::optional<std::string> read_checkpoint_bytes(const std::filesystem::path& path) {
+std::optional<std::string> read_checkpoint(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   std::string bytes = read_file(path);
   const auto damaged = [&](std::string why) {

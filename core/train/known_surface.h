@@ -1,5 +1,5 @@
 // Where the surface of something that reflects is known better than its surfels know it: points of a fitted box, of a surface of
-// revolution or of a fine visual hull. Surfels near it keep their geometry (hold_gloss); glossy surfels elsewhere do not.
+// revolution or of a fine visual hull. Surfels near it keep their geometry (freeze_mirrors); glossy surfels elsewhere do not.
 #pragma once
 
 #include <memory>

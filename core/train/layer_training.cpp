@@ -88,9 +88,7 @@ void LayerTraining::load(ArchiveReader& in) {
   in.value(counts_);
   adam_.load(in);
   accumulator_.load(in);
-  if (accumulator_.seen.size() != adam_.size())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
+  if (accumulator_.seen.size() != adam_.size()) in.fail("its parts have different sizes");
 }
 
 }  // namespace vitrine

@@ -6,7 +6,6 @@
 #include <span>
 #include <stdexcept>
 
-#include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/shape/shape_file.h"
 
@@ -15,11 +14,6 @@ namespace vitrine {
 namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.99;
-
-Error damaged(const std::string& why) {
-  return Error(ErrorKind::Input, "a checkpoint is damaged",
-               {.why = why, .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
-}
 
 // Mean square of a group, of what is asked for at all: the size of a step does not depend on how much a photo shows.
 double mean_square(std::span<const double> grad) {
@@ -107,16 +101,16 @@ void ShapeTraining::load(ArchiveReader& in) {
       return mesh;
     }));
   } catch (const nlohmann::json::exception&) {
-    throw damaged("its shapes cannot be read");
+    in.fail("its shapes cannot be read");
   } catch (const std::domain_error& e) {
-    throw damaged(e.what());
+    in.fail(e.what());
   }
   for (Moments& m : moments_) {
     const size_t parameters = m.first.size(), groups = m.second.size();
     in.array(m.first);
     in.array(m.second);
     in.value(m.steps);
-    if (m.first.size() != parameters || m.second.size() != groups) throw damaged("its shapes have other parameters");
+    if (m.first.size() != parameters || m.second.size() != groups) in.fail("its shapes have other parameters");
   }
 }
 

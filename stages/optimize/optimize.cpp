@@ -6,13 +6,11 @@
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
-#include "core/base/process.h"
 #include "core/base/timer.h"
 #include "core/objects/part_labels.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
 #include "core/train/capture.h"
-#include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/outputs.h"
@@ -34,20 +32,6 @@ void check_memory(const OptimizeConfig& config, const Capture& capture, const St
                .why = fmt::format("photos and pictures need {} MiB before the first surfel", before >> 20),
                .hint = "raise --max-memory or --set optimize.resolution.max_side=640",
                .code = "OUT_OF_MEMORY"});
-}
-
-// The trainer of the newest checkpoint; null when there is none that can be used.
-std::unique_ptr<Trainer> trainer_from(const fs::path& checkpoint, const TrainerSetup& setup, StageContext& context) {
-  auto trainer =
-      std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0), std::vector<ScenePlane>{});
-  try {
-    if (!load_checkpoint(checkpoint, *trainer)) return nullptr;
-  } catch (const Error& error) {
-    context.warning("CHECKPOINT_IGNORED", error.what());
-    return nullptr;
-  }
-  log_info("continues at step {}", trainer->step_index());
-  return trainer;
 }
 
 // Depths of the training photos, found when they are asked for.
@@ -79,7 +63,7 @@ std::unique_ptr<Trainer> trainer_from_start(const TrainerSetup& setup, const Den
   if (setup.object_alone) keep = [&](const Vec3d& p) { return on_object(capture, setup.targets, p); };
   SplatLayer initial = initial_layer(setup.config, capture, dense, Trainer::cap(setup, LayerKind::Diffuse), keep);
   log_info("{} photos to train on, {} held out, {} surfels to start from, at most {}", capture.train.size(),
-           capture.heldout.size(), initial.size(), setup.max_surfels);
+           capture.heldout.size(), initial.size(), setup.config.max_gaussians);
   return std::make_unique<Trainer>(setup, std::move(initial), dense.planes, dense.background);
 }
 
@@ -100,28 +84,16 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
   const uint32_t shown = capture.heldout.empty() ? capture.train.front() : capture.heldout[capture.heldout.size() / 2];
   const uint64_t first_step = trainer.step_index();
   const Timer timer;
-  const auto keep = [&] {
-    const bool sound = trainer.sound();
-    if (sound) {
-      write_checkpoint(checkpoint, trainer);
-      context.checkpoint(double(trainer.step_index()) / config.iterations);
-    } else {
-      log_info("step {}: surfels are gone or no numbers; the checkpoint before it stays", trainer.step_index());
-    }
-    return sound;
-  };
-  const auto due = [&](int period) { return period > 0 && trainer.step_index() % static_cast<uint64_t>(period) == 0; };
-  while (!trainer.finished()) {
-    if (interrupt_signal() != 0) {
-      if (keep()) log_info("checkpoint saved (step {})", trainer.step_index());
-      throw_if_interrupted();
-    }
-    trainer.step();
-    if (trainer.finished() || due(config.preview_every))
-      write_preview(previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture, shown);
-    if (trainer.finished() || due(config.checkpoint_every)) keep();
-    report_progress(trainer, config.iterations, context);
-  }
+  trainer.run({.checkpoint = checkpoint,
+               .checkpoint_every = config.checkpoint_every,
+               .after_step =
+                   [&] {
+                     const auto period = static_cast<uint64_t>(config.preview_every);
+                     if (trainer.finished() || (period > 0 && trainer.step_index() % period == 0))
+                       write_preview(previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture, shown);
+                     report_progress(trainer, config.iterations, context);
+                   },
+               .after_checkpoint = [&] { context.checkpoint(trainer.fraction()); }});
   if (!trainer.sound())
     throw Error(ErrorKind::Diverged, "training broke down: at its end the surfels are gone or no numbers",
                 {.where = fmt::format("step {}", trainer.step_index()),
@@ -140,12 +112,6 @@ void say(const Surroundings& surroundings) {
     log_info("a part of the surroundings moves against the object and weighs nothing: {}{}", surroundings.why, kOtherwise);
   else if (!surroundings.why.empty())
     log_info("{}", surroundings.why);
-}
-
-double mean_psnr(const std::vector<PhotoQuality>& photos) {
-  double sum = 0;
-  for (const PhotoQuality& q : photos) sum += q.psnr;
-  return photos.empty() ? 0 : sum / double(photos.size());
 }
 
 }  // namespace
@@ -170,7 +136,6 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   say(surroundings);
   const bool alone = surroundings.trained != Trained::Everything, part = surroundings.trained == Trained::StillPart;
   if (!alone) targets.forget(MaskClass::Object);  // its loss would push everything else out of the picture
-  const auto max_surfels = static_cast<size_t>(config.max_gaussians);
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
   const TrainerSetup setup{.config = config,
@@ -179,17 +144,16 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
                            .shapes = shapes,
                            .glass = glass,
                            .layers = layers,
-                           .max_surfels = max_surfels,
                            .object_alone = alone};
   const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
-  auto trainer = trainer_from(checkpoint, setup, context);
-  if (!trainer) trainer = trainer_from_start(setup, depth.get());
+  auto trainer = std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, config.sh_degree, 0), std::vector<ScenePlane>{});
+  if (!trainer->resume(checkpoint, [&](const std::string& why) { context.warning("CHECKPOINT_IGNORED", why); }))
+    trainer = trainer_from_start(setup, depth.get());
   depth.forget();
   train(config, capture, *trainer, checkpoint, previews, context);
   trainer->finish();
 
-  RunReport report{.max_surfels = max_surfels, .heldout = {}};
-  report.heldout = measure(*trainer, setup, capture.heldout);
+  const std::vector<PhotoQuality> heldout = measure(*trainer, capture, targets);
   SplatScene scene = trainer->scene();
   std::vector<View> seen;
   for (const uint32_t photo : capture.train) seen.push_back(capture.view_set.views[photo]);
@@ -200,7 +164,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture, alone);
   if (part) write_trained_masks(context.output() / "optimize/trained", capture, targets);
-  write_report(context.output() / "optimize/report.json", config, capture, *trainer, report);
+  write_report(context.output() / "optimize/report.json", config, capture, *trainer, heldout);
   make_folders(previews);
   // Previews wait in the scratch folder, so that those from before an interruption are kept.
   for (const auto& file : fs::directory_iterator(previews))
@@ -210,9 +174,9 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   context.metric("surfels", surfels);
   context.metric("loss", trainer->epochs().empty() ? trainer->recent_loss() : trainer->epochs().back().loss);
   std::string text = fmt::format("{:.0f}k surfels", surfels / 1000);
-  if (!report.heldout.empty()) {
-    context.metric("heldout_psnr", mean_psnr(report.heldout));
-    text += fmt::format(", held-out PSNR {:.2f} dB", mean_psnr(report.heldout));
+  if (!heldout.empty()) {
+    context.metric("heldout_psnr", mean_psnr(heldout));
+    text += fmt::format(", held-out PSNR {:.2f} dB", mean_psnr(heldout));
   }
   context.summary(text);
 }

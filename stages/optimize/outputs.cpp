@@ -65,27 +65,31 @@ void write_preview(const std::filesystem::path& path, const Trainer& trainer, co
   write_ldr(path, image);
 }
 
-std::vector<PhotoQuality> measure(const Trainer& trainer, const TrainerSetup& setup, std::span<const uint32_t> photos) {
-  const Capture& capture = setup.capture;
+std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, const Targets& targets) {
   std::vector<PhotoQuality> result;
   Frame frame;
   std::vector<float> target;
-  for (uint32_t photo : photos) {
+  for (uint32_t photo : capture.heldout) {
     throw_if_interrupted();
     trainer.picture(photo, false, frame);
     decode(capture.photos[photo].levels[0], target);
     const size_t pixels = target.size() / 3;
-    const auto& object = setup.targets.photos[photo][0].masks[size_t(MaskClass::Object)];
-    const bool within = setup.object_alone && !object.empty();
+    const auto& object = targets.photos[photo][0].masks[size_t(MaskClass::Object)];
     double sum = 0, count = 0;
     for (size_t i = 0; i < target.size(); ++i) {
-      if (within && object[i % pixels] < 128) continue;
+      if (!object.empty() && object[i % pixels] < 128) continue;
       sum += (double(frame.srgb[i]) - target[i]) * (double(frame.srgb[i]) - target[i]);
       count += 1;
     }
     if (count > 0) result.push_back({photo, sum > 0 ? -10 * std::log10(sum / count) : 99});
   }
   return result;
+}
+
+double mean_psnr(std::span<const PhotoQuality> photos) {
+  double sum = 0;
+  for (const PhotoQuality& q : photos) sum += q.psnr;
+  return photos.empty() ? 0 : sum / double(photos.size());
 }
 
 void write_trained_masks(const std::filesystem::path& folder, const Capture& capture, const Targets& targets) {
@@ -104,11 +108,11 @@ void write_trained_masks(const std::filesystem::path& folder, const Capture& cap
 }
 
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
-                  const RunReport& report) {
+                  std::span<const PhotoQuality> heldout) {
   Json json{{"iterations", trainer.step_index()},
             {"surfels", trainer.scene().diffuse.size()},
             {"initial_surfels", trainer.initial_surfels()},
-            {"max_surfels", report.max_surfels},
+            {"max_surfels", config.max_gaussians},
             {"unseen_surfels", trainer.unseen_surfels()},
             {"from_behind_glass", trainer.from_behind_glass()},
             {"sh_degree", config.sh_degree},
@@ -128,12 +132,9 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
   for (const EpochRecord& e : trainer.epochs())
     json["epochs"].push_back({{"step", e.step}, {"surfels", e.surfels}, {"loss", rounded(e.loss)}, {"l1", rounded(e.l1)}});
   json["heldout"] = Json::array();
-  double sum = 0;
-  for (const PhotoQuality& q : report.heldout) {
+  for (const PhotoQuality& q : heldout)
     json["heldout"].push_back({{"name", capture.photos[q.photo].name()}, {"psnr", rounded(q.psnr)}});
-    sum += q.psnr;
-  }
-  if (!report.heldout.empty()) json["heldout_psnr"] = rounded(sum / double(report.heldout.size()));
+  if (!heldout.empty()) json["heldout_psnr"] = rounded(mean_psnr(heldout));
   write_file(path, json.dump(2) + "\n");
 }
 

@@ -15,18 +15,16 @@ struct PhotoQuality {
   uint32_t photo;
   double psnr;
 };
-// Every photo of `photos` against its picture, full training size; where the object is trained alone, inside its masks.
-std::vector<PhotoQuality> measure(const Trainer& trainer, const TrainerSetup& setup, std::span<const uint32_t> photos);
+// Every held-out photo against its picture, full training size, inside the object's masks where there are any.
+std::vector<PhotoQuality> measure(const Trainer& trainer, const Capture& capture, const Targets& targets);
 
 // The masks inside which an object and a part of its surroundings were trained, of the photos' sizes: masks/object/*.png in
 // `folder`.
 void write_trained_masks(const std::filesystem::path& folder, const Capture& capture, const Targets& targets);
 
-struct RunReport {
-  size_t max_surfels = 0;
-  std::vector<PhotoQuality> heldout;
-};
+double mean_psnr(std::span<const PhotoQuality> photos);  // dB; 0 without a photo
+
 void write_report(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, const Trainer& trainer,
-                  const RunReport& report);
+                  std::span<const PhotoQuality> heldout);
 
 }  // namespace vitrine

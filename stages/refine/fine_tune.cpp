@@ -1,25 +1,29 @@
 #include "stages/refine/fine_tune.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/train/photo_order.h"
-#include "core/train/picture_step.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr double kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
 constexpr size_t kGrain = 1 << 14;  // floats
 
-ImageOptions options_of(const TrainedScene& scene, const FineTuneConfig& config) {
-  ImageOptions o = scene.image;
-  o.surface.ray_budget = config.ray_budget;
-  o.composite.gate = static_cast<float>(config.gate);
-  return o;
+// Everything that masks mark sends rays, but for coats; losses and rates are those of a training's end.
+StepPlan plan_of(const FineTuneConfig& config, const TrainedScene& start) {
+  StepPlan plan{.image = start.image,
+                .rarest = float(config.rates.rarest),
+                .coats_send_rays = false,
+                .glass_factor = static_cast<float>(config.glass_factor),
+                .one_glass = start.surfels.transmittance.size() > 0 && start.surfels.reflection.size() > 0};
+  plan.image.surface.ray_budget = config.ray_budget;
+  plan.image.composite.gate = static_cast<float>(config.gate);
+  AttributeRates rates = rates_at(config.rates, plan.fraction, kSceneRadius);
+  for (float& rate : rates) rate *= static_cast<float>(config.rate_factor);
+  plan.rates.fill(rates);
+  return plan;
 }
 
 }  // namespace
@@ -56,67 +60,19 @@ GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after) {
 }
 
 FineTune::FineTune(const FineTuneConfig& config, const Capture& capture, const Targets& targets, const TrainedScene& start)
-    : config_(config),
-      capture_(capture),
-      targets_(targets),
-      model_(options_of(start, config)),
-      scene_(start.surfels),
-      grad_(scene_.zeros_like()),
-      mean_(scene_.zeros_like()) {
-  for (LayerKind kind : kAllLayers) training_.emplace_back(scene_.layer(kind));
-}
+    : Training({.capture = capture,
+                .targets = targets,
+                .losses = config.loss,
+                .steps = static_cast<uint64_t>(config.iterations),
+                .seed = static_cast<uint64_t>(config.seed),
+                .remedy = "--set refine.fine_tune.iterations=0"},
+               plan_of(config, start).image, start.surfels),
+      plan_(plan_of(config, start)),
+      average_after_(config.average_from * config.iterations),
+      mean_(scene_.zeros_like()) {}
 
-uint32_t FineTune::photo_of_step() const {
-  const uint64_t count = capture_.train.size();
-  return photo_order(capture_.train, static_cast<uint64_t>(config_.seed), step_ / count)[step_ % count];
-}
-
-void FineTune::step() {
-  const uint32_t index = photo_of_step();
-  const PhotoLevel& photo = capture_.photos[index].levels[0];
-  decode(photo, target_);
-  decode(targets_.photos[index][0], images_);
-  const auto ignore = images_.mask(MaskClass::Ignore);
-  weight_.resize(ignore.size());
-  for (size_t i = 0; i < ignore.size(); ++i) weight_[i] = 1 - ignore[i];
-  frame_.seed = static_cast<uint64_t>(config_.seed);
-  frame_.step = step_;
-  frame_.specular_mask = images_.mask(MaskClass::Specular);
-  frame_.transparent_mask = images_.mask(MaskClass::Transparent);
-  model_.forward(scene_, photo.view, frame_);
-
-  const PictureTarget target{.view = &photo.view, .srgb = target_, .weight = weight_, .targets = images_.spans()};
-  const LossValues values = learn(target, config_.loss, 1, step_, model_, scene_, frame_, grad_);
-  if (!std::isfinite(values.total))
-    throw Error(ErrorKind::Diverged, "fine-tuning broke down: the loss is not a number",
-                {.where = fmt::format("step {}, photo {}", step_, photo.view.name),
-                 .hint = "--set refine.fine_tune.iterations=0",
-                 .code = "LOSS_NOT_FINITE"});
-  update();
-  ++step_;
-  average();
-}
-
-void FineTune::update() {
-  hold_glass(scene_.diffuse, static_cast<float>(config_.glass_factor), damping_, {}, grad_.diffuse);
-  AttributeRates rates = rates_at(config_.rates, 1, kSceneRadius);
-  for (float& rate : rates) rate *= static_cast<float>(config_.rate_factor);
-  for (LayerKind kind : kAllLayers) {
-    const bool diffuse = kind == LayerKind::Diffuse;
-    const SurfelStatistics& statistics = statistics_of(frame_, kind);
-    if (!took_part(frame_, kind)) continue;
-    training_[static_cast<size_t>(kind)].descend(
-        grad_.layer(kind), statistics,
-        {.rates = rates,
-         .damping = diffuse ? std::span<const float>(damping_) : std::span<const float>(),
-         .rarest = float(config_.rates.rarest)},
-        scene_.layer(kind));
-  }
-  if (scene_.transmittance.size() > 0 && scene_.reflection.size() > 0) share_glass(scene_.diffuse);
-}
-
-void FineTune::average() {
-  if (double(step_) <= config_.average_from * config_.iterations) return;
+void FineTune::end_step() {
+  if (double(step_index()) <= average_after_) return;
   const float part = 1.f / static_cast<float>(++averaged_);
   for (LayerKind kind : kAllLayers)
     for (const AttributeRow& r : kAttributes) {
@@ -129,33 +85,21 @@ void FineTune::average() {
 }
 
 void FineTune::save(ArchiveWriter& out) const {
-  out.value(step_);
+  Training::save(out);
   out.value(averaged_);
-  for (LayerKind kind : kAllLayers) {
-    out.layer(scene_.layer(kind));
-    out.layer(mean_.layer(kind));
-    training_[static_cast<size_t>(kind)].save(out);
-  }
+  for (LayerKind kind : kAllLayers) out.layer(mean_.layer(kind));
 }
 
 void FineTune::load(ArchiveReader& in) {
-  in.value(step_);
+  Training::load(in);
   in.value(averaged_);
-  bool fits = true;
   for (LayerKind kind : kAllLayers) {
-    SplatLayer scene, mean;
-    in.layer(scene);
+    SplatLayer& mean = mean_.layer(kind);
+    const size_t surfels = mean.size();
     in.layer(mean);
-    LayerTraining& training = training_[static_cast<size_t>(kind)];
-    training.load(in);
-    fits &= scene.size() == scene_.layer(kind).size() && mean.size() == scene.size() && training.size() == scene.size();
-    fits &= scene.kind() == kind && mean.kind() == kind;
-    scene_.layer(kind) = std::move(scene);
-    mean_.layer(kind) = std::move(mean);
+    if (mean.kind() != kind || mean.size() != surfels || scene_.layer(kind).size() != surfels)
+      in.fail("its parts have different sizes");
   }
-  if (!fits || !in.at_end())
-    throw Error(ErrorKind::Input, "a checkpoint is damaged",
-                {.why = "its parts have different sizes", .hint = "the stage begins anew without it", .code = "BAD_CHECKPOINT"});
 }
 
 }  // namespace vitrine

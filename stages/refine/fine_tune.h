@@ -3,13 +3,9 @@
 // over some epochs (Polyak and Juditsky 1992) takes that out. No surfel is added, moved or dropped.
 #pragma once
 
-#include "core/loss/loss_set.h"
-#include "core/model/layered_model.h"
 #include "core/optim/rates.h"
 #include "core/picture/trained_scene.h"
-#include "core/train/capture.h"
-#include "core/train/layer_training.h"
-#include "core/train/targets.h"
+#include "core/train/training.h"
 
 namespace vitrine {
 
@@ -35,35 +31,24 @@ struct GlassMotion {
 };
 GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after);
 
-class FineTune {
+class FineTune : public Training {
  public:
   // All must outlive it; the capture's training photos are looked at.
   FineTune(const FineTuneConfig& config, const Capture& capture, const Targets& targets, const TrainedScene& start);
 
-  void step();
-  bool finished() const { return step_ >= static_cast<uint64_t>(config_.iterations); }
-  uint64_t step_index() const { return step_; }
   // The mean scene so far; as it is, until there is one.
   const SplatScene& mean() const { return averaged_ > 0 ? mean_ : scene_; }
 
-  void save(ArchiveWriter& out) const;
-  void load(ArchiveReader& in);
-
  private:
-  uint32_t photo_of_step() const;
-  void update();
-  void average();
+  StepPlan plan() override { return plan_; }
+  void end_step() override;  // the scene counts in the mean
+  void save(ArchiveWriter& out) const override;
+  void load(ArchiveReader& in) override;
 
-  const FineTuneConfig& config_;
-  const Capture& capture_;
-  const Targets& targets_;
-  LayeredModel model_;
-  SplatScene scene_, grad_, mean_;
-  std::vector<LayerTraining> training_;  // [layer kind]
-  uint64_t step_ = 0, averaged_ = 0;     // averaged_: scenes in the mean
-  Frame frame_;
-  TargetImages images_;
-  std::vector<float> target_, weight_, damping_;
+  StepPlan plan_;         // of all steps
+  double average_after_;  // steps
+  SplatScene mean_;
+  uint64_t averaged_ = 0;  // scenes in the mean
 };
 
 }  // namespace vitrine

@@ -13,7 +13,6 @@
 #include "core/mesh/mesh_io.h"
 #include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
-#include "core/train/checkpoint.h"
 #include "stages/refine/free_space.h"
 #include "stages/refine/quality.h"
 #include "stages/refine/segment_report.h"
@@ -228,28 +227,18 @@ class Refiner {
     const fs::path checkpoint = context_.scratch() / "checkpoint.bin";
     const TrainedScene& start = from ? from->scene : scene_;
     auto run = std::make_unique<FineTune>(config, capture_, targets_, start);
-    try {
-      if (load_checkpoint(checkpoint, *run)) log_info("continues at step {}", run->step_index());
-    } catch (const Error& error) {
-      context_.warning("CHECKPOINT_IGNORED", error.what());
+    if (!run->resume(checkpoint, [&](const std::string& why) { context_.warning("CHECKPOINT_IGNORED", why); }))
       run = std::make_unique<FineTune>(config, capture_, targets_, start);
-    }
-    const auto fraction = [&] { return 0.1 + 0.85 * double(run->step_index()) / config.iterations; };
-    const auto keep = [&] {
-      write_checkpoint(checkpoint, *run);
-      context_.checkpoint(fraction());
-    };
-    while (!run->finished()) {
-      if (interrupt_signal() != 0) {
-        keep();
-        throw_if_interrupted();
-      }
-      run->step();
-      if (config.checkpoint_every > 0 && run->step_index() % static_cast<uint64_t>(config.checkpoint_every) == 0) keep();
-      // Not through step(): that would stop here without the checkpoint.
-      context_.progress(
-          {.fraction = fraction(), .text = fmt::format("step {}/{}", run->step_index(), config.iterations), .values = {}});
-    }
+    const auto fraction = [&] { return 0.1 + 0.85 * run->fraction(); };
+    run->run({.checkpoint = checkpoint,
+              .checkpoint_every = config.checkpoint_every,
+              .after_step =
+                  [&] {  // not through step(): that would stop here without the checkpoint
+                    context_.progress({.fraction = fraction(),
+                                       .text = fmt::format("step {}/{}", run->step_index(), config.iterations),
+                                       .values = {}});
+                  },
+              .after_checkpoint = [&] { context_.checkpoint(fraction()); }});
     Candidate tuned{.name = "fine_tuned",
                     .what = fmt::format("{} more steps", config.iterations) + (from ? ", " + from->what : std::string()),
                     .scene = {run->mean(), start.image}};

@@ -112,8 +112,7 @@ void layered_training_step(benchmark::State& state) {
                    .targets = targets,
                    .shapes = kNoShapes,
                    .glass = kNoShapes,
-                   .layers = {.reflection = true, .transmittance = true},
-                   .max_surfels = kAll},
+                   .layers = {.reflection = true, .transmittance = true}},
                   box_with_ball(kDiffuse), {});
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 2))
@@ -144,14 +143,9 @@ void whole_training_step(benchmark::State& state) {
   const Capture capture = box_capture(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   Targets targets;  // nobody says anything about any photo
   targets.photos.resize(capture.photos.size());
-  Trainer trainer({.config = config,
-                   .capture = capture,
-                   .targets = targets,
-                   .shapes = kNoShapes,
-                   .glass = kNoShapes,
-                   .layers = {},
-                   .max_surfels = surfels},
-                  box_with_ball(surfels), {});
+  Trainer trainer(
+      {.config = config, .capture = capture, .targets = targets, .shapes = kNoShapes, .glass = kNoShapes, .layers = {}},
+      box_with_ball(surfels), {});
   trainer.step();
   if (!(trainer.recent_loss() > 0 && trainer.recent_loss() < 1)) {
     state.SkipWithError("the first step gave an impossible loss");

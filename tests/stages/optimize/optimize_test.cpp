@@ -11,7 +11,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/scene/scene_io.h"
-#include "core/train/checkpoint.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/plane_inpainting.h"
@@ -322,13 +321,8 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
   ASSERT_EQ(capture.train.size(), 1u);
   const Targets targets = load_targets(capture, std::nullopt, {}, std::nullopt);
   const ShapeSet shapes;
-  const TrainerSetup setup{.config = config,
-                           .capture = capture,
-                           .targets = targets,
-                           .shapes = shapes,
-                           .glass = shapes,
-                           .layers = {},
-                           .max_surfels = 700};
+  const TrainerSetup setup{
+      .config = config, .capture = capture, .targets = targets, .shapes = shapes, .glass = shapes, .layers = {}};
   Trainer trainer(setup, initial_layer(config, capture, dense_depth(capture, 48, 2, 1), 600), {});
   std::vector<double> losses;
   for (int step = 0; step < 10; ++step) {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/scene/activation.h"
-#include "core/train/picture_step.h"
+#include "core/train/frozen_surfels.h"
 #include "stages/optimize/clear_panes.h"
 #include "tests/core/stereo/silhouettes_of_rays.h"
 
@@ -100,15 +100,15 @@ TEST(SurfaceSeeds, WhatReflectsKeepsItsShapeAsFarAsItDoes) {
   for (size_t i = 0; i < 3; ++i) *layer.at(Attribute::SpecularWeight, i) = logit(weights[i]);
   std::vector<float> damping;
   const KnownSurface known({{0, 0, 0}, {0.05f, 0, 0}}, 0.1f);
-  hold_gloss(layer, known, 0.02f, damping);
+  freeze_mirrors(layer, known, 0.02f, damping);
   for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(damping[i], 1 - 0.98f * weights[i], 1e-5);
   damping = {0.5f, 0.5f, 0.5f};  // of glass
-  hold_gloss(layer, known, 0.02f, damping);
+  freeze_mirrors(layer, known, 0.02f, damping);
   EXPECT_NEAR(damping[2], 0.5f * (1 - 0.98f * 0.9f), 1e-5);
   damping.clear();
   layer.at(Attribute::Mean, 1)[0] = 0.2f;  // another thing that reflects, whose shape nobody knows
   layer.at(Attribute::Mean, 2)[0] = std::numeric_limits<float>::quiet_NaN();
-  hold_gloss(layer, known, 0.02f, damping);
+  freeze_mirrors(layer, known, 0.02f, damping);
   EXPECT_NEAR(damping[0], 1 - 0.98f * weights[0], 1e-5);
   EXPECT_EQ(damping[1], 1) << "one known shape holds nothing but its own surfels";
   EXPECT_EQ(damping[2], 1);

@@ -216,8 +216,16 @@ TEST_F(GlassBall, FineTuningBringsTheColoursCloserAndContinuesWhereItStopped) {
            read_file(c.output() / "refine/report.json");
   };
 
-  // Killed behind step 27: the checkpoint is older than that, and leads to the same bytes. A damaged one is not used.
-  const std::string checkpoint = read_file(context.scratch() / "checkpoint.bin");
+  // Killed at step 20: the checkpoint is older than that, and leads to the same bytes. A damaged one is not used.
+  struct Killed {};
+  struct KilledContext : test::RecordingContext {
+    using RecordingContext::RecordingContext;
+    void progress(const Progress& p) override {
+      if (p.text.starts_with("step 20/")) throw Killed{};
+    }
+  } killed(inputs());
+  EXPECT_THROW(run(killed, kSteps), Killed);
+  const std::string checkpoint = read_file(killed.scratch() / "checkpoint.bin");
   test::RecordingContext continued(inputs()), damaged(inputs());
   write_file(continued.scratch() / "checkpoint.bin", checkpoint);
   run(continued, kSteps);
