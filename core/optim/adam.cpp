@@ -129,17 +129,11 @@ void Adam::keep_only(std::span<const uint32_t> kept) {
   steps_.resize(kept.size());
 }
 
-void Adam::save(ArchiveWriter& out) const {
-  out.layer(m_);
-  out.layer(v_);
-  out.array(std::span<const uint32_t>(steps_));
-}
-
-void Adam::load(ArchiveReader& in) {
-  in.layer(m_);
-  in.layer(v_);
-  in.array(steps_);
-  if (m_.size() != v_.size() || steps_.size() != m_.size()) in.fail("moments of different sizes");
+void Adam::transfer(Archive& archive) {
+  archive.layer(m_);
+  archive.layer(v_);
+  archive.array(steps_);
+  if (m_.size() != v_.size() || steps_.size() != m_.size()) archive.fail("moments of different sizes");
 }
 
 void keep_surfels(SplatLayer& layer, std::span<const uint32_t> kept) {

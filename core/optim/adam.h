@@ -41,8 +41,7 @@ class Adam {
   void forget(size_t surfel);                      // history of one surfel back to zero
   void keep_only(std::span<const uint32_t> kept);  // ascending indices of the surfels that stay
 
-  void save(ArchiveWriter& out) const;
-  void load(ArchiveReader& in);
+  void transfer(Archive& archive);
 
  private:
   AdamDesc desc_;

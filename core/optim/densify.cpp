@@ -271,25 +271,12 @@ void SurfelAccumulator::add(const SurfelStatistics& statistics) {
   }
 }
 
-void SurfelAccumulator::save(ArchiveWriter& out) const {
-  out.array(std::span<const float>(weight));
-  out.array(std::span<const float>(error));
-  out.array(std::span<const float>(screen_gradient));
-  out.array(std::span<const uint32_t>(seen));
-  out.value(pictures);
-  out.array(std::span<const float>(share));
-}
-
-void SurfelAccumulator::load(ArchiveReader& in) {
-  in.array(weight);
-  in.array(error);
-  in.array(screen_gradient);
-  in.array(seen);
-  in.value(pictures);
-  in.array(share);
-  if (share.size() != weight.size() || error.size() != weight.size() || screen_gradient.size() != weight.size() ||
-      seen.size() != weight.size())
-    in.fail("statistics of different sizes");
+void SurfelAccumulator::transfer(Archive& archive) {
+  for (auto* values : {&weight, &error, &screen_gradient, &share}) archive.array(*values);
+  archive.array(seen);
+  archive.value(pictures);
+  for (const size_t size : {share.size(), error.size(), screen_gradient.size(), seen.size()})
+    if (size != weight.size()) archive.fail("statistics of different sizes");
 }
 
 CopySplit copy_split(double opacity, int copies) {

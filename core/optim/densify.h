@@ -48,8 +48,7 @@ struct SurfelAccumulator {
   // as the rest: mean share / own share, in [1, most].
   void rarity(float most, std::vector<float>& factor) const;
   void add(const SurfelStatistics& statistics);
-  void save(ArchiveWriter& out) const;
-  void load(ArchiveReader& in);
+  void transfer(Archive& archive);
 };
 
 struct DensifyTarget {

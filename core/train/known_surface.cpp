@@ -12,17 +12,11 @@ KnownSurface::KnownSurface(std::vector<Vec3f> points, float reach) : reach_(reac
 
 bool KnownSurface::near(const Vec3f& place) const { return grid_ && grid_->any(place, reach_); }
 
-void KnownSurface::save(ArchiveWriter& out) const {
-  out.array(points_ ? std::span<const Vec3f>(*points_) : std::span<const Vec3f>());
-  out.value(reach_);
-}
-
-void KnownSurface::load(ArchiveReader& in) {
-  std::vector<Vec3f> points;
-  float reach = 0;
-  in.array(points);
-  in.value(reach);
-  *this = KnownSurface(std::move(points), reach);
+void KnownSurface::transfer(Archive& archive) {
+  std::vector<Vec3f> points = points_ ? *points_ : std::vector<Vec3f>();
+  archive.array(points);
+  archive.value(reach_);
+  if (archive.reads()) *this = KnownSurface(std::move(points), reach_);
 }
 
 }  // namespace vitrine

@@ -18,8 +18,7 @@ class KnownSurface {
   bool empty() const { return points_ == nullptr; }
   bool near(const Vec3f& place) const;
 
-  void save(ArchiveWriter& out) const;
-  void load(ArchiveReader& in);
+  void transfer(Archive& archive);
 
  private:
   std::shared_ptr<const std::vector<Vec3f>> points_;  // grid_ looks at them

@@ -78,17 +78,11 @@ void LayerTraining::move(const DensifyConfig& config, const Move& move, SplatLay
     add_position_noise(layer, move.noise, move.moment.seed, move.moment.step);
 }
 
-void LayerTraining::save(ArchiveWriter& out) const {
-  out.value(counts_);
-  adam_.save(out);
-  accumulator_.save(out);
-}
-
-void LayerTraining::load(ArchiveReader& in) {
-  in.value(counts_);
-  adam_.load(in);
-  accumulator_.load(in);
-  if (accumulator_.seen.size() != adam_.size()) in.fail("its parts have different sizes");
+void LayerTraining::transfer(Archive& archive) {
+  archive.value(counts_);
+  adam_.transfer(archive);
+  accumulator_.transfer(archive);
+  if (accumulator_.seen.size() != adam_.size()) archive.fail("its parts have different sizes");
 }
 
 }  // namespace vitrine

@@ -48,8 +48,7 @@ class LayerTraining {
 
   const TrainCounts& counts() const { return counts_; }
   uint32_t pictures() const { return accumulator_.pictures; }  // since surfels were last moved, or the layer was changed
-  void save(ArchiveWriter& out) const;
-  void load(ArchiveReader& in);
+  void transfer(Archive& archive);
   size_t size() const { return adam_.size(); }
 
  private:

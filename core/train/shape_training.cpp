@@ -73,44 +73,38 @@ void ShapeTraining::descend(const std::vector<std::vector<double>>& gradients, c
   set_ = std::move(next);
 }
 
-void ShapeTraining::save(ArchiveWriter& out) const {
-  std::vector<const TriMesh*> meshes;
-  const std::string text =
-      write_shapes(set_ ? *set_ : ShapeSet{}, [&](size_t, const TriMesh& mesh) { meshes.push_back(&mesh); }).dump();
-  out.array(std::span<const char>(text));
-  for (const TriMesh* mesh : meshes) {
-    out.array(std::span<const Vec3f>(mesh->positions));
-    out.array(std::span<const std::array<uint32_t, 3>>(mesh->faces));
-  }
-  for (const Moments& m : moments_) {
-    out.array(std::span<const double>(m.first));
-    out.array(std::span<const double>(m.second));
-    out.value(m.steps);
-  }
-}
-
-void ShapeTraining::load(ArchiveReader& in) {
-  *this = {};
-  std::vector<char> text;
-  in.array(text);
-  try {
-    add(read_shapes(nlohmann::json::parse(text), [&](size_t) {
-      TriMesh mesh;
-      in.array(mesh.positions);
-      in.array(mesh.faces);
-      return mesh;
-    }));
-  } catch (const nlohmann::json::exception&) {
-    in.fail("its shapes cannot be read");
-  } catch (const std::domain_error& e) {
-    in.fail(e.what());
+void ShapeTraining::transfer(Archive& archive) {
+  std::vector<TriMesh> meshes;
+  const std::string written =
+      write_shapes(set_ ? *set_ : ShapeSet{}, [&](size_t, const TriMesh& mesh) { meshes.push_back(mesh); }).dump();
+  std::vector<char> text(written.begin(), written.end());
+  archive.array(text);
+  const auto transfer_mesh = [&](TriMesh& mesh) {
+    archive.array(mesh.positions);
+    archive.array(mesh.faces);
+  };
+  if (archive.reads()) {
+    *this = {};
+    try {
+      add(read_shapes(nlohmann::json::parse(text), [&](size_t) {
+        TriMesh mesh;
+        transfer_mesh(mesh);
+        return mesh;
+      }));
+    } catch (const nlohmann::json::exception&) {
+      archive.fail("its shapes cannot be read");
+    } catch (const std::domain_error& e) {
+      archive.fail(e.what());
+    }
+  } else {
+    for (TriMesh& mesh : meshes) transfer_mesh(mesh);
   }
   for (Moments& m : moments_) {
     const size_t parameters = m.first.size(), groups = m.second.size();
-    in.array(m.first);
-    in.array(m.second);
-    in.value(m.steps);
-    if (m.first.size() != parameters || m.second.size() != groups) in.fail("its shapes have other parameters");
+    archive.array(m.first);
+    archive.array(m.second);
+    archive.value(m.steps);
+    if (m.first.size() != parameters || m.second.size() != groups) archive.fail("its shapes have other parameters");
   }
 }
 

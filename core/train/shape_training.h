@@ -23,9 +23,8 @@ class ShapeTraining {
   // `gradients` [entry][parameter]; those that are zero or not finite are left out.
   void descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates);
 
-  void save(ArchiveWriter& out) const;
-  // Throws Error{Input} when the shapes are unusable.
-  void load(ArchiveReader& in);
+  // Throws Error{Input} when shapes that are read are unusable.
+  void transfer(Archive& archive);
 
  private:
   struct Moments {

@@ -211,8 +211,8 @@ void Training::run(const Run& run) {
   const auto keep = [&] {
     const bool worth = sound();
     if (worth) {
-      ArchiveWriter state;
-      save(state);
+      Archive state;
+      transfer(state);
       write_checkpoint(run.checkpoint, state.bytes());
       run.after_checkpoint();
     } else {
@@ -236,9 +236,9 @@ bool Training::resume(const std::filesystem::path& checkpoint, const std::functi
   try {
     const std::optional<std::string> state = read_checkpoint(checkpoint);
     if (!state) return false;
-    ArchiveReader in(*state);
-    load(in);
-    if (!in.at_end()) in.fail();
+    Archive archive(*state);
+    transfer(archive);
+    if (!archive.at_end()) archive.fail();
   } catch (const Error& error) {
     damaged(error.what());
     return false;
@@ -247,29 +247,17 @@ bool Training::resume(const std::filesystem::path& checkpoint, const std::functi
   return true;
 }
 
-void Training::save(ArchiveWriter& out) const {
-  out.value(step_);
-  out.value(bad_streak_);
-  out.value(recent_loss_);
-  out.value(epoch_);
-  out.array(std::span<const EpochRecord>(epochs_));
-  for (LayerKind kind : kAllLayers) {
-    out.layer(scene_.layer(kind));
-    layers_[static_cast<size_t>(kind)].save(out);
-  }
-}
-
-void Training::load(ArchiveReader& in) {
-  in.value(step_);
-  in.value(bad_streak_);
-  in.value(recent_loss_);
-  in.value(epoch_);
-  in.array(epochs_);
+void Training::transfer(Archive& archive) {
+  archive.value(step_);
+  archive.value(bad_streak_);
+  archive.value(recent_loss_);
+  archive.value(epoch_);
+  archive.array(epochs_);
   for (LayerKind kind : kAllLayers) {
     SplatLayer& layer = scene_.layer(kind);
-    in.layer(layer);
-    training(kind).load(in);
-    if (layer.kind() != kind || training(kind).size() != layer.size()) in.fail("its parts have different sizes");
+    archive.layer(layer);
+    training(kind).transfer(archive);
+    if (layer.kind() != kind || training(kind).size() != layer.size()) archive.fail("its parts have different sizes");
   }
 }
 

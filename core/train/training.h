@@ -91,9 +91,8 @@ class Training {
  protected:
   virtual StepPlan plan() = 0;  // of the next step; begins the phases that are due
   virtual void end_step() = 0;  // step_index() counts the step already
-  // The whole state. load() throws Error{Input} when it makes no sense.
-  virtual void save(ArchiveWriter& out) const;
-  virtual void load(ArchiveReader& in);
+  // The whole state, to a checkpoint or from it. Throws Error{Input} when what is read makes no sense.
+  virtual void transfer(Archive& archive);
 
   LayerTraining& training(LayerKind kind) { return layers_[static_cast<size_t>(kind)]; }
 

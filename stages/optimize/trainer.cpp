@@ -213,31 +213,17 @@ void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
   model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, options, frame);
 }
 
-// In the order that load() reads: all that the next step depends on.
-void Trainer::save(ArchiveWriter& out) const {
-  Training::save(out);
-  out.value(initial_surfels_);
-  out.value(begun_);
-  out.array(std::span<const ScenePlane>(planes_));
-  out.value(background_);
-  known_gloss_.save(out);
-  out.value(filled_);
-  shapes_.save(out);
-  out.value(unseen_surfels_);
-  out.value(from_behind_glass_);
-}
-
-void Trainer::load(ArchiveReader& in) {
-  Training::load(in);
-  in.value(initial_surfels_);
-  in.value(begun_);
-  in.array(planes_);
-  in.value(background_);
-  known_gloss_.load(in);
-  in.value(filled_);
-  shapes_.load(in);
-  in.value(unseen_surfels_);
-  in.value(from_behind_glass_);
+void Trainer::transfer(Archive& archive) {
+  Training::transfer(archive);
+  archive.value(initial_surfels_);
+  archive.value(begun_);
+  archive.array(planes_);
+  archive.value(background_);
+  known_gloss_.transfer(archive);
+  archive.value(filled_);
+  shapes_.transfer(archive);
+  archive.value(unseen_surfels_);
+  archive.value(from_behind_glass_);
 }
 
 }  // namespace vitrine

@@ -48,8 +48,7 @@ class Trainer : public Training {
  private:
   StepPlan plan() override;
   void end_step() override;  // surfels move
-  void save(ArchiveWriter& out) const override;
-  void load(ArchiveReader& in) override;
+  void transfer(Archive& archive) override;
 
   const OptimizeConfig& config() const { return setup_.config; }
   PhaseClock clock() const { return {config().phases, setup_.layers, fraction()}; }

@@ -84,21 +84,15 @@ void FineTune::end_step() {
     }
 }
 
-void FineTune::save(ArchiveWriter& out) const {
-  Training::save(out);
-  out.value(averaged_);
-  for (LayerKind kind : kAllLayers) out.layer(mean_.layer(kind));
-}
-
-void FineTune::load(ArchiveReader& in) {
-  Training::load(in);
-  in.value(averaged_);
+void FineTune::transfer(Archive& archive) {
+  Training::transfer(archive);
+  archive.value(averaged_);
   for (LayerKind kind : kAllLayers) {
     SplatLayer& mean = mean_.layer(kind);
     const size_t surfels = mean.size();
-    in.layer(mean);
+    archive.layer(mean);
     if (mean.kind() != kind || mean.size() != surfels || scene_.layer(kind).size() != surfels)
-      in.fail("its parts have different sizes");
+      archive.fail("its parts have different sizes");
   }
 }
 

@@ -42,8 +42,7 @@ class FineTune : public Training {
  private:
   StepPlan plan() override { return plan_; }
   void end_step() override;  // the scene counts in the mean
-  void save(ArchiveWriter& out) const override;
-  void load(ArchiveReader& in) override;
+  void transfer(Archive& archive) override;
 
   StepPlan plan_;         // of all steps
   double average_after_;  // steps

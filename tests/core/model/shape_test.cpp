@@ -262,12 +262,12 @@ TEST(ShapePass, GradientsMatchDifferences) {
     }
 }
 
-ShapeTraining saved_and_loaded(const ShapeTraining& training) {
-  ArchiveWriter out;
-  training.save(out);
-  ArchiveReader in(out.bytes());
+ShapeTraining saved_and_loaded(ShapeTraining training) {
+  Archive out;
+  training.transfer(out);
+  Archive in(out.bytes());
   ShapeTraining loaded;
-  loaded.load(in);
+  loaded.transfer(in);
   EXPECT_TRUE(in.at_end());
   return loaded;
 }

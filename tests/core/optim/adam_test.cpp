@@ -107,15 +107,15 @@ TEST(Adam, SameBitsForAnyNumberOfThreadsAndAfterAnArchive) {
     for (uint64_t s = 0; s < 6; ++s) {
       adam.step(random_layer(2000, 10 + s), some_rates(), active, layer);
       if (!archived || s != 2) continue;
-      ArchiveWriter out;
+      Archive out;
       out.layer(layer);
-      adam.save(out);
-      ArchiveReader in(out.bytes());
+      adam.transfer(out);
+      Archive in(out.bytes());
       SplatLayer restored;
       in.layer(restored);
       layer = restored;
       adam = Adam(layer);
-      adam.load(in);
+      adam.transfer(in);
       EXPECT_TRUE(in.at_end());
     }
     set_thread_limit(0);
@@ -127,11 +127,12 @@ TEST(Adam, SameBitsForAnyNumberOfThreadsAndAfterAnArchive) {
 }
 
 TEST(Archive, DamageIsAnErrorAtEveryLength) {
-  ArchiveWriter out;
-  out.layer(random_layer(3, 1));
+  Archive out;
+  SplatLayer written = random_layer(3, 1);
+  out.layer(written);
   for (size_t size = 0; size < out.bytes().size(); ++size) {
     const std::string cut = out.bytes().substr(0, size);
-    ArchiveReader in(cut);
+    Archive in(cut);
     SplatLayer layer;
     EXPECT_THROW(in.layer(layer), Error) << size;
   }
