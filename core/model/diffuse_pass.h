@@ -14,7 +14,9 @@ class DiffusePass final : public Pass {
   explicit DiffusePass(Backend backend = Backend::Cpu) : renderer_(make_renderer(backend)) {}
   std::string_view name() const override { return "diffuse"; }
   PassAccess access() const override {
-    return {.writes = {FramePart::DiffuseChannels, FramePart::Linear, FramePart::OpenedScene}};
+    return {.writes = {FramePart::DiffuseChannels, FramePart::Linear, FramePart::OpenedScene},
+            .reverse_reads = {FramePart::ErrorImage},
+            .reverse_adds = {FramePart::DiffuseStatistics, FramePart::TransmittanceStatistics}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

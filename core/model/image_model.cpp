@@ -8,11 +8,12 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::array<std::string_view, 17> kPartNames{
-    "diffuse channels",   "linear radiance",      "shown shapes",        "coats",        "silhouettes",    "sheets",
-    "surfaces",           "reflection askers",    "transmission askers", "opened scene", "behind glass",   "panes",
-    "reflected radiance", "transmitted radiance", "picture weights",     "layer images", "display picture"};
-static_assert(kPartNames.size() == static_cast<size_t>(FramePart::Srgb) + 1);
+constexpr std::array<std::string_view, kFrameParts> kPartNames{
+    "diffuse channels",   "linear radiance",      "shown shapes",        "coats",        "silhouettes",     "sheets",
+    "surfaces",           "reflection askers",    "transmission askers", "opened scene", "behind glass",    "panes",
+    "reflected radiance", "transmitted radiance", "picture weights",     "layer images", "display picture", "error image",
+    "diffuse sums",       "reflection sums",      "transmittance sums"};
+static_assert(!kPartNames.back().empty());
 
 [[noreturn]] void refuse(std::string_view pass, std::string_view does, FramePart part, const std::string& why) {
   throw Error(ErrorKind::Internal, fmt::format("pass '{}' {} '{}'{}", pass, does, name(part), why),

@@ -41,7 +41,9 @@ class PanePass final : public Pass {
     return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::ShownShapes,
                       FramePart::TransmissionAskers, FramePart::BehindGlass},
             .writes = {FramePart::Panes},
-            .adds = {FramePart::ReflectionAskers, FramePart::OpenedScene}};
+            .adds = {FramePart::ReflectionAskers, FramePart::OpenedScene},
+            .reverse_reads = {FramePart::ErrorImage},
+            .reverse_adds = {FramePart::DiffuseStatistics, FramePart::TransmittanceStatistics}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

@@ -1,8 +1,9 @@
 // One step of the image formation. ImageModel runs its list of passes in order and, for gradients, the same list backwards.
 //
 // A pass says which parts of the frame it reads, writes and adds to (after the graph of filters of Intel's Open Image Denoise).
-// The model refuses a list in which a part is read before it is written, or changed after it has been read. The reverse needs no
-// list of its own: a pass leaves gradients of what it read, and the passes that wrote it come later.
+// The model refuses a list in which a part is read before it is written, or changed after it has been read. In reverse a pass
+// changes no values; it reads those of its parts, and reads and changes their gradients: the passes that wrote them come later.
+// What else it reads or changes in reverse has lists of its own. tests/core/model/pass_access_test.cpp checks both directions.
 #pragma once
 
 #include <string_view>
@@ -31,13 +32,22 @@ enum class FramePart : unsigned char {
   PictureWeights,       // picture_weight of these three
   LayerImages,          // Frame::layers
   Srgb,                 // Frame::srgb
+  // Of the reverse alone.
+  ErrorImage,               // Frame::error_image
+  DiffuseStatistics,        // Frame::statistics
+  ReflectionStatistics,     // statistics and took_part of Frame::reflection
+  TransmittanceStatistics,  // likewise
 };
+inline constexpr size_t kFrameParts = static_cast<size_t>(FramePart::TransmittanceStatistics) + 1;
 std::string_view name(FramePart part);  // "diffuse channels"
 
 struct PassAccess {
   std::vector<FramePart> reads = {};   // as it will stay
   std::vector<FramePart> writes = {};  // as the first
   std::vector<FramePart> adds = {};    // reads and changes
+  // In reverse, beside the values and gradients of the above.
+  std::vector<FramePart> reverse_reads = {};
+  std::vector<FramePart> reverse_adds = {};
 };
 
 class Pass {

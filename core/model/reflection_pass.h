@@ -16,7 +16,9 @@ class ReflectionPass final : public Pass {
   std::string_view name() const override { return "reflection"; }
   PassAccess access() const override {
     return {.reads = {FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::Panes},
-            .writes = {FramePart::ReflectedRadiance}};
+            .writes = {FramePart::ReflectedRadiance},
+            .reverse_reads = {FramePart::PictureWeights, FramePart::ErrorImage},
+            .reverse_adds = {FramePart::ReflectionStatistics}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

@@ -26,7 +26,9 @@ class ShapePass final : public Pass {
  public:
   std::string_view name() const override { return "shape"; }
   PassAccess access() const override {
-    return {.writes = {FramePart::ShownShapes, FramePart::Coats}, .adds = {FramePart::DiffuseChannels}};
+    return {.writes = {FramePart::ShownShapes, FramePart::Coats},
+            .adds = {FramePart::DiffuseChannels},
+            .reverse_reads = {FramePart::Surfaces, FramePart::Silhouettes}};  // gradients of the shapes
   }
 
   // Writes the channels Normal and ZDepth of mirrors, as sums: times alpha; and the coats.

@@ -27,7 +27,8 @@ class SilhouettePass final : public Pass {
   PassAccess access() const override {
     return {.reads = {FramePart::ShownShapes, FramePart::Sheets},
             .writes = {FramePart::Silhouettes},
-            .adds = {FramePart::Coats, FramePart::DiffuseChannels, FramePart::Linear}};
+            .adds = {FramePart::Coats, FramePart::DiffuseChannels, FramePart::Linear},
+            .reverse_adds = {FramePart::ErrorImage, FramePart::DiffuseStatistics}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

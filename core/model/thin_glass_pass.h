@@ -29,7 +29,9 @@ class ThinGlassPass final : public Pass {
   PassAccess access() const override {
     return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::Sheets, FramePart::TransmissionAskers},
             .writes = {FramePart::BehindGlass},
-            .adds = {FramePart::OpenedScene}};
+            .adds = {FramePart::OpenedScene},
+            .reverse_reads = {FramePart::PictureWeights, FramePart::ErrorImage},
+            .reverse_adds = {FramePart::DiffuseStatistics, FramePart::TransmittanceStatistics}};
   }
 
   void forward(const SplatScene& scene, Frame& frame) override;

@@ -1,6 +1,7 @@
 // What passes say that they read and change of a frame, against what they do.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -10,11 +11,9 @@
 namespace vitrine {
 namespace {
 
-constexpr auto kParts = static_cast<size_t>(FramePart::Srgb) + 1;
-
 std::vector<FramePart> all_parts() {
   std::vector<FramePart> out;
-  for (size_t i = 0; i < kParts; ++i) out.push_back(static_cast<FramePart>(i));
+  for (size_t i = 0; i < kFrameParts; ++i) out.push_back(static_cast<FramePart>(i));
   return out;
 }
 
@@ -41,9 +40,9 @@ class Bytes {
   }
   void add(const SecondaryRays& r) {  // but for picture_weight, and what the reverse leaves
     for (const SecondaryRay& ray : r.rays) number(ray.group), number(ray.share), number(ray.lobe);
-    for (const auto* values : {&r.origins, &r.directions, &r.radiance, &r.grad_radiance}) add(*values);
+    for (const auto* values : {&r.origins, &r.directions, &r.radiance}) add(*values);
     for (const auto* values : {&r.near, &r.spread, &r.mean_distance, &r.alpha, &r.weight, &r.inner_transmittance}) add(*values);
-    add(r.begin), add(r.values), add(r.gradients.first_hit);
+    add(r.begin), add(r.values);
   }
   void add(const SplatLayer& layer) {
     number(layer.size());
@@ -56,13 +55,16 @@ class Bytes {
     number(p.pixel), number(p.entry), number(p.covered), number(p.z), number(p.away), number(p.normal), number(p.crossed);
     number(p.place), number(p.grows);
   }
+  void add(const SurfelStatistics& s) {
+    for (const auto* values : {&s.screen_gradient, &s.weight, &s.error}) add(*values);
+  }
   std::string take() { return std::move(bytes_); }
 
  private:
   std::string bytes_;
 };
 
-std::string content(const Frame& frame, FramePart part) {
+std::string values_of(const Frame& frame, FramePart part) {
   // All members: a new one must become part of one of the parts below, or an input.
   const auto& [view, options, specular_mask, transparent_mask, seed, step, differentiable, diffuse, shaded, reflection,
                transmission, sheets, panes, silhouette, coats, opened, behind, linear, srgb, layers, grad_diffuse, grad_linear,
@@ -70,7 +72,7 @@ std::string content(const Frame& frame, FramePart part) {
   Bytes b;
   switch (part) {
     case FramePart::DiffuseChannels:
-      b.add(diffuse), b.add(grad_diffuse);
+      b.add(diffuse);
       break;
     case FramePart::Linear:
       b.add(linear);
@@ -80,7 +82,7 @@ std::string content(const Frame& frame, FramePart part) {
       break;
     case FramePart::Silhouettes:
       for (const SilhouettePixel& p : silhouette.pixels) b.add(p);
-      for (const auto* values : {&silhouette.rest, &silhouette.grad_rest, &silhouette.solid}) b.add(*values);
+      b.add(silhouette.rest), b.add(silhouette.solid);
       break;
     case FramePart::Coats:
       b.add(coats.shown), b.add(coats.normal), b.add(coats.z);
@@ -91,7 +93,7 @@ std::string content(const Frame& frame, FramePart part) {
       break;
     case FramePart::Surfaces:
       for (const auto* values : {&shaded.pixels, &shaded.begin, &shaded.chosen}) b.add(*values);
-      b.add(shaded.rays), b.add(shaded.points), b.add(shaded.grad_points);
+      b.add(shaded.rays), b.add(shaded.points);
       break;
     case FramePart::ReflectionAskers:
       for (const LayersPresent& asks : shaded.asks) b.number(asks.reflection);
@@ -103,14 +105,13 @@ std::string content(const Frame& frame, FramePart part) {
       b.add(opened.surfels), b.add(opened.opaque);
       break;
     case FramePart::BehindGlass:
-      for (const auto* values : {&behind.radiance, &behind.grad_radiance, &behind.inner_transmittance, &behind.median_z})
-        b.add(*values);
+      for (const auto* values : {&behind.radiance, &behind.inner_transmittance, &behind.median_z}) b.add(*values);
       b.add(behind.path);
       break;
     case FramePart::Panes:
       b.add(panes.shown), b.add(panes.teaches);
-      for (const auto* values : {&panes.near_color, &panes.far_color, &panes.near_open, &panes.far_open, &panes.far_share,
-                                 &panes.far_cosine, &panes.grad_near, &panes.grad_open, &panes.picture_weight})
+      for (const auto* values :
+           {&panes.near_color, &panes.far_color, &panes.near_open, &panes.far_open, &panes.far_share, &panes.far_cosine})
         b.add(*values);
       break;
     case FramePart::ReflectedRadiance:
@@ -129,17 +130,84 @@ std::string content(const Frame& frame, FramePart part) {
         b.add(*values);
       break;
     case FramePart::Srgb:
-      b.add(srgb), b.add(grad_srgb);
+      b.add(srgb);
+      break;
+    case FramePart::ErrorImage:
+    case FramePart::DiffuseStatistics:
+    case FramePart::ReflectionStatistics:
+    case FramePart::TransmittanceStatistics:
       break;
   }
   return b.take();
 }
 
+// What the reverse takes and leaves; passes that go forward size it and set it to zero.
+std::string gradients_of(const Frame& frame, FramePart part) {
+  Bytes b;
+  const auto add_rays = [&](const SecondaryRays& r) {
+    b.add(r.grad_radiance), b.add(r.gradients.color), b.add(r.gradients.first_hit);
+  };
+  switch (part) {
+    case FramePart::DiffuseChannels:
+      b.add(frame.grad_diffuse);
+      break;
+    case FramePart::Linear:
+      b.add(frame.grad_linear);
+      break;
+    case FramePart::Silhouettes:
+      b.add(frame.silhouette.grad_rest), b.add(frame.silhouette.grad_covered);
+      break;
+    case FramePart::Surfaces:
+      b.add(frame.shaded.grad_points);
+      break;
+    case FramePart::BehindGlass:
+      b.add(frame.behind.grad_radiance);
+      break;
+    case FramePart::Panes:
+      for (const auto* values : {&frame.panes.grad_near, &frame.panes.grad_open, &frame.panes.picture_weight}) b.add(*values);
+      break;
+    case FramePart::ReflectedRadiance:
+      add_rays(frame.reflection);
+      break;
+    case FramePart::TransmittedRadiance:
+      add_rays(frame.transmission);
+      break;
+    case FramePart::Srgb:
+      b.add(frame.grad_srgb);
+      break;
+    case FramePart::ErrorImage:
+      b.add(frame.error_image);
+      break;
+    case FramePart::DiffuseStatistics:
+      b.add(frame.statistics);
+      break;
+    case FramePart::ReflectionStatistics:
+      b.add(frame.reflection.statistics), b.number(frame.reflection.took_part);
+      break;
+    case FramePart::TransmittanceStatistics:
+      b.add(frame.transmission.statistics), b.number(frame.transmission.took_part);
+      break;
+    default:
+      break;  // teaches nothing
+  }
+  return b.take();
+}
+
+std::string content(const Frame& frame, FramePart part) { return values_of(frame, part) + gradients_of(frame, part); }
+
 // As before any pass.
 void forget(FramePart part, Frame& frame) {
+  const auto drop = [](std::vector<float>& values) {  // who reads on, reads no numbers
+    std::ranges::fill(values, NAN), values.clear();
+  };
+  const auto poison = [](SurfelStatistics& statistics) {
+    for (auto* values : {&statistics.screen_gradient, &statistics.weight, &statistics.error}) std::ranges::fill(*values, NAN);
+  };
   const auto new_rays = [](SecondaryRays& rays) {
     SecondaryRays empty;
     empty.picture_weight = std::move(rays.picture_weight);
+    empty.statistics = std::move(rays.statistics);
+    empty.took_part = rays.took_part;
     rays = std::move(empty);
   };
   switch (part) {
@@ -147,7 +215,7 @@ void forget(FramePart part, Frame& frame) {
       frame.diffuse = {}, frame.grad_diffuse = {};
       break;
     case FramePart::Linear:
-      frame.linear.clear();
+      drop(frame.linear), drop(frame.grad_linear);
       break;
     case FramePart::ShownShapes:
       frame.silhouette.shapes.clear();
@@ -196,23 +264,41 @@ void forget(FramePart part, Frame& frame) {
       break;
     case FramePart::PictureWeights:
       for (auto* values : {&frame.reflection.picture_weight, &frame.transmission.picture_weight, &frame.behind.picture_weight})
-        values->clear();
+        drop(*values);
       break;
     case FramePart::LayerImages:
       frame.layers = {};
       break;
     case FramePart::Srgb:
-      frame.srgb.clear(), frame.grad_srgb.clear();
+      drop(frame.srgb), drop(frame.grad_srgb);
+      break;
+    case FramePart::ErrorImage:
+      std::ranges::fill(frame.error_image, NAN);
+      break;
+    case FramePart::DiffuseStatistics:
+      poison(frame.statistics);
+      break;
+    case FramePart::ReflectionStatistics:
+      poison(frame.reflection.statistics);
+      break;
+    case FramePart::TransmittanceStatistics:
+      poison(frame.transmission.statistics);
       break;
   }
 }
 
 using Changes = std::set<std::pair<std::string_view, std::string_view>>;  // pass, part
 
-std::set<FramePart> changed_by(const PassAccess& access) {
-  std::set<FramePart> out(access.writes.begin(), access.writes.end());
-  out.insert(access.adds.begin(), access.adds.end());
+std::set<FramePart> parts(std::initializer_list<std::vector<FramePart>> lists) {
+  std::set<FramePart> out;
+  for (const auto& list : lists) out.insert(list.begin(), list.end());
   return out;
+}
+std::set<FramePart> changed_by(const PassAccess& access) { return parts({access.writes, access.adds}); }
+
+void forget_all_but(const std::set<FramePart>& kept, Frame& frame) {
+  for (const FramePart part : all_parts())
+    if (!kept.contains(part)) forget(part, frame);
 }
 
 // One picture, pass by pass. `frame` has what pictures before left.
@@ -225,8 +311,7 @@ void expect_true_access(const ImageOptions& options, const SplatScene& scene, co
     const PassAccess access = pass->access();
     const std::set<FramePart> changed = changed_by(access);
     Frame alone = frame;
-    for (const FramePart part : all_parts())
-      if (!std::ranges::count(access.reads, part) && !std::ranges::count(access.adds, part)) forget(part, alone);
+    forget_all_but(parts({access.reads, access.adds}), alone);
     pass->forward(scene, alone);
     std::map<FramePart, std::string> before;
     for (const FramePart part : all_parts()) before[part] = content(frame, part);
@@ -240,6 +325,42 @@ void expect_true_access(const ImageOptions& options, const SplatScene& scene, co
       EXPECT_TRUE(after == content(alone, part)) << "reads for '" << name(part) << "' what it does not say";
       if (after != before[part]) seen.emplace(pass->name(), name(part));
     }
+  }
+}
+
+// The reverse of one picture, pass by pass: `other` takes each step with what its pass declares alone.
+void expect_true_reverse(const ImageOptions& options, const SplatScene& scene, const View& view, Changes& seen) {
+  const LayeredModel model(options), other(options);
+  Frame frame, of_other;
+  model.forward(scene, view, frame), other.forward(scene, view, of_other);
+  start_statistics(scene, frame);
+  frame.error_image.resize(frame.pixel_count());
+  for (auto* values : {&frame.grad_srgb, &frame.error_image})
+    for (size_t i = 0; i < values->size(); ++i) (*values)[i] = float(1 + i % 7);
+  SplatScene grad = scene.zeros_like();
+  for (size_t i = model.passes().size(); i-- > 0;) {
+    Pass& pass = *model.passes()[i];
+    SCOPED_TRACE(pass.name());
+    const PassAccess access = pass.access();
+    const std::set<FramePart> had = parts({access.reads, access.writes, access.adds, access.reverse_adds});
+    Frame alone = frame;
+    SplatScene grad_alone = grad;
+    forget_all_but(parts({{had.begin(), had.end()}, access.reverse_reads}), alone);
+    other.passes()[i]->backward(scene, alone, grad_alone);
+    std::map<FramePart, std::pair<std::string, std::string>> before;
+    for (const FramePart part : all_parts()) before[part] = {values_of(frame, part), gradients_of(frame, part)};
+    pass.backward(scene, frame, grad);
+    for (const FramePart part : all_parts()) {
+      EXPECT_TRUE(values_of(frame, part) == before[part].first) << "changes '" << name(part) << "' in reverse";
+      const std::string after = gradients_of(frame, part);
+      const bool changes = after != before[part].second;
+      if (changes) seen.emplace(pass.name(), name(part));
+      EXPECT_TRUE(!changes || had.contains(part)) << "changes '" << name(part) << "' in reverse, which it does not say";
+      EXPECT_TRUE(!changes || after == gradients_of(alone, part)) << "reads for '" << name(part) << "' what it does not say";
+    }
+    for (LayerKind kind : kAllLayers)
+      EXPECT_TRUE(grad.layer(kind) == grad_alone.layer(kind)) << "reads for the " << name(kind) << " layer what it does not say";
+    EXPECT_EQ(model.shape().gradients(), other.shape().gradients()) << "reads for the shapes what it does not say";
   }
 }
 
@@ -266,11 +387,12 @@ void hang_mirror_on_coat(test::Showcase& s) {
 }
 
 TEST(PassAccess, CoversWhatPassesDo) {
-  Changes seen;
+  Changes seen, seen_in_reverse;
   Frame frame;
   const auto show = [&](const char* what, const ImageOptions& options, const SplatScene& scene, const View& view) {
     SCOPED_TRACE(what);
     expect_true_access(options, scene, view, frame, seen);
+    expect_true_reverse(options, scene, view, seen_in_reverse);
   };
   const LayeredRoom room = furnished_room({}, 3);
   ImageOptions options = exact_options();
@@ -296,9 +418,12 @@ TEST(PassAccess, CoversWhatPassesDo) {
 
   // The scenes above have something for every pass to do.
   const LayeredModel all(exact_options());
-  for (const auto& pass : all.passes())
+  for (const auto& pass : all.passes()) {
     for (const FramePart part : changed_by(pass->access()))
       EXPECT_TRUE(seen.contains({pass->name(), name(part)})) << pass->name() << " never changes '" << name(part) << "'";
+    for (const FramePart part : pass->access().reverse_adds)
+      EXPECT_TRUE(seen_in_reverse.contains({pass->name(), name(part)})) << pass->name() << ", reverse: '" << name(part) << "'";
+  }
 }
 
 }  // namespace
