@@ -228,11 +228,27 @@ std::vector<uint16_t> labels_of_places(size_t count, const std::function<Vec3d(s
   return out;
 }
 
-void assign_objects(std::span<const LabelledView> views, float near_z, SplatLayer& diffuse, SplatLayer& transmittance) {
+bool shows_thin_glass(const ObjectSet& objects, uint16_t label) {
+  const Object* object = objects.find(label);
+  return object != nullptr && object->role == ObjectRole::ThinGlass;
+}
+
+void leave_out_thin_glass(const ObjectSet& objects, std::span<uint16_t> labels) {
+  for (uint16_t& label : labels)
+    if (shows_thin_glass(objects, label)) label = 0;
+}
+
+void assign_objects(const ObjectSet& objects, std::span<const LabelledView> views, float near_z, SplatLayer& diffuse,
+                    SplatLayer& transmittance) {
   if (views.empty()) return;
-  diffuse.set_object_ids(labels_of_surfels(diffuse, near_z, views).label);
-  transmittance.set_object_ids(labels_of_places(
-      transmittance.size(), [&](size_t i) { return mean_place(transmittance, i); }, views));
+  std::vector<uint16_t> shown = labels_of_surfels(diffuse, near_z, views).label;
+  for (size_t i = 0; i < shown.size() && transmittance.size() > 0; ++i)
+    if (!lets_through(diffuse, i) && shows_thin_glass(objects, shown[i])) shown[i] = 0;
+  diffuse.set_object_ids(std::move(shown));
+  std::vector<uint16_t> behind = labels_of_places(
+      transmittance.size(), [&](size_t i) { return mean_place(transmittance, i); }, views);
+  leave_out_thin_glass(objects, behind);
+  transmittance.set_object_ids(std::move(behind));
 }
 
 Image16 rendered_objects(const SplatLayer& diffuse, float near_z, const View& view) {

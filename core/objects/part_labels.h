@@ -6,6 +6,8 @@
 //   vertex   the label of most photos in which the mesh does not hide it, if more show one than none
 //   place    the label that 80 % of the photos have in front of it that have it in the picture, of three photos or more: the
 //            visual hull. Surfels and vertices that no photo sees are such places.
+// Pixels of thin glass show what stands behind it: where a scene has a transmittance layer, the surfels of thin glass are those
+// that let light through (tau > 1/2), and what stands in it belongs to none.
 // Equal counts: the smaller label. Labels are widened by a pixel: what stands on a silhouette falls on either side.
 #pragma once
 
@@ -42,8 +44,14 @@ std::vector<uint16_t> labels_of_vertices(const TriMesh& mesh, std::span<const La
 std::vector<uint16_t> labels_of_places(size_t count, const std::function<Vec3d(size_t)>& place,
                                        std::span<const LabelledView> views);
 
+// 0 in place of the labels of thin glass.
+void leave_out_thin_glass(const ObjectSet& objects, std::span<uint16_t> labels);
 // Sets the ids of all surfels: those of the diffuse layer by what photos show, those of the transmittance layer by their places.
-void assign_objects(std::span<const LabelledView> views, float near_z, SplatLayer& diffuse, SplatLayer& transmittance);
+void assign_objects(const ObjectSet& objects, std::span<const LabelledView> views, float near_z, SplatLayer& diffuse,
+                    SplatLayer& transmittance);
+
+bool shows_thin_glass(const ObjectSet& objects, uint16_t label);
+inline bool lets_through(const SplatLayer& diffuse, size_t i) { return *diffuse.at(Attribute::Transmission, i) > 0; }  // logit
 
 // [h,w] The object whose surfels blend to the largest weight in each pixel, 0 where those of none and what is behind all do.
 Image16 rendered_objects(const SplatLayer& diffuse, float near_z, const View& view);

@@ -426,7 +426,7 @@ class Evaluator {
   bool layered_;  // there is more than the diffuse layer
   std::optional<fs::path> masks_;
   LabelledObjects objects_;
-  ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z};
+  ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, objects_.objects()};
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass

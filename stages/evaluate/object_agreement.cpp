@@ -25,7 +25,8 @@ std::optional<double> ObjectAgreement::surfel_accuracy() const {
   const SurfelLabels shown = labels_of_surfels(diffuse_, near_z_, photos_);
   size_t seen = 0, same = 0;
   for (size_t i = 0; i < shown.label.size(); ++i)
-    if (shown.seen[i]) ++seen, same += shown.label[i] == diffuse_.object_ids()[i];
+    if (const uint16_t id = diffuse_.object_ids()[i]; shown.seen[i] && (id != 0 || !shows_thin_glass(objects_, shown.label[i])))
+      ++seen, same += shown.label[i] == id;
   return seen > 0 ? std::optional(double(same) / double(seen)) : std::nullopt;
 }
 

@@ -147,8 +147,8 @@ TriMesh cleaned(const TriMesh& raw, const MeshConfig& config, StageContext& cont
 
 // mesh/behind_glass.ply, where glass shows something.
 void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, const std::vector<View>& views,
-                        std::span<const LabelledView> labels, const TriMesh& mesh, FusionDesc fusion, RenderedDepth& shell,
-                        StageContext& context, Json& report) {
+                        const ObjectSet& objects, std::span<const LabelledView> labels, const TriMesh& mesh, FusionDesc fusion,
+                        RenderedDepth& shell, StageContext& context, Json& report) {
   OpenedScene content;
   without_glass(scene.surfels, opened_degrees(scene.surfels, scene.image), content);
   RenderedDepth inside(config, content.surfels, scene.image.diffuse.near_z, views);
@@ -168,9 +168,11 @@ void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, con
                      context.progress({.fraction = 0.96 + 0.04 * f, .text = "what stands behind glass", .values = {}});
                    });
   if (behind.faces.empty()) return;
-  if (!labels.empty())
+  if (!labels.empty()) {
     behind.object_ids = labels_of_places(
         behind.positions.size(), [&](size_t v) { return cast<double>(behind.positions[v]); }, labels);
+    leave_out_thin_glass(objects, behind.object_ids);
+  }
   write_mesh_ply(context.output() / "mesh" / "behind_glass.ply", behind);
   report["behind_glass"] = json_of(mesh_report(behind));
   context.metric("faces_behind_glass", static_cast<double>(behind.faces.size()));
@@ -251,11 +253,12 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
   TriMesh mesh = cleaned(raw, config, context, report);
   report["vertices_on_shapes"] = mirrors.put_vertices(mesh, kSolidVoxels * fusion.voxel);
   if (mesh.faces.empty()) throw nothing_left("nothing was left after the repair");
-  const std::vector<LabelledView> labels = labelled_views(LabelledObjects::known(context.optional_input("objects")), views);
+  const LabelledObjects objects = LabelledObjects::known(context.optional_input("objects"));
+  const std::vector<LabelledView> labels = labelled_views(objects, views);
   if (!labels.empty()) mesh.object_ids = labels_of_vertices(mesh, labels);
   write_mesh_ply(context.output() / "mesh" / "mesh.ply", mesh);
   if (scene.surfels.transmittance.size() > 0)
-    write_behind_glass(config, scene, views, labels, mesh, fusion_desc, rendered, context, report);
+    write_behind_glass(config, scene, views, objects.objects(), labels, mesh, fusion_desc, rendered, context, report);
   const MeshReport final_report = mesh_report(mesh);
   report["mesh"] = json_of(final_report);
   report["mesh"]["self_intersections"] = self_intersection_count(mesh);

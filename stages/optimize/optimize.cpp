@@ -157,8 +157,8 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   SplatScene scene = trainer->scene();
   std::vector<View> seen;
   for (const uint32_t photo : capture.train) seen.push_back(capture.view_set.views[photo]);
-  assign_objects(labelled_views(LabelledObjects::known(context.optional_input("objects")), seen), capture.near_z, scene.diffuse,
-                 scene.transmittance);
+  const LabelledObjects known = LabelledObjects::known(context.optional_input("objects"));
+  assign_objects(known.objects(), labelled_views(known, seen), capture.near_z, scene.diffuse, scene.transmittance);
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind)) write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), scene.layer(kind));
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());

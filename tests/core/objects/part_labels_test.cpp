@@ -93,7 +93,9 @@ TEST(PartLabels, MoreThanThreeObjectsInOnePhoto) {
   const std::span<const uint16_t> label(found.label);
   EXPECT_GT(share_of(label.subspan(0, kSurfels), kLeft), 0.95);
   for (size_t i = kSurfels; i < 2 * kSurfels; ++i)
-    if (found.seen[i]) EXPECT_TRUE(label[i] == 0 || (label[i] > kRight && label[i] <= kRight + 4)) << label[i];
+    if (found.seen[i]) {
+      EXPECT_TRUE(label[i] == 0 || (label[i] > kRight && label[i] <= kRight + 4)) << label[i];
+    }
   EXPECT_LT(share_of(label.subspan(kSurfels, kSurfels), 0), 0.1) << "photos do not agree on what is hidden";
 }
 
@@ -117,7 +119,7 @@ TEST(PartLabels, AreRenderedAsTheyWereGiven) {
   const auto views = photos();
   SplatLayer diffuse = scene(), inside(LayerKind::Transmittance, 0, 0);
   append(inside, test::sphere_layer(0.02, 5), kRightPlace);
-  assign_objects(std::span(views).first(8), kNear, diffuse, inside);
+  assign_objects({}, std::span(views).first(8), kNear, diffuse, inside);
   EXPECT_EQ(share_of(inside.object_ids(), kRight), 1);
   const Image16 shown = rendered_objects(diffuse, kNear, views[8].view);
   size_t both = 0, either = 0;
@@ -126,6 +128,31 @@ TEST(PartLabels, AreRenderedAsTheyWereGiven) {
     either += a != 0 || b != 0, both += a != 0 && a == b;
   }
   EXPECT_GT(double(both), 0.85 * double(either)) << "a ball of 30 pixels, whose surfels reach half a pixel beyond it";
+}
+
+// A vase in a case: pixels of the case show the vase.
+TEST(PartLabels, WhatStandsInThinGlassBelongsToNone) {
+  const auto views = photos();
+  SplatLayer diffuse = scene(), inside(LayerKind::Transmittance, 0, 0);
+  append(inside, test::sphere_layer(0.02, 5), kRightPlace);
+  append(inside, test::sphere_layer(0.02, 5), kLeftPlace);
+  const size_t half = inside.size() / 2;
+  for (size_t i = 0; i < diffuse.size(); ++i) *diffuse.at(Attribute::Transmission, i) = i % 2 == 0 ? 3.f : -3.f;
+  for (const ObjectRole role : {ObjectRole::ThinGlass, ObjectRole::SolidGlass}) {
+    const ObjectSet set{
+        .objects = {{.id = kLeft, .name = "ball", .role = ObjectRole::Mirror}, {.id = kRight, .name = "case", .role = role}},
+        .shapes = {}};
+    const bool thin = role == ObjectRole::ThinGlass;
+    assign_objects(set, views, kNear, diffuse, inside);
+    EXPECT_EQ(share_of(inside.object_ids().first(half), kRight), thin ? 0 : 1);
+    EXPECT_EQ(share_of(inside.object_ids().subspan(half), kLeft), 1);
+    EXPECT_GT(share_of(diffuse.object_ids().first(kSurfels), kLeft), 0.95);
+    for (size_t i = kSurfels; i < 2 * kSurfels; ++i)
+      if (i % 2 != 0 && thin) {
+        EXPECT_NE(diffuse.object_ids()[i], kRight) << "hides what is behind it";
+      }
+    EXPECT_NEAR(share_of(diffuse.object_ids().subspan(kSurfels, kSurfels), kRight), thin ? 0.5 : 1, 0.1);
+  }
 }
 
 TEST(PartLabels, SameForAnyNumberOfThreads) {
@@ -142,9 +169,9 @@ TEST(PartLabels, GoIntoFilesAndSubsets) {
   const TemporaryFolder folder;
   const auto views = photos();
   SplatLayer layer = scene(), none(LayerKind::Transmittance, 0, 0);
-  assign_objects({}, kNear, layer, none);
+  assign_objects({}, {}, kNear, layer, none);
   EXPECT_TRUE(layer.object_ids().empty()) << "no photo with labels: nothing is known";
-  assign_objects(views, kNear, layer, none);
+  assign_objects({}, views, kNear, layer, none);
   write_layer(folder.path() / "diffuse.ply", layer);
   EXPECT_EQ(read_layer(folder.path() / "diffuse.ply"), layer);
   std::vector<uint8_t> keep(layer.size(), 0);

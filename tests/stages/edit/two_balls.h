@@ -45,7 +45,7 @@ class TwoBalls {
     write_environment(decomposed_environment_path(decompose()), Environment(ImageF(8, 4, 3, 1.f)));
     write_masks();
     const std::vector<LabelledView> labels = labelled_views(LabelledObjects::all(masks()), capture.views);
-    assign_objects(labels, 0.01f, layer, behind_glass);
+    assign_objects({}, labels, 0.01f, layer, behind_glass);
     mesh.object_ids = labels_of_vertices(mesh, labels);
     write_layer(capture.optimize() / "gaussians/diffuse.ply", layer);
     write_layer(capture.optimize() / "gaussians/transmittance.ply", behind_glass);
