@@ -92,8 +92,9 @@ int export_command(const Words& words) {
   const fs::path project = project_of(rest.empty() ? "." : rest[0]);
   const ProjectLock lock(project);
   const fs::path target = result_folder(project, (a.edited ? edited_folder(project) : project) / kExportStage, a.output);
-  ToolInputs inputs{
-      .stages = {"sfm", "optimize", "mesh"}, .optional = {"refine", "decompose", "objects"}, .missing = "there is no scene to export yet"};
+  ToolInputs inputs{.stages = {"sfm", "optimize", "mesh"},
+                    .optional = {"refine", "decompose", "objects"},
+                    .missing = "there is no scene to export yet"};
   const Words how = quietness(a);
   if (a.edited) {
     const EditedScene edited = edited_scene(project, {}, how);

@@ -10,7 +10,6 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kOpenedGrain = 512;  // surfels
-constexpr float kMostlyClear = 0.5f;  // a surfel is glass above
 constexpr float kNoGloss = 1e-4f;     // k_s and tau of what is opaque without gloss
 constexpr Attribute kShapeAndColor[] = {Attribute::Mean,    Attribute::Rotation, Attribute::LogScale,
                                         Attribute::Opacity, Attribute::ShDc,     Attribute::ShRest};
@@ -53,8 +52,6 @@ void gather(const SplatScene& scene, OpenedDegrees degrees, LayerKind kind, Open
 }
 
 }  // namespace
-
-bool is_glass(const SplatLayer& diffuse, size_t i) { return sigmoid(*diffuse.at(Attribute::Transmission, i)) > kMostlyClear; }
 
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse) {
   std::vector<uint32_t> out;

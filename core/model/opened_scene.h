@@ -7,8 +7,6 @@
 
 namespace vitrine {
 
-// Whether a surfel of a diffuse layer is glass: tau above one half.
-bool is_glass(const SplatLayer& diffuse, size_t i);
 // Surfels of a diffuse layer that are no glass, ascending.
 std::vector<uint32_t> opaque_surfels(const SplatLayer& diffuse);
 

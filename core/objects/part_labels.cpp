@@ -243,7 +243,7 @@ void assign_objects(const ObjectSet& objects, std::span<const LabelledView> view
   if (views.empty()) return;
   std::vector<uint16_t> shown = labels_of_surfels(diffuse, near_z, views).label;
   for (size_t i = 0; i < shown.size() && transmittance.size() > 0; ++i)
-    if (!lets_through(diffuse, i) && shows_thin_glass(objects, shown[i])) shown[i] = 0;
+    if (!is_glass(diffuse, i) && shows_thin_glass(objects, shown[i])) shown[i] = 0;
   diffuse.set_object_ids(std::move(shown));
   std::vector<uint16_t> behind = labels_of_places(
       transmittance.size(), [&](size_t i) { return mean_place(transmittance, i); }, views);

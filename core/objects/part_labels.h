@@ -44,14 +44,12 @@ std::vector<uint16_t> labels_of_vertices(const TriMesh& mesh, std::span<const La
 std::vector<uint16_t> labels_of_places(size_t count, const std::function<Vec3d(size_t)>& place,
                                        std::span<const LabelledView> views);
 
+bool shows_thin_glass(const ObjectSet& objects, uint16_t label);
 // 0 in place of the labels of thin glass.
 void leave_out_thin_glass(const ObjectSet& objects, std::span<uint16_t> labels);
 // Sets the ids of all surfels: those of the diffuse layer by what photos show, those of the transmittance layer by their places.
 void assign_objects(const ObjectSet& objects, std::span<const LabelledView> views, float near_z, SplatLayer& diffuse,
                     SplatLayer& transmittance);
-
-bool shows_thin_glass(const ObjectSet& objects, uint16_t label);
-inline bool lets_through(const SplatLayer& diffuse, size_t i) { return *diffuse.at(Attribute::Transmission, i) > 0; }  // logit
 
 // [h,w] The object whose surfels blend to the largest weight in each pixel, 0 where those of none and what is behind all do.
 Image16 rendered_objects(const SplatLayer& diffuse, float near_z, const View& view);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
+#include "core/scene/activation.h"
 
 namespace vitrine {
 
@@ -12,5 +13,7 @@ void SplatLayer::fill(float value) {
     parallel_chunks(array.size(), kChunk,
                     [&](size_t, size_t begin, size_t end) { std::fill(array.data() + begin, array.data() + end, value); });
 }
+
+bool is_glass(const SplatLayer& diffuse, size_t i) { return sigmoid(*diffuse.at(Attribute::Transmission, i)) > 0.5f; }
 
 }  // namespace vitrine

@@ -66,4 +66,7 @@ class SplatLayer {
   std::vector<uint16_t> object_ids_;
 };
 
+// Whether a surfel of a diffuse layer is glass: tau above one half.
+bool is_glass(const SplatLayer& diffuse, size_t i);
+
 }  // namespace vitrine

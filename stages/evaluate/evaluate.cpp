@@ -64,6 +64,7 @@ class Evaluator {
     if (const auto folder = context_.optional_input("truth")) open_truth(*folder);
     masks_ = context_.optional_input("masks");
     objects_ = LabelledObjects::all(context_.optional_input("objects"));
+    known_ = LabelledObjects::known(context_.optional_input("objects"));
     if (truth_ && truth_->has_maps("mask"))
       result_.regions_from = "truth";
     else if (masks_ || !objects_.objects().empty())
@@ -191,9 +192,9 @@ class Evaluator {
 
   void score_objects(size_t index, const ViewPicture& render, const ImageF& photo, const std::optional<ImageF>& judged,
                      ViewScore& score) {
-    Image16 labels = objects_.labels(views_[index], render.intrinsics);
+    Image16 labels = known_.labels(views_[index], render.intrinsics);
     if (labels.empty()) return;
-    for (const Object& object : objects_.objects().objects) {
+    for (const Object& object : known_.objects().objects) {
       ImageF shown(labels.width(), labels.height(), 1);
       std::ranges::transform(labels.data(), shown.data().begin(), [&](uint16_t id) { return id == object.id ? 1.f : 0.f; });
       if (judged) keep_within(*judged, shown);
@@ -425,8 +426,8 @@ class Evaluator {
   ScenePainter painter_;
   bool layered_;  // there is more than the diffuse layer
   std::optional<fs::path> masks_;
-  LabelledObjects objects_;
-  ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, objects_.objects()};
+  LabelledObjects objects_, known_;  // known_: not guessed, which surfels carry the ids of
+  ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, known_.objects()};
   std::optional<Truth> truth_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass

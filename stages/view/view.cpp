@@ -190,7 +190,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
   add_coverage(photo_coverage(surfels, trained_on, s.trained.image.diffuse.near_z), blocks);
   Json shapes = add_shapes(s.trained.image.shape.set.get(), blocks);
   const LabelledObjects labelled = LabelledObjects::all(context.optional_input("objects"));
-  const Json objects = add_objects(labelled.objects(), s.trained.surfels, surfels, blocks);
+  const Json objects = add_objects(labelled.objects().known(), s.trained.surfels, surfels, blocks);
   const Json editable = edits(s, context, labelled, surfels, shapes, blocks);
   if (s.mesh && !s.mesh->faces.empty()) add_mesh(*s.mesh, static_cast<size_t>(config.mesh_faces), !objects.empty(), blocks);
 

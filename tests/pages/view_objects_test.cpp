@@ -25,7 +25,8 @@ TEST_F(ViewObjects, AreListedHiddenAndEdited) {
   const test::TwoBalls balls;
   write_objects(balls.masks() / "objects",
                 {.objects = {{.id = 1, .name = kName, .role = ObjectRole::Coat},
-                             {.id = 2, .name = "mirror-1", .role = ObjectRole::Mirror, .trust = ObjectTrust::Guessed}},
+                             {.id = 2, .name = "mirror-1", .role = ObjectRole::Mirror, .trust = ObjectTrust::Detected},
+                             {.id = 3, .name = "mirror-2", .role = ObjectRole::Mirror, .trust = ObjectTrust::Guessed}},
                  .shapes = {}});
   auto set = std::make_shared<ShapeSet>();
   for (const uint16_t object : {uint16_t(1), uint16_t(2)})
@@ -53,7 +54,7 @@ TEST_F(ViewObjects, AreListedHiddenAndEdited) {
   EXPECT_TRUE(r["messages"].empty()) << r["messages"];
 
   EXPECT_EQ(r["list"], json::array({json::array({kName, "coat, given", "edit " + std::string(kName)}),
-                                    json::array({"mirror-1", "mirror, guessed", "edit mirror-1"})}));
+                                    json::array({"mirror-1", "mirror, detected", "edit mirror-1"})}));
   const json &whole = r["whole"], &hidden = r["hidden"];
   EXPECT_NE(hidden["pixels"][0], whole["pixels"][0]) << "the object is hidden";
   EXPECT_EQ(hidden["pixels"][1], whole["pixels"][1]) << "the other ball is there";

@@ -173,7 +173,7 @@ def Xform "scene"
     while (end < mesh.parts.size() && mesh.parts[end].object == object) ++end;
     const std::string shown = object == 0 ? "mesh" : source.object_name(object);
     std::string prim = prim_name(shown);
-    if (!taken.insert(prim).second) taken.insert(prim += fmt::format("_{}", object));
+    while (!taken.insert(prim).second) prim += '_';
     out += usd_mesh(prim, shown, mesh, std::span(mesh.parts).subspan(i, end - i), frame);
   }
   out += "  def Scope \"materials\"\n  {\n";

@@ -124,7 +124,7 @@ ExportFrame ExportSource::frame(std::string_view axes) {
 }
 
 const ObjectSet& ExportSource::objects() {
-  if (!objects_) objects_ = read_objects(inputs_.objects);
+  if (!objects_) objects_ = read_objects(inputs_.objects).known();
   return *objects_;
 }
 

@@ -31,7 +31,8 @@ class ObjectNames : public testing::Test {
       scene_.mesh.object_ids.push_back(v >= 41 * 41 ? kPane : on_tile(scene_.mesh.positions[v]) ? kTile : uint16_t(0));
     scene_.write(root_.path());
     ObjectSet set;
-    set.objects = {{.id = kPane, .name = "mesh \"é\"", .role = ObjectRole::ThinGlass}};
+    set.objects = {{.id = 1, .name = "guess", .role = ObjectRole::Mirror, .trust = ObjectTrust::Guessed},
+                   {.id = kPane, .name = "mesh \"é\"", .role = ObjectRole::ThinGlass}};
     make_folders(root_.path() / "objects/objects");
     write_objects(root_.path() / "objects/objects", set);
     for (size_t f = 0; f < scene_.mesh.faces.size(); ++f) ++faces_[scene_.mesh.object_of_face(f)];
@@ -101,11 +102,22 @@ TEST_F(ObjectNames, ArePrimsOfTheUsd) {
   EXPECT_EQ(prims, 3u);
 }
 
+TEST_F(ObjectNames, OfPrimsDiffer) {
+  ObjectSet set;
+  set.objects = {{.id = kPane, .name = "mesh"}, {.id = kTile, .name = "mesh_"}};
+  write_objects(root_.path() / "objects/objects", set);
+  const std::string text = read_file(exported({"mesh-usd"}) / "mesh.usda");
+  for (const char* prim : {"  def Mesh \"mesh\"\n", "  def Mesh \"mesh_\" (\n    displayName = \"mesh\"\n",
+                           "  def Mesh \"mesh__\" (\n    displayName = \"mesh_\"\n"})
+    EXPECT_NE(text.find(prim), std::string::npos) << prim;
+}
+
 TEST_F(ObjectNames, AreTheLegendOfIdsInPlyFiles) {
   const fs::path folder = exported({"ply-2dgs", "ply-3dgs", "mesh-ply"});
   for (const char* file : {"gaussians_2dgs.ply", "gaussians_3dgs.ply"}) {
     const test::FloatPly ply = test::parsed_ply(folder / file);
     EXPECT_EQ(ply.properties.back(), "object_id");
+    EXPECT_TRUE(std::ranges::none_of(ply.comments, [](const std::string& c) { return c.starts_with("object 1"); })) << "guessed";
     EXPECT_EQ(ply.comments.back(), "object 3: mesh \"é\", thin_glass");
     for (size_t i = 0; i < ply.rows.size(); ++i) ASSERT_EQ(ply.value(i, "object_id"), float(scene_.diffuse.object_ids()[i]));
   }

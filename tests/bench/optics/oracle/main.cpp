@@ -32,7 +32,6 @@ int run(const std::vector<std::string>& words) {
   cli.value("rounds", 0, "N", desc.rounds, 0, "Rounds of the solver of the far field. Default: 10; 0: none, it is black.");
   cli.value("texels", 0, "N", desc.texels, 1, "Side of the octahedral map of the far field. Default: 128.");
   cli.value("degree", 0, "N", desc.sh_degree, 0, "Degree of the spherical harmonics that mirrors see. Default: 0.");
-  cli.value("bounces", 0, "N", desc.bounces, 1, "Mirrors that a ray may meet. Default: 1.");
   cli.flag("help", 'h', help, "Print this text.");
   cli.parse(words, 0);
   if (help) {

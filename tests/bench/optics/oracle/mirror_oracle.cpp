@@ -61,7 +61,8 @@ class MirrorOracle {
         split_(read_view_split(desc.opaque / "optimize/views.json", views_)),
         labels_(LabelledObjects::trusted(desc.objects)),
         scene_(read_trained_scene(desc.opaque)) {
-    shapes_ = d_.trained_shapes && d_.trained ? *read_trained_scene(*d_.trained).image.shape.set : labels_.objects().drawn_shapes();
+    shapes_ =
+        d_.trained_shapes && d_.trained ? *read_trained_scene(*d_.trained).image.shape.set : labels_.objects().drawn_shapes();
     shapes_ = shapes_.without(ShapeRole::Sheet).without(ShapeRole::Coat);
     for (const ShapeSet::Entry& e : shapes_.entries) build_tracer(e.object);
     build_tracer(kStraight);
@@ -163,24 +164,11 @@ class MirrorOracle {
   }
 
   void add_ray(Vec3d origin, Vec3d direction, uint16_t object, Samples& out, std::map<uint16_t, Pending>& pending) const {
-    if (object != kStraight && truth_) {
-      const auto hit = truth_->intersect({origin, direction});
+    if (object != kStraight) {
+      const auto hit = truth_ ? truth_->intersect({origin, direction}) : own_hit({origin, direction}, object);
       if (!hit) return;
       origin = origin + hit->t * direction;
       direction = normalized(direction - 2 * dot(direction, hit->normal) * hit->normal);
-    } else if (object != kStraight) {
-      uint16_t own = object;
-      for (int bounce = 0; bounce < d_.bounces; ++bounce) {
-        const auto hit = shapes_.first_hit({origin, direction}, ShapeRole::Mirror, [&](const ShapeSet::Hit& h) {
-          return (shapes_.entries[h.entry].object == own) == (bounce == 0);
-        });
-        if (!hit && bounce == 0) return;
-        if (!hit) break;
-        origin = origin + hit->t * direction;
-        direction = normalized(direction - 2 * dot(direction, hit->normal) * hit->normal);
-        own = shapes_.entries[hit->entry].object;
-      }
-      object = own;
     }
     Pending& to = pending[object];
     to.origins.push_back(cast<float>(origin));
@@ -189,6 +177,11 @@ class MirrorOracle {
     const Vec2f place = octahedral_place(cast<float>(direction));
     const auto cell = [&](float v) { return std::min(int(0.5f * (v + 1) * float(d_.texels)), d_.texels - 1); };
     out.rays.push_back({.texel = uint32_t(cell(place.y) * d_.texels + cell(place.x))});
+  }
+
+  std::optional<ShapeHit> own_hit(const Ray& ray, uint16_t object) const {
+    return shapes_.first_hit(ray, ShapeRole::Mirror,
+                             [&](const ShapeSet::Hit& h) { return shapes_.entries[h.entry].object == object; });
   }
 
   Vec3f light(std::span<const RaySeen> rays) const {  // without the tint

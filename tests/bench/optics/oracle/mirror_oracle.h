@@ -22,7 +22,7 @@ struct MirrorOracleDesc {
   std::optional<std::filesystem::path> trained;  // with all layers
   std::optional<std::filesystem::path> truth;    // its mesh.ply in place of shapes
   bool trained_shapes = false;                   // those that training left, not those that the objects stage found
-  int rays = 3, rounds = 10, texels = 128, sh_degree = 0, bounces = 1;
+  int rays = 3, rounds = 10, texels = 128, sh_degree = 0;
 };
 
 // PSNR pooled over held-out pixels whose label is a mirror of exact shape, by object and of all: "opaque", "trained", "oracle"
