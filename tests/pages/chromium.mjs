@@ -46,6 +46,32 @@ export async function visit(browser, address, messages, viewport, out) {
 // Until the first picture is there, after each time that the page was loaded.
 export const viewed = (page) => page.evaluate(() => window.vitrine.then((v) => (window.view = v)).then(() => 1));
 
+// use(page): a page of `vitrine view` in a browser without WebGL, which shows the mesh alone.
+export async function without_webgl(address, messages, viewport, use) {
+  const browser = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu'] });
+  try {
+    const page = await browser.newPage();
+    watch(page, address, messages);
+    await page.setViewport(viewport);
+    await page.goto(address);
+    await page.evaluate(() => window.vitrine.then(() => 1));
+    await use(page);
+  } finally {
+    await browser.close();
+  }
+}
+
+// How many pixels of its picture are not the grey of nothing.
+export const painted = (page) =>
+  page.$eval('#picture', (canvas) => {
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) count += data[i] !== 0x77 || data[i + 1] !== 0x77;
+    return count;
+  });
+
 // Waits until a page has saved files of these names to a folder.
 export async function saved(folder, ...names) {
   for (const end = Date.now() + kPatience; !names.every((name) => readdirSync(folder).includes(name)); ) {

@@ -12,7 +12,7 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl, viewed, visit, watch } from './chromium.mjs';
+import { open_chromium, painted, saved, software_webgl, viewed, visit, watch, without_webgl } from './chromium.mjs';
 
 const [photo, places] = process.argv.slice(3, 5).map((text) => JSON.parse(text)), out = resolve(process.argv[5]);
 mkdirSync(out, { recursive: true });
@@ -85,28 +85,11 @@ try {
   await browser.close();
 }
 
-const plain = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu'] });
-try {
-  const page = await plain.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 720, height: 480 });
-  await page.goto(address);
-  await page.evaluate(() => window.vitrine.then(() => 1));
-  const painted = () =>
-    page.$eval('#picture', (canvas) => {
-      const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
-      copy.drawImage(canvas, 0, 0);
-      const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-      let count = 0;
-      for (let i = 0; i < data.length; i += 4) count += data[i] !== 0x77;
-      return count;
-    });
-  result.mesh = [await painted()];
+await without_webgl(address, result.messages, { width: 720, height: 480 }, async (page) => {
+  result.mesh = [await painted(page)];
   for (let k = 0; k < 2; ++k) {
     await press(page, tick(0), 'Space');
-    result.mesh.push(await painted());
+    result.mesh.push(await painted(page));
   }
-} finally {
-  await plain.close();
-}
+});
 console.log(JSON.stringify(result));

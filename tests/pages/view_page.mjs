@@ -12,7 +12,7 @@
 import { mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, saved, software_webgl, visit, watch } from './chromium.mjs';
+import { open_chromium, saved, software_webgl, visit, watch, without_webgl } from './chromium.mjs';
 
 const [file, sky, no_sky, out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -141,15 +141,8 @@ try {
 }
 
 // Without WebGL: the mesh alone, and a sentence.
-const plain = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu'] });
-try {
-  const page = await plain.newPage();
-  watch(page, address, result.messages);
-  await page.setViewport({ width: 360, height: 280 });
-  await page.goto(address);
+await without_webgl(address, result.messages, { width: 360, height: 280 }, async (page) => {
   result.plain = await page.evaluate(() => window.vitrine.then((v) => [v.mesh_alone, document.getElementById('notice').textContent]));
   await page.screenshot({ path: join(out, 'plain.png') });
-} finally {
-  await plain.close();
-}
+});
 console.log(JSON.stringify(result));

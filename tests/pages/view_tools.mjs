@@ -14,7 +14,7 @@
 import { mkdirSync, readFileSync, existsSync, rmSync, writeFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { open_chromium, software_webgl, watch } from './chromium.mjs';
+import { open_chromium, painted, software_webgl, watch } from './chromium.mjs';
 
 const [file, , , out] = process.argv.slice(2).map((p) => resolve(p));
 mkdirSync(out, { recursive: true });
@@ -179,17 +179,9 @@ const plain = await open_chromium({ args: ['--disable-3d-apis', '--disable-gpu']
 try {
   const page = await plain.newPage();
   await opened(page, '#clip=y,0');
-  const painted = () => page.$eval('#picture', (e) => {
-    const copy = new OffscreenCanvas(e.width, e.height).getContext('2d');
-    copy.drawImage(e, 0, 0);
-    const { data } = copy.getImageData(0, 0, e.width, e.height);
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4) count += data[i] !== 0x77 || data[i + 1] !== 0x77;
-    return count;
-  });
-  result.clip.mesh = [await painted()];
+  result.clip.mesh = [await painted(page)];
   await page.click('#clip_off');
-  result.clip.mesh.push(await painted());
+  result.clip.mesh.push(await painted(page));
 } finally {
   await plain.close();
 }
