@@ -208,6 +208,36 @@ TEST(EvaluateStage, WhatWasTrainedWithTheObjectIsJudgedWithIt) {
   EXPECT_TRUE(beside);
 }
 
+// No surfel has the id of a guessed object: its pixels would count as mistakes.
+TEST(EvaluateStage, AGuessedObjectHasNoFigures) {
+  const TinyCapture capture;
+  const View& v = capture.views[0];
+  const TemporaryFolder masks;
+  write_stage_mask(masks.path(), "transparent", v, 0, 20);
+  write_stage_mask(masks.path(), "specular", v, 16, 32);
+  SplatLayer layer = capture.layer;
+  layer.set_object_ids(std::vector<uint16_t>(layer.size(), 0));
+  write_layer(capture.optimize() / "gaussians/diffuse.ply", layer);
+  for (const ObjectTrust trust : {ObjectTrust::Guessed, ObjectTrust::Given}) {
+    const ObjectSet set{.objects = {{.id = 1, .name = "case", .role = ObjectRole::ThinGlass},
+                                    {.id = 2, .name = "spoon", .role = ObjectRole::Mirror, .trust = trust}},
+                        .shapes = {}};
+    const TemporaryFolder objects;
+    auto inputs = capture.inputs(false);
+    inputs["objects"] = test::write_objects_artifact(objects.path(), masks.path(), {v}, set);
+    RecordingContext context(inputs);
+    const json m = metrics_of(context, quick());
+    const bool guessed = trust == ObjectTrust::Guessed;
+    ASSERT_EQ(m["objects"].size(), guessed ? 1u : 2u);
+    EXPECT_EQ(m["objects"][0]["name"], "case");
+    if (guessed)
+      EXPECT_EQ(m["surfel_objects"], 1.0);
+    else
+      EXPECT_LT(m["surfel_objects"], 1.0);
+    EXPECT_TRUE(m["regions"].contains("specular")) << "regions are of all objects";
+  }
+}
+
 TEST(EvaluateStage, RegionsComeFromTheObjectsWhereTheTruthHasNone) {
   const TinyCapture capture;
   const View& v = capture.views[0];
