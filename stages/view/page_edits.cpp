@@ -75,7 +75,7 @@ Json add_edits(const EditScene& scene, std::span<const View> views, const ClassP
   blocks.bytes("absent_class", kinds, 1);
   blocks.bytes("absent_component", components, 1);
   blocks.bytes("absent_flags", flags, 1);
-  if (!selector.objects().empty()) blocks.words("absent_object", objects, 1);
+  if (!selector.objects().known().empty()) blocks.words("absent_object", objects, 1);
 
   std::vector<uint32_t> members;
   for (size_t e = 0; e < shapes["entries"].size(); ++e) {
