@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kEqualImagesDb = 99.0;
 constexpr int kWindowRadius = 5;
+constexpr int kCorrelationWindow = 7;
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // for values in [0, 1]
 
 void check_sizes(const ImageF& a, const ImageF& b, const ImageF* mask) {
@@ -51,20 +52,82 @@ Plane blurred(const Plane& in, int width, int height, const std::array<double, 2
 
 }  // namespace
 
-double psnr(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask) {
+SquaredError& SquaredError::operator+=(const SquaredError& other) {
+  sum += other.sum, weight += other.weight;
+  return *this;
+}
+
+double SquaredError::psnr() const {
+  if (weight <= 0) return std::numeric_limits<double>::quiet_NaN();
+  return sum == 0 ? kEqualImagesDb : std::min(kEqualImagesDb, -10.0 * std::log10(sum / weight));
+}
+
+SquaredError squared_error(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask) {
   check_sizes(srgb, reference_srgb, mask);
-  double error = 0, weight = 0;
+  SquaredError out;
   for (int y = 0; y < srgb.height(); ++y)
     for (int x = 0; x < srgb.width(); ++x) {
       const double w = mask ? mask->at(x, y) : 1.0;
-      weight += w * srgb.channels();
+      out.weight += w * srgb.channels();
       for (int c = 0; c < srgb.channels(); ++c) {
         const double d = double(srgb.at(x, y, c)) - reference_srgb.at(x, y, c);
-        error += w * d * d;
+        out.sum += w * d * d;
       }
     }
-  if (weight <= 0) return std::numeric_limits<double>::quiet_NaN();
-  return error == 0 ? kEqualImagesDb : std::min(kEqualImagesDb, -10.0 * std::log10(error / weight));
+  return out;
+}
+
+double psnr(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask) {
+  return squared_error(srgb, reference_srgb, mask).psnr();
+}
+
+LocalCorrelation& LocalCorrelation::operator+=(const LocalCorrelation& other) {
+  covariance += other.covariance, variance += other.variance, reference_variance += other.reference_variance;
+  return *this;
+}
+
+std::optional<double> LocalCorrelation::value() const {
+  const double scale = std::sqrt(variance * reference_variance);
+  return scale > 0 ? std::optional(covariance / scale) : std::nullopt;
+}
+
+LocalCorrelation local_correlation(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask) {
+  check_sizes(srgb, reference_srgb, mask);
+  const auto grey = [](const ImageF& image, int x, int y) {
+    double sum = 0;
+    for (int c = 0; c < image.channels(); ++c) sum += image.at(x, y, c);
+    return sum / image.channels();
+  };
+  // Sums over all pixels above and left of one, the first row and column zero.
+  struct Sums {
+    double inside = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+    Sums& add(const Sums& o, double sign) {
+      inside += sign * o.inside, a += sign * o.a, b += sign * o.b, aa += sign * o.aa, bb += sign * o.bb, ab += sign * o.ab;
+      return *this;
+    }
+  };
+  const int width = srgb.width(), height = srgb.height();
+  std::vector<Sums> table(size_t(width + 1) * size_t(height + 1));
+  const auto at = [&](int x, int y) -> Sums& { return table[size_t(y) * size_t(width + 1) + size_t(x)]; };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double a = grey(srgb, x, y), b = grey(reference_srgb, x, y);
+      Sums sums{mask == nullptr || mask->at(x, y) == 1.f ? 1.0 : 0.0, a, b, a * a, b * b, a * b};
+      at(x + 1, y + 1) = sums.add(at(x, y + 1), 1).add(at(x + 1, y), 1).add(at(x, y), -1);
+    }
+  constexpr double kCount = kCorrelationWindow * kCorrelationWindow;
+  LocalCorrelation out;
+  for (int y = kCorrelationWindow; y <= height; ++y)
+    for (int x = kCorrelationWindow; x <= width; ++x) {
+      Sums sums = at(x, y);
+      sums.add(at(x - kCorrelationWindow, y), -1).add(at(x, y - kCorrelationWindow), -1);
+      sums.add(at(x - kCorrelationWindow, y - kCorrelationWindow), 1);
+      if (sums.inside < kCount) continue;
+      out.covariance += sums.ab / kCount - sums.a / kCount * (sums.b / kCount);
+      out.variance += std::max(0.0, sums.aa / kCount - sums.a / kCount * (sums.a / kCount));
+      out.reference_variance += std::max(0.0, sums.bb / kCount - sums.b / kCount * (sums.b / kCount));
+    }
+  return out;
 }
 
 double ssim(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask) {

@@ -27,7 +27,7 @@ void describe(Describer& d, EvaluateConfig& c) {
 Stage evaluate_stage() {
   StageInfo info;
   info.name = "evaluate";
-  info.version = 27;
+  info.version = 28;
   info.summary = "scores held-out views, and geometry where there is truth";
   info.inputs = {
       {.name = "sfm", .doc = "cameras, gains and undistorted photos"},

@@ -179,7 +179,7 @@ class Evaluator {
     RegionMasks masks = regions(index, render.intrinsics);
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
-    score.region_psnr = region_psnr(masks, render.srgb, photo, config_.min_region_pixels);
+    score.regions = region_errors(masks, render.srgb, photo, config_.min_region_pixels);
     if (heldout) score_objects(index, render, photo, judged, score);
     if (heldout) score.neutral_shift = shift_of_neutral(view, render, photo, judged, masks);
     if (truth_from_ours()) score_surface(index, render, masks, score);
@@ -198,8 +198,9 @@ class Evaluator {
       ImageF shown(labels.width(), labels.height(), 1);
       std::ranges::transform(labels.data(), shown.data().begin(), [&](uint16_t id) { return id == object.id ? 1.f : 0.f; });
       if (judged) keep_within(*judged, shown);
-      if (std::ranges::count(shown.data(), 1.f) < config_.min_region_pixels) continue;
-      score.object_psnr[object.id] = psnr(render.srgb, photo, &shown);
+      const auto error = region_error(shown, render.srgb, photo, config_.min_region_pixels);
+      if (!error) continue;
+      score.objects[object.id] = *error;
       auto& scored = result_.objects[object.id];
       scored.name = object.name, scored.role = name(object.role), scored.trust = name(object.trust);
     }
@@ -286,12 +287,16 @@ class Evaluator {
 
   void score_transmitted(size_t index, const ViewPicture& render, const RegionMasks& masks) {
     const auto glass = masks.find("transparent");
-    const ImageF* radiance = render.layer("transmitted");
-    if (glass == masks.end() || radiance == nullptr) return;
+    const ImageF *transmitted = render.layer("transmitted"), *surfels = render.layer("diffuse");
+    if (glass == masks.end() || transmitted == nullptr) return;
     const auto truth = truth_->transmitted(index, render.intrinsics);
     if (!truth) return;
+    ImageF radiance = *transmitted;  // where no ray went through, the surfels are all that the picture shows
+    for (size_t i = 0; i < radiance.pixel_count(); ++i)
+      if (float* const pixel = &radiance.data()[3 * i]; pixel[0] + pixel[1] + pixel[2] == 0)
+        std::copy_n(&surfels->data()[3 * i], 3, pixel);
     const auto score =
-        transmitted_psnr({render.intrinsics, *radiance, views_[index].gain, glass->second}, *truth, config_.min_region_pixels);
+        transmitted_psnr({render.intrinsics, radiance, views_[index].gain, glass->second}, *truth, config_.min_region_pixels);
     if (score) transmitted_.push_back(*score);
   }
 

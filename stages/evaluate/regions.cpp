@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/camera/view_masks.h"
-#include "core/image/metrics.h"
 #include "core/image/resample.h"
 
 namespace vitrine {
@@ -61,11 +60,16 @@ void keep_within(const ImageF& mask, ImageF& image) {
   for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] *= mask.data()[i / channels];
 }
 
-std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {
-  std::map<std::string, double> result;
+std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo, int min_pixels) {
+  if (std::ranges::count(mask.data(), 1.f) < min_pixels) return std::nullopt;
+  return RegionError{squared_error(srgb, photo, &mask), local_correlation(srgb, photo, &mask)};
+}
+
+RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {
+  RegionErrors errors;
   for (const auto& [region, mask] : masks)
-    if (std::count(mask.data().begin(), mask.data().end(), 1.f) >= min_pixels) result[region] = psnr(srgb, photo, &mask);
-  return result;
+    if (const auto error = region_error(mask, srgb, photo, min_pixels)) errors[region] = *error;
+  return errors;
 }
 
 }  // namespace vitrine

@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "core/image/metrics.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
@@ -30,7 +32,14 @@ std::optional<ImageF> stage_mask(const std::filesystem::path& masks_folder, cons
 // Black where `mask` [h,w,1] is 0.
 void keep_within(const ImageF& mask, ImageF& image);
 
-// PSNR of each region with at least `min_pixels` pixels: squared error pooled over the region's pixels and channels.
-std::map<std::string, double> region_psnr(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
+struct RegionError {
+  SquaredError squared;
+  LocalCorrelation correlation;
+};
+// Of each region with at least `min_pixels` pixels, over its pixels and channels.
+using RegionErrors = std::map<std::string, RegionError>;
+RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
+// nullopt: fewer pixels than that.
+std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
 
 }  // namespace vitrine

@@ -30,8 +30,13 @@ Json definitions(const Evaluation& e) {
       "reflective = specular and not transparent, rest = neither transparent nor specular; where the truth has masks of clear "
       "coats, coated = these without the transparent, mirror = reflective and not coated; masks from {}",
       e.min_region_pixels, e.regions_from == "objects" ? "the objects stage" : "the truth");
+  d["regions.*.pooled_psnr"] = "the same, squared error pooled over the pixels of all these views";
+  d["regions.*.correlation"] =
+      "how far render and photo vary alike within windows of 7x7 pixels that lie in the region: sum of the covariances of their "
+      "means over the channels / square root of the product of the sums of the variances; 1: the same structure, 0: nothing in "
+      "common";
   if (!e.objects.empty()) {
-    d["objects.*.psnr"] = "as regions.*.psnr, over the pixels with the object's label";
+    d["objects.*"] = "the figures of regions.*, over the pixels with the object's label";
     d["objects.*.iou"] =
         "pixels of all held-out views in which the surfels that carry the object's id have the largest blended weight and the "
         "label is the object's, over the pixels where one of the two holds";
@@ -55,9 +60,10 @@ Json definitions(const Evaluation& e) {
   d["truth.regions.*"] =
       "the same figures over the pixels of one region (in `transparent`: of the glass itself, the first surface of the truth)";
   d["truth.transmitted.psnr"] =
-      "PSNR of the transmitted radiance, times the view's gain, against truth/transmitted, both encoded to sRGB and clipped, "
-      "over "
-      "the transparent mask at the coarser of the two resolutions, mean over the views with such a truth";
+      "PSNR of the transmitted radiance, of the surfels where no ray went through, times the view's gain, against "
+      "truth/transmitted, both encoded to sRGB and clipped, over the transparent mask at the coarser of the two resolutions, "
+      "mean "
+      "over the views with such a truth";
   d["truth.albedo.psnr"] =
       "PSNR of the albedo, times one factor per channel for the whole scene (median of truth / ours over the object's pixels), "
       "clipped to [0,1], to the power 1/2.2, squared error pooled over the pixels of the object outside the glass of a view, "
@@ -153,6 +159,29 @@ Json truth_json(const TruthScores& t) {
   return j;
 }
 
+template <class Key>
+const RegionError* found(const std::map<Key, RegionError>& errors, const Key& key) {
+  const auto it = errors.find(key);
+  return it == errors.end() ? nullptr : &it->second;
+}
+
+// Of what held-out views show of one region; empty: none does.
+template <class ErrorOf>
+Json heldout_score(const Evaluation& e, const ErrorOf& error_of) {
+  std::vector<double> psnr;
+  RegionError pooled;
+  for (const ViewScore& v : e.views)
+    if (const RegionError* error = v.heldout ? error_of(v) : nullptr) {
+      psnr.push_back(error->squared.psnr());
+      pooled.squared += error->squared, pooled.correlation += error->correlation;
+    }
+  if (psnr.empty()) return Json::object();
+  Json score = {{"psnr", mean(psnr)}, {"pooled_psnr", pooled.squared.psnr()}};
+  if (const auto correlation = pooled.correlation.value()) score["correlation"] = *correlation;
+  score["views"] = psnr.size();
+  return score;
+}
+
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -190,29 +219,20 @@ std::string metrics_json(const Evaluation& e) {
   for (const auto& [key, heldout] : {std::pair{"heldout", true}, {"train", false}})
     if (const auto m = mean_score(e, heldout)) j[key] = {{"psnr", m->psnr}, {"ssim", m->ssim}, {"views", m->views}};
   Json regions = Json::object();
-  for (std::string_view region : kRegions) {
-    std::vector<double> psnr;
-    for (const ViewScore& v : e.views)
-      if (const auto it = v.region_psnr.find(std::string(region)); v.heldout && it != v.region_psnr.end())
-        psnr.push_back(it->second);
-    if (!psnr.empty()) regions[std::string(region)] = {{"psnr", mean(psnr)}, {"views", psnr.size()}};
-  }
+  for (std::string_view region : kRegions)
+    if (Json score = heldout_score(e, [&](const ViewScore& v) { return found(v.regions, std::string(region)); }); !score.empty())
+      regions[std::string(region)] = std::move(score);
   if (!regions.empty()) {
     regions["masks"] = e.regions_from;
     j["regions"] = regions;
   }
   for (const auto& [id, object] : e.objects) {
-    std::vector<double> psnr;
-    for (const ViewScore& v : e.views)
-      if (const auto it = v.object_psnr.find(id); v.heldout && it != v.object_psnr.end()) psnr.push_back(it->second);
-    if (psnr.empty()) continue;
-    j["objects"].push_back({{"id", id},
-                            {"name", object.name},
-                            {"role", object.role},
-                            {"trust", object.trust},
-                            {"psnr", mean(psnr)},
-                            {"views", psnr.size()}});
-    if (object.iou) j["objects"].back()["iou"] = *object.iou;
+    const Json score = heldout_score(e, [&, key = id](const ViewScore& v) { return found(v.objects, key); });
+    if (score.empty()) continue;
+    Json entry = {{"id", id}, {"name", object.name}, {"role", object.role}, {"trust", object.trust}};
+    entry.update(score);
+    if (object.iou) entry["iou"] = *object.iou;
+    j["objects"].push_back(std::move(entry));
   }
   if (e.surfel_objects) j["surfel_objects"] = *e.surfel_objects;
   if (const ViewScore* v = strongest_neutral_shift(e)) {
@@ -242,8 +262,8 @@ std::string per_view_csv(const Evaluation& e) {
   for (const ViewScore& v : e.views) {
     csv += csv_field(v.name) + (v.heldout ? ",heldout" : ",train") + number(v.psnr) + number(v.ssim);
     for (std::string_view region : kRegions) {
-      const auto it = v.region_psnr.find(std::string(region));
-      csv += number(it != v.region_psnr.end() ? std::optional(it->second) : std::nullopt);
+      const RegionError* error = found(v.regions, std::string(region));
+      csv += number(error != nullptr ? std::optional(error->squared.psnr()) : std::nullopt);
     }
     csv += number(v.pose ? std::optional(v.pose->rotation_deg) : std::nullopt);
     csv += number(v.pose ? std::optional(v.pose->centre_rel) : std::nullopt);

@@ -13,6 +13,7 @@
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
+#include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_score.h"
 
 namespace vitrine {
@@ -21,8 +22,8 @@ struct ViewScore {
   std::string name;
   bool heldout = false;
   double psnr = 0, ssim = 0;
-  std::map<std::string, double> region_psnr;
-  std::map<uint16_t, double> object_psnr;  // by id in the table of objects
+  RegionErrors regions;
+  std::map<uint16_t, RegionError> objects;  // by id in the table of objects
   std::optional<PoseError> pose;
   std::optional<double> normal_mae_deg, zdepth_rel;
   std::optional<double> neutral_shift;  // nullopt: too few bright, neutral and plain pixels

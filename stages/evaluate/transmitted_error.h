@@ -12,7 +12,7 @@ namespace vitrine {
 
 struct TransmittedPicture {
   const Intrinsics& intrinsics;
-  const ImageF& radiance;  // linear, before the gain; black where no ray went through
+  const ImageF& radiance;  // linear, before the gain
   const Vec3d& gain;       // of the view: the truth's pictures are exposed like the photos
   const ImageF& mask;      // 0 or 1
 };

@@ -2,15 +2,23 @@
 
 #include <string_view>
 
+#include <fmt/format.h>
+
 namespace vitrine {
 namespace {
 
 constexpr FigureKind kFigureKinds[] = {
     {"all", "heldout.psnr", "all", 2, true, true},
-    {"glass", "regions.transparent.psnr", "glass", 2, true, true},
-    {"mirror", "regions.mirror.psnr", "mirror", 2, true, true},
-    {"coated", "regions.coated.psnr", "coated", 2, true, true},
-    {"rest", "regions.rest.psnr", "rest", 2, true, true},
+    {"glass_pooled", "regions.transparent.pooled_psnr", "glass", 2, true, true},
+    {"mirror_pooled", "regions.mirror.pooled_psnr", "mirror", 2, true, true},
+    {"coated_pooled", "regions.coated.pooled_psnr", "coated", 2, true, true},
+    {"rest_pooled", "regions.rest.pooled_psnr", "rest", 2, true, true},
+    {"glass", "regions.transparent.psnr", "", 2, true, false},
+    {"mirror", "regions.mirror.psnr", "", 2, true, false},
+    {"coated", "regions.coated.psnr", "", 2, true, false},
+    {"rest", "regions.rest.psnr", "", 2, true, false},
+    {"mirror_correlation", "regions.mirror.correlation", "mirror c.", 2, true, true},
+    {"coated_correlation", "regions.coated.correlation", "coated c.", 2, true, true},
     {"behind_glass", "truth.transmitted.psnr", "behind", 2, true, true},
     {"albedo", "truth.albedo.psnr", "albedo", 2, true, true},
     {"relit", "truth.relit.psnr", "relit", 2, true, true},
@@ -62,6 +70,10 @@ Figures figures_of(const nlohmann::json& metrics) {
     if (const size_t at = path.find(".mirror."); at != std::string::npos && !coats_known) path.replace(at, 8, ".reflective.");
     if (const nlohmann::json* value = found_at(metrics, path)) figures[kind.name] = value->get<double>();
   }
+  if (const auto objects = metrics.find("objects"); objects != metrics.end() && objects->is_array())
+    for (const nlohmann::json& object : *objects)
+      if (const nlohmann::json* value = found_at(object, "pooled_psnr"))
+        figures[fmt::format("{}{} {}", kObjectFigure, object.value("role", ""), object.value("name", ""))] = value->get<double>();
   return figures;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/base/json.h"
 
@@ -20,6 +21,9 @@ struct FigureKind {
   bool column;  // stands in the table; the others are kept in files alone
 };
 std::span<const FigureKind> figure_kinds();
+
+// Figures of single objects, pooled PSNR: this, the role, a space, the name. Of no kind: scenes have different objects.
+inline constexpr std::string_view kObjectFigure = "object: ";
 
 inline constexpr const char* kCpuFigure = "cpu_s";  // of the training alone
 

@@ -105,6 +105,27 @@ std::vector<const FigureKind*> columns_of(const OpticsSummary& summary) {
   return columns;
 }
 
+// A row for each object of each scene: the figure of the first arm, and what the others gain.
+std::vector<std::vector<std::string>> object_rows(const OpticsSummary& summary) {
+  std::vector<std::vector<std::string>> rows(1, {"scene", "object", summary.first_arm});
+  for (const ArmGains& arm : summary.gains) rows[0].push_back(arm.arm);
+  for (const SceneSummary& scene : summary.scenes) {
+    const auto first = std::ranges::find(scene.arms, summary.first_arm, &ArmFigures::arm);
+    if (first == scene.arms.end()) continue;
+    for (const auto& [name, value] : first->figures) {
+      if (!name.starts_with(kObjectFigure)) continue;
+      auto& row = rows.emplace_back(
+          std::vector<std::string>{scene.scene, name.substr(kObjectFigure.size()), fmt::format("{:.2f}", value)});
+      for (const ArmGains& gains : summary.gains) {
+        const auto arm = std::ranges::find(scene.arms, gains.arm, &ArmFigures::arm);
+        const bool measured = arm != scene.arms.end() && arm->figures.contains(name);
+        row.push_back(measured ? fmt::format("{:+.2f}", arm->figures.at(name) - value) : "-");
+      }
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 OpticsSummary summary_of(const std::vector<OpticsResult>& results, const std::string& first_arm) {
@@ -134,7 +155,9 @@ std::string summary_text(const OpticsSummary& summary) {
       }
     }
   std::string text =
-      "PSNR of held-out views in dB, by region; n. = normals in degrees; mean over training seeds\n\n" + aligned(rows);
+      "PSNR of held-out views in dB, by region, pooled over all pixels; c. = local correlation, n. = "
+      "normals in degrees; mean over training seeds\n\n" +
+      aligned(rows);
   if (summary.gains.empty()) return text;
   rows.assign(1, {"arm", fmt::format("minus {}", summary.first_arm)});
   for (const FigureKind* kind : columns) rows[0].emplace_back(kind->title);
@@ -159,7 +182,9 @@ std::string summary_text(const OpticsSummary& summary) {
           row.push_back(fmt::format("{:+.{}f}", line == "mean" ? gain.mean : gain.worst, kind->digits));
       }
     }
-  return text + "\nDifferences over scenes; counts = the mean is an improvement larger than the deviation\n\n" + aligned(rows);
+  text += "\nDifferences over scenes; counts = the mean is an improvement larger than the deviation\n\n" + aligned(rows);
+  if (rows = object_rows(summary); rows.size() > 1) text += "\nPooled PSNR of each object, and differences\n\n" + aligned(rows);
+  return text;
 }
 
 }  // namespace vitrine

@@ -17,7 +17,8 @@ std::vector<OpticsResult> three_scenes() {
       const double noise = seed == 1 ? -0.5 : 0.5;
       Figures diffuse{{"all", 20.0 + s + seed}, {"normals", 10.0}},
           full{{"all", 20.0 + s + seed + gains[s] + noise}, {"normals", 8.0 + noise + s}};
-      if (s < 2) diffuse["glass"] = 15, full["glass"] = 15 - noise - s;
+      if (s < 2)
+        for (const char* glass : {"glass", "glass_pooled"}) diffuse[glass] = 15, full[glass] = 15 - noise - s;
       results.push_back({"seed_" + std::to_string(s), "diffuse", seed, diffuse});
       results.push_back({"seed_" + std::to_string(s), "full", seed, full});
     }
@@ -46,6 +47,17 @@ TEST(OpticsSummary, ARegionCountsInTheScenesThatHaveIt) {
   EXPECT_FALSE(summary.gains[0].gains.contains("mirror"));
   EXPECT_EQ(summary.scenes[0].kinds, "glass");
   EXPECT_EQ(summary.scenes[2].kinds, "none");
+}
+
+TEST(OpticsSummary, EveryObjectOfEverySceneHasARow) {
+  auto results = three_scenes();
+  const std::string object = std::string(kObjectFigure) + "mirror ball";
+  for (OpticsResult& r : results)
+    if (r.scene == "seed_1") r.figures[object] = r.arm == "full" ? 21.5 : 20;
+  const std::string text = summary_text(summary_of(results, "diffuse"));
+  EXPECT_NE(text.find("seed_1  mirror ball    20.00  +1.50"), std::string::npos) << text;
+  EXPECT_EQ(text.find("seed_0  mirror ball"), std::string::npos);
+  EXPECT_EQ(summary_text(summary_of(three_scenes(), "diffuse")).find("each object"), std::string::npos);
 }
 
 TEST(OpticsSummary, OfAnglesTheLargestIsTheWorstAndLessIsAGain) {
@@ -111,6 +123,12 @@ TEST(OpticsFigures, TakeReflectiveForMirrorsOnlyWhereNoCoatIsKnown) {
   auto coats = metrics;
   coats["regions"]["coated"]["psnr"] = 19;
   EXPECT_EQ(figures_of(coats), (Figures{{"all", 21.5}, {"coated", 19}}));
+}
+
+TEST(OpticsFigures, HaveThePooledErrorOfEveryObject) {
+  const auto metrics = nlohmann::json::parse(
+      R"({"objects": [{"id": 3, "name": "ball", "role": "mirror", "psnr": 20, "pooled_psnr": 19.5}, {"id": 4, "name": "tray"}]})");
+  EXPECT_EQ(figures_of(metrics), (Figures{{"object: mirror ball", 19.5}}));
 }
 
 }  // namespace

@@ -132,6 +132,45 @@ TEST(Metrics, PsnrIsTheTextbookFormulaAndMasksCount) {
   EXPECT_EQ(psnr(a, a), 99.0);
 }
 
+TEST(Metrics, ErrorsOfSeveralPicturesArePooledByTheirPixels) {
+  const ImageF black(4, 4, 1, 0.f), grey(4, 4, 1, 0.1f), wide(4, 12, 1, 0.f);
+  SquaredError pooled = squared_error(grey, black);
+  EXPECT_NEAR(pooled.psnr(), 20, 1e-5);
+  pooled += squared_error(wide, wide);
+  EXPECT_NEAR(pooled.psnr(), 20 + 10 * std::log10(4.0), 1e-5);
+}
+
+TEST(Metrics, LocalCorrelationTellsTheRightReflectionFromNone) {
+  constexpr int kSide = 64;
+  ImageF a(kSide, kSide, 3), inverted = a, other = a, brighter = a;
+  Rng rng(5, 1);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const float value = 0.25f + 0.5f * float(rng.uniform_double()), unlike = 0.25f + 0.5f * float(rng.uniform_double());
+      for (int c = 0; c < 3; ++c) {
+        a.at(x, y, c) = value, inverted.at(x, y, c) = 1 - value, other.at(x, y, c) = unlike;
+        brighter.at(x, y, c) = 0.5f * value + 0.01f * float(x);  // of a slow change in brightness windows see little
+      }
+    }
+  EXPECT_NEAR(local_correlation(a, a).value().value(), 1, 1e-6);
+  EXPECT_NEAR(local_correlation(inverted, a).value().value(), -1, 1e-6);
+  EXPECT_NEAR(local_correlation(other, a).value().value(), 0, 0.05);
+  EXPECT_GT(local_correlation(brighter, a).value().value(), 0.9);
+  EXPECT_FALSE(local_correlation(ImageF(kSide, kSide, 3, 0.5f), ImageF(kSide, kSide, 3, 0.25f)).value());
+
+  // Of windows in the mask alone: outside, the two have nothing in common.
+  ImageF mask(kSide, kSide, 1, 0.f), mixed = other;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide / 2; ++x) {
+      mask.at(x, y) = 1;
+      for (int c = 0; c < 3; ++c) mixed.at(x, y, c) = a.at(x, y, c);
+    }
+  EXPECT_NEAR(local_correlation(mixed, a, &mask).value().value(), 1, 1e-6);
+  EXPECT_LT(local_correlation(mixed, a).value().value(), 0.7);
+  const ImageF nowhere(kSide, kSide, 1, 0.f);
+  EXPECT_FALSE(local_correlation(a, a, &nowhere).value());
+}
+
 TEST(Metrics, SsimIsOneForEqualImagesAndFallsWithNoise) {
   const ImageF a = noise(40, 30, 3, 6), b = noise(40, 30, 3, 7);
   EXPECT_NEAR(ssim(a, a), 1.0, 1e-12);

@@ -56,6 +56,8 @@ TEST(EvaluateRegions, WhatIsReflectiveIsDividedWhereTheTruthKnowsCoats) {
   EXPECT_GT(r["mirror"]["psnr"].get<double>(), 45);
   EXPECT_NEAR(r["reflective"]["psnr"].get<double>(), 20 + 10 * std::log10(32.0 / 24), 0.01);
   EXPECT_GT(r["rest"]["psnr"].get<double>(), 45);
+  EXPECT_NEAR(r["coated"]["pooled_psnr"].get<double>(), r["coated"]["psnr"].get<double>(), 1e-9);  // of one view
+  EXPECT_GT(r["rest"]["correlation"].get<double>(), 0.9);
   EXPECT_LT(n["coated"]["normal_mae_deg"].get<double>(), 3);
   EXPECT_LT(n["coated"]["normal_median_deg"].get<double>(), 3);
   EXPECT_GT(n["mirror"]["normal_mae_deg"].get<double>(), 170);
