@@ -2,12 +2,15 @@
 
 namespace vitrine {
 
+double opaque_step_s(const CostTerms& t) {
+  return 0.33 * t.mpx(trained_side(t)) + 0.60e-3 * t.number("optimize.max_gaussians") / 1000;
+}
+
 double training_step_s(const CostTerms& t, double layered, const char* budget_option) {
-  const double mpx = t.mpx(trained_side(t)), surfels_k = t.number("optimize.max_gaussians") / 1000;
-  double cpu_s = 0.33 * mpx + 0.60e-3 * surfels_k;
+  double cpu_s = opaque_step_s(t);
   if (t.capture.masks) {
     constexpr double kMaskedShare = 0.22, kRay = 5.5e-6, kLayer = 0.28;
-    const double masked = kMaskedShare * mpx * 1e6, budget = t.number(budget_option);
+    const double masked = kMaskedShare * t.mpx(trained_side(t)) * 1e6, budget = t.number(budget_option);
     cpu_s += layered * (kLayer + kRay * (budget > 0 ? std::min(budget, masked) : masked));
   }
   return cpu_s;

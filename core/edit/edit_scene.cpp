@@ -126,7 +126,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
   };
   write(kept_surfels(surfels.diffuse, scene.there.diffuse));
-  write(surfels.reflection);
+  write(surfels.reflection);  // and no opaque twin: it shows the scene as it was before all edits
   write(kept_surfels(surfels.transmittance, scene.there.transmittance));
   write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
   const auto copy = [&](const fs::path& source, const fs::path& relative) {

@@ -82,6 +82,7 @@ enum class CoatPixel : unsigned char {
 };
 struct CoatImages {
   std::vector<CoatPixel> shown;  // [h,w]
+  std::vector<uint32_t> entry;   // [h,w] 1 + the entry that is shown, 0: none
   std::vector<float> normal, z;  // [3,h,w] unit, [h,w] z-depth, where the shape tells them
   bool shows(uint32_t pixel) const { return !shown.empty() && shown[pixel] != CoatPixel::None; }
   bool of_shape(uint32_t pixel) const { return !shown.empty() && shown[pixel] == CoatPixel::OfShape; }

@@ -92,6 +92,11 @@ struct CompositeOptions {
   bool layer_images = false;  // fill Frame::layers
 };
 
+// Pictures of a scene that has an opaque twin (OpaquePass).
+struct OpaqueOptions {
+  float layered = 1;  // share of the layers where no known shape is shown
+};
+
 struct ImageOptions {
   DiffuseOptions diffuse = {};
   ShapeOptions shape = {};
@@ -100,6 +105,7 @@ struct ImageOptions {
   TransmissionOptions transmission = {};
   PaneOptions panes = {};
   CompositeOptions composite = {};
+  OpaqueOptions opaque = {};
 };
 
 }  // namespace vitrine

@@ -3,6 +3,7 @@
 #include "core/model/composite_pass.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
+#include "core/model/opaque_pass.h"
 #include "core/model/pane_pass.h"
 #include "core/model/reflection_pass.h"
 #include "core/model/sheet_pass.h"
@@ -28,6 +29,7 @@ LayeredModel::LayeredModel(const ImageOptions& options) : ImageModel(options) {
   emplace<TransmissionPass>(options.transmission.backend);
   emplace<CompositePass>();
   emplace<SilhouetteBlendPass>();
+  emplace<OpaquePass>(backend);
   emplace<DisplayPass>();
 }
 

@@ -36,10 +36,11 @@ std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, d
   });
 }
 
-void CoatImages::clear() { shown.clear(), normal.clear(), z.clear(); }
+void CoatImages::clear() { shown.clear(), entry.clear(), normal.clear(), z.clear(); }
 
 void CoatImages::start(size_t pixels) {
   shown.assign(pixels, CoatPixel::None);
+  entry.assign(pixels, 0);
   normal.assign(3 * pixels, 0.f);
   z.assign(pixels, 0.f);
 }
@@ -103,6 +104,7 @@ void ShapePass::show_coats(Frame& frame) const {
       if (!hit) continue;
       const bool exact = set.entries[hit->entry].exact;
       coats.shown[pixel] = exact ? CoatPixel::OfShape : CoatPixel::OfSurfels;
+      coats.entry[pixel] = hit->entry + 1;
       if (!exact) continue;
       for (size_t c = 0; c < 3; ++c) coats.normal[c * g.pixels + pixel] = static_cast<float>(hit->normal[c]);
       coats.z[pixel] = static_cast<float>(hit->t);

@@ -27,6 +27,7 @@ constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
 constexpr const char* kCaseOfBefore = "case";  // a box of panes, which is one of the shapes
 constexpr const char* kMirrored = "mirrored_surfels";
+constexpr const char* kLayered = "layered";         // (OpaqueOptions)
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
@@ -73,6 +74,7 @@ TrainedScene read_trained_scene(const fs::path& optimize, const std::optional<fs
                    .code = "BAD_SCENE"});
     trained.surfels.layer(kind) = std::move(layer);
   }
+  if (const fs::path twin = optimize / "gaussians/opaque.ply"; fs::exists(twin, none)) trained.surfels.opaque = read_layer(twin);
   trained.image = read_image_options(refined ? *refine / "refine/model.json" : optimize / "optimize/model.json");
   trained.image.diffuse.sh_degree = trained.surfels.diffuse.sh_degree();
   trained.image.reflection.sh_degree = trained.surfels.reflection.sh_degree();
@@ -86,6 +88,7 @@ void write_image_options(const fs::path& path, const ImageOptions& options) {
       options, [&](const char* key, auto value, const auto& words) { json[key] = words[static_cast<size_t>(value)]; },
       [&](const char* key, float value) { json[key] = shortest(value); });
   if (options.panes.mirrored != SIZE_MAX) json[kMirrored] = options.panes.mirrored;
+  if (options.opaque.layered != 1) json[kLayered] = shortest(options.opaque.layered);
   if (options.shape.set) {
     json[kShapes] = write_shapes(*options.shape.set, path.parent_path());
     json[kSilhouettes] = options.shape.silhouettes;
@@ -124,6 +127,8 @@ ImageOptions read_image_options(const fs::path& path) {
         });
     if (json.contains(kCaseOfBefore)) throw fail("an earlier version of vitrine wrote it");
     options.panes.mirrored = json.value(kMirrored, options.panes.mirrored);
+    options.opaque.layered = json.value(kLayered, options.opaque.layered);
+    if (!(options.opaque.layered >= 0 && options.opaque.layered <= 1)) throw fail("layered is not between 0 and 1");
     if (json.contains(kShapes))
       options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
     options.shape.silhouettes = json.value(kSilhouettes, json.value(kOldSilhouettes, options.shape.silhouettes));

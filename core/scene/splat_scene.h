@@ -10,12 +10,15 @@ struct SplatScene {
   SplatLayer diffuse;
   SplatLayer reflection{LayerKind::Reflection, 0, 0};        // what mirrors show
   SplatLayer transmittance{LayerKind::Transmittance, 0, 0};  // what stands behind and inside glass
+  // The opaque twin of a scene with glass or gloss (core/model/opaque_pass.h): one more set of diffuse surfels that shows the
+  // photos by itself. No layer: nothing of it is in the pictures of the three, and gradients have none.
+  SplatLayer opaque{};
 
   SplatLayer& layer(LayerKind kind) {
     return kind == LayerKind::Diffuse ? diffuse : kind == LayerKind::Reflection ? reflection : transmittance;
   }
   const SplatLayer& layer(LayerKind kind) const { return const_cast<SplatScene*>(this)->layer(kind); }
-  SplatScene zeros_like() const { return {diffuse.zeros_like(), reflection.zeros_like(), transmittance.zeros_like()}; }
+  SplatScene zeros_like() const { return {diffuse.zeros_like(), reflection.zeros_like(), transmittance.zeros_like(), {}}; }
 };
 
 }  // namespace vitrine

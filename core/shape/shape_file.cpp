@@ -39,7 +39,9 @@ ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, c
                         json.value("parent", -1),
                         json.value("clear", std::vector<uint8_t>()),
                         json.value("exact", true),
-                        json.value("object", uint16_t(0))};
+                        json.value("object", uint16_t(0)),
+                        json.value("layered", 1.0)};
+  if (!(entry.layered >= 0 && entry.layered <= 1)) throw unusable("its share of the layers is not between 0 and 1");
   if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
   // Parents stand before their appendages: no circles.
   if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
@@ -63,6 +65,7 @@ nlohmann::ordered_json write_shapes(const ShapeSet& set, const MeshSink& keep_me
     if (!entry.clear.empty()) json["clear"] = entry.clear;
     if (!entry.exact) json["exact"] = false;
     if (entry.object != 0) json["object"] = entry.object;
+    if (entry.layered != 1) json["layered"] = entry.layered;
     if (const TriMesh* mesh = kind.mesh(entry.shape)) {
       json["mesh"] = mesh_path({}, i).string();
       keep_mesh(i, *mesh);

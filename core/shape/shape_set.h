@@ -25,6 +25,7 @@ struct ShapeSet {
     std::vector<uint8_t> clear;  // [facet] of a sheet: 0 where it stands on something or is a frame; empty: all are panes
     bool exact = true;           // its normals are better than those of surfels; false: a visual hull, a poor fit
     uint16_t object = 0;         // id in the table of objects (core/objects), 0: of none
+    double layered = 1;          // share of the layers in pictures that have an opaque twin (core/model/opaque_pass.h)
     bool is_clear(size_t facet) const { return facet >= clear.size() || clear[facet] != 0; }
   };
   std::vector<Entry> entries;

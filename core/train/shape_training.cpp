@@ -73,6 +73,14 @@ void ShapeTraining::descend(const std::vector<std::vector<double>>& gradients, c
   set_ = std::move(next);
 }
 
+void ShapeTraining::set_layered(const std::map<uint16_t, double>& of_objects) {
+  if (!set_) return;
+  auto next = std::make_shared<ShapeSet>(*set_);
+  for (ShapeSet::Entry& e : next->entries)
+    if (const auto found = of_objects.find(e.object); found != of_objects.end()) e.layered = found->second;
+  set_ = std::move(next);
+}
+
 void ShapeTraining::transfer(Archive& archive) {
   std::vector<TriMesh> meshes;
   const std::string written =

@@ -3,6 +3,7 @@
 // run away; gradients are mixed among neighbours first: profiles and meshes bend slowly.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,8 @@ class ShapeTraining {
   const std::shared_ptr<const ShapeSet>& set() const { return set_; }  // nullptr: no shape is known
   // More shapes, behind those that are there: they start without history.
   void add(ShapeSet shapes);
+  // ShapeSet::Entry::layered of the entries of these objects.
+  void set_layered(const std::map<uint16_t, double>& of_objects);
   // `gradients` [entry][parameter]; those that are zero or not finite are left out.
   void descend(const std::vector<std::vector<double>>& gradients, const ShapeRates& rates);
 

@@ -55,7 +55,7 @@ void Training::step() {
     model_.options().diffuse.distortion |= term.factory->name == "distortion" && term.schedule.at(plan.fraction) > 0;
   decode(level, target_);
   decode(desc_.targets.photos[photo][plan.level], images_);
-  weigh_pixels(plan.specular_weight);
+  weigh_pixels(plan.specular_weight, !plan.withheld.empty() && plan.withheld[photo] != 0);
   choose_ray_pixels(plan);
   model_.forward(scene_, level.view, frame_);
   const double l1 = write_error_image(), loss = learn(plan, level.view);
@@ -71,7 +71,7 @@ void Training::step() {
 
 // No loss where the ignore mask says so, nor around an object that is trained alone: what surrounds it did not stand still. Less
 // on gloss until there is a layer to explain it; glass counts in full, as most of what it shows stands behind it.
-void Training::weigh_pixels(float specular_weight) {
+void Training::weigh_pixels(float specular_weight, bool withheld) {
   const auto ignore = images_.mask(MaskClass::Ignore), object = images_.mask(MaskClass::Object);
   const auto specular = images_.mask(MaskClass::Specular), transparent = images_.mask(MaskClass::Transparent);
   weight_.clear();
@@ -81,6 +81,9 @@ void Training::weigh_pixels(float specular_weight) {
   };
   weigh(ignore, [&](size_t i) { return 1 - ignore[i]; });
   weigh(object, [&](size_t i) { return object[i]; });
+  if (withheld)
+    for (const std::span<const float> mask : {specular, transparent, std::span<const float>(images_.coat)})
+      weigh(mask, [&](size_t i) { return 1 - mask[i]; });
   if (specular_weight == 1) return;
   weigh(specular,
         [&](size_t i) { return 1 + (specular_weight - 1) * (specular[i] * (transparent.empty() ? 1 : 1 - transparent[i])); });

@@ -31,8 +31,10 @@ struct StepPlan {
   ImageOptions image = {};
   std::array<AttributeRates, kAllLayers.size()> rates{};  // [layer kind]
   float rarest = 1;                                       // LayerTraining::Descent
-  size_t untrained = 0;                                   // surfels at the end of the diffuse layer that stay as they are
-  ShapeTraining* shapes = nullptr;                        // descend, too, at shape_rates
+  // [photo] 1: its glass and gloss weigh nothing, so that they can judge later. Empty: all count.
+  std::span<const uint8_t> withheld = {};
+  size_t untrained = 0;             // surfels at the end of the diffuse layer that stay as they are
+  ShapeTraining* shapes = nullptr;  // descend, too, at shape_rates
   ShapeRates shape_rates = {};
   float specular_weight = 1;                             // of the picture losses on gloss: specular, not transparent
   bool glass_sends_rays = true, coats_send_rays = true;  // the pixels of their masks send rays
@@ -100,7 +102,7 @@ class Training {
   LayeredModel model_;
 
  private:
-  void weigh_pixels(float specular_weight);
+  void weigh_pixels(float specular_weight, bool withheld);
   void choose_ray_pixels(const StepPlan& plan);
   double write_error_image();
   double learn(const StepPlan& plan, const View& view);

@@ -55,6 +55,7 @@ class Evaluator {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
     for (LayerKind kind : kAllLayers) result_.surfels += painter_.surfels().layer(kind).size();
+    result_.surfels += painter_.surfels().opaque.size();
     result_.mesh_threshold_rel = config.mesh_threshold_rel;
     result_.min_region_pixels = config.min_region_pixels;
     make_folders(context.output() / "eval");

@@ -32,6 +32,10 @@ void describe(Describer& d, OptimizeConfig& c) {
        "diffuse: opaque scenes; reflection: mirrors and gloss too; full: glass too; auto: what masks ask for that are not mere "
        "proposals.")
       .choices({"auto", "diffuse", "reflection", "full"});
+  d.option(
+      "opaque_twin", c.opaque_twin,
+      "Trains a scene with glass or gloss a second time, as opaque surfels alone: pictures of it as photographed are a mean of "
+      "both, by object the better the more.");
   d.option("sh_degree", c.sh_degree, "View dependence of the colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("sh_from", c.sh_from, "Part of the run after which the colour may depend on the view.").range(0, 1);
   d.option("backend", c.backend, "cpu: tiles, vectors and threads; reference: the slow specification.")
@@ -76,7 +80,7 @@ std::string config_problem(const OptimizeConfig& c) {
 
 Stage optimize_stage() {
   StageInfo info{.name = "optimize",
-                 .version = 33,
+                 .version = 34,
                  .summary = "trains the surfels of all layers on the photos",
                  .inputs = {{.name = "sfm", .doc = "Calibrated, undistorted photos and sparse points."},
                             {.name = "masks", .optional = true, .doc = "The object, and what to ignore."},

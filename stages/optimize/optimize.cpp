@@ -71,36 +71,71 @@ size_t surfel_count(const SplatScene& scene) {
   return scene.diffuse.size() + scene.reflection.size() + scene.transmittance.size();
 }
 
-void report_progress(const Trainer& trainer, int iterations, StageContext& context) {
+// One training of the stage: a scene with an opaque twin has two.
+struct TrainingPart {
+  const char* name;    // "opaque twin, "; empty: of the scene itself
+  double from, share;  // of the stage's progress
+  fs::path checkpoint;
+  fs::path previews = {};  // empty: none
+};
+
+void report_progress(const Trainer& trainer, const TrainingPart& part, int iterations, StageContext& context) {
   const double step = double(trainer.step_index()), surfels = double(surfel_count(trainer.scene()));
-  context.progress({.fraction = step / iterations,
-                    .text = fmt::format("step {}/{}  loss {:.4f}  {:.0f}k surfels", trainer.step_index(), iterations,
+  context.progress({.fraction = part.from + part.share * step / iterations,
+                    .text = fmt::format("{}step {}/{}  loss {:.4f}  {:.0f}k surfels", part.name, trainer.step_index(), iterations,
                                         trainer.recent_loss(), surfels / 1000),
                     .values = {{"step", step}, {"loss", trainer.recent_loss()}, {"surfels", surfels}}});
 }
 
-void train(const OptimizeConfig& config, const Capture& capture, Trainer& trainer, const fs::path& checkpoint,
-           const fs::path& previews, StageContext& context) {
+void train(const OptimizeConfig& config, const Capture& capture, Trainer& trainer, const TrainingPart& part,
+           StageContext& context) {
   const uint32_t shown = capture.heldout.empty() ? capture.train.front() : capture.heldout[capture.heldout.size() / 2];
   const uint64_t first_step = trainer.step_index();
   const Timer timer;
-  trainer.run({.checkpoint = checkpoint,
+  trainer.run({.checkpoint = part.checkpoint,
                .checkpoint_every = config.checkpoint_every,
                .after_step =
                    [&] {
                      const auto period = static_cast<uint64_t>(config.preview_every);
-                     if (trainer.finished() || (period > 0 && trainer.step_index() % period == 0))
-                       write_preview(previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture, shown);
-                     report_progress(trainer, config.iterations, context);
+                     if (!part.previews.empty() && (trainer.finished() || (period > 0 && trainer.step_index() % period == 0)))
+                       write_preview(part.previews / fmt::format("step_{:06}.png", trainer.step_index()), trainer, capture,
+                                     shown);
+                     report_progress(trainer, part, config.iterations, context);
                    },
-               .after_checkpoint = [&] { context.checkpoint(trainer.fraction()); }});
+               .after_checkpoint = [&] { context.checkpoint(part.from + part.share * trainer.fraction()); }});
   if (!trainer.sound())
     throw Error(ErrorKind::Diverged, "training broke down: at its end the surfels are gone or no numbers",
                 {.where = fmt::format("step {}", trainer.step_index()),
                  .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
                  .code = "COLLAPSED"});
-  if (trainer.step_index() > first_step)
+  if (!part.previews.empty() && trainer.step_index() > first_step)
     context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
+}
+
+// From the checkpoint, if there is a sound one.
+std::unique_ptr<Trainer> started(const TrainerSetup& setup, const fs::path& checkpoint, LazyDepth& depth, StageContext& context) {
+  auto trainer =
+      std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, setup.config.sh_degree, 0), std::vector<ScenePlane>{});
+  if (!trainer->resume(checkpoint, [&](const std::string& why) { context.warning("CHECKPOINT_IGNORED", why); }))
+    trainer = trainer_from_start(setup, depth.get());
+  return trainer;
+}
+
+constexpr double kTwinShare = 0.25;  // of the time
+
+SplatLayer trained_twin(const TrainerSetup& layered, LazyDepth& depth, StageContext& context) {
+  const TrainerSetup setup{.config = layered.config,
+                           .capture = layered.capture,
+                           .targets = layered.targets,
+                           .shapes = layered.shapes,
+                           .glass = layered.glass,
+                           .layers = {},
+                           .object_alone = layered.object_alone,
+                           .judges = layered.judges};
+  const TrainingPart part{"opaque twin, ", 0, kTwinShare, context.scratch() / "opaque_twin.bin"};
+  const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);
+  train(layered.config, layered.capture, *trainer, part, context);
+  return trainer->scene().diffuse;
 }
 
 void say(const Surroundings& surroundings) {
@@ -134,23 +169,28 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const Surroundings surroundings = surroundings_to_train(
       config.surroundings, passes, capture, [&]() -> const DenseDepth& { return depth.get(); }, targets);
   say(surroundings);
-  const bool alone = surroundings.trained != Trained::Everything, part = surroundings.trained == Trained::StillPart;
+  const bool alone = surroundings.trained != Trained::Everything, still_part = surroundings.trained == Trained::StillPart;
   if (!alone) targets.forget(MaskClass::Object);  // its loss would push everything else out of the picture
   if (capture.view_set.points.empty())
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
-  const TrainerSetup setup{.config = config,
-                           .capture = capture,
-                           .targets = targets,
-                           .shapes = shapes,
-                           .glass = glass,
-                           .layers = layers,
-                           .object_alone = alone};
-  const fs::path checkpoint = context.scratch() / "checkpoint.bin", previews = context.scratch() / "previews";
-  auto trainer = std::make_unique<Trainer>(setup, SplatLayer(LayerKind::Diffuse, config.sh_degree, 0), std::vector<ScenePlane>{});
-  if (!trainer->resume(checkpoint, [&](const std::string& why) { context.warning("CHECKPOINT_IGNORED", why); }))
-    trainer = trainer_from_start(setup, depth.get());
+  const bool has_twin = config.opaque_twin && layers.any();
+  const std::vector<uint8_t> judges = has_twin ? judging_photos(capture) : std::vector<uint8_t>();
+  TrainerSetup setup{.config = config,
+                     .capture = capture,
+                     .targets = targets,
+                     .shapes = shapes,
+                     .glass = glass,
+                     .layers = layers,
+                     .object_alone = alone,
+                     .judges = judges};
+  const SplatLayer opaque = has_twin ? trained_twin(setup, depth, context) : SplatLayer();
+  if (has_twin) setup.opaque = &opaque;
+  const double before = has_twin ? kTwinShare : 0;
+  const fs::path previews = context.scratch() / "previews";
+  const TrainingPart part{"", before, 1 - before, context.scratch() / "checkpoint.bin", previews};
+  const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);
   depth.forget();
-  train(config, capture, *trainer, checkpoint, previews, context);
+  train(config, capture, *trainer, part, context);
   trainer->finish();
 
   const std::vector<PhotoQuality> heldout = measure(*trainer, capture, targets);
@@ -158,12 +198,19 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   std::vector<View> seen;
   for (const uint32_t photo : capture.train) seen.push_back(capture.view_set.views[photo]);
   const LabelledObjects known = LabelledObjects::known(context.optional_input("objects"));
-  assign_objects(known.objects(), labelled_views(known, seen), capture.near_z, scene.diffuse, scene.transmittance);
+  const std::vector<LabelledView> labelled = labelled_views(known, seen);
+  assign_objects(known.objects(), labelled, capture.near_z, scene.diffuse, scene.transmittance);
+  if (has_twin && !labelled.empty()) {
+    std::vector<uint16_t> ids = labels_of_surfels(scene.opaque, capture.near_z, labelled).label;
+    leave_out_thin_glass(known.objects(), ids);
+    scene.opaque.set_object_ids(std::move(ids));
+  }
   for (LayerKind kind : kAllLayers)
     if (layers.has(kind)) write_layer(context.output() / fmt::format("gaussians/{}.ply", name(kind)), scene.layer(kind));
+  if (has_twin) write_layer(context.output() / "gaussians/opaque.ply", scene.opaque);
   write_image_options(context.output() / "optimize/model.json", trainer->image_options());
   write_views(context.output() / "optimize/views.json", config, capture, alone);
-  if (part) write_trained_masks(context.output() / "optimize/trained", capture, targets);
+  if (still_part) write_trained_masks(context.output() / "optimize/trained", capture, targets);
   write_report(context.output() / "optimize/report.json", config, capture, *trainer, heldout);
   make_folders(previews);
   // Previews wait in the scratch folder, so that those from before an interruption are kept.

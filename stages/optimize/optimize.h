@@ -1,6 +1,6 @@
 // The optimize stage: surfels of up to three layers, trained on the photos of an sfm artifact through the image model.
 //   reads   sfm (linear/*.exr, sparse/0, gains), masks and normals when there are any
-//   writes  gaussians/{diffuse,reflection,transmittance}.ply, optimize/{views.json,report.json,previews/*.png}
+//   writes  gaussians/{diffuse,reflection,transmittance,opaque}.ply, optimize/{views.json,report.json,previews/*.png}
 //   optimize/trained/masks/object/*.png where only a part of the photos was trained
 // Interrupted at any step it continues from its last checkpoint and ends with the same bytes as an uninterrupted run.
 #pragma once
@@ -32,6 +32,7 @@ struct OptimizeConfig {
   int iterations = 3000;
   int max_gaussians = 240000;
   std::string layers = "auto";
+  bool opaque_twin = true;
   int sh_degree = 1;
   double sh_from = 0.15;
   std::string backend = "cpu";

@@ -128,6 +128,7 @@ void write_report(const std::filesystem::path& path, const OptimizeConfig& confi
                                                {"added", counts.added},
                                                {"removed", counts.removed}};
   }
+  if (trainer.scene().opaque.size() > 0) json["opaque_twin"] = {{"surfels", trainer.scene().opaque.size()}};
   json["epochs"] = Json::array();
   for (const EpochRecord& e : trainer.epochs())
     json["epochs"].push_back({{"step", e.step}, {"surfels", e.surfels}, {"loss", rounded(e.loss)}, {"l1", rounded(e.l1)}});

@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/base/rng.h"
+#include "stages/optimize/opaque_twin.h"
 #include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {
@@ -42,6 +43,7 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       initial_surfels_(scene_.diffuse.size()) {
   // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
   densify_behind_glass_.idle_weight = 0;
+  if (setup.opaque) scene_.opaque = *setup.opaque;
 }
 
 // Room is left for hulls until their phases have begun.
@@ -66,6 +68,7 @@ size_t Trainer::cap(const TrainerSetup& setup, LayerKind kind) {
 StepPlan Trainer::plan() {
   begin_phases();
   fill_unseen();
+  if (fraction() >= config().phases.joint.from) judge_layers();
   const OptimizeConfig& c = config();
   const PhaseClock clock = this->clock();
   StepPlan plan{
@@ -75,6 +78,7 @@ StepPlan Trainer::plan() {
                                                        : 0u,
       .image = image_options(),
       .rarest = float(c.rates.rarest),
+      .withheld = judged_ ? std::span<const uint8_t>() : setup_.judges,
       // What is guessed where no photo looks stays as guessed: its rims, which photos do see, would drift off into the gaps.
       .untrained = unseen_surfels_,
       .shapes = fraction() >= c.phases.reflection.surface_from ? &shapes_ : nullptr,
@@ -134,7 +138,18 @@ void Trainer::begin_sheets() {
   shapes_.add(std::move(sheets));
 }
 
+// Glass and gloss of the photos that judge are learnt from for the rest of the run.
+void Trainer::judge_layers() {
+  if (judged_ || scene_.opaque.size() == 0) return;
+  judged_ = 1;
+  ImageOptions options = image_options();
+  options.surface.ray_budget = 0;
+  options.opaque.layered = 1;
+  if (options.shape.set) shapes_.set_layered(layered_shares(scene_, options, setup_.capture, setup_.targets, setup_.judges));
+}
+
 void Trainer::finish() {
+  judge_layers();
   if (!sheets_ || !begun(LayerKind::Transmittance) || glass_surfels_ > 0) return;
   const HullCounts counts = begin_transmittance(init_desc(), SIZE_MAX, SIZE_MAX, scene_);
   glass_surfels_ = counts.hull;
@@ -202,6 +217,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = options_at(clock(), config(), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.shape.set = shapes_.set();
+  if (scene_.opaque.size() > 0) options.opaque.layered = kLayeredElsewhere;
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
   return options;
 }
@@ -210,6 +226,7 @@ void Trainer::picture(uint32_t photo, bool layers, Frame& frame) const {
   ImageOptions options = image_options();
   options.surface.ray_budget = 0;
   options.composite.layer_images = layers;
+  frame.differentiable = false;
   model_.forward(scene_, setup_.capture.photos[photo].levels[0].view, options, frame);
 }
 
@@ -221,6 +238,7 @@ void Trainer::transfer(Archive& archive) {
   archive.value(background_);
   known_gloss_.transfer(archive);
   archive.value(filled_);
+  archive.value(judged_);
   shapes_.transfer(archive);
   archive.value(unseen_surfels_);
   archive.value(from_behind_glass_);

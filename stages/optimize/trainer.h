@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/stereo/scene_planes.h"
@@ -20,6 +21,9 @@ struct TrainerSetup {
   const ShapeSet& glass;   // of all glass, visual hulls among them
   LayerChoice layers;
   bool object_alone = false;  // (surroundings.h)
+  // Of a scene with an opaque twin (opaque_twin.h): it, once it is trained, and [photo] the photos that judge.
+  const SplatLayer* opaque = nullptr;
+  std::span<const uint8_t> judges = {};
 };
 
 class Trainer : public Training {
@@ -58,6 +62,7 @@ class Trainer : public Training {
   LayerInitDesc init_desc() const;
   void begin_phases();
   void begin_sheets();
+  void judge_layers();
   void fill_unseen();
   void fill_beside_glass();
 
@@ -69,6 +74,7 @@ class Trainer : public Training {
   ShapeTraining shapes_;      // that mirror, and sheets of glass
   KnownSurface known_gloss_;  // of what reflects
   uint8_t filled_ = 0;        // what no photo shows
+  uint8_t judged_ = 0;        // the layers, against the opaque twin
   bool sheets_;               // glass is drawn from its shapes
   size_t glass_surfels_ = 0;  // that carry it, after finish(): the last ones of the diffuse layer
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;

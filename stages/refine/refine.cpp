@@ -343,6 +343,7 @@ class Refiner {
 void run_refine(const RefineConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
   TrainedScene scene = read_trained_scene(context.input("optimize"));
+  scene.surfels.opaque = {};  // the layers are judged by themselves
   if (scene.surfels.transmittance.size() == 0) {
     const std::string why = "nothing to refine: no transmittance layer";
     write_file(context.output() / "refine/report.json", Json{{"state", "nothing"}, {"why", why}}.dump(2) + "\n");

@@ -36,7 +36,7 @@ float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
 
 // With all coefficients of degree 3, the absent ones 0.
 SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std::span<const uint32_t> glass) {
-  const auto& [diffuse, mirrored, inside] = scene;
+  const SplatLayer &diffuse = scene.diffuse, &mirrored = scene.reflection, &inside = scene.transmittance;
   SplatLayer out(LayerKind::Diffuse, std::max({diffuse.sh_degree(), inside.sh_degree(), mirrored.sh_degree()}),
                  solid.size() + inside.size() + glass.size() + mirrored.size());
   const auto copy = [&](const SplatLayer& from, size_t i, size_t to) {

@@ -16,6 +16,14 @@ TEST_F(TurnedObject, TwoPassesAreJoinedByTheObject) {
   EXPECT_TRUE(sfm_->warnings.empty());
 }
 
+TEST_F(TurnedObject, ExposureAndWhiteBalanceMayChangeAndThePlateBeClipped) {
+  NEED_COLMAP();
+  const ObjectCapture capture = written({&as_it_is(), &turned_over()}, {.exposure_varies = true, .blue_gain = 0.8});
+  register_photos(capture, true);
+  expect_all_in_the_frame_of_the_object(capture);
+  expect_passes(capture);
+}
+
 TEST_F(TurnedObject, ThreePassesAreJoinedByTheObjectWhereverTheChartLies) {
   NEED_COLMAP();
   const TakenPhotos on_its_side = test::photos_of_pass({.lying = Lying::OnItsSide, .photos = 14, .chart_place = 1});

@@ -8,14 +8,6 @@ namespace {
 using test::ObjectCapture, test::PassCameras, test::Lying, test::TakenPhotos, test::TurnedObject, test::as_it_is,
     test::turned_over, test::kRotationDeg;
 
-TEST_F(TurnedObject, ExposureAndWhiteBalanceMayChangeAndThePlateBeClipped) {
-  NEED_COLMAP();
-  const ObjectCapture capture = written({&as_it_is(), &turned_over()}, {.exposure_varies = true, .blue_gain = 0.8});
-  register_photos(capture, true);
-  expect_all_in_the_frame_of_the_object(capture);
-  expect_passes(capture);
-}
-
 TEST_F(TurnedObject, IsNoticedWithoutMasks) {
   NEED_COLMAP();
   register_photos(written({&as_it_is(), &turned_over()}), false);

@@ -63,7 +63,8 @@ std::vector<Target> composed_pictures(const TrainedScene& scene, std::span<const
 
 PreviewFit fit_preview(const TrainedScene& scene, std::span<const View> views, const PreviewFitDesc& desc) {
   VITRINE_CHECK(!views.empty(), "a preview needs views");
-  PreviewFit out{scene.surfels.diffuse};
+  const SplatScene& surfels = scene.surfels;
+  PreviewFit out{surfels.opaque.size() > 0 ? surfels.opaque : surfels.diffuse};
   SplatLayer& layer = out.surfels;
   encode_layer(layer);
   const std::vector<Target> targets = composed_pictures(scene, views, desc);

@@ -1,5 +1,6 @@
-// One ordinary Gaussian scene that looks like all layers together: the diffuse surfels, with spherical harmonics fitted so that
-// what a viewer makes of them (plain blending of display values, no rays) comes near the composed pictures.
+// One ordinary Gaussian scene that looks like all layers together: the surfels of the opaque twin, of the diffuse layer where
+// there is none, with spherical harmonics fitted so that what a viewer makes of them (plain blending of display values, no rays)
+// comes near the composed pictures.
 //
 // Per channel this is linear least squares: pixel p shows  sum_ik w_ip Y_k(d_ip) h_ik  and should show the composed picture,
 // encoded for display. Jacobi steps  h_ik += sum_p w_ip Y_k r_p / (S sum_p w_ip),  S = sum_k Y_k^2 = (degree + 1)^2 / 4 pi  (the

@@ -136,6 +136,12 @@ TEST(PassAccess, CoversWhatPassesDo) {
   ImageOptions with_layers = mirror.options();
   with_layers.composite.layer_images = true;
   show("a mirror on a coat", with_layers, mirror.scene, mirror.view);
+  // An opaque twin is seen in pictures that nobody learns from.
+  mirror.scene.opaque = mirror.scene.diffuse;
+  with_layers.opaque.layered = 0.5f;
+  frame.differentiable = false;
+  expect_true_access(with_layers, mirror.scene, mirror.view, frame, seen);
+  frame.differentiable = true;
   with_layers.shape.silhouettes = false;
   with_layers.transmission.glass = Glass::Traced;
   show("the same without silhouettes and thin glass", with_layers, mirror.scene, mirror.view);

@@ -68,7 +68,7 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
   for (const ShapeKind& kind : shape_kinds()) set.entries.push_back({kind.sample(rng), ShapeRole::Mirror, 0.25, -1, {}});
   set.entries.back().parent = 1;
   set.entries[0].role = ShapeRole::Sheet, set.entries[0].clear = {1, 0};
-  set.entries[2].role = ShapeRole::Coat, set.entries[2].exact = false;
+  set.entries[2].role = ShapeRole::Coat, set.entries[2].exact = false, set.entries[2].layered = 0.25;
   const std::string text = write_shapes(set, folder.path()).dump();
   const ShapeSet back = read_shapes(nlohmann::json::parse(text), folder.path());
   ASSERT_EQ(back.entries.size(), set.entries.size());
@@ -77,6 +77,8 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
   EXPECT_EQ(back.entries.back().parent, 1);
   EXPECT_EQ(back.entries[2].role, ShapeRole::Coat);
   EXPECT_FALSE(back.entries[2].exact);
+  EXPECT_EQ(back.entries[2].layered, 0.25);
+  EXPECT_EQ(back.entries[1].layered, 1);
   EXPECT_TRUE(back.entries[1].exact);
   const auto refused = [&](size_t entry, const char* key, const nlohmann::json& value) {
     nlohmann::json json = nlohmann::json::parse(text);

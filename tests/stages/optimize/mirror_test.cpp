@@ -64,6 +64,7 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   config.phases.reflection.share = 0.4;
   config.phases.reflection.from = 0.1;
   config.phases.reflection.surface_from = 0.2;
+  config.opaque_twin = false;  // the layers by themselves
 
   // Pictures so small are a matter of luck, by half a decibel and now and then much more: three seeds.
   std::vector<double> before, after;
@@ -142,6 +143,16 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   };
   // The ball mirrors a dome that no photo shows, and finds it out while its own shape is learnt: that must not lead it astray.
   EXPECT_LT(off(whole), 0.005) << "a pixel is 0.008";
+  // What is opaque alone has learnt from the same photos, and others have told how much of the ball is its.
+  const TrainedScene trained = read_trained_scene(whole);
+  EXPECT_GT(trained.surfels.opaque.size(), 100u);
+  EXPECT_EQ(trained.image.opaque.layered, 0.5f);
+  EXPECT_GE(shapes(whole)[0].layered, 0);
+  EXPECT_LE(shapes(whole)[0].layered, 1);
+  config.opaque_twin = false;
+  const TrainedScene alone = read_trained_scene(run("alone", 2, {}));
+  EXPECT_EQ(alone.surfels.opaque.size(), 0u);
+  EXPECT_EQ(alone.image.opaque.layered, 1);
   config.shading.shapes = false;
   EXPECT_TRUE(shapes(run("surfels", 2, {})).empty());
 }

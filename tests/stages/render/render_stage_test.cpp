@@ -151,12 +151,14 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   EXPECT_EQ(back.diffuse.near_z, 0.07f);
   EXPECT_EQ(back.panes.mirrored, SIZE_MAX);
   EXPECT_EQ(back.shape.set, nullptr);
+  EXPECT_EQ(back.opaque.layered, 1);
   TriMesh mesh;
   mesh.positions = {{0, 0, 0}, {0.5f, 0, 0}, {0, 0.25f, 0.125f}};
   mesh.faces = {{0, 1, 2}};
   const SurfaceOfRevolution turned{{0.1, 0.2, 0.3}, {0, 0.6, 0.8}, {{0, -0.5}, {0.25, 0.125}, {0, 0.5}}};
   const Box box{rotation_matrix(normalized(Quatd{0.9, 0.1, -0.2, 0.3})), {-0.5, -0.2, -0.75}, {0.3, 0.2, 0.1}};
   o.panes.mirrored = 1234;
+  o.opaque.layered = 0.625f;
   o.shape.set = std::make_shared<const ShapeSet>(ShapeSet{{{turned, ShapeRole::Mirror, 0.0625, -1, {}},
                                                            {TriangleShape(mesh), ShapeRole::Mirror, 0.03125, 0, {}},
                                                            {box, ShapeRole::Sheet, 0.125, -1, {1, 1, 1, 1, 0, 1}}}});
@@ -167,6 +169,7 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   ASSERT_NE(out.set, nullptr);
   ASSERT_EQ(out.set->entries.size(), 3u);
   EXPECT_EQ(read_image_options(path).panes.mirrored, 1234u);
+  EXPECT_EQ(read_image_options(path).opaque.layered, 0.625f);
   EXPECT_EQ(out.set->entries[2].clear, o.shape.set->entries[2].clear);
   EXPECT_EQ(std::get<Box>(out.set->entries[2].shape).axes * Vec3d(1, 2, 3), box.axes * Vec3d(1, 2, 3));
   EXPECT_EQ(std::get<SurfaceOfRevolution>(out.set->entries[0].shape).axis, turned.axis);
@@ -175,7 +178,7 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   EXPECT_EQ(std::get<TriangleShape>(out.set->entries[1].shape).mesh().positions, mesh.positions);
   for (const auto& [was, is] :
        {std::pair("0.25", "-0.25"), std::pair("0.25", "1e999"), std::pair("\"profile\"", "\"curve\""),
-        std::pair("0.0625", "\"wide\""), std::pair("\"parent\": 0", "\"parent\": 1"),
+        std::pair("0.0625", "\"wide\""), std::pair("0.625", "1.625"), std::pair("\"parent\": 0", "\"parent\": 1"),
         std::pair("\"kind\": \"tri", "\"kind\": \"quadri"), std::pair("-0.75", "0.4"),
         std::pair("\"clear\": [", "\"clear\": [3, "), std::pair("\"shapes\"", "\"case\": {}, \"shapes\"")}) {
     std::string text = read_file(path);

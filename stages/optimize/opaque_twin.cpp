@@ -1,0 +1,75 @@
+#include "stages/optimize/opaque_twin.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/log.h"
+#include "core/math/color.h"
+#include "core/model/layered_model.h"
+#include "core/model/opaque_pass.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kJudgeEvery = 20, kFirstJudge = 4;  // of the training photos
+constexpr size_t kFewestJudged = 200;                // pixels of an object
+constexpr double kUntold = 0.5;                      // share where fewer tell
+constexpr size_t kShares = 20;                       // that are tried, beside none
+
+struct Judged {
+  std::array<double, kShares + 1> squared{};
+  size_t pixels = 0;
+};
+
+}  // namespace
+
+std::vector<uint8_t> judging_photos(const Capture& capture) {
+  std::vector<uint8_t> judges(capture.photos.size(), 0);
+  for (size_t i = kFirstJudge; i < capture.train.size(); i += kJudgeEvery) judges[capture.train[i]] = 1;
+  return judges;
+}
+
+std::map<uint16_t, double> layered_shares(const SplatScene& scene, const ImageOptions& options, const Capture& capture,
+                                          const Targets& targets, std::span<const uint8_t> judges) {
+  const LayeredModel model(options);
+  OpaquePicture twin(options.diffuse.backend);
+  std::map<uint16_t, Judged> found;
+  for (const ShapeSet::Entry& e : options.shape.set->entries) found[e.object];
+  Frame frame;
+  frame.differentiable = false;
+  std::vector<float> photo;
+  for (const uint32_t index : capture.train) {
+    if (!judges[index]) continue;
+    const PhotoLevel& level = capture.photos[index].levels[0];
+    decode(level, photo);
+    const std::vector<uint8_t>& ignored = targets.photos[index][0].masks[size_t(MaskClass::Ignore)];
+    model.forward(scene, level.view, frame);
+    const std::span<const float> opaque = twin.draw(scene, level.view, options);
+    const std::vector<uint32_t> shown = shapes_shown(frame);
+    for (size_t i = 0; i < shown.size(); ++i) {
+      if (shown[i] == 0 || (!ignored.empty() && ignored[i] >= 128)) continue;
+      Judged& judged = found[options.shape.set->entries[shown[i] - 1].object];
+      ++judged.pixels;
+      for (size_t c = 0; c < 3; ++c) {
+        const size_t at = c * shown.size() + i;
+        for (size_t s = 0; s <= kShares; ++s) {
+          const double share = double(s) / double(kShares);
+          const double light = level.view.gain[c] * (share * double(frame.linear[at]) + (1 - share) * double(opaque[at]));
+          const double off = srgb_from_linear(std::clamp(light, 0.0, 1.0)) - double(photo[at]);
+          judged.squared[s] += off * off;
+        }
+      }
+    }
+  }
+  std::map<uint16_t, double> shares;
+  for (const auto& [object, judged] : found) {
+    const auto best = double(std::ranges::min_element(judged.squared) - judged.squared.begin()) / double(kShares);
+    shares[object] = judged.pixels < kFewestJudged ? kUntold : best;
+    log_info("object {}: {:.0f} % of its picture is that of the layers ({} pixels judged)", object, 100 * shares[object],
+             judged.pixels);
+  }
+  return shares;
+}
+
+}  // namespace vitrine
