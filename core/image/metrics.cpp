@@ -15,6 +15,7 @@ namespace {
 constexpr double kEqualImagesDb = 99.0;
 constexpr int kWindowRadius = 5;
 constexpr int kCorrelationWindow = 7;
+constexpr double kPlain = 1e-6;                         // variance in a window: a quarter of a step of 8 bits
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // for values in [0, 1]
 
 void check_sizes(const ImageF& a, const ImageF& b, const ImageF* mask) {
@@ -123,9 +124,11 @@ LocalCorrelation local_correlation(const ImageF& srgb, const ImageF& reference_s
       sums.add(at(x - kCorrelationWindow, y), -1).add(at(x, y - kCorrelationWindow), -1);
       sums.add(at(x - kCorrelationWindow, y - kCorrelationWindow), 1);
       if (sums.inside < kCount) continue;
+      const double variance = sums.aa / kCount - sums.a / kCount * (sums.a / kCount),
+                   of_reference = sums.bb / kCount - sums.b / kCount * (sums.b / kCount);
+      if (std::max(variance, of_reference) < kPlain) continue;
       out.covariance += sums.ab / kCount - sums.a / kCount * (sums.b / kCount);
-      out.variance += std::max(0.0, sums.aa / kCount - sums.a / kCount * (sums.a / kCount));
-      out.reference_variance += std::max(0.0, sums.bb / kCount - sums.b / kCount * (sums.b / kCount));
+      out.variance += std::max(0.0, variance), out.reference_variance += std::max(0.0, of_reference);
     }
   return out;
 }

@@ -22,9 +22,9 @@ SquaredError squared_error(const ImageF& srgb, const ImageF& reference_srgb, con
 struct LocalCorrelation {
   double covariance = 0, variance = 0, reference_variance = 0;  // sums over windows
   LocalCorrelation& operator+=(const LocalCorrelation& other);
-  std::optional<double> value() const;  // nullopt: one of the two is plain
+  std::optional<double> value() const;  // nullopt: no window varies in both
 };
-// Of the windows that lie in the mask (pixels of weight 1) as a whole; `mask` may be null.
+// Of the windows that lie in the mask (pixels of weight 1) as a whole and vary in one of the two; `mask` may be null.
 LocalCorrelation local_correlation(const ImageF& srgb, const ImageF& reference_srgb, const ImageF* mask = nullptr);
 
 // `mask` (one channel, weights in [0,1]) may be null. Returns NaN when no pixel counts, 99 when the images are equal.

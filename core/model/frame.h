@@ -19,7 +19,7 @@ namespace vitrine {
 // The picture taken apart (CompositeOptions::layer_images), linear, before the view's gain. The first three add up to
 // Frame::linear. Where a pixel sends no ray of a kind: zero (inner_transmittance: one).
 struct LayerImages {
-  std::vector<float> diffuse, reflection, transmission;  // [3,h,w] w_d C_d, w_r C_r, w_t C_t
+  std::vector<float> diffuse, reflection, transmission;  // [3,h,w] w_d C_d and the opaque twin, w_r C_r, w_t C_t
   std::vector<float> reflected, transmitted;             // [3,h,w] C_r, C_t as traced
   std::vector<float> fresnel;                            // [3,h,w] F
   std::vector<float> inner_transmittance;                // [h,w] what the transmittance layer lets through to whatever is behind

@@ -21,7 +21,7 @@ std::vector<uint32_t> shapes_shown(const Frame& frame) {
   take(frame.coats.entry);
   take(frame.silhouette.shapes);
   for (const SilhouettePixel& p : frame.silhouette.pixels)
-    if (p.crossed) shown[p.pixel] = p.entry + 1;
+    if (p.covered > 0) shown[p.pixel] = p.entry + 1;
   take(frame.sheets.entry);
   return shown;
 }

@@ -4,7 +4,7 @@
 //
 //   C = s C_layers + (1 - s) C_twin       in linear light
 //
-// with s by object (ShapeSet::Entry::layered), chosen on photos that neither was trained on, and OpaqueOptions::layered
+// with s by object (ShapeSet::Entry::layered), chosen on glass and gloss that neither was trained on, and OpaqueOptions::layered
 // elsewhere. Pictures that somebody learns from, and pictures under another light, are those of the layers.
 #pragma once
 
@@ -16,8 +16,8 @@
 
 namespace vitrine {
 
-// [h,w] 1 + the entry of the set of shapes that a pixel shows first, glass before mirrors before coats; 0: none. Pixels that the
-// silhouette of a mirror crosses belong to it.
+// [h,w] 1 + the entry of the set of shapes that a pixel shows first, glass before mirrors before coats; 0: none. Pixels that
+// SilhouettePass gives to a mirror, those that its silhouette crosses among them, belong to it.
 std::vector<uint32_t> shapes_shown(const Frame& frame);
 
 // Radiance of the twin, [3,h,w].

@@ -54,6 +54,17 @@ void visit(Options& o, const Word& word, const Number& number) {
 // The shortest text that gives the same float back, not the double's seventeen digits.
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
+SplatLayer layer_of(const fs::path& path, LayerKind kind) {
+  SplatLayer layer = read_layer(path);
+  if (layer.kind() != kind)
+    throw Error(ErrorKind::Input, "a scene file holds another layer than its name says",
+                {.where = path.string(),
+                 .why = fmt::format("it holds the layer {}", name(layer.kind())),
+                 .hint = "give the artifact as `vitrine run` wrote it",
+                 .code = "BAD_SCENE"});
+  return layer;
+}
+
 }  // namespace
 
 TrainedScene read_trained_scene(const fs::path& optimize, const std::optional<fs::path>& refine) {
@@ -65,16 +76,10 @@ TrainedScene read_trained_scene(const fs::path& optimize, const std::optional<fs
     const fs::path path = surfels / fmt::format("{}.ply", name(kind));
     std::error_code ec;
     if (kind != LayerKind::Diffuse && !fs::exists(path, ec)) continue;
-    SplatLayer layer = read_layer(path);
-    if (layer.kind() != kind)
-      throw Error(ErrorKind::Input, "a scene file holds another layer than its name says",
-                  {.where = path.string(),
-                   .why = fmt::format("it holds the layer {}", name(layer.kind())),
-                   .hint = "give the artifact as `vitrine run` wrote it",
-                   .code = "BAD_SCENE"});
-    trained.surfels.layer(kind) = std::move(layer);
+    trained.surfels.layer(kind) = layer_of(path, kind);
   }
-  if (const fs::path twin = optimize / "gaussians/opaque.ply"; fs::exists(twin, none)) trained.surfels.opaque = read_layer(twin);
+  if (const fs::path twin = optimize / "gaussians/opaque.ply"; fs::exists(twin, none))
+    trained.surfels.opaque = layer_of(twin, LayerKind::Diffuse);
   trained.image = read_image_options(refined ? *refine / "refine/model.json" : optimize / "optimize/model.json");
   trained.image.diffuse.sh_degree = trained.surfels.diffuse.sh_degree();
   trained.image.reflection.sh_degree = trained.surfels.reflection.sh_degree();

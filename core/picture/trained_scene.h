@@ -1,6 +1,7 @@
-// A trained scene as the optimize stage left it: gaussians/<layer>.ply and optimize/model.json, the options of the image
-// formation that it was trained with. Where the refine stage has a better one, that: refine/gaussians/<layer>.ply and
-// refine/model.json. The diffuse layer is always there; a layer without a file is empty and takes no part.
+// A trained scene as the optimize stage left it: gaussians/<layer>.ply, gaussians/opaque.ply and optimize/model.json, the options
+// of the image formation that it was trained with. Where the refine stage has a better one, that: refine/gaussians/<layer>.ply
+// and refine/model.json; the opaque twin stays. The diffuse layer is always there; a layer without a file is empty and takes no
+// part.
 #pragma once
 
 #include <filesystem>

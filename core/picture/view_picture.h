@@ -15,7 +15,7 @@ namespace vitrine {
 
 // A map of floats in the channels' usual names: R G B (linear radiance, before the view's gain), X Y Z (world), Z (depth), Y.
 //   radiance                              the whole picture
-//   diffuse, reflection, transmission     what each layer adds to it; they sum up to `radiance`
+//   diffuse, reflection, transmission     what each layer adds to it, the opaque twin to the first; they sum up to `radiance`
 //   reflected, transmitted                what the rays brought, before it was weighted
 //   fresnel, specular_weight, transmission_weight, roughness      the materials
 //   normal, depth                         the surface

@@ -55,7 +55,6 @@ class Evaluator {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();
     for (LayerKind kind : kAllLayers) result_.surfels += painter_.surfels().layer(kind).size();
-    result_.surfels += painter_.surfels().opaque.size();
     result_.mesh_threshold_rel = config.mesh_threshold_rel;
     result_.min_region_pixels = config.min_region_pixels;
     make_folders(context.output() / "eval");
@@ -288,14 +287,14 @@ class Evaluator {
 
   void score_transmitted(size_t index, const ViewPicture& render, const RegionMasks& masks) {
     const auto glass = masks.find("transparent");
-    const ImageF *transmitted = render.layer("transmitted"), *surfels = render.layer("diffuse");
+    const ImageF *transmitted = render.layer("transmitted"), *picture = render.layer("radiance");
     if (glass == masks.end() || transmitted == nullptr) return;
     const auto truth = truth_->transmitted(index, render.intrinsics);
     if (!truth) return;
-    ImageF radiance = *transmitted;  // where no ray went through, the surfels are all that the picture shows
+    ImageF radiance = *transmitted;  // where no ray went through, what the picture shows
     for (size_t i = 0; i < radiance.pixel_count(); ++i)
       if (float* const pixel = &radiance.data()[3 * i]; pixel[0] + pixel[1] + pixel[2] == 0)
-        std::copy_n(&surfels->data()[3 * i], 3, pixel);
+        std::copy_n(&picture->data()[3 * i], 3, pixel);
     const auto score =
         transmitted_psnr({render.intrinsics, radiance, views_[index].gain, glass->second}, *truth, config_.min_region_pixels);
     if (score) transmitted_.push_back(*score);

@@ -60,7 +60,7 @@ Json definitions(const Evaluation& e) {
   d["truth.regions.*"] =
       "the same figures over the pixels of one region (in `transparent`: of the glass itself, the first surface of the truth)";
   d["truth.transmitted.psnr"] =
-      "PSNR of the transmitted radiance, of the surfels where no ray went through, times the view's gain, against "
+      "PSNR of the transmitted radiance, of the picture's own where no ray went through, times the view's gain, against "
       "truth/transmitted, both encoded to sRGB and clipped, over the transparent mask at the coarser of the two resolutions, "
       "mean "
       "over the views with such a truth";

@@ -25,7 +25,8 @@ void describe(Describer& d, InitialConfig& c) {
 void describe(Describer& d, OptimizeConfig& c) {
   d.option("iterations", c.iterations, "Training steps; each looks at one photo.").range(1, 10000000);
   d.option("max_gaussians", c.max_gaussians,
-           "Most surfels that all layers together may grow to; what no photo shows may take a fifth more.")
+           "Most surfels that all layers together may grow to; what no photo shows may take a fifth more, the opaque twin as "
+           "many again.")
       .range(1, 100000000);
   d.option(
        "layers", c.layers,
@@ -35,7 +36,7 @@ void describe(Describer& d, OptimizeConfig& c) {
   d.option(
       "opaque_twin", c.opaque_twin,
       "Trains a scene with glass or gloss a second time, as opaque surfels alone: pictures of it as photographed are a mean of "
-      "both, by object the better the more.");
+      "both, in which the better one of an object has more weight.");
   d.option("sh_degree", c.sh_degree, "View dependence of the colour: spherical harmonics up to this degree.").range(0, 3);
   d.option("sh_from", c.sh_from, "Part of the run after which the colour may depend on the view.").range(0, 1);
   d.option("backend", c.backend, "cpu: tiles, vectors and threads; reference: the slow specification.")

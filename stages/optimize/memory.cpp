@@ -15,6 +15,7 @@ namespace {
 
 // Measured floats: parameters, gradient and two moments of a surfel (4 x 28 at degree 1), statistics, projected surfel and
 // its tile entries; channels, gradients and loss maps of a pixel.
+constexpr size_t kBytesPerTwinSurfel = 224;  // its parameters, in the training and among the outputs
 constexpr size_t kBytesPerSurfel = 1600, kBytesPerPixel = 320, kBytesOfProgram = 150u << 20;
 // Of a pixel of the pyramids: three colours of a photo, a mask, three components of a normal and its confidence.
 constexpr size_t kPhotoBytes = 6, kMaskBytes = 1, kNormalBytes = 7;
@@ -38,7 +39,8 @@ size_t bytes_before_surfels(const ViewSet& views, int max_side, const std::optio
 }
 
 size_t affordable_surfels(const OptimizeConfig& config, size_t bytes_before, size_t max_memory_bytes) {
-  const auto each = config.fill_unseen ? static_cast<size_t>((1 + kMostUnseen) * double(kBytesPerSurfel)) : kBytesPerSurfel;
+  const size_t trained = kBytesPerSurfel + (config.opaque_twin && config.layers != "diffuse" ? kBytesPerTwinSurfel : 0);
+  const auto each = config.fill_unseen ? static_cast<size_t>((1 + kMostUnseen) * double(trained)) : trained;
   return max_memory_bytes > bytes_before ? (max_memory_bytes - bytes_before) / each : 0;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/base/log.h"
+#include "core/base/process.h"
 #include "core/math/color.h"
 #include "core/model/layered_model.h"
 #include "core/model/opaque_pass.h"
@@ -14,8 +15,16 @@ namespace {
 
 constexpr size_t kJudgeEvery = 20, kFirstJudge = 4;  // of the training photos
 constexpr size_t kFewestJudged = 200;                // pixels of an object
-constexpr double kUntold = 0.5;                      // share where fewer tell
+constexpr double kShareUnjudged = 0.5;               // of an object with fewer
 constexpr size_t kShares = 20;                       // that are tried, beside none
+
+// [pixel] What was withheld from both trainings: glass and gloss, and of that nothing that training looks at nowhere.
+bool was_withheld(const TargetLevel& target, size_t pixel) {
+  const auto has = [&](const std::vector<uint8_t>& mask, bool without) { return mask.empty() ? without : mask[pixel] >= 128; };
+  const auto of = [&](MaskClass kind) -> const std::vector<uint8_t>& { return target.masks[size_t(kind)]; };
+  return (has(of(MaskClass::Specular), false) || has(of(MaskClass::Transparent), false) || has(target.coat, false)) &&
+         !has(of(MaskClass::Ignore), false) && has(of(MaskClass::Object), true);
+}
 
 struct Judged {
   std::array<double, kShares + 1> squared{};
@@ -43,12 +52,12 @@ std::map<uint16_t, double> layered_shares(const SplatScene& scene, const ImageOp
     if (!judges[index]) continue;
     const PhotoLevel& level = capture.photos[index].levels[0];
     decode(level, photo);
-    const std::vector<uint8_t>& ignored = targets.photos[index][0].masks[size_t(MaskClass::Ignore)];
+    throw_if_interrupted();
     model.forward(scene, level.view, frame);
     const std::span<const float> opaque = twin.draw(scene, level.view, options);
     const std::vector<uint32_t> shown = shapes_shown(frame);
     for (size_t i = 0; i < shown.size(); ++i) {
-      if (shown[i] == 0 || (!ignored.empty() && ignored[i] >= 128)) continue;
+      if (shown[i] == 0 || !was_withheld(targets.photos[index][0], i)) continue;
       Judged& judged = found[options.shape.set->entries[shown[i] - 1].object];
       ++judged.pixels;
       for (size_t c = 0; c < 3; ++c) {
@@ -65,7 +74,7 @@ std::map<uint16_t, double> layered_shares(const SplatScene& scene, const ImageOp
   std::map<uint16_t, double> shares;
   for (const auto& [object, judged] : found) {
     const auto best = double(std::ranges::min_element(judged.squared) - judged.squared.begin()) / double(kShares);
-    shares[object] = judged.pixels < kFewestJudged ? kUntold : best;
+    shares[object] = judged.pixels < kFewestJudged ? kShareUnjudged : best;
     log_info("object {}: {:.0f} % of its picture is that of the layers ({} pixels judged)", object, 100 * shares[object],
              judged.pixels);
   }

@@ -20,7 +20,8 @@ inline constexpr float kLayeredElsewhere = 0.5f;
 std::vector<uint8_t> judging_photos(const Capture& capture);
 
 // Share of the layers in the picture, by id of the object: that whose mean of both, in linear light, comes nearest to what
-// judging photos show, as displayed. `options`: of the scene's pictures, with all shares 1.
+// judging photos show of it, as displayed, in pixels that were withheld from training; a half where too few were. `options`: of
+// the scene's pictures, with all shares 1.
 std::map<uint16_t, double> layered_shares(const SplatScene& scene, const ImageOptions& options, const Capture& capture,
                                           const Targets& targets, std::span<const uint8_t> judges);
 

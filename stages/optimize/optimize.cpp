@@ -175,20 +175,20 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
     context.warning("NO_SPARSE_POINTS", "no sparse point tells a depth: the first surfels lie at random distances");
   const bool has_twin = config.opaque_twin && layers.any();
   const std::vector<uint8_t> judges = has_twin ? judging_photos(capture) : std::vector<uint8_t>();
-  TrainerSetup setup{.config = config,
-                     .capture = capture,
-                     .targets = targets,
-                     .shapes = shapes,
-                     .glass = glass,
-                     .layers = layers,
-                     .object_alone = alone,
-                     .judges = judges};
-  const SplatLayer opaque = has_twin ? trained_twin(setup, depth, context) : SplatLayer();
-  if (has_twin) setup.opaque = &opaque;
+  const TrainerSetup setup{.config = config,
+                           .capture = capture,
+                           .targets = targets,
+                           .shapes = shapes,
+                           .glass = glass,
+                           .layers = layers,
+                           .object_alone = alone,
+                           .judges = judges};
+  SplatLayer opaque = has_twin ? trained_twin(setup, depth, context) : SplatLayer();
   const double before = has_twin ? kTwinShare : 0;
   const fs::path previews = context.scratch() / "previews";
   const TrainingPart part{"", before, 1 - before, context.scratch() / "checkpoint.bin", previews};
   const std::unique_ptr<Trainer> trainer = started(setup, part.checkpoint, depth, context);
+  trainer->set_opaque_twin(std::move(opaque));
   depth.forget();
   train(config, capture, *trainer, part, context);
   trainer->finish();

@@ -43,7 +43,6 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
       initial_surfels_(scene_.diffuse.size()) {
   // What no training photo shows through the glass may be what the next view shows: it stays where the diffuse layer had it.
   densify_behind_glass_.idle_weight = 0;
-  if (setup.opaque) scene_.opaque = *setup.opaque;
 }
 
 // Room is left for hulls until their phases have begun.
@@ -141,6 +140,8 @@ void Trainer::begin_sheets() {
 // Glass and gloss of the photos that judge are learnt from for the rest of the run.
 void Trainer::judge_layers() {
   if (judged_ || scene_.opaque.size() == 0) return;
+  for (LayerKind kind : kAllLayers)
+    if (setup_.layers.has(kind) && !begun(kind)) return;  // its shapes are not known yet
   judged_ = 1;
   ImageOptions options = image_options();
   options.surface.ray_budget = 0;
@@ -217,7 +218,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = options_at(clock(), config(), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.shape.set = shapes_.set();
-  if (scene_.opaque.size() > 0) options.opaque.layered = kLayeredElsewhere;
+  if (judged_) options.opaque.layered = kLayeredElsewhere;
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
   return options;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/stereo/scene_planes.h"
@@ -20,10 +21,8 @@ struct TrainerSetup {
   const ShapeSet& shapes;  // that the image formation draws (ObjectSet::drawn_shapes)
   const ShapeSet& glass;   // of all glass, visual hulls among them
   LayerChoice layers;
-  bool object_alone = false;  // (surroundings.h)
-  // Of a scene with an opaque twin (opaque_twin.h): it, once it is trained, and [photo] the photos that judge.
-  const SplatLayer* opaque = nullptr;
-  std::span<const uint8_t> judges = {};
+  bool object_alone = false;             // (surroundings.h)
+  std::span<const uint8_t> judges = {};  // [photo] of a scene with an opaque twin (opaque_twin.h)
 };
 
 class Trainer : public Training {
@@ -39,14 +38,16 @@ class Trainer : public Training {
   static size_t cap(const TrainerSetup& setup, LayerKind kind);    // most surfels the layer may grow to
   size_t cap(LayerKind kind) const { return cap(setup_, kind); }
 
-  // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays; `layers`: taken apart too.
+  void set_opaque_twin(SplatLayer twin) { scene_.opaque = std::move(twin); }  // of the layers, before their first step
+  // Renders one photo's view at full size (frame.srgb is what the photo should show), with all rays, and blended with the opaque
+  // twin once the layers are judged; `layers`: taken apart too.
   void picture(uint32_t photo, bool layers, Frame& frame) const;
 
   // Of the passes at this moment.
   ImageOptions image_options() const;
 
-  // After the last step: glass that was trained without surfels gets those that other stages and programs read, and what is seen
-  // through it alone becomes the transmittance layer. Pictures stay the same.
+  // After the last step: the layers are judged, if they were not; glass that was trained without surfels gets those that other
+  // stages and programs read, and what is seen through it alone becomes the transmittance layer. Pictures stay the same.
   void finish();
 
  private:

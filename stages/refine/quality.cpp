@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/process.h"
+#include "core/image/metrics.h"
 #include "core/model/diffuse_pass.h"
 #include "core/model/image_model.h"
 #include "core/picture/view_picture.h"
@@ -12,13 +13,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr size_t kFewestPixels = 64;  // of a region, as the evaluation has it
-
-struct SquaredError {
-  double sum = 0;
-  size_t count = 0;
-  double psnr() const { return sum > 0 ? -10 * std::log10(sum / double(3 * count)) : 99; }
-};
+constexpr double kFewestPixels = 64;  // of a region, as the evaluation has it
 
 }  // namespace
 
@@ -66,11 +61,11 @@ Quality QualityMeter::of(const TrainedScene& scene) const {
       }
       for (SquaredError* part : {&error[glass_[p][i] ? 0 : 1], &error[2]}) {
         part->sum += e;
-        ++part->count;
+        part->weight += 3;
       }
     }
     for (size_t part = 0; part < 3; ++part)
-      if (error[part].count >= kFewestPixels) {
+      if (error[part].weight >= 3 * kFewestPixels) {
         sums[part] += error[part].psnr();
         ++photos[part];
       }

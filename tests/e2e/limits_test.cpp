@@ -16,10 +16,10 @@ std::vector<std::string> training(const std::vector<std::string>& more) {
 }
 
 TEST_F(TinyRoom, ASceneMadeWithLittleMemoryIsNotServedToARunWithout) {
-  const std::vector<std::string> little = training({"--max-memory", "157MiB"});
+  const std::vector<std::string> little = training({"--max-memory", "158MiB"});
   const Outcome limited = room(true_poses(), little);
   ASSERT_EQ(limited.exit, 0) << limited.text;
-  EXPECT_TRUE(limited.said("warning: the memory limit of 157 MiB allows ")) << limited.text;
+  EXPECT_TRUE(limited.said("warning: the memory limit of 158 MiB allows ")) << limited.text;
   EXPECT_TRUE(limited.said(" surfels instead of 6000"));
   EXPECT_EQ(room(true_poses(), little).exit, 0);
   EXPECT_EQ(states().at("optimize"), "cached");

@@ -23,7 +23,8 @@ ExportFormat preview_3dgs_format() {
       .name = "preview-3dgs",
       .summary = "what all layers show together, as one 3D Gaussian scene, sRGB colour",
       .holds =
-          "the opaque twin of the scene as flat ellipsoids with spherical harmonics fitted to the composed pictures: "
+          "the opaque twin of the scene, or its diffuse layer, as flat ellipsoids with spherical harmonics fitted to the "
+          "composed pictures: "
           "reflections and what glass shows are surfels like all others",
       .loses =
           "the layers; what glass and mirrors show follows the eye only as far as surfels behind their surfaces and spherical "

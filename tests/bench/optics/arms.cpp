@@ -11,8 +11,10 @@ namespace {
 
 constexpr int kMostSeeds = 10000;
 
-const std::map<std::string, std::map<std::string, std::string>> kKnownArms = {
-    {"diffuse", {{"optimize.layers", "diffuse"}}}, {"full", {{"optimize.layers", "auto"}}}, {"auto", {{"input.masks", "none"}}}};
+const std::map<std::string, std::map<std::string, std::string>> kKnownArms = {{"diffuse", {{"optimize.layers", "diffuse"}}},
+                                                                              {"full", {{"optimize.layers", "auto"}}},
+                                                                              {"layers", {{"optimize.opaque_twin", "false"}}},
+                                                                              {"auto", {{"input.masks", "none"}}}};
 
 [[noreturn]] void bad_words(std::string_view flag, std::string_view text, const std::string& why, const std::string& hint) {
   throw Error(ErrorKind::Usage, fmt::format("{} cannot be read", flag),

@@ -20,9 +20,10 @@ struct Arm {
 // "1-12", "1,2,7", "1-3,101-112": in this order, each once. Error{Usage} names `flag`.
 std::vector<int> seed_list(std::string_view text, std::string_view flag);
 
-// "diffuse,full,auto,NAME:stage.option=value;stage.option=value". The first three are known names: optimize.layers=diffuse,
-// optimize.layers=full, and training without masks. A known name with options has both. Commas in brackets or quotes belong to
-// a value. Error{Usage} for an unknown name without options, a name twice, or a name that is no folder name.
+// "diffuse,full,layers,auto,NAME:stage.option=value;stage.option=value". The first four are known names: optimize.layers=diffuse,
+// optimize.layers=auto, the same without an opaque twin, and training without masks. A known name with options has both. Commas
+// in brackets or quotes belong to a value. Error{Usage} for an unknown name without options, a name twice, or a name that is no
+// folder name.
 std::vector<Arm> arm_list(std::string_view text);
 
 }  // namespace vitrine

@@ -155,7 +155,7 @@ std::string summary_text(const OpticsSummary& summary) {
       }
     }
   std::string text =
-      "PSNR of held-out views in dB, by region, pooled over all pixels; c. = local correlation, n. = "
+      "PSNR of held-out views in dB, of regions and objects pooled over all pixels; c. = local correlation, n. = "
       "normals in degrees; mean over training seeds\n\n" +
       aligned(rows);
   if (summary.gains.empty()) return text;

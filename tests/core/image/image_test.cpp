@@ -156,7 +156,7 @@ TEST(Metrics, LocalCorrelationTellsTheRightReflectionFromNone) {
   EXPECT_NEAR(local_correlation(inverted, a).value().value(), -1, 1e-6);
   EXPECT_NEAR(local_correlation(other, a).value().value(), 0, 0.05);
   EXPECT_GT(local_correlation(brighter, a).value().value(), 0.9);
-  EXPECT_FALSE(local_correlation(ImageF(kSide, kSide, 3, 0.5f), ImageF(kSide, kSide, 3, 0.25f)).value());
+  EXPECT_FALSE(local_correlation(ImageF(kSide, kSide, 3, 0.3f), ImageF(kSide, kSide, 3, 0.7f)).value());
 
   // Of windows in the mask alone: outside, the two have nothing in common.
   ImageF mask(kSide, kSide, 1, 0.f), mixed = other;

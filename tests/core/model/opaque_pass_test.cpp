@@ -43,13 +43,14 @@ TEST(OpaquePass, PicturesAreMeansOfBothInLinearLightByWhatAPixelShows) {
   const std::vector<uint32_t> shown = shapes_shown(frame);
   size_t ball = 0, reflected = 0;
   for (size_t i = 0; i < blended.size(); ++i) {
-    const bool on_ball = shown[i % shown.size()] != 0;
+    const bool on_ball = shown[i % shown.size()] != 0;  // its whole silhouette: below
     const float s = on_ball ? 0.25f : kElsewhere;
     ball += on_ball;
     EXPECT_NEAR(blended[i], s * layers[i] + (1 - s) * of_twin.linear[i], 1e-5f);
     EXPECT_NEAR(frame.layers.diffuse[i] + frame.layers.reflection[i], blended[i], 1e-5f) << "its parts add up";
     reflected += frame.layers.reflection[i] > 0;
   }
+  for (const SilhouettePixel& p : frame.silhouette.pixels) EXPECT_EQ(shown[p.pixel] != 0, p.covered > 0);
   EXPECT_GT(ball, 500u);
   EXPECT_LT(ball, blended.size() - 500);
   EXPECT_GT(reflected, 300u);

@@ -107,17 +107,20 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   config.checkpoint_every = 20;
   config.phases.reflection.from = 0.2;
   config.phases.reflection.surface_from = 0.25;
-  const auto run = [&](const char* name, int threads, std::initializer_list<int> stops) {
+  const auto run = [&](const char* name, int threads, std::initializer_list<int> twin_stops, std::initializer_list<int> stops) {
     TestContext context(sfm, folder.path() / name);
     context.objects = artifact;
     context.thread_count = threads;
-    for (int stop : stops) {
-      context.after_step = [stop](int step) {
-        if (step == stop) throw testing::Stopped{};
-      };
-      EXPECT_THROW(run_optimize(config, context), testing::Stopped);
-    }
-    context.after_step = nullptr;
+    const auto stopped = [&](std::function<void(int)>& called, std::initializer_list<int> at) {
+      for (int stop : at) {
+        called = [stop](int step) {
+          if (step == stop) throw testing::Stopped{};
+        };
+        EXPECT_THROW(run_optimize(config, context), testing::Stopped);
+      }
+      called = nullptr;
+    };
+    stopped(context.after_twin_step, twin_stops), stopped(context.after_step, stops);
     run_optimize(config, context);
     return context.output();
   };
@@ -125,9 +128,9 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
     const auto found = read_image_options(artifact / "optimize/model.json").shape.set;
     return found ? found->entries : std::vector<ShapeSet::Entry>();
   };
-  const fs::path whole = run("whole", 1, {});
+  const fs::path whole = run("whole", 1, {}, {});
   ASSERT_EQ(shapes(whole).size(), 1u);
-  EXPECT_EQ(digest_folder(whole), digest_folder(run("killed", 3, {23, 25, 31, 90})));
+  EXPECT_EQ(digest_folder(whole), digest_folder(run("killed", 3, {7, 65, 120}, {1, 23, 25, 31, 90, 107, 109, 120})));
   // Off the ball by how much, in the mean over its profile.
   const auto off = [&](const fs::path& artifact) {
     const auto s = std::get<SurfaceOfRevolution>(shapes(artifact).at(0).shape);
@@ -143,18 +146,17 @@ TEST(MirrorRun, ASolidFollowsWhatItMirrorsAndSurvivesBeingKilled) {
   };
   // The ball mirrors a dome that no photo shows, and finds it out while its own shape is learnt: that must not lead it astray.
   EXPECT_LT(off(whole), 0.005) << "a pixel is 0.008";
-  // What is opaque alone has learnt from the same photos, and others have told how much of the ball is its.
+  // The opaque twin was trained, and photos have judged it.
   const TrainedScene trained = read_trained_scene(whole);
   EXPECT_GT(trained.surfels.opaque.size(), 100u);
   EXPECT_EQ(trained.image.opaque.layered, 0.5f);
-  EXPECT_GE(shapes(whole)[0].layered, 0);
-  EXPECT_LE(shapes(whole)[0].layered, 1);
+  EXPECT_LT(shapes(whole)[0].layered, 1) << "120 steps are few for a reflection layer";
   config.opaque_twin = false;
-  const TrainedScene alone = read_trained_scene(run("alone", 2, {}));
+  const TrainedScene alone = read_trained_scene(run("alone", 2, {}, {}));
   EXPECT_EQ(alone.surfels.opaque.size(), 0u);
   EXPECT_EQ(alone.image.opaque.layered, 1);
   config.shading.shapes = false;
-  EXPECT_TRUE(shapes(run("surfels", 2, {})).empty());
+  EXPECT_TRUE(shapes(run("surfels", 2, {}, {})).empty());
 }
 
 }  // namespace

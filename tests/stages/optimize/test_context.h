@@ -46,7 +46,8 @@ class TestContext final : public StageContext {
   size_t max_memory_bytes() const override { return memory; }
   void progress(const Progress& p) override {
     last_progress = p;
-    if (after_step) after_step(int(p.values.at("step")));
+    const auto& called = p.text.starts_with("opaque twin") ? after_twin_step : after_step;
+    if (called) called(int(p.values.at("step")));
   }
   void metric(std::string_view name, double value) override { metrics[std::string(name)] = value; }
   void warning(std::string_view code, std::string_view) override { warnings.emplace_back(code); }
@@ -55,8 +56,8 @@ class TestContext final : public StageContext {
 
   int thread_count = 2;
   size_t memory = 0;
-  std::optional<fs::path> masks, objects;  // artifacts of these stages
-  std::function<void(int)> after_step;
+  std::optional<fs::path> masks, objects;                // artifacts of these stages
+  std::function<void(int)> after_step, after_twin_step;  // of the layers; of the opaque twin, before
   Progress last_progress;
   std::map<std::string, double> metrics, timings;
   std::vector<std::string> warnings;

@@ -261,7 +261,11 @@ class MirrorOracle {
   nlohmann::ordered_json figures(const Samples& s) {
     ScenePainter opaque(scene_, {});
     std::optional<ScenePainter> trained;
-    if (d_.trained) trained.emplace(read_trained_scene(*d_.trained), PictureDesc{});
+    if (d_.trained) {
+      TrainedScene layers = read_trained_scene(*d_.trained);
+      layers.surfels.opaque = {};
+      trained.emplace(std::move(layers), PictureDesc{});
+    }
     std::map<std::string, std::map<std::string, Error2>> errors;
     ImageF of_opaque, of_trained;
     uint32_t current = uint32_t(-1);
