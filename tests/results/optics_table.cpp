@@ -17,10 +17,10 @@ struct OpticsColumn {
   int digits;
 };
 constexpr OpticsColumn kOpticsColumns[] = {{"all", "PSNR", 1},
-                                           {"glass", "glass", 1},
-                                           {"mirror", "mirrors", 1},
-                                           {"coated", "coats", 1},
-                                           {"rest", "rest", 1},
+                                           {"glass_pooled", "glass", 1},
+                                           {"mirror_pooled", "mirrors", 1},
+                                           {"coated_pooled", "coats", 1},
+                                           {"rest_pooled", "rest", 1},
                                            {"behind_glass", "behind glass", 1},
                                            {"relit", "relit", 1},
                                            {"normals_glass", "normals: glass", 0},

@@ -105,7 +105,7 @@ constexpr const char* kOptics =
     R"({"format": "vitrine-optics 1", "commit": "fedcba9876543210", "machine": {"cpu": "a processor", "cores": 2},
         "seeds": [1, 2, 3], "training_seeds": [1, 2], "settings": {"steps": 1000}, "scenes": [{}, {}, {}], "against": "diffuse",
         "gains": [{"arm": "full", "figures": {"all": {"mean": 0.45, "deviation": 0.21, "worst": 0.2, "scenes": 3},
-                                              "coated": {"mean": -1.26, "deviation": 0, "worst": -1.26, "scenes": 1},
+                                              "coated_pooled": {"mean": -1.26, "deviation": 0, "worst": -1.26, "scenes": 1},
                                               "normals_mirror": {"mean": -8.4, "deviation": 2.6, "worst": -5, "scenes": 2}}}]})";
 
 TEST_F(RecordedRun, DifferencesOverScenesAreATableOfTheirOwnBehindTheRows) {
