@@ -75,17 +75,11 @@ struct SilhouetteImages {
 
 // Pixels that show a coat (ShapePass): the channels stay those of the paint, reflections take the surface of the shape. Empty
 // without.
-enum class CoatPixel : unsigned char {
-  None,
-  OfSurfels,  // the surfels tell position and normal of the coat as well
-  OfShape,    // the shape does
-};
 struct CoatImages {
-  std::vector<CoatPixel> shown;  // [h,w]
   std::vector<uint32_t> entry;   // [h,w] 1 + the entry that is shown, 0: none
-  std::vector<float> normal, z;  // [3,h,w] unit, [h,w] z-depth, where the shape tells them
-  bool shows(uint32_t pixel) const { return !shown.empty() && shown[pixel] != CoatPixel::None; }
-  bool of_shape(uint32_t pixel) const { return !shown.empty() && shown[pixel] == CoatPixel::OfShape; }
+  std::vector<float> normal, z;  // [3,h,w] unit, [h,w] z-depth, where the shape tells them; z 0: the surfels do
+  bool shows(uint32_t pixel) const { return !entry.empty() && entry[pixel] != 0; }
+  bool of_shape(uint32_t pixel) const { return shows(pixel) && z[pixel] > 0; }
   void clear();
   void start(size_t pixels);
 };

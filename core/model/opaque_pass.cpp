@@ -10,6 +10,14 @@ namespace {
 
 constexpr size_t kOpaqueGrain = 1 << 13;  // pixels
 
+// Whether the twin has any share of a picture.
+bool blends(const SplatScene& scene, const ImageOptions& options) {
+  if (scene.opaque.size() == 0) return false;
+  const ShapeSet* const set = options.shape.set.get();
+  return options.opaque.layered < 1 ||
+         (set != nullptr && std::ranges::any_of(set->entries, [](const ShapeSet::Entry& e) { return e.layered < 1; }));
+}
+
 }  // namespace
 
 std::vector<uint32_t> shapes_shown(const Frame& frame) {
@@ -38,7 +46,7 @@ std::span<const float> OpaquePicture::draw(const SplatScene& scene, const View& 
 }
 
 void OpaquePass::forward(const SplatScene& scene, Frame& frame) {
-  if (frame.differentiable || scene.opaque.size() == 0) return;
+  if (frame.differentiable || !blends(scene, frame.options)) return;
   const ShapeSet* const set = frame.options.shape.set.get();
   const std::vector<uint32_t> shown = shapes_shown(frame);
   const std::span<const float> twin = twin_.draw(scene, *frame.view, frame.options);

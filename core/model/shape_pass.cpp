@@ -36,10 +36,9 @@ std::optional<ShapeSet::Hit> shown_mirror(const ShapeSet& set, const Ray& ray, d
   });
 }
 
-void CoatImages::clear() { shown.clear(), entry.clear(), normal.clear(), z.clear(); }
+void CoatImages::clear() { entry.clear(), normal.clear(), z.clear(); }
 
 void CoatImages::start(size_t pixels) {
-  shown.assign(pixels, CoatPixel::None);
   entry.assign(pixels, 0);
   normal.assign(3 * pixels, 0.f);
   z.assign(pixels, 0.f);
@@ -102,10 +101,8 @@ void ShapePass::show_coats(Frame& frame) const {
         return in_front <= tolerance && in_front >= -kBehindCoat * tolerance && dot(h.normal, per_z) < 0;
       });
       if (!hit) continue;
-      const bool exact = set.entries[hit->entry].exact;
-      coats.shown[pixel] = exact ? CoatPixel::OfShape : CoatPixel::OfSurfels;
       coats.entry[pixel] = hit->entry + 1;
-      if (!exact) continue;
+      if (!set.entries[hit->entry].exact) continue;
       for (size_t c = 0; c < 3; ++c) coats.normal[c * g.pixels + pixel] = static_cast<float>(hit->normal[c]);
       coats.z[pixel] = static_cast<float>(hit->t);
     }

@@ -150,9 +150,7 @@ void SilhouettePass::show(const SilhouettePixel& at, uint32_t donor, Frame& fram
     for (size_t c = 0; c < 3; ++c) frame.diffuse.plane(Aov::Normal)[c * pixels + at.pixel] = alpha * at.normal[c];
   }
   for (size_t c = 0; c < 3; ++c) frame.linear[c * pixels + at.pixel] = frame.diffuse.plane(Aov::Color)[c * pixels + at.pixel];
-  if (frame.coats.shown.empty()) return;  // the channels are no longer those of a coat
-  frame.coats.shown[at.pixel] = CoatPixel::None;
-  frame.coats.entry[at.pixel] = 0;
+  if (!frame.coats.entry.empty()) frame.coats.entry[at.pixel] = 0;  // the channels are no longer those of a coat
 }
 
 void SilhouettePass::forward(const SplatScene& scene, Frame& frame) {

@@ -92,8 +92,8 @@ RelitScore score_of(const std::vector<Pair>& pairs, const RelitErrorDesc& desc, 
     const ImageF truth = srgb(p.truth, {1, 1, 1}, p.known), ours = srgb(p.ours, score.scale, p.known);
     if (count_of(p.object) >= kFewestPixels) object.push_back(psnr(ours, truth, &p.object));
     if (count_of(p.opaque) >= kFewestPixels) opaque.push_back(psnr(ours, truth, &p.opaque));
-    for (const auto& [region, error] : region_errors(p.regions, ours, truth, kFewestPixels))
-      if (region != "object") regions[region].push_back(error.squared.psnr());
+    for (const auto& [region, mask] : p.regions)
+      if (region != "object" && count_of(mask) >= kFewestPixels) regions[region].push_back(psnr(ours, truth, &mask));
     if (count_of(p.known) >= kFewestPixels) {
       everywhere.push_back(psnr(ours, truth, &p.known));
       similarity.push_back(ssim(ours, truth));

@@ -83,7 +83,7 @@ inline std::string values_of(const Frame& frame, FramePart part) {
       b.add(silhouette.rest), b.add(silhouette.solid);
       break;
     case FramePart::Coats:
-      b.add(coats.shown), b.add(coats.entry), b.add(coats.normal), b.add(coats.z);
+      b.add(coats.entry), b.add(coats.normal), b.add(coats.z);
       break;
     case FramePart::Sheets:
       b.add(sheets.entry), b.add(sheets.element);
