@@ -179,7 +179,7 @@ class Evaluator {
     RegionMasks masks = regions(index, render.intrinsics);
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
-    score.regions = region_errors(masks, render.srgb, photo, config_.min_region_pixels);
+    score.regions = region_errors(masks, render.srgb, photo, config_.min_region_pixels, heldout);
     if (heldout) score_objects(index, render, photo, judged, score);
     if (heldout) score.neutral_shift = shift_of_neutral(view, render, photo, judged, masks);
     if (truth_from_ours()) score_surface(index, render, masks, score);
@@ -198,7 +198,7 @@ class Evaluator {
       ImageF shown(labels.width(), labels.height(), 1);
       std::ranges::transform(labels.data(), shown.data().begin(), [&](uint16_t id) { return id == object.id ? 1.f : 0.f; });
       if (judged) keep_within(*judged, shown);
-      const auto error = region_error(shown, render.srgb, photo, config_.min_region_pixels);
+      const auto error = region_error(shown, render.srgb, photo, config_.min_region_pixels, true);
       if (!error) continue;
       score.objects[object.id] = *error;
       auto& scored = result_.objects[object.id];

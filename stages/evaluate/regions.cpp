@@ -60,15 +60,16 @@ void keep_within(const ImageF& mask, ImageF& image) {
   for (size_t i = 0; i < image.data().size(); ++i) image.data()[i] *= mask.data()[i / channels];
 }
 
-std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo, int min_pixels) {
+std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo, int min_pixels,
+                                        bool heldout) {
   if (std::ranges::count(mask.data(), 1.f) < min_pixels) return std::nullopt;
-  return RegionError{squared_error(srgb, photo, &mask), local_correlation(srgb, photo, &mask)};
+  return RegionError{squared_error(srgb, photo, &mask), heldout ? local_correlation(srgb, photo, &mask) : LocalCorrelation{}};
 }
 
-RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels) {
+RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo, int min_pixels, bool heldout) {
   RegionErrors errors;
   for (const auto& [region, mask] : masks)
-    if (const auto error = region_error(mask, srgb, photo, min_pixels)) errors[region] = *error;
+    if (const auto error = region_error(mask, srgb, photo, min_pixels, heldout)) errors[region] = *error;
   return errors;
 }
 

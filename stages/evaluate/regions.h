@@ -34,12 +34,13 @@ void keep_within(const ImageF& mask, ImageF& image);
 
 struct RegionError {
   SquaredError squared;
-  LocalCorrelation correlation;
+  LocalCorrelation correlation;  // of held-out views; nothing in it of others
 };
 // Of each region with at least `min_pixels` pixels, over its pixels and channels.
 using RegionErrors = std::map<std::string, RegionError>;
-RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
+RegionErrors region_errors(const RegionMasks& masks, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels, bool heldout);
 // nullopt: fewer pixels than that.
-std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels);
+std::optional<RegionError> region_error(const ImageF& mask, const ImageF& srgb, const ImageF& photo_srgb, int min_pixels,
+                                        bool heldout);
 
 }  // namespace vitrine

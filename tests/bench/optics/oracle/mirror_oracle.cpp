@@ -9,6 +9,7 @@
 #include "core/camera/view_set.h"
 #include "core/camera/view_split.h"
 #include "core/image/exr.h"
+#include "core/image/metrics.h"
 #include "core/image/resample.h"
 #include "core/light/octahedral.h"
 #include "core/math/color.h"
@@ -231,15 +232,10 @@ class MirrorOracle {
         if (down[t][c] > 1e-9) far_[t][c] = std::max(0.f, far_[t][c] + kStep * float(up[t][c] / down[t][c]));
   }
 
-  struct Error2 {
-    double sum = 0;
-    size_t count = 0;
-    void add(const Vec3f& ours, const Vec3f& theirs) {
-      for (size_t c = 0; c < 3; ++c) sum += double(ours[c] - theirs[c]) * double(ours[c] - theirs[c]);
-      count += 3;
-    }
-    double psnr() const { return sum > 0 ? -10 * std::log10(sum / double(count)) : 99; }
-  };
+  static void add(const Vec3f& ours, const Vec3f& theirs, SquaredError& error) {
+    error.sum += double(dot(ours - theirs, ours - theirs));
+    error.weight += 3;
+  }
 
   static Vec3f shown(const Vec3f& linear, const Vec3d& gain) {
     Vec3f out;
@@ -248,12 +244,12 @@ class MirrorOracle {
   }
 
   double psnr_of_oracle(const Samples& s) const {
-    Error2 e;
+    SquaredError e;
     for (size_t i = 0; i < s.pixels.size(); ++i) {
       const Pixel& p = s.pixels[i];
       if (p.object == kStraight) continue;
       const Vec3d& gain = views_[p.photo].gain;
-      e.add(shown(hadamard(tint_.at(p.object), light(s.of(i))), gain), shown(p.seen, gain));
+      add(shown(hadamard(tint_.at(p.object), light(s.of(i))), gain), shown(p.seen, gain), e);
     }
     return e.psnr();
   }
@@ -266,7 +262,7 @@ class MirrorOracle {
       layers.surfels.opaque = {};
       trained.emplace(std::move(layers), PictureDesc{});
     }
-    std::map<std::string, std::map<std::string, Error2>> errors;
+    std::map<std::string, std::map<std::string, SquaredError>> errors;
     ImageF of_opaque, of_trained;
     uint32_t current = uint32_t(-1);
     for (size_t i = 0; i < s.pixels.size(); ++i) {
@@ -287,21 +283,21 @@ class MirrorOracle {
                   base = at(of_opaque);
       for (const std::string& name : {std::string("all"), labels_.objects().find(p.object)->name}) {
         auto& row = errors[name];
-        row["opaque"].add(base, photo);
-        row["oracle"].add(ours, photo);
-        row["opaque+oracle"].add(0.5f * (base + ours), photo);
+        add(base, photo, row["opaque"]);
+        add(ours, photo, row["oracle"]);
+        add(0.5f * (base + ours), photo, row["opaque+oracle"]);
         if (!trained) continue;
         const Vec3f full = at(of_trained);
-        row["trained"].add(full, photo);
-        row["opaque+trained"].add(0.5f * (base + full), photo);
-        row["all"].add((base + full + ours) / 3.f, photo);
+        add(full, photo, row["trained"]);
+        add(0.5f * (base + full), photo, row["opaque+trained"]);
+        add((base + full + ours) / 3.f, photo, row["all"]);
       }
     }
     nlohmann::ordered_json out;
     for (const auto& [name, row] : errors)
       for (const auto& [kind, e] : row) {
         out[name][kind] = std::round(100 * e.psnr()) / 100;
-        out[name]["pixels"] = e.count / 3;
+        out[name]["pixels"] = e.weight / 3;
       }
     return out;
   }
