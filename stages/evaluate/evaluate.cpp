@@ -1,3 +1,5 @@
+// One class on purpose: every view is rendered once, and all figures are taken from that picture. How each is computed stands in
+// files of their own (regions, surface_error, albedo_error, relit_error, mesh_error ...).
 #include "stages/evaluate/evaluate.h"
 
 #include <algorithm>

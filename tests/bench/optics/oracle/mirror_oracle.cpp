@@ -297,7 +297,7 @@ class MirrorOracle {
     for (const auto& [name, row] : errors)
       for (const auto& [kind, e] : row) {
         out[name][kind] = std::round(100 * e.psnr()) / 100;
-        out[name]["pixels"] = e.weight / 3;
+        out[name]["pixels"] = size_t(e.weight) / 3;
       }
     return out;
   }
