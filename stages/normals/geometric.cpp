@@ -5,33 +5,17 @@
 
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/camera/projection.h"
 #include "core/image/resample.h"
-#include "core/math/quantile.h"
-#include "core/stereo/patch_match.h"
+#include "core/stereo/stereo_photos.h"
 #include "stages/normals/plane_fit.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
-constexpr double kFarPercentile = 0.98;
-// Without a single sparse point depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
-constexpr double kBlindDepthFactor = 4;
 constexpr float kFullAgreement = 3;       // neighbours that see the same surface make a depth as sure as it gets
 constexpr float kConvincingAlone = 0.9f;  // NCC of a depth that nobody was asked to confirm
 constexpr float kOnMirror = 0.3f;         // stereo on an object whose surface it probably does not see
-
-// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
-ImageF luma(const ImageF& srgb) {
-  ImageF grey(srgb.width(), srgb.height(), 1);
-  for (size_t i = 0; i < grey.data().size(); ++i) {
-    const float* p = srgb.data().data() + 3 * i;
-    grey.data()[i] = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
-  }
-  return grey;
-}
 
 std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   const ViewSet& set = desc.capture.set;
@@ -55,22 +39,10 @@ std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
     photos[v].view = set.views[v];
     photos[v].view.intrinsics = set.views[v].intrinsics.limited_to(desc.config.max_side);
     const Intrinsics& k = photos[v].view.intrinsics;
-    photos[v].luma = luma(desc.capture.photo(v, k.width, k.height));
+    photos[v].luma = luma_of_srgb(desc.capture.photo(v, k.width, k.height));
   });
   throw_if_interrupted();
-  for (const ScenePoint& point : set.points)
-    for (uint32_t v : point.views) {
-      if (!wanted[v]) continue;
-      if (const auto p = projection(point.position, photos[v].view)) photos[v].hints.push_back({p->x, p->y, p->z});
-    }
-  for (StereoPhoto& photo : photos) {
-    photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;
-    if (photo.hints.empty()) continue;
-    std::vector<double> depths;
-    for (const Vec3d& h : photo.hints) depths.push_back(h.z);
-    photo.near_z = kNearShare * std::ranges::min(depths);
-    photo.far_z = desc.config.far_factor * quantile_of(depths, kFarPercentile);
-  }
+  find_depth_ranges(set, desc.config.far_factor, photos);
   return photos;
 }
 

@@ -4,22 +4,17 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/math/quantile.h"
 #include "core/stereo/extend_planes.h"
+#include "core/stereo/stereo_photos.h"
 
 namespace vitrine {
 
 namespace {
 
 constexpr size_t kNeighbours = 7;
-constexpr double kNearShare = 0.6;  // of the nearest sparse point: where surfaces may begin
-constexpr double kFarPercentile = 0.98;
 // Radii of the cameras: at 100 the cameras of a ring see a thing at most 1.1 degrees apart.
 constexpr double kBackground = 100;
 constexpr double kBeyond = 2;  // times where surfaces are looked for
-// Without a single sparse point the depths lie within this factor of the cameras' radius, which is 1 in the scene frame.
-constexpr double kBlindDepthFactor = 4;
 
 size_t level_near(const Capture& capture, int max_side) {
   size_t best = 0;
@@ -67,20 +62,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     photo.luma = luma(capture.photos[v].levels[level]);
     photo.neighbours = neighbours[v];
   });
-  for (const ScenePoint& point : capture.view_set.points)
-    for (uint32_t v : point.views) {
-      StereoPhoto& photo = dense.photos[v];
-      if (photo.luma.empty()) continue;
-      if (const auto p = projection(point.position, photo.view)) photo.hints.push_back({p->x, p->y, p->z});
-    }
-  for (StereoPhoto& photo : dense.photos) {
-    photo.near_z = 1 / kBlindDepthFactor, photo.far_z = kBlindDepthFactor;
-    if (photo.hints.empty()) continue;
-    std::vector<double> depths;
-    for (const Vec3d& h : photo.hints) depths.push_back(h.z);
-    photo.near_z = kNearShare * std::ranges::min(depths);
-    photo.far_z = far_factor * quantile_of(depths, kFarPercentile);
-  }
+  find_depth_ranges(capture.view_set, far_factor, dense.photos);
   dense.background = kBackground;
   for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, kBeyond * photo.far_z);
   for (StereoPhoto& photo : dense.photos) photo.background_z = dense.background;

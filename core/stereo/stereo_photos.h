@@ -1,0 +1,16 @@
+// What PatchMatch stereo has to know of each photo, from the poses and sparse points of a capture.
+#pragma once
+
+#include "core/camera/view_set.h"
+#include "core/stereo/patch_match.h"
+
+namespace vitrine {
+
+// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge. [h,w,3] -> [h,w,1].
+ImageF luma_of_srgb(const ImageF& srgb);
+
+// Fills `hints`, `near_z` and `far_z` of the photos that have a picture, from the sparse points that they see: [view of `set`].
+// `far_factor`: times the depth of the farthest points.
+void find_depth_ranges(const ViewSet& set, double far_factor, std::span<StereoPhoto> photos);
+
+}  // namespace vitrine
