@@ -25,9 +25,13 @@ VoxelGrid<uint8_t> grid_over(const Bounds3& bounds, int resolution, int padding)
 }
 
 // `slack` in voxels widens the silhouettes, so that a coarse grid loses nothing.
-void carve(const Carving& carving, double slack, VoxelGrid<uint8_t>& grid) {
+void carve(const Carving& carving, std::span<const HalfSpace> within, double slack, VoxelGrid<uint8_t>& grid) {
   grid.each([&](int x, int y, int z) {
-    grid.values[grid.index(x, y, z)] = carving.inside(grid.centre(x, y, z), grid.cell, slack * grid.cell);
+    const Vec3d p = grid.centre(x, y, z);
+    grid.values[grid.index(x, y, z)] =
+        std::ranges::all_of(within,
+                            [&](const HalfSpace& half) { return dot(half.normal, p) <= half.offset + slack * grid.cell; }) &&
+        carving.inside(p, grid.cell, slack * grid.cell);
   });
 }
 
@@ -72,11 +76,11 @@ VisualHull::VisualHull(std::span<const Silhouette> silhouettes, const HullDesc& 
   const Carving carving(silhouettes, desc.rule, true);
   const double r = desc.reach;
   VoxelGrid<uint8_t> coarse = grid_over({{-r, -r, -r}, {r, r, r}}, kCoarse, 0);
-  carve(carving, 0.9, coarse);
+  carve(carving, desc.within, 0.9, coarse);
   const Bounds3 rough = occupied(coarse);
   if (rough.empty()) return;
   VoxelGrid<uint8_t> fine = grid_over(rough, desc.resolution, kPadding);
-  carve(carving, 0, fine);
+  carve(carving, desc.within, 0, fine);
   if (desc.one_piece) keep_largest(fine);
   bounds_ = occupied(fine);
   if (bounds_.empty()) return;

@@ -15,12 +15,18 @@
 
 namespace vitrine {
 
+struct HalfSpace {  // normal.X <= offset
+  Vec3d normal;
+  double offset = 0;
+};
+
 struct HullDesc {
   int resolution = 128;  // voxels along the longest side of what is left
   CarvingRule rule = {};
-  bool one_piece = false;       // keep the largest connected part: cones of few photos also meet where nothing is
-  double reach = 1.2;           // half edge of the cube around the cameras' centre that is looked at
-  double most_one_sided = 0.8;  // length of the mean direction towards the cameras; 1 = all look from one place
+  bool one_piece = false;              // keep the largest connected part: cones of few photos also meet where nothing is
+  double reach = 1.2;                  // half edge of the cube around the cameras' centre that is looked at
+  std::vector<HalfSpace> within = {};  // all that is looked at: a thing on a table is not below it
+  double most_one_sided = 0.8;         // length of the mean direction towards the cameras; 1 = all look from one place
 };
 
 // Where a ray meets the hull; the normal is of unit length, in the world, against the ray.
