@@ -61,6 +61,7 @@ struct Scene {
   int reduced_divisor = 4;                       // depth and normals of the reduced truth: photo size divided by this
   size_t reduced_faces = 60000;                  // of the opaque truth mesh, in the reduced truth
   bool full_truth = false;                       // of the scenes that are small: truth at photo size, albedo
+  bool marked = false;                           // marks.yaml beside the photos
 };
 
 // The scene's parts plus one emitter part for each lamp.

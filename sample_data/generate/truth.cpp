@@ -14,6 +14,7 @@
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
+#include "sample_data/generate/marks.h"
 
 namespace vitrine::generate {
 namespace {
@@ -160,6 +161,7 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
   const bool full = desc.full_truth || scene.full_truth;
   const Environment environment = planned(rays, scene.environment);
   if (desc.geometry) write_geometry(rays, truth, full);
+  if (desc.geometry && scene.marked) write_marks(scene, folder / "marks.yaml");
   if (desc.photos) {
     make_folders(folder / "photos");
     const Integrator integrator(rays, {environment, scene.lamps});

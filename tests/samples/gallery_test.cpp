@@ -6,10 +6,14 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/parallel.h"
+#include "core/camera/projection.h"
 #include "sample_data/generate/capture.h"
+#include "sample_data/generate/marks.h"
 #include "sample_data/generate/revolve.h"
 #include "sample_data/generate/scenes/gallery_deck.h"
 #include "sample_data/generate/scenes/gallery_layout.h"
@@ -203,6 +207,43 @@ TEST(Gallery, GlossyPiecesAreLargeInThePictures) {
     }
     for (const auto& [name, count] : pixels) EXPECT_GT(100 * count, all * 3 / 2) << seed << " " << name;  // 1.5 %
   }
+}
+
+// Boxes hold all of a thing, and are at most a tenth too wide on every side.
+TEST(Gallery, MarksAreLooseBoxesInThreePhotosOfEveryGlossyPiece) {
+  const GalleryPlan plan = gallery_plan(2);
+  Scene scene = bare_scene(plan, 2);
+  const TemporaryFolder folder;
+  write_marks(scene, folder.path() / "marks.yaml");
+  std::istringstream lines(read_file(folder.path() / "marks.yaml"));
+  std::string line;
+  std::map<std::string, int> marks;
+  while (std::getline(lines, line)) {
+    char photo[64], kind[64], thing[64];
+    double left = 0, top = 0, right = 0, bottom = 0;
+    if (std::sscanf(line.c_str(), "  - {photo: %63[^,], class: %63[^,], thing: %63[^,], box: [%lf, %lf, %lf, %lf]}", photo, kind,
+                    thing, &left, &top, &right, &bottom) != 7)
+      continue;
+    ++marks[thing];
+    const auto view = std::ranges::find(scene.views, std::string(photo), &View::name);
+    ASSERT_NE(view, scene.views.end()) << line;
+    EXPECT_FALSE(is_heldout(size_t(view - scene.views.begin()), 8)) << line;
+    double low = 1e9, high = -1e9;
+    for (const Part& part : scene.parts)
+      if (part.name.starts_with(std::string(thing) + "/") && glossy(part)) {
+        EXPECT_EQ(part.material.glass(), std::string(kind) == "transparent") << line;
+        for (const Vec3f& p : part.shape.mesh.positions) {
+          const ImagePoint at = *projection(cast<double>(p), *view);
+          EXPECT_TRUE(at.x > left - 0.1 && at.x < right + 0.1 && at.y > top - 0.1 && at.y < bottom + 0.1) << line;
+          low = std::min(low, at.x), high = std::max(high, at.x);
+        }
+      }
+    EXPECT_LT(right - left, 1.2 * (high - low) + 0.2) << line;
+  }
+  size_t glossy_pieces = 0;
+  for (const PlacedPiece& placed : plan.pieces) glossy_pieces += std::ranges::any_of(placed.piece.parts, glossy);
+  EXPECT_EQ(marks.size(), glossy_pieces);
+  for (const auto& [thing, count] : marks) EXPECT_EQ(count, 3) << thing;
 }
 
 TEST(Gallery, CoatedPixelsAreGlossyPaintedAndNotGlass) {

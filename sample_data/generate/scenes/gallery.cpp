@@ -22,6 +22,7 @@ Scene gallery(uint64_t seed) {
   scene.transmitted_samples = 0.5f;
   scene.cache = {.direct_samples = 64, .gather_samples = 32, .passes = 2};
   scene.full_truth = true;
+  scene.marked = true;
   scene.relit_every = 6;
   scene.transmitted_every = 1;
   return scene;
