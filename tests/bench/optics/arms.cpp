@@ -50,8 +50,11 @@ void add_option(Arm& arm, const std::string& word, std::string_view text) {
   if (equals == std::string::npos || word.find('.') >= equals)
     bad_words("--arms", text, fmt::format("\"{}\" is no option of a stage", word), "NAME:stage.option=value;stage.option=value");
   const std::string path = word.substr(0, equals), value = word.substr(equals + 1);
-  if (path.starts_with("input.") && ((path != "input.masks" && path != "input.poses") || (value != "truth" && value != "none")))
-    bad_words("--arms", text, fmt::format("\"{}\" is no input of an arm", word), "input.masks=none or input.poses=none");
+  const bool known = (path == "input.masks" && (value == "truth" || value == "marks" || value == "none")) ||
+                     (path == "input.poses" && (value == "truth" || value == "none"));
+  if (path.starts_with("input.") && !known)
+    bad_words("--arms", text, fmt::format("\"{}\" is no input of an arm", word),
+              "input.masks=marks, input.masks=none or input.poses=none");
   arm.options[path] = value;
 }
 
@@ -80,9 +83,9 @@ Arm one_arm(const std::string& text) {
 
 }  // namespace
 
-bool Arm::given(const std::string& input) const {
+std::string Arm::source(const std::string& input) const {
   const auto it = options.find("input." + input);
-  return it == options.end() || it->second != "none";
+  return it == options.end() ? "truth" : it->second;
 }
 
 std::vector<int> seed_list(std::string_view text, std::string_view flag) {

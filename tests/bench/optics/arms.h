@@ -9,12 +9,12 @@
 namespace vitrine {
 
 // An arm is a name and the options in which it differs from the others. Beside `stage.option` there are `input.masks` and
-// `input.poses`: `truth` (the default) or `none`.
+// `input.poses`: `truth` (the default) or `none`; masks can be `marks`, too: those of the scene's marks.yaml.
 struct Arm {
   std::string name;
   std::map<std::string, std::string> options;
 
-  bool given(const std::string& input) const;  // the truth's masks or poses are an input of this arm
+  std::string source(const std::string& input) const;  // of "masks" or "poses": truth, marks or none
 };
 
 // "1-12", "1,2,7", "1-3,101-112": in this order, each once. Error{Usage} names `flag`.

@@ -29,17 +29,19 @@ TEST(ArmList, KnowsThreeNamesAndTakesOptions) {
   ASSERT_EQ(arms.size(), 4u);
   EXPECT_EQ(arms[0].options.at("optimize.layers"), "diffuse");
   EXPECT_EQ(arms[1].options.at("optimize.layers"), "auto");
-  EXPECT_TRUE(arms[0].given("masks") && arms[0].given("poses"));
-  EXPECT_FALSE(arms[2].given("masks"));
-  EXPECT_TRUE(arms[2].given("poses"));
+  EXPECT_EQ(arms[0].source("masks"), "truth");
+  EXPECT_EQ(arms[0].source("poses"), "truth");
+  EXPECT_EQ(arms[2].source("masks"), "none");
+  EXPECT_EQ(arms[2].source("poses"), "truth");
   EXPECT_EQ(arms[3].name, "soft");
   EXPECT_EQ(arms[3].options.at("optimize.loss.l1.weight"), "0.5");
 }
 
 TEST(ArmList, OptionsJoinThoseOfAKnownName) {
-  const auto arms = arm_list("full:input.poses=none;optimize.layers=auto");
+  const auto arms = arm_list("full:input.poses=none;input.masks=marks;optimize.layers=auto");
   EXPECT_EQ(arms[0].options.at("optimize.layers"), "auto");
-  EXPECT_FALSE(arms[0].given("poses"));
+  EXPECT_EQ(arms[0].source("poses"), "none");
+  EXPECT_EQ(arms[0].source("masks"), "marks");
 }
 
 TEST(ArmList, CommasInBracketsAndQuotesBelongToAValue) {
@@ -51,8 +53,8 @@ TEST(ArmList, CommasInBracketsAndQuotesBelongToAValue) {
 
 TEST(ArmList, RefusesUnknownNamesNamesTwiceAndWhatIsNoOption) {
   EXPECT_NE(std::string(error_of([] { arm_list("ful"); }).what()).find("did you mean 'full'"), std::string::npos);
-  for (const char* bad :
-       {"", "full,full", "../x:a.b=1", "a:", "a:layers=full", "a:optimize.layers", "a:input.truth=none", "a:input.masks=some"})
+  for (const char* bad : {"", "full,full", "../x:a.b=1", "a:", "a:layers=full", "a:optimize.layers", "a:input.truth=none",
+                          "a:input.masks=some", "a:input.poses=marks"})
     EXPECT_EQ(error_of([&] { arm_list(bad); }).kind(), ErrorKind::Usage) << bad;
 }
 

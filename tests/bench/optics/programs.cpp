@@ -21,6 +21,7 @@ constexpr const char* kPreset = "preview";
 constexpr int kSurfelsPerFirstPoint = 3;  // as in the preset: surfels to end with for one point inside the frustums to start with
 
 // Inputs that are optional and nevertheless computed: what `vitrine run` gives to training. The others are for other figures.
+constexpr const char *kMarksFile = "marks.yaml", *kMarkedStage = "masks";  // sfm takes folders alone
 const std::set<std::string> kWantedInputs = {"masks", "objects", "normals"};
 const std::set<std::string> kRelitInputs = {"mesh", "refine", "decompose"};
 
@@ -91,10 +92,15 @@ OpticsRun Programs::run_of(const OpticsScene& scene, const Arm& arm, int trainin
         {.where = "--arms", .why = e.detail().why, .hint = "`vitrine config reference STAGE` lists options", .code = "USAGE"});
   }
   Given here{
-      .scene = scene.folder, .poses = arm.given("poses"), .masks = arm.given("masks"), .options = {}, .preparing = nullptr};
-  here.masks = here.masks && fs::is_directory(scene.folder / "truth/mask");
+      .scene = scene.folder, .poses = arm.source("poses"), .masks = arm.source("masks"), .options = {}, .preparing = nullptr};
+  if (here.masks == "truth" && !fs::is_directory(scene.folder / "truth/mask")) here.masks = "none";
+  if (here.masks == "marks" && !fs::is_regular_file(scene.folder / kMarksFile))
+    throw Error(ErrorKind::Input, fmt::format("arm '{}' wants the marks of a scene that has none", arm.name),
+                {.where = (scene.folder / kMarksFile).string(),
+                 .hint = "vitrine-generate gallery writes marks; input.masks=none",
+                 .code = "MASKS_MISSING"});
   OpticsRun run{scene.name, arm.name, training_seed, json::object(), json::object()};
-  run.training["inputs"] = {{"poses", here.poses ? "truth" : "none"}, {"masks", here.masks ? "truth" : "none"}};
+  run.training["inputs"] = {{"poses", here.poses}, {"masks", here.masks}};
   run.training["scene"] = digest_of_training_inputs(scene.folder);
   run.measuring["truth"] = digest_of_truth(scene.folder);
   for (const StageNode* stage : stages_) {
@@ -145,9 +151,11 @@ fs::path Programs::run_stage(const StageNode& stage, const OpticsRun& run, const
     if (input.artifact) continue;
     if (input.name == "photos" || input.name == "truth")
       add_input(input.name, here.scene / input.name);
-    else if (input.name == "poses" && here.poses)
+    else if (input.name == "poses" && here.poses == "truth")
       add_input(input.name, here.scene / "truth/transforms.json");
-    else if (input.name == "masks" && here.masks)
+    else if (input.name == "masks" && here.masks == "marks" && stage.name == kMarkedStage)
+      add_input(input.name, here.scene / kMarksFile);
+    else if (input.name == "masks" && here.masks == "truth")
       add_input(input.name, desc_.work / "given" / run.scene / "masks");
   }
   const std::vector<std::string>& options = here.options.at(stage.name);
@@ -178,7 +186,7 @@ json Programs::train(const OpticsRun& run) const {
   Artifacts artifacts;
   {
     const std::scoped_lock lock(*given(run).preparing);
-    if (given(run).masks) masks_of(run);
+    if (given(run).masks == "truth") masks_of(run);
     const fs::path shared = desc_.work / "stages" / preparing_digest_ / run.scene;
     for (const StageNode* stage : stages_)
       if (is_training(stage->name) && stage->name != kTrainingStage)

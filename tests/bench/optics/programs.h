@@ -37,7 +37,7 @@ class Programs {
   using Artifacts = std::map<std::string, fs::path>;  // stage -> its result
   struct Given {
     fs::path scene;
-    bool poses = true, masks = true;
+    std::string poses, masks;                                 // Arm::source()
     std::map<std::string, std::vector<std::string>> options;  // stage -> words of its command line
     std::mutex* preparing = nullptr;                          // of the scene
   };
