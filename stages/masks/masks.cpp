@@ -253,7 +253,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 13,
+      .version = 14,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                  {.name = "masks",

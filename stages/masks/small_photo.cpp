@@ -41,18 +41,20 @@ std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
   return photos;
 }
 
+EdgePhoto edge_photo(const SmallPhoto& photo) {
+  EdgePhoto edges{photo.view, ImageF(photo.view.intrinsics.width, photo.view.intrinsics.height, 3)};
+  const size_t pixels = edges.srgb.pixel_count();
+  for (size_t i = 0; i < 3 * pixels; ++i) edges.srgb.data()[i] = photo.srgb[i % 3 * pixels + i / 3];
+  return edges;
+}
+
 std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side) {
   MaskCapture some;
   some.sfm_folder = capture.sfm_folder;
   const size_t all = capture.set.views.size(), stride = (all + kMostEdgePhotos - 1) / kMostEdgePhotos;
   for (size_t v = 0; v < all; v += stride) some.set.views.push_back(capture.set.views[v]);
   std::vector<EdgePhoto> photos;
-  for (const SmallPhoto& small : small_photos(some, max_side)) {
-    const Intrinsics& k = small.view.intrinsics;
-    EdgePhoto& photo = photos.emplace_back(EdgePhoto{small.view, ImageF(k.width, k.height, 3)});
-    const size_t pixels = photo.srgb.pixel_count();
-    for (size_t i = 0; i < 3 * pixels; ++i) photo.srgb.data()[i] = small.srgb[i % 3 * pixels + i / 3];
-  }
+  for (const SmallPhoto& small : small_photos(some, max_side)) photos.push_back(edge_photo(small));
   return photos;
 }
 

@@ -16,6 +16,7 @@ struct SmallPhoto {
 // `max_side` limits the longest side.
 std::vector<View> small_views(const MaskCapture& capture, int max_side);
 std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
+EdgePhoto edge_photo(const SmallPhoto& photo);
 // For looking at their edges: not all photos of a large capture, but spread evenly; some dozens know where an edge is.
 std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -20,13 +21,15 @@
 #include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/appendage_pixels.h"
 #include "stages/masks/boxes/grab_cut.h"
+#include "stages/masks/boxes/past_outlines.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {
 
 namespace {
 
-constexpr size_t kFewestTight = 3;                 // polygons whose hull is nearly the thing
+constexpr size_t kFewestTight = 3;  // polygons whose hull is nearly the thing
+constexpr int kPastRounds = 2;
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
 constexpr double kEdgesMayDiffer = 0.02;           // from marks of a box, intersection over union
@@ -107,95 +110,194 @@ void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, 
   throw_if_interrupted();
 }
 
+// [h,w] z-depth of the hull where a thing is `inside`; that of its middle where the hull has a gap.
+std::vector<float> depths_inside(const VisualHull& hull, const View& view, const std::vector<uint8_t>& inside) {
+  std::vector<float> depth = hull_depths(hull, view).entry;
+  const auto middle = float((view.cam_from_world * (0.5 * (hull.bounds().low + hull.bounds().high))).z);
+  for (size_t i = 0; i < depth.size(); ++i)
+    if (depth[i] == 0 && inside[i]) depth[i] = middle;
+  return depth;
+}
+
 struct Carried {
   std::vector<std::vector<uint8_t>> inside, doubted;  // [view][h,w]
+  std::vector<std::vector<float>> depth;              // [view][h,w] z-depth of the thing, where it is inside
   MarkedMasks::Thing summary;
 };
 
-// `views`: at the small size. `photos`: the same with their colours; nobody looks at them for glass.
-Carried carry(const BoxesConfig& config, const MaskCapture& capture, const std::vector<View>& views,
-              const std::vector<SmallPhoto>& photos, const MarkedThing& thing) {
-  std::vector<Silhouette> cones;
-  size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
-  std::vector<const Mark*> mark_of(views.size(), nullptr);
-  std::vector<std::vector<uint8_t>> drawn(views.size());
-  for (const Mark& mark : thing.marks) {
-    mark_of[mark.view] = &mark;
-    drawn[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, views[mark.view].intrinsics);
-    cones.push_back(silhouette(views[mark.view], drawn[mark.view]));
-    whole += !touches_border(drawn[mark.view], views[mark.view].intrinsics);
-  }
-  const auto is_drawn = [&](size_t v) { return mark_of[v] != nullptr && !mark_of[v]->box; };  // a polygon
-  const bool tight = thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
-  HullDesc desc{.resolution = config.resolution,
-                .rule = {.fewest_views = std::max<size_t>(whole, 2)},
-                .one_piece = true,
-                .most_one_sided = kMostOneSided};
-  const VisualHull hull(cones, desc);
-  if (hull.empty())
-    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing.name),
-                {.why = hull.one_sidedness() > kMostOneSided
-                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
-                            : fmt::format("no point of space lies inside the marks of all {} photos", thing.marks.size()),
-                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
-                 .code = "MARKS_DISAGREE"});
-  Carried out{silhouettes_of(hull, views), std::vector<std::vector<uint8_t>>(views.size()), {thing.name, thing.word, thing.kind}};
-  out.summary.marks = thing.marks.size();
-  const Vec3d extent = hull.bounds().high - hull.bounds().low;
-  out.summary.edge = std::max({extent.x, extent.y, extent.z});
-  for (size_t v = 0; v < views.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
+// Outlines of a thing that were looked for in the photos, and the hull that they vote for.
+struct FoundOutlines {
+  std::vector<Silhouette> outlines;  // [view]; an empty picture: nothing was found there
+  VisualHull hull;
+};
 
-  if (thing.kind == MaskClass::Transparent && tight)
-    if (const std::optional<BoxFit> fit = fit_box(cones, hull.bounds())) {
-      Box box = drawn_to_edges(fit->box, edge_photos(capture, 2 * config.max_side));
-      if (agreement(cones, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
-      for (size_t v = 0; v < views.size(); ++v) out.inside[v] = silhouette_mask(box, views[v]);
-      out.summary.box_agreement = fit->agreement;
+// What mirrors has no colour of its own; polygons tell its outline all the same.
+bool is_tight(const MarkedThing& thing) {
+  return thing.marks.size() >= kFewestTight && std::ranges::none_of(thing.marks, &Mark::box);
+}
+bool mirror_in_boxes(const MarkedThing& thing) { return thing.kind == MaskClass::Specular && !is_tight(thing); }
+
+// Carries the marks of one thing. `views` are those of the capture at the small size, `photos` the same with their colours;
+// nobody looks at them for glass. `past`: looks past the hulls of boxes; nullptr: GrabCut looks for what differs in colour.
+class Carrier {
+ public:
+  Carrier(const BoxesConfig& config, const MaskCapture& capture, const std::vector<View>& views,
+          const std::vector<SmallPhoto>& photos, const PastOutlines* past, const MarkedThing& thing)
+      : config_(config),
+        capture_(capture),
+        views_(views),
+        photos_(photos),
+        past_(past),
+        thing_(thing),
+        mark_of_(views.size(), nullptr),
+        drawn_(views.size()),
+        tight_(is_tight(thing)) {
+    size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
+    for (const Mark& mark : thing.marks) {
+      const Intrinsics& k = views[mark.view].intrinsics;
+      mark_of_[mark.view] = &mark;
+      drawn_[mark.view] = filled(mark.outline, capture.set.views[mark.view].intrinsics, k);
+      cones_.push_back(silhouette(views[mark.view], drawn_[mark.view]));
+      whole += !touches_border(drawn_[mark.view], k);
     }
-  if (thing.kind != MaskClass::Transparent) {
-    std::vector<std::vector<uint8_t>> found(views.size());
-    parallel_for(views.size(), 1, [&](size_t v) {
-      if (interrupt_signal() != 0) return;
-      found[v] = is_drawn(v) ? drawn[v] : grab_cut(photos[v], out.inside[v], tight);
-    });
-    throw_if_interrupted();
-    std::vector<Silhouette> outlines;
-    for (size_t v = 0; v < views.size(); ++v) {
-      if (found[v].empty()) continue;
-      outlines.push_back(silhouette(views[v], found[v]));
-      out.summary.refined += !is_drawn(v);
+    desc_ = {.resolution = config.resolution,
+             .rule = {.fewest_views = std::max<size_t>(whole, 2)},
+             .one_piece = true,
+             .most_one_sided = kMostOneSided};
+    marked_ = VisualHull(cones_, desc_);
+    if (marked_.empty()) throw_disagree();
+  }
+
+  Carried carry() const {
+    Carried out{silhouettes_of(marked_, views_), std::vector<std::vector<uint8_t>>(views_.size()), {}, {}};
+    out.summary = {.name = thing_.name, .word = thing_.word, .kind = thing_.kind, .marks = thing_.marks.size()};
+    const Vec3d extent = marked_.bounds().high - marked_.bounds().low;
+    out.summary.edge = std::max({extent.x, extent.y, extent.z});
+    for (size_t v = 0; v < views_.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
+    const VisualHull* hull = &marked_;
+    FoundOutlines found;
+    if (thing_.kind == MaskClass::Transparent) {
+      if (tight_) take_box_of_marks(out);
+    } else {
+      found = past_ != nullptr && mirror_in_boxes(thing_) ? outlines_past() : outlines_by_colour(out.inside);
+      for (size_t v = 0; v < views_.size(); ++v) out.summary.refined += !is_polygon(v) && !found.outlines[v].value.empty();
+      if (!found.hull.empty()) take_shape(found, out), hull = &found.hull;
+      doubt(found, out);
     }
-    desc.rule = kOutlineVote;
-    const VisualHull second(outlines, desc);
-    if (!second.empty()) {
-      const FittedShapes fits = fit_shapes(outlines, second);
-      if (fits.box)
-        for (size_t v = 0; v < views.size(); ++v) out.inside[v] = silhouette_mask(fits.box->box, views[v]);
-      else
-        out.inside = silhouettes_of(second, views);
-      out.summary.voted = true;
-      out.summary.solids = fits.solids.size();
-      if (out.summary.solids > 0) {
-        std::vector<SurfaceOfRevolution> solids = tight ? solids_of_hull(hull, views) : std::vector<SurfaceOfRevolution>{};
-        if (solids.empty()) solids = fits.solids;
-        const std::vector<EdgePhoto> edges = edge_photos(capture, 2 * config.max_side);
-        for (SurfaceOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
-        turn(solids, second, tight ? &hull : nullptr, views, out.inside);
+    for (size_t v = 0; v < views_.size(); ++v) {
+      if (is_polygon(v)) {
+        out.inside[v] = drawn_[v];
+        std::ranges::fill(out.doubted[v], uint8_t(0));
+      } else if (mark_of_[v] != nullptr) {
+        for (size_t i = 0; i < drawn_[v].size(); ++i) out.inside[v][i] &= drawn_[v][i];
       }
     }
-    for (size_t v = 0; v < views.size(); ++v)
-      for (size_t i = 0; i < found[v].size(); ++i) out.doubted[v][i] = found[v][i] != out.inside[v][i];
+    out.depth.resize(views_.size());
+    parallel_for(views_.size(), 1, [&](size_t v) { out.depth[v] = depths_inside(*hull, views_[v], out.inside[v]); });
+    return out;
   }
-  for (size_t v = 0; v < views.size(); ++v) {
-    if (is_drawn(v)) {
-      out.inside[v] = drawn[v];
-      std::fill(out.doubted[v].begin(), out.doubted[v].end(), uint8_t(0));
-    } else if (mark_of[v] != nullptr) {
-      for (size_t i = 0; i < drawn[v].size(); ++i) out.inside[v][i] &= drawn[v][i];
+
+ private:
+  bool is_polygon(size_t v) const { return mark_of_[v] != nullptr && !mark_of_[v]->box; }
+
+  [[noreturn]] void throw_disagree() const {
+    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing_.name),
+                {.why = marked_.one_sidedness() > kMostOneSided
+                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
+                            : fmt::format("no point of space lies inside the marks of all {} photos", thing_.marks.size()),
+                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
+                 .code = "MARKS_DISAGREE"});
+  }
+
+  // Glass that is a box where its marks are silhouettes of one.
+  void take_box_of_marks(Carried& out) const {
+    const std::optional<BoxFit> fit = fit_box(cones_, marked_.bounds());
+    if (!fit) return;
+    Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * config_.max_side));
+    if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
+    for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(box, views_[v]);
+    out.summary.box_agreement = fit->agreement;
+  }
+
+  // A hull that is nearer to the thing lets more photos tell what is behind it.
+  FoundOutlines outlines_past() const {
+    HullDesc desc = desc_;
+    desc.within = past_->sides(marked_);
+    FoundOutlines found{std::vector<Silhouette>(views_.size()), VisualHull(cones_, desc)};
+    desc.rule = kOutlineVote;
+    for (int round = 0; round < kPastRounds && !found.hull.empty(); ++round) {
+      found.outlines = past_->outlines(found.hull, marked_);
+      for (size_t v = 0; v < views_.size(); ++v)
+        if (is_polygon(v)) found.outlines[v] = silhouette(views_[v], drawn_[v]);
+      found.hull = VisualHull(found.outlines, desc);
+    }
+    return found;
+  }
+
+  FoundOutlines outlines_by_colour(const std::vector<std::vector<uint8_t>>& about) const {
+    FoundOutlines found{std::vector<Silhouette>(views_.size()), {}};
+    parallel_for(views_.size(), 1, [&](size_t v) {
+      if (interrupt_signal() != 0) return;
+      const std::vector<uint8_t> inside = is_polygon(v) ? drawn_[v] : grab_cut(photos_[v], about[v], tight_);
+      if (!inside.empty()) found.outlines[v] = silhouette(views_[v], inside);
+    });
+    throw_if_interrupted();
+    std::vector<Silhouette> votes;
+    for (const Silhouette& outline : found.outlines)
+      if (!outline.value.empty()) votes.push_back(outline);
+    HullDesc desc = desc_;
+    desc.rule = kOutlineVote;
+    found.hull = VisualHull(votes, desc);
+    return found;
+  }
+
+  // The silhouettes of what the outlines vote for: a box, solids of revolution with their appendages, or the hull.
+  void take_shape(const FoundOutlines& found, Carried& out) const {
+    std::vector<Silhouette> votes;
+    for (const Silhouette& outline : found.outlines)
+      if (!outline.value.empty()) votes.push_back(outline);
+    const FittedShapes fits = fit_shapes(votes, found.hull);
+    if (fits.box)
+      for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(fits.box->box, views_[v]);
+    else
+      out.inside = silhouettes_of(found.hull, views_);
+    out.summary.voted = true;
+    out.summary.solids = fits.solids.size();
+    if (fits.solids.empty()) return;
+    std::vector<SurfaceOfRevolution> solids = tight_ ? solids_of_hull(marked_, views_) : std::vector<SurfaceOfRevolution>{};
+    if (solids.empty()) solids = fits.solids;
+    const std::vector<EdgePhoto> edges = edge_photos(capture_, 2 * config_.max_side);
+    for (SurfaceOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
+    turn(solids, found.hull, tight_ ? &marked_ : nullptr, views_, out.inside);
+  }
+
+  // Where an outline and the shape disagree; what something else hides is no part of the mask.
+  void doubt(const FoundOutlines& found, Carried& out) const {
+    for (size_t v = 0; v < views_.size(); ++v) {
+      const std::span<const float> value = found.outlines[v].value.data();
+      for (size_t i = 0; i < value.size(); ++i)
+        if (value[i] < 0)
+          out.inside[v][i] = 0;
+        else
+          out.doubted[v][i] = (value[i] > 0) != (out.inside[v][i] != 0);
     }
   }
-  return out;
-}
+
+  const BoxesConfig& config_;
+  const MaskCapture& capture_;
+  const std::vector<View>& views_;
+  const std::vector<SmallPhoto>& photos_;
+  const PastOutlines* past_;
+  const MarkedThing& thing_;
+  std::vector<const Mark*> mark_of_;         // [view]
+  std::vector<std::vector<uint8_t>> drawn_;  // [view][h,w] of the marks; empty: not marked
+  std::vector<Silhouette> cones_;            // the marks
+  bool tight_;                               // polygons whose hull is nearly the thing
+  HullDesc desc_;
+  VisualHull marked_;  // of the marks
+};
+
+bool wants_outlines(const MarkedThing& thing) { return thing.kind != MaskClass::Transparent; }
 
 }  // namespace
 
@@ -213,8 +315,13 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
                                                const std::function<void(double)>& progress) {
   auto masks = std::make_shared<MarkedMasks>();
   const std::vector<View> views = small_views(capture, config.max_side);
-  const bool looks = std::any_of(things.begin(), things.end(), [](const auto& t) { return t.kind != MaskClass::Transparent; });
+  const bool looks = std::ranges::any_of(things, wants_outlines);
   const std::vector<SmallPhoto> photos = looks ? small_photos(capture, config.max_side) : std::vector<SmallPhoto>{};
+  std::optional<PastOutlines> past;
+  if (std::ranges::any_of(things, mirror_in_boxes)) {
+    past.emplace(photos, capture);
+    progress(0.5);
+  }
   masks->inside.resize(views.size());
   masks->doubted.resize(views.size());
   for (size_t v = 0; v < views.size(); ++v) {
@@ -224,19 +331,23 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
     for (auto* planes : {&masks->inside[v], &masks->doubted[v]})
       for (auto& plane : *planes) plane.assign(pixels, 0);
   }
+  std::vector<std::vector<float>> nearest;  // [view][h,w] depth of what is shown
+  for (const std::vector<uint16_t>& shown : masks->shown)
+    nearest.emplace_back(shown.size(), std::numeric_limits<float>::infinity());
   for (size_t t = 0; t < things.size(); ++t) {
-    const Carried carried = carry(config, capture, views, photos, things[t]);
+    const Carrier carrier(config, capture, views, photos, past && !past->blind() ? &*past : nullptr, things[t]);
+    const Carried carried = carrier.carry();
     log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
              carried.summary.voted ? "; its outlines were looked for in all photos"
              : carried.summary.box_agreement > 0
                  ? fmt::format("; a box has these outlines ({:.0f} % of the pixels)", 100 * carried.summary.box_agreement)
                  : "");
     masks->things.push_back(carried.summary);
-    const bool glass = things[t].kind == MaskClass::Transparent;
     if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
       for (size_t v = 0; v < views.size(); ++v)
         for (size_t i = 0; i < carried.inside[v].size(); ++i)
-          if (uint16_t& shown = masks->shown[v][i]; carried.inside[v][i] && (glass || shown == 0)) shown = uint16_t(t + 1);
+          if (carried.inside[v][i] && carried.depth[v][i] < nearest[v][i])
+            nearest[v][i] = carried.depth[v][i], masks->shown[v][i] = uint16_t(t + 1);
     for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
         if (!marks_class(things[t].kind, kind)) continue;
@@ -245,7 +356,8 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
           masks->doubted[v][size_t(kind)][i] |= carried.doubted[v][i];
         }
       }
-    progress(double(t + 1) / double(things.size()));
+    const double begun = past ? 0.5 : 0;
+    progress(begun + (1 - begun) * double(t + 1) / double(things.size()));
   }
   return masks;
 }

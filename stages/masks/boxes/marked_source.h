@@ -1,8 +1,9 @@
 // Masks from a few marks of the user's. A mark cuts a cone out of space; where the cones of all marked photos meet is the thing's
 // visual hull, and the hull is seen by every camera:
 //   glass    its outline in the other photos is the hull's
-//   others   have colours of their own: in each photo GrabCut (Rother et al. 2004) looks for the outline near the hull's;
-//            a second hull, of all photos, lets them vote and gives the masks
+//   mirrors  in boxes have no colour of their own: photos tell what is seen past the hull (past_outlines.h)
+//   others   GrabCut (Rother et al. 2004) looks for the outline near the hull's
+// A second hull lets the outlines of all photos vote and gives the masks.
 // A polygon is believed where it was drawn. Glass mirrors: what is marked transparent is specular, too.
 #pragma once
 
@@ -24,7 +25,7 @@ struct MarkedMasks {
   struct Thing {
     std::string name, word;  // MarkedThing
     MaskClass kind;
-    size_t marks = 0, refined = 0;  // photos marked; photos whose outline GrabCut found (no polygon says it)
+    size_t marks = 0, refined = 0;  // photos marked; photos whose outline was found (no polygon says it)
     double edge = 0;                // longest edge of the hull's box, scene units
     bool voted = false;             // the second hull gave the masks
     size_t solids = 0;              // of revolution, found in it
@@ -34,7 +35,7 @@ struct MarkedMasks {
   std::vector<Intrinsics> sizes;                                           // [view]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
-  std::vector<std::vector<uint16_t>> shown;  // [view][h,w] 1 + the thing, glass before others; 0: none
+  std::vector<std::vector<uint16_t>> shown;                                // [view][h,w] 1 + the nearest thing; 0: none
 };
 // Throws Error{Input} when no point of space lies inside all marks of a thing.
 std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,

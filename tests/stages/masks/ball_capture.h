@@ -10,16 +10,16 @@ struct BallCapture {
   static constexpr int kViews = 10, kWidth = 96, kHeight = 72;
   static constexpr double kFocal = 90, kBall = 0.3;
 
-  BallCapture() {
+  explicit BallCapture(int count = kViews) {
     ColmapModel model;
     const Intrinsics k{kWidth, kHeight, kFocal, kFocal, kWidth / 2.0, kHeight / 2.0};
     model.cameras.push_back(colmap_pinhole(1, k));
     Gains gains;
-    for (int i = 0; i < kViews; ++i) {
+    for (int i = 0; i < count; ++i) {
       View view;
       view.name = fmt::format("v{}.jpg", i);
       view.intrinsics = k;
-      const double angle = 2 * std::numbers::pi * i / kViews;
+      const double angle = 2 * std::numbers::pi * i / count;
       const Vec3d eye{std::cos(angle), std::sin(angle), 0.4}, forward = normalized(-eye);
       const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), down = cross(forward, right);
       view.cam_from_world = inverse(Rigid{Mat3d{right, down, forward}, eye});

@@ -1,0 +1,110 @@
+#include "stages/masks/boxes/outline_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+
+namespace vitrine {
+
+namespace {
+
+constexpr float kThing = 1;  // cost of a pixel of the thing; of the background: its squared error
+constexpr float kMostSquared = 4;
+constexpr float kSmooth = 1;  // cost of an outline, a pixel long, across pixels that are alike
+constexpr float kDiagonal = 0.7f;
+
+// Two terminals and pixels, joined in both directions.
+class FlowNetwork {
+ public:
+  explicit FlowNetwork(size_t pixels) : thing_(pixels), background_(pixels + 1), graph_(pixels + 2) {}
+
+  void join(size_t a, size_t b, float forth, float back) {
+    const Edge to = add(a, b, forth), from = add(b, a, back);
+    reverse_.push_back(from), reverse_.push_back(to);
+  }
+  // Costs of calling the pixel either.
+  void terminals(size_t pixel, float as_thing, float as_background) {
+    join(thing_, pixel, as_background, 0);
+    join(pixel, background_, as_thing, 0);
+  }
+  // [pixel] 1 on the thing's side of the minimum cut.
+  std::vector<uint8_t> cut() {
+    const size_t vertices = boost::num_vertices(graph_);
+    std::vector<float> residual(capacity_.size());
+    std::vector<long> distance(vertices);
+    std::vector<Edge> predecessor(vertices);
+    std::vector<boost::default_color_type> colour(vertices);
+    const auto edge = boost::get(boost::edge_index, graph_);
+    const auto vertex = boost::get(boost::vertex_index, graph_);
+    const auto by = [](auto& values, const auto& index) { return boost::make_iterator_property_map(values.begin(), index); };
+    boost::boykov_kolmogorov_max_flow(graph_, by(capacity_, edge), by(residual, edge), by(reverse_, edge),
+                                      by(predecessor, vertex), by(colour, vertex), by(distance, vertex), vertex, thing_,
+                                      background_);
+    std::vector<uint8_t> inside(vertices - 2);
+    for (size_t i = 0; i < inside.size(); ++i) inside[i] = colour[i] == boost::black_color;  // the source's tree
+    return inside;
+  }
+
+ private:
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
+                                      boost::property<boost::edge_index_t, size_t>>;
+  using Edge = Graph::edge_descriptor;
+  Edge add(size_t a, size_t b, float capacity) {
+    capacity_.push_back(capacity);
+    return boost::add_edge(a, b, capacity_.size() - 1, graph_).first;
+  }
+  size_t thing_, background_;
+  Graph graph_;
+  std::vector<float> capacity_;
+  std::vector<Edge> reverse_;
+};
+
+}  // namespace
+
+std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> error, std::span<const uint8_t> about) {
+  const int width = photo.srgb.width(), height = photo.srgb.height();
+  constexpr size_t kNone = size_t(-1);
+  std::vector<size_t> node(about.size(), kNone);
+  size_t count = 0;
+  for (size_t i = 0; i < about.size(); ++i)
+    if (about[i]) node[i] = count++;
+  std::vector<uint8_t> inside(about.size(), 0);
+  if (count == 0) return inside;
+
+  const float* const srgb = photo.srgb.data().data();
+  const auto apart = [&](size_t i, size_t j) {
+    float sum = 0;
+    for (size_t c = 0; c < 3; ++c) sum += (srgb[3 * i + c] - srgb[3 * j + c]) * (srgb[3 * i + c] - srgb[3 * j + c]);
+    return sum;
+  };
+  const auto each_pair = [&](const auto& visit) {
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const size_t i = size_t(y) * size_t(width) + size_t(x);
+        if (node[i] == kNone) continue;
+        for (const auto& [dx, dy, weight] : {std::tuple{1, 0, 1.f}, {0, 1, 1.f}, {1, 1, kDiagonal}, {-1, 1, kDiagonal}}) {
+          if (x + dx < 0 || x + dx >= width || y + dy >= height) continue;
+          const size_t j = size_t(y + dy) * size_t(width) + size_t(x + dx);
+          if (node[j] != kNone) visit(i, j, weight);
+        }
+      }
+  };
+  double sum = 0, pairs = 0;
+  each_pair([&](size_t i, size_t j, float) { sum += double(apart(i, j)), ++pairs; });
+  const auto typical = float(std::max(1e-5, pairs > 0 ? sum / pairs : 0));
+  FlowNetwork network(count);
+  for (size_t i = 0; i < about.size(); ++i)
+    if (node[i] != kNone) network.terminals(node[i], kThing, error[i] < 0 ? kThing : std::min(error[i] * error[i], kMostSquared));
+  each_pair([&](size_t i, size_t j, float weight) {
+    const float cost = kSmooth * weight * std::exp(-apart(i, j) / (2 * typical));
+    network.join(node[i], node[j], cost, cost);
+  });
+  const std::vector<uint8_t> cut = network.cut();
+  for (size_t i = 0; i < about.size(); ++i) inside[i] = node[i] != kNone && cut[node[i]];
+  return inside;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,29 @@
+// Outlines of marked things by what the photos show behind them (core/stereo/background.h).
+#pragma once
+
+#include "core/stereo/background.h"
+#include "stages/masks/small_photo.h"
+
+namespace vitrine {
+
+class PastOutlines {
+ public:
+  // Stereo of all photos; 20 s of two cores for 40 photos of 320 pixels.
+  PastOutlines(std::span<const SmallPhoto> photos, const MaskCapture& capture);
+
+  // Whether stereo found so little that no background can be predicted.
+  bool blind() const;
+  // Of HullDesc.
+  std::vector<HalfSpace> sides(const VisualHull& hull) const;
+  // [view] coverage 0 or 1 of the thing in the hull; negative where something stands in front of `around`, a hull that surely
+  // holds all of the thing. Stops early on an interrupt.
+  std::vector<Silhouette> outlines(const VisualHull& hull, const VisualHull& around) const;
+
+ private:
+  std::vector<View> views_;
+  std::vector<EdgePhoto> photos_;
+  std::vector<DepthMap> maps_;
+  std::vector<ScenePlane> planes_;
+};
+
+}  // namespace vitrine
