@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/probe.h"
