@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/camera/projection.h"
+#include "core/image/resample.h"
 
 namespace vitrine {
 
@@ -29,17 +30,6 @@ constexpr double kOneSide = 0.95;           // of the cameras
 constexpr double kParallel = 0.95;          // cosine between normals
 
 using Colour = std::array<float, 3>;
-
-Colour colour_at(const ImageF& image, double x, double y) {
-  const double u = std::clamp(x - 0.5, 0.0, image.width() - 1.001), v = std::clamp(y - 0.5, 0.0, image.height() - 1.001);
-  const int left = int(u), top = int(v);
-  const auto fx = float(u - left), fy = float(v - top);
-  Colour out{};
-  for (int c = 0; c < 3; ++c)
-    out[size_t(c)] = (1 - fy) * ((1 - fx) * image.at(left, top, c) + fx * image.at(left + 1, top, c)) +
-                     fy * ((1 - fx) * image.at(left, top + 1, c) + fx * image.at(left + 1, top + 1, c));
-  return out;
-}
 
 // One photo, and what other photos tell of what is behind the hull.
 class Behind {
@@ -77,16 +67,25 @@ class Behind {
   std::vector<std::vector<float>> choices() const {
     std::vector<std::vector<float>> depth(kMostPlanes + 2, std::vector<float>(least_.size(), 0.f));
     depth[0] = measured();
+    struct SeenPlane {  // in the camera's frame
+      Vec3d normal, centre;
+      double offset, reach;
+      bool floor;
+    };
     const Rigid& pose = photo_.view.cam_from_world;
+    std::vector<SeenPlane> planes;
+    for (const ScenePlane& plane : scene_.planes) {
+      const Vec3d normal = pose.rotation * plane.normal;
+      planes.push_back({normal, pose * plane.centre, plane.offset + dot(normal, pose.translation), plane.reach(), plane.floor});
+    }
+    std::vector<std::pair<double, bool>> hits;  // z, whether nothing is seen through it
     for (size_t i = 0; i < least_.size(); ++i) {
       if (least_[i] == 0) continue;
       const Vec3d ray = ray_of(i);
-      std::vector<std::pair<double, bool>> hits;  // z, whether nothing is seen through it
-      for (const ScenePlane& plane : scene_.planes) {
-        const Vec3d normal = pose.rotation * plane.normal;
-        const double z = (plane.offset + dot(normal, pose.translation)) / dot(normal, ray);
-        if (z > kTouches * double(least_[i]) && length(z * ray - pose * plane.centre) <= plane.reach())
-          hits.emplace_back(z, plane.floor);
+      hits.clear();
+      for (const SeenPlane& plane : planes) {
+        const double z = plane.offset / dot(plane.normal, ray);
+        if (z > kTouches * double(least_[i]) && length(z * ray - plane.centre) <= plane.reach) hits.emplace_back(z, plane.floor);
       }
       std::ranges::sort(hits);
       bool ended = false;
@@ -179,7 +178,8 @@ class Behind {
       if (const float entry = passed_[o].entry[pixel]; entry > 0 && p->z > double(entry) + thin_) continue;
       const DepthMap& map = scene_.maps[o];
       if (!map.zdepth.empty() && map.reliable(pixel) && p->z > (1 + kOtherDepth) * double(map.zdepth[pixel])) continue;
-      const Colour colour = colour_at(other.srgb, p->x, p->y);
+      Colour colour{};
+      sample_bilinear(other.srgb, p->x, p->y, colour.data());
       for (size_t c = 0; c < 3; ++c) seen[c][count] = colour[c];
       if (++count == kMostWitnesses) break;
     }

@@ -13,6 +13,7 @@
 
 #include "core/stereo/edge_photo.h"
 #include "core/stereo/scene_planes.h"
+#include "core/stereo/stereo_photos.h"
 #include "core/stereo/visual_hull.h"
 
 namespace vitrine {
@@ -20,9 +21,9 @@ namespace vitrine {
 // The scene without the object; refers to its parts.
 struct Surroundings {
   std::span<const EdgePhoto> photos;
-  std::span<const DepthMap> maps;      // [photo] of the size of the photos; may be empty
+  std::span<const DepthMap> maps;      // [photo] of the size of the photos; without depths: nothing is known of that photo
   std::span<const ScenePlane> planes;  // scene_planes()
-  double far = 100;                    // distance of what has no parallax
+  double far = kWithoutParallax;
 };
 
 // Where the rays of a photo pass a hull: z-depths, [h*w], 0 where they do not.

@@ -6,6 +6,9 @@
 
 namespace vitrine {
 
+// Depth of what has no parallax, in radii of the cameras: those of a ring see a thing there at most 1.1 degrees apart.
+inline constexpr double kWithoutParallax = 100;
+
 // Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge. [h,w,3] -> [h,w,1].
 ImageF luma_of_srgb(const ImageF& srgb);
 

@@ -12,8 +12,6 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kNeighbours = 7;
-// Radii of the cameras: at 100 the cameras of a ring see a thing at most 1.1 degrees apart.
-constexpr double kBackground = 100;
 constexpr double kBeyond = 2;  // times where surfaces are looked for
 
 size_t level_near(const Capture& capture, int max_side) {
@@ -63,7 +61,7 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
     photo.neighbours = neighbours[v];
   });
   find_depth_ranges(capture.view_set, far_factor, dense.photos);
-  dense.background = kBackground;
+  dense.background = kWithoutParallax;
   for (const StereoPhoto& photo : dense.photos) dense.background = std::max(dense.background, kBeyond * photo.far_z);
   for (StereoPhoto& photo : dense.photos) photo.background_z = dense.background;
   dense.maps = patch_match(dense.photos, {.seed = seed});

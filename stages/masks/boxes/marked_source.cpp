@@ -30,6 +30,7 @@ namespace {
 
 constexpr size_t kFewestTight = 3;  // polygons whose hull is nearly the thing
 constexpr int kPastRounds = 2;
+constexpr double kPastShare = 0.5;                 // of the time: stereo
 constexpr float kSoftEdge = 0.7f;                  // pixels of the small photo
 constexpr float kCarried = 0.8f, kDoubted = 0.4f;  // confidence
 constexpr double kEdgesMayDiffer = 0.02;           // from marks of a box, intersection over union
@@ -129,6 +130,12 @@ struct Carried {
 struct FoundOutlines {
   std::vector<Silhouette> outlines;  // [view]; an empty picture: nothing was found there
   VisualHull hull;
+
+  std::vector<Silhouette> votes() const {
+    std::vector<Silhouette> found;
+    std::ranges::copy_if(outlines, std::back_inserter(found), [](const Silhouette& outline) { return !outline.value.empty(); });
+    return found;
+  }
 };
 
 // What mirrors has no colour of its own; polygons tell its outline all the same.
@@ -180,7 +187,9 @@ class Carrier {
       if (tight_) take_box_of_marks(out);
     } else {
       found = past_ != nullptr && mirror_in_boxes(thing_) ? outlines_past() : outlines_by_colour(out.inside);
-      for (size_t v = 0; v < views_.size(); ++v) out.summary.refined += !is_polygon(v) && !found.outlines[v].value.empty();
+      for (size_t v = 0; v < views_.size(); ++v)
+        out.summary.refined +=
+            !is_polygon(v) && std::ranges::any_of(found.outlines[v].value.data(), [](float c) { return c > 0; });
       if (!found.hull.empty()) take_shape(found, out), hull = &found.hull;
       doubt(found, out);
     }
@@ -225,8 +234,9 @@ class Carrier {
     desc.within = past_->sides(marked_);
     FoundOutlines found{std::vector<Silhouette>(views_.size()), VisualHull(cones_, desc)};
     desc.rule = kOutlineVote;
+    const std::vector<std::vector<uint8_t>> hidden = past_->hidden(marked_);
     for (int round = 0; round < kPastRounds && !found.hull.empty(); ++round) {
-      found.outlines = past_->outlines(found.hull, marked_);
+      found.outlines = past_->outlines(found.hull, hidden);
       for (size_t v = 0; v < views_.size(); ++v)
         if (is_polygon(v)) found.outlines[v] = silhouette(views_[v], drawn_[v]);
       found.hull = VisualHull(found.outlines, desc);
@@ -242,21 +252,15 @@ class Carrier {
       if (!inside.empty()) found.outlines[v] = silhouette(views_[v], inside);
     });
     throw_if_interrupted();
-    std::vector<Silhouette> votes;
-    for (const Silhouette& outline : found.outlines)
-      if (!outline.value.empty()) votes.push_back(outline);
     HullDesc desc = desc_;
     desc.rule = kOutlineVote;
-    found.hull = VisualHull(votes, desc);
+    found.hull = VisualHull(found.votes(), desc);
     return found;
   }
 
   // The silhouettes of what the outlines vote for: a box, solids of revolution with their appendages, or the hull.
   void take_shape(const FoundOutlines& found, Carried& out) const {
-    std::vector<Silhouette> votes;
-    for (const Silhouette& outline : found.outlines)
-      if (!outline.value.empty()) votes.push_back(outline);
-    const FittedShapes fits = fit_shapes(votes, found.hull);
+    const FittedShapes fits = fit_shapes(found.votes(), found.hull);
     if (fits.box)
       for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(fits.box->box, views_[v]);
     else
@@ -320,8 +324,10 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   std::optional<PastOutlines> past;
   if (std::ranges::any_of(things, mirror_in_boxes)) {
     past.emplace(photos, capture);
-    progress(0.5);
+    progress(kPastShare);
   }
+  const double begun = past ? kPastShare : 0;
+  if (past && past->blind()) past.reset();
   masks->inside.resize(views.size());
   masks->doubted.resize(views.size());
   for (size_t v = 0; v < views.size(); ++v) {
@@ -335,7 +341,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   for (const std::vector<uint16_t>& shown : masks->shown)
     nearest.emplace_back(shown.size(), std::numeric_limits<float>::infinity());
   for (size_t t = 0; t < things.size(); ++t) {
-    const Carrier carrier(config, capture, views, photos, past && !past->blind() ? &*past : nullptr, things[t]);
+    const Carrier carrier(config, capture, views, photos, past ? &*past : nullptr, things[t]);
     const Carried carried = carrier.carry();
     log_info("masks: '{}' from {} marks is at most {:.2f} across{}", things[t].name, carried.summary.marks, carried.summary.edge,
              carried.summary.voted ? "; its outlines were looked for in all photos"
@@ -356,7 +362,6 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
           masks->doubted[v][size_t(kind)][i] |= carried.doubted[v][i];
         }
       }
-    const double begun = past ? 0.5 : 0;
     progress(begun + (1 - begun) * double(t + 1) / double(things.size()));
   }
   return masks;

@@ -47,7 +47,13 @@ std::vector<HalfSpace> PastOutlines::sides(const VisualHull& hull) const {
   return sides_of_cameras(planes_, views_, hull.bounds());
 }
 
-std::vector<Silhouette> PastOutlines::outlines(const VisualHull& hull, const VisualHull& around) const {
+std::vector<std::vector<uint8_t>> PastOutlines::hidden(const VisualHull& around) const {
+  std::vector<std::vector<uint8_t>> hidden(views_.size());
+  parallel_for(views_.size(), 1, [&](size_t v) { hidden[v] = hidden_pixels(maps_[v], hull_depths(around, views_[v])); });
+  return hidden;
+}
+
+std::vector<Silhouette> PastOutlines::outlines(const VisualHull& hull, std::span<const std::vector<uint8_t>> hidden) const {
   const std::vector<std::vector<uint8_t>> about = silhouettes_of(hull, views_);
   std::vector<HullDepths> passed(views_.size());
   parallel_for(views_.size(), 1, [&](size_t v) { passed[v] = hull_depths(hull, views_[v]); });
@@ -56,9 +62,8 @@ std::vector<Silhouette> PastOutlines::outlines(const VisualHull& hull, const Vis
   parallel_for(views_.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
     found[v] = silhouette(views_[v], outline_cut(photos_[v], unexplained(scene, hull, passed, v), about[v]));
-    const std::vector<uint8_t> hidden = hidden_pixels(maps_[v], hull_depths(around, views_[v]));
-    for (size_t i = 0; i < hidden.size(); ++i)
-      if (hidden[i]) found[v].value.data()[i] = -1;
+    for (size_t i = 0; i < hidden[v].size(); ++i)
+      if (hidden[v][i]) found[v].value.data()[i] = -1;
   });
   throw_if_interrupted();
   return found;

@@ -8,16 +8,17 @@ namespace vitrine {
 
 class PastOutlines {
  public:
-  // Stereo of all photos; 20 s of two cores for 40 photos of 320 pixels.
+  // Stereo of all photos: most of the time.
   PastOutlines(std::span<const SmallPhoto> photos, const MaskCapture& capture);
 
   // Whether stereo found so little that no background can be predicted.
   bool blind() const;
   // Of HullDesc.
   std::vector<HalfSpace> sides(const VisualHull& hull) const;
-  // [view] coverage 0 or 1 of the thing in the hull; negative where something stands in front of `around`, a hull that surely
-  // holds all of the thing. Stops early on an interrupt.
-  std::vector<Silhouette> outlines(const VisualHull& hull, const VisualHull& around) const;
+  // [view][h,w] 1 where something stands in front of a hull that surely holds all of the thing.
+  std::vector<std::vector<uint8_t>> hidden(const VisualHull& around) const;
+  // [view] coverage 0 or 1 of the thing in the hull; negative in `hidden` pixels. Stops early on an interrupt.
+  std::vector<Silhouette> outlines(const VisualHull& hull, std::span<const std::vector<uint8_t>> hidden) const;
 
  private:
   std::vector<View> views_;

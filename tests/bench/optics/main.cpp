@@ -33,11 +33,9 @@ constexpr const char* kTail =
     "  vitrine-optics --scenes sample_data/cabinet --work DIR --training-seeds 1 --steps 300\n"
     "\narms: diffuse (one opaque layer), full (the layers that the masks ask for), layers (without the\n"
     "opaque twin), auto (no masks), or\n"
-    "NAME:stage.option=value;...; input.masks=none and\n"
-    "input.poses=none leave these out, input.masks=marks takes the boxes of the scene's marks.yaml. Everything else is as in the "
-    "preset 'preview'. Work that was interrupted goes on with "
-    "the\n"
-    "same command. Tune on seeds 1-12; seeds 101-112 are run once, at the end of a piece of work.\n"
+    "NAME:stage.option=value;...; input.masks=none and input.poses=none leave these out, input.masks=marks\n"
+    "takes the boxes of the scene's marks.yaml. Everything else is as in the preset 'preview'. Work that was\n"
+    "interrupted goes on with the same command. Tune on seeds 1-12; seeds 101-112 are run once, at the end of a piece of work.\n"
     "Exit codes: 0 done, 1 a run failed (the table has the others), 2 usage, or runs there have other settings, 3 input, 130 "
     "stopped.\n";
 

@@ -18,10 +18,10 @@ using nlohmann::json;
 constexpr const char* kTrainingStage = "optimize";
 constexpr const char* kMeasuringStage = "evaluate";
 constexpr const char* kPreset = "preview";
+constexpr const char *kMarksFile = "marks.yaml", *kMarkedStage = "masks";  // sfm takes folders alone
 constexpr int kSurfelsPerFirstPoint = 3;  // as in the preset: surfels to end with for one point inside the frustums to start with
 
 // Inputs that are optional and nevertheless computed: what `vitrine run` gives to training. The others are for other figures.
-constexpr const char *kMarksFile = "marks.yaml", *kMarkedStage = "masks";  // sfm takes folders alone
 const std::set<std::string> kWantedInputs = {"masks", "objects", "normals"};
 const std::set<std::string> kRelitInputs = {"mesh", "refine", "decompose"};
 
@@ -102,6 +102,7 @@ OpticsRun Programs::run_of(const OpticsScene& scene, const Arm& arm, int trainin
   OpticsRun run{scene.name, arm.name, training_seed, json::object(), json::object()};
   run.training["inputs"] = {{"poses", here.poses}, {"masks", here.masks}};
   run.training["scene"] = digest_of_training_inputs(scene.folder);
+  if (here.masks == "marks") run.training["marks"] = digest_file(scene.folder / kMarksFile).short_hex();
   run.measuring["truth"] = digest_of_truth(scene.folder);
   for (const StageNode* stage : stages_) {
     here.options[stage->name] = settings.stage_arguments(*stage);

@@ -70,7 +70,6 @@ std::string digest_of_training_inputs(const fs::path& scene) {
   Hasher hasher;
   hasher.add(digest_folder(scene / "photos").hex()).add(digest_file(scene / "truth/transforms.json").hex());
   if (fs::is_directory(scene / "truth/mask")) hasher.add(digest_folder(scene / "truth/mask").hex());
-  if (fs::is_regular_file(scene / "marks.yaml")) hasher.add(digest_file(scene / "marks.yaml").hex());
   return hasher.digest().short_hex();
 }
 

@@ -141,11 +141,11 @@ TEST(Background, DepthsOfOtherPhotosTellItWithoutPlanes) {
   EXPECT_GT(s.past, 0.85);
 }
 
-TEST(Background, WithoutGeometryTheFarBackgroundExplainsNothingNear) {
+TEST(Background, WithoutGeometryTheFarBackgroundExplainsLittleOfWhatIsNear) {
   const Room room;
   const std::vector<DepthMap> blind(room.maps.size());
   const Shares s = shares_of(room, {.photos = room.photos, .maps = blind, .planes = {}});
-  EXPECT_LT(s.past, 0.6);
+  EXPECT_LT(s.past, 0.45);  // measured 0.33: noise of the same brightness
 }
 
 TEST(Background, AThingOnAFloorIsNotBelowIt) {

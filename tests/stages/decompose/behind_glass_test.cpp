@@ -6,7 +6,7 @@
 #include "core/picture/decomposed_materials.h"
 #include "stages/decompose/decompose.h"
 #include "stages/decompose/shadow_mesh.h"
-#include "tests/stages/decompose/lit_room.h"
+#include "tests/stages/decompose/shared_room.h"
 #include "tests/support/recording_context.h"
 
 namespace vitrine {
@@ -99,15 +99,7 @@ double spread_of(const std::vector<Vec3f>& ours, const std::vector<Vec3f>& truth
 TEST(Decompose, FindsAlbedoBehindGlass) {
   const test::LitRoom cased(true);
   test::RecordingContext context(cased.inputs());
-  DecomposeConfig config;
-  config.points = 2500;
-  config.bands = 12;
-  config.max_side = 112;
-  config.panorama_height = 16;
-  config.sheet_rows = 1;
-  config.solver.points = 1200;
-  config.solver.rounds = 10;
-  run_decompose(config, context);
+  run_decompose(test::quick(), context);
   const DecomposedMaterials materials = read_decomposed_materials(context.output());
   std::vector<Vec3f> direct, behind, true_direct, true_behind, radiance;
   for (size_t i = 0; i < cased.albedo.size(); ++i) {
