@@ -234,7 +234,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   std::vector<std::string> things;
   if (carried) {
     write_marked_things(context.output(), capture, *carried);
-    for (const MarkedMasks::Thing& t : carried->things) things.push_back(t.word);
+    for (const CarriedThing::Summary& t : carried->things) things.push_back(t.word);
   }
   write_mask_report(desc, results, things);
   write_contact_sheet(desc, results);

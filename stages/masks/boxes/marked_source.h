@@ -11,27 +11,14 @@
 #include <memory>
 
 #include "core/config/describe.h"
-#include "stages/masks/boxes/marks_file.h"
+#include "stages/masks/boxes/carried_thing.h"
 
 namespace vitrine {
 
-struct BoxesConfig {
-  int max_side = 320;   // of the photos that outlines are looked for in
-  int resolution = 96;  // voxels along a hull's longest side
-};
 void describe(Describer& d, BoxesConfig& c);
 
 struct MarkedMasks {
-  struct Thing {
-    std::string name, word;  // MarkedThing
-    MaskClass kind;
-    size_t marks = 0, refined = 0;  // photos marked; photos whose outline was found (no polygon says it)
-    double edge = 0;                // longest edge of the hull's box, scene units
-    bool voted = false;             // the second hull gave the masks
-    size_t solids = 0;              // of revolution, found in it
-    double box_agreement = 0;       // with a box that was taken for it; 0 = none
-  };
-  std::vector<Thing> things;
+  std::vector<CarriedThing::Summary> things;
   std::vector<Intrinsics> sizes;                                           // [view]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> inside;   // [view][class][h,w]
   std::vector<std::array<std::vector<uint8_t>, kMaskClassCount>> doubted;  // outline and hull disagree
