@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
+#include <utility>
 
-#include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
 
 namespace vitrine {
 
@@ -19,47 +21,58 @@ constexpr float kDiagonal = 0.7f;
 // Two terminals and pixels, joined in both directions.
 class FlowNetwork {
  public:
-  explicit FlowNetwork(size_t pixels) : thing_(pixels), background_(pixels + 1), graph_(pixels + 2) {}
+  explicit FlowNetwork(size_t pixels) : pixels_(pixels) {}
 
   void join(size_t a, size_t b, float forth, float back) {
-    const Edge to = add(a, b, forth), from = add(b, a, back);
-    reverse_.push_back(from), reverse_.push_back(to);
+    arcs_.push_back({a, b, forth, arcs_.size() + 1});
+    arcs_.push_back({b, a, back, arcs_.size() - 1});
   }
   // Costs of calling the pixel either.
   void terminals(size_t pixel, float as_thing, float as_background) {
-    join(thing_, pixel, as_background, 0);
-    join(pixel, background_, as_thing, 0);
+    join(thing(), pixel, as_background, 0);
+    join(pixel, background(), as_thing, 0);
   }
   // [pixel] 1 on the thing's side of the minimum cut.
-  std::vector<uint8_t> cut() {
-    const size_t vertices = boost::num_vertices(graph_);
-    std::vector<float> residual(capacity_.size());
+  std::vector<uint8_t> cut() const {
+    std::vector<size_t> order(arcs_.size()), place(arcs_.size());  // arcs by where they begin
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::ranges::stable_sort(order, {}, [&](size_t arc) { return arcs_[arc].from; });
+    std::vector<std::pair<size_t, size_t>> ends;
+    std::vector<float> capacity;
+    for (size_t i = 0; i < order.size(); ++i) {
+      const Arc& arc = arcs_[order[i]];
+      place[order[i]] = i;
+      ends.emplace_back(arc.from, arc.to);
+      capacity.push_back(arc.capacity);
+    }
+    const size_t vertices = pixels_ + 2;
+    const Graph graph(boost::edges_are_unsorted_multi_pass, ends.begin(), ends.end(), vertices);
+    std::vector<Graph::edge_descriptor> reverse, predecessor(vertices);
+    for (const size_t arc : order) reverse.push_back(boost::edge_from_index(place[arcs_[arc].reverse], graph));
+    std::vector<float> residual(capacity.size());
     std::vector<long> distance(vertices);
-    std::vector<Edge> predecessor(vertices);
     std::vector<boost::default_color_type> colour(vertices);
-    const auto edge = boost::get(boost::edge_index, graph_);
-    const auto vertex = boost::get(boost::vertex_index, graph_);
+    const auto edge = boost::get(boost::edge_index, graph);
+    const auto vertex = boost::get(boost::vertex_index, graph);
     const auto by = [](auto& values, const auto& index) { return boost::make_iterator_property_map(values.begin(), index); };
-    boost::boykov_kolmogorov_max_flow(graph_, by(capacity_, edge), by(residual, edge), by(reverse_, edge),
-                                      by(predecessor, vertex), by(colour, vertex), by(distance, vertex), vertex, thing_,
-                                      background_);
-    std::vector<uint8_t> inside(vertices - 2);
+    boost::boykov_kolmogorov_max_flow(graph, by(capacity, edge), by(residual, edge), by(reverse, edge), by(predecessor, vertex),
+                                      by(colour, vertex), by(distance, vertex), vertex, thing(), background());
+    std::vector<uint8_t> inside(pixels_);
     for (size_t i = 0; i < inside.size(); ++i) inside[i] = colour[i] == boost::black_color;  // the source's tree
     return inside;
   }
 
  private:
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
-                                      boost::property<boost::edge_index_t, size_t>>;
-  using Edge = Graph::edge_descriptor;
-  Edge add(size_t a, size_t b, float capacity) {
-    capacity_.push_back(capacity);
-    return boost::add_edge(a, b, capacity_.size() - 1, graph_).first;
-  }
-  size_t thing_, background_;
-  Graph graph_;
-  std::vector<float> capacity_;
-  std::vector<Edge> reverse_;
+  using Graph = boost::compressed_sparse_row_graph<boost::directedS>;
+  struct Arc {
+    size_t from, to;
+    float capacity;
+    size_t reverse;  // the arc back
+  };
+  size_t thing() const { return pixels_; }
+  size_t background() const { return pixels_ + 1; }
+  size_t pixels_;
+  std::vector<Arc> arcs_;
 };
 
 }  // namespace
