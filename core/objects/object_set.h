@@ -27,8 +27,8 @@ std::optional<ObjectRole> object_role(std::string_view word);
 
 // How the outlines of an object are known, from weak to strong.
 enum class ObjectTrust : unsigned char {
-  Guessed,   // proposed from view-dependent residuals: half of what they mark is no glass and no mirror
-  Detected,  // by a network of the user's, or by a trial that explains the photos
+  Guessed,   // by whoever wrote the table: nothing models it
+  Detected,  // by a network of the user's, or in the photos alone
   Marked,    // drawn by a person in some photos and propagated to all
   Given,     // masks of the user's own, or a table that a person corrected
 };
@@ -47,10 +47,10 @@ struct Object {
 
   // What the photos say about it; measured, never read back into a decision.
   struct Evidence {
-    size_t views = 0;                       // training photos that show it
-    std::optional<double> inside;           // share of the pixels of its shapes' silhouettes that the masks mark
-    std::optional<double> covered;          // share of the marked pixels that these silhouettes cover
-    std::optional<double> view_dependence;  // of its luminance; of opaque objects
+    size_t views = 0;                            // training photos that show it
+    std::optional<double> inside = {};           // share of the pixels of its shapes' silhouettes that the masks mark
+    std::optional<double> covered = {};          // share of the marked pixels that these silhouettes cover
+    std::optional<double> view_dependence = {};  // of its luminance; of opaque objects
   } evidence = {};
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -31,21 +32,28 @@ constexpr double kParallel = 0.95;          // cosine between normals
 
 using Colour = std::array<float, 3>;
 
-// One photo, and what other photos tell of what is behind the hull.
+// One photo, and what other photos tell of what is behind a hull, or of all that it shows.
 class Behind {
  public:
-  Behind(const Surroundings& scene, const VisualHull& hull, std::span<const HullDepths> passed, size_t index)
+  Behind(const Surroundings& scene, size_t index)
       : scene_(scene),
-        hull_(hull),
-        passed_(passed),
         index_(index),
         photo_(scene.photos[index]),
         world_from_cam_(inverse(photo_.view.cam_from_world)),
-        thin_(kThin * 0.5 * length(hull.bounds().high - hull.bounds().low)),
         width_(photo_.view.intrinsics.width),
         height_(photo_.view.intrinsics.height),
-        least_(size_t(width_) * size_t(height_), 0.f),
+        least_(size_t(width_) * size_t(height_), std::numeric_limits<float>::min()),
         nearest_(scene.photos.size()) {
+    for (size_t o = 0; o < nearest_.size(); ++o) nearest_[o] = o;
+    std::ranges::stable_sort(
+        nearest_, {}, [&](size_t o) { return length(scene.photos[o].view.centre_in_world() - world_from_cam_.translation); });
+  }
+
+  Behind(const Surroundings& scene, const VisualHull& hull, std::span<const HullDepths> passed, size_t index)
+      : Behind(scene, index) {
+    hull_ = &hull;
+    passed_ = passed;
+    thin_ = kThin * 0.5 * length(hull.bounds().high - hull.bounds().low);
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         float& z = least_[at(x, y)] = passed[index].exit[at(x, y)];
@@ -54,9 +62,6 @@ class Behind {
           for (int u = std::max(0, x - kPredictedAround); u <= std::min(width_ - 1, x + kPredictedAround); ++u)
             z = std::max(z, passed[index].exit[at(u, v)]);
       }
-    for (size_t o = 0; o < nearest_.size(); ++o) nearest_[o] = o;
-    std::ranges::stable_sort(
-        nearest_, {}, [&](size_t o) { return length(scene.photos[o].view.centre_in_world() - world_from_cam_.translation); });
   }
 
   bool anything() const {
@@ -125,6 +130,24 @@ class Behind {
     return error;
   }
 
+  // Of every pixel that is asked, the choice that explains it and those around it best.
+  Explanation best() const {
+    const size_t pixels = least_.size();
+    Explanation found{std::vector<float>(pixels, -1.f), std::vector<float>(pixels, -1.f), std::vector<float>(pixels, 0.f)};
+    for (const std::vector<float>& depth : choices()) {
+      const std::vector<float> error = errors(depth);
+      for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+          const size_t i = at(x, y);
+          if (error[i] < 0) continue;
+          if (const float mean = mean_around(error, x, y); found.around[i] < 0 || mean < found.around[i])
+            found.around[i] = mean, found.error[i] = error[i], found.depth[i] = depth[i];
+        }
+    }
+    return found;
+  }
+
+ private:
   // Mean around a pixel of the errors that are known.
   float mean_around(const std::vector<float>& error, int x, int y) const {
     float sum = 0, count = 0;
@@ -134,7 +157,6 @@ class Behind {
     return sum / count;
   }
 
- private:
   size_t at(int x, int y) const { return size_t(y) * size_t(width_) + size_t(x); }
   Vec3d ray_of(size_t pixel) const {
     return photo_.view.intrinsics.ray(double(pixel % size_t(width_)) + 0.5, double(pixel / size_t(width_)) + 0.5);
@@ -147,7 +169,7 @@ class Behind {
     for (size_t n = 0; n < nearest_.size(); n += stride) {
       const size_t o = nearest_[n];
       const DepthMap& map = scene_.maps[o];
-      if (map.zdepth.empty() || o == index_) continue;
+      if (map.zdepth.empty() || (hull_ != nullptr && o == index_)) continue;
       const Rigid between = photo_.view.cam_from_world * inverse(scene_.photos[o].view.cam_from_world);
       const Intrinsics& k = scene_.photos[o].view.intrinsics;
       for (int y = 0; y < map.height; ++y)
@@ -159,7 +181,7 @@ class Behind {
           if (!seen) continue;
           const size_t j = at(int(seen->x), int(seen->y));
           if (least_[j] == 0 || seen->z < double(least_[j]) || (nearest[j] > 0 && seen->z >= double(nearest[j]))) continue;
-          if (hull_.carved().at(world_from_cam_ * p) == 0) nearest[j] = float(seen->z);
+          if (hull_ == nullptr || hull_->carved().at(world_from_cam_ * p) == 0) nearest[j] = float(seen->z);
         }
     }
     return nearest;
@@ -175,7 +197,8 @@ class Behind {
       const auto p = image_point(point, other.view, 0, 0.5);
       if (!p) continue;
       const size_t pixel = size_t(int(p->y)) * size_t(other.view.intrinsics.width) + size_t(int(p->x));
-      if (const float entry = passed_[o].entry[pixel]; entry > 0 && p->z > double(entry) + thin_) continue;
+      if (!passed_.empty())
+        if (const float entry = passed_[o].entry[pixel]; entry > 0 && p->z > double(entry) + thin_) continue;
       const DepthMap& map = scene_.maps[o];
       if (!map.zdepth.empty() && map.reliable(pixel) && p->z > (1 + kOtherDepth) * double(map.zdepth[pixel])) continue;
       Colour colour{};
@@ -193,12 +216,12 @@ class Behind {
   }
 
   const Surroundings& scene_;
-  const VisualHull& hull_;
+  const VisualHull* hull_ = nullptr;
   std::span<const HullDepths> passed_;
+  double thin_ = 0;  // a hull that is passed by less may be wrong there: things do not end exactly where they stand
   size_t index_;
   const EdgePhoto& photo_;
   Rigid world_from_cam_;
-  double thin_;  // a hull that is passed by less may be wrong there: things do not end exactly where they stand
   int width_, height_;
   std::vector<float> least_;     // [h,w] depth from which on something is behind; 0: nobody asks
   std::vector<size_t> nearest_;  // photos by the distance of their cameras
@@ -228,22 +251,16 @@ HullDepths hull_depths(const VisualHull& hull, const View& view) {
   return depths;
 }
 
+Explanation explanation(const Surroundings& scene, size_t index) { return Behind(scene, index).best(); }
+
 std::vector<float> unexplained(const Surroundings& scene, const VisualHull& hull, std::span<const HullDepths> passed,
                                size_t index) {
-  const Intrinsics& k = scene.photos[index].view.intrinsics;
-  std::vector<float> best(size_t(k.width) * size_t(k.height), -1.f), mean(best.size(), 1e30f);
   const Behind behind(scene, hull, passed, index);
-  if (!behind.anything()) return best;
-  for (const std::vector<float>& depth : behind.choices()) {
-    const std::vector<float> error = behind.errors(depth);
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        const size_t i = size_t(y) * size_t(k.width) + size_t(x);
-        if (error[i] < 0 || passed[index].exit[i] == 0) continue;
-        if (const float m = behind.mean_around(error, x, y); m < mean[i]) mean[i] = m, best[i] = error[i];
-      }
-  }
-  return best;
+  if (!behind.anything()) return std::vector<float>(passed[index].exit.size(), -1.f);
+  std::vector<float> error = behind.best().error;
+  for (size_t i = 0; i < error.size(); ++i)
+    if (passed[index].exit[i] == 0) error[i] = -1;
+  return error;
 }
 
 std::vector<uint8_t> hidden_pixels(const DepthMap& map, const HullDepths& passed) {

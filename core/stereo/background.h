@@ -32,6 +32,14 @@ struct HullDepths {
 };
 HullDepths hull_depths(const VisualHull& hull, const View& view);
 
+// What explains the pixels of photo `index` best, with nothing taken away: what stereo found, the large planes, the far
+// background. What mirrors, and what stereo cannot find, is explained by none of them. [h,w]; where no other photo tells: -1, 0.
+struct Explanation {
+  std::vector<float> error, around;  // of the pixel, as of unexplained(); the mean of those around it
+  std::vector<float> depth;          // z-depth of what explains it
+};
+Explanation explanation(const Surroundings& scene, size_t index);
+
 // How far each pixel of photo `index` is from all that can stand behind the hull: 0 = it shows what is behind, 1 = it differs as
 // much as prediction and noise allow, [h,w]. -1 outside the hull's silhouette, and where no other photo tells what is behind.
 // `passed`: hull_depths() of all photos.

@@ -21,7 +21,7 @@ constexpr double kMostPhotos = 0.6;  // of those that have a point in the pictur
 constexpr size_t kFewestOfPlane = 3;
 constexpr int kTrials = 600;                // of RANSAC, for each plane
 constexpr double kOnPointPlane_rel = 0.01;  // of the distance from the cameras' centre
-constexpr size_t kFewestPoints = 8;         // on a plane
+constexpr size_t kFewestOnPlane = 8;        // on a plane
 constexpr size_t kMostPointPlanes = 4;
 constexpr int kGridCells = 96;        // along the longer side of what is looked at on a plane
 constexpr double kGridMargin = 0.5;   // of the extent of a plane's points, on each side
@@ -87,7 +87,7 @@ class PointPlanes {
 
   // The plane with the most weight, and takes its points away.
   std::optional<std::pair<PointPlane, std::vector<Vec3d>>> next(uint64_t number) {
-    if (points_.size() < kFewestPoints) return std::nullopt;
+    if (points_.size() < kFewestOnPlane) return std::nullopt;
     std::vector<PointPlane> trials(kTrials);
     parallel_for(kTrials, 16, [&](size_t i) {
       Rng rng(kPlaneSeed, mix64(number, i));
@@ -102,7 +102,7 @@ class PointPlanes {
     std::vector<Vec3d> on;
     for (const WeightedPoint& p : points_)
       if (has(best, p.position)) on.push_back(p.position);
-    if (on.size() < kFewestPoints) return std::nullopt;
+    if (on.size() < kFewestOnPlane) return std::nullopt;
     std::erase_if(points_, [&](const WeightedPoint& p) { return has(best, p.position); });
     if (dot(best.normal, eye_) < best.offset) best.normal = -best.normal, best.offset = -best.offset;
     return std::pair(best, std::move(on));

@@ -148,6 +148,26 @@ TEST(Background, WithoutGeometryTheFarBackgroundExplainsLittleOfWhatIsNear) {
   EXPECT_LT(s.past, 0.45);  // measured 0.33: noise of the same brightness
 }
 
+TEST(Background, WithNothingTakenAwayAMirrorIsWhatNothingExplains) {
+  const Room room;
+  const Surroundings scene{.photos = room.photos, .maps = room.maps, .planes = room.planes};
+  size_t ball = 0, differs = 0, others = 0, explained = 0;
+  for (size_t v = 0; v < room.views.size(); v += 5) {
+    const Explanation found = explanation(scene, v);
+    for (size_t i = 0; i < found.around.size(); ++i) {
+      EXPECT_EQ(found.around[i] < 0, found.depth[i] == 0);
+      if (found.around[i] < 0) continue;
+      (room.truth[v][i] ? ball : others) += 1;
+      if (room.truth[v][i]) differs += found.around[i] >= 1;
+      if (room.truth[v][i] || found.around[i] >= 1) continue;
+      ++explained;
+      EXPECT_NEAR(found.depth[i] / room.maps[v].zdepth[i], 1, 0.3);
+    }
+  }
+  EXPECT_GT(double(differs) / double(ball), 0.6);
+  EXPECT_GT(double(explained) / double(others), 0.85);
+}
+
 TEST(Background, AThingOnAFloorIsNotBelowIt) {
   const Room room;
   const std::vector<HalfSpace> sides = sides_of_cameras(room.planes, room.views, {{-0.3, -0.3, -0.2}, {0.3, 0.3, 0.4}});
