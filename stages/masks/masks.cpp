@@ -8,7 +8,6 @@
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
 #include "core/config/yaml.h"
-#include "core/render/renderer.h"
 #include "stages/masks/contact_sheet.h"
 #include "stages/masks/file_source.h"
 #include "stages/masks/onnx/network_source.h"
@@ -156,7 +155,7 @@ void describe(Describer& d, MasksConfig& c) {
   d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
   d.group("boxes", c.boxes, "Masks from a few marks of the user's, carried to all photos.");
   d.group("onnx", c.onnx, "The segmentation network given as input.mask_network: what goes in, what comes out.");
-  d.group("proposed", c.proposed, "Masks that nobody drew: what changes from view to view after a short diffuse fit.");
+  d.group("proposed", c.proposed, "Masks that nobody drew: display cases, and mirrors.");
 }
 
 void run_masks(const MasksConfig& config, StageContext& context) {
@@ -216,11 +215,11 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     if (source != "proposed") continue;
     if (!proposal) {
       const Timer timer;
-      proposal = propose(config.proposed, capture, [&](double f) {
-        context.progress({.fraction = 0.8 * f, .text = "looks for what changes from view to view", .values = {}});
+      proposal = propose(config.proposed, config.boxes, capture, [&](double f) {
+        context.progress({.fraction = 0.8 * f, .text = "looks for cases, and for what changes from view to view", .values = {}});
       });
       context.timing("proposed", timer.seconds());
-      if (proposal->vote.unsure)
+      if (proposal->unsure)
         context.warning("MASKS_UNSURE",
                         "the photos do not show clearly enough what changes with the view: no glass or mirror is proposed; "
                         "vitrine mark lets you draw them");
@@ -253,7 +252,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
 Stage masks_stage() {
   StageInfo info{
       .name = "masks",
-      .version = 14,
+      .version = 15,
       .summary = "which pixels are glass, mirror, object, or not to be used",
       .inputs = {{.name = "sfm", .doc = "cameras and undistorted photos"},
                  {.name = "masks",
@@ -267,12 +266,7 @@ Stage masks_stage() {
                   .doc = "a network that tells glass, mirrors or the object from one photo (ONNX)"}},
       .doing = "finding glass and mirrors",
       .cost = masks_cost};
-  return make_stage<MasksConfig>(
-      std::move(info), run_masks,
-      [] {
-        return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
-      },
-      problem);
+  return make_stage<MasksConfig>(std::move(info), run_masks, {}, problem);
 }
 
 }  // namespace vitrine

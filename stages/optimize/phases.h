@@ -24,9 +24,8 @@ struct LayerChoice {
     return kind == LayerKind::Diffuse || (kind == LayerKind::Reflection ? reflection : transmittance);
   }
 };
-// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; those that are
-// only guessed do not count (ObjectSet::trusted): half of what they mark is neither (stages/masks/README.md), which costs more
-// than the layers gain.
+// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; objects that are only guessed do not
+// count (ObjectSet::trusted).
 LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
 
 struct LayerPhase {

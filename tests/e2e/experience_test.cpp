@@ -50,17 +50,9 @@ class Experience : public TinyRoom {
 
 TEST_F(Experience, NeedsNeitherDisplayNorNetworkNorMuchMemory) {
   for (const auto& e : fs::directory_iterator(photos())) fs::permissions(e.path(), fs::perms::owner_read);
-  EXPECT_EQ(confined({"run",      photos().string(),
-                      "-o",       out().string(),
-                      "--poses",  true_poses(),
-                      "--preset", "preview",
-                      "-j",       "1",
-                      "--set",    "masks.proposed.fit.steps=30",
-                      "--set",    "optimize.iterations=60",
-                      "--set",    "optimize.max_gaussians=3000",
-                      "--set",    "mesh.resolution=32",
-                      "--set",    "mesh.faces=4000",
-                      "-q"}),
+  EXPECT_EQ(confined({"run", photos().string(), "-o", out().string(), "--poses", true_poses(), "--preset", "preview", "-j", "1",
+                      "--set", "optimize.iterations=60", "--set", "optimize.max_gaussians=3000", "--set", "mesh.resolution=32",
+                      "--set", "mesh.faces=4000", "-q"}),
             0);
   for (const char* file : {"report.html", "mesh/mesh.ply", "gaussians/diffuse.ply", "eval/metrics.json", "export"})
     EXPECT_TRUE(fs::exists(out() / file)) << file;

@@ -81,9 +81,9 @@ class TinyRoom : public VitrineProcess {
     std::vector<std::string> words = {
         "run",          photos().string(), "-o", out().string(), "--poses", poses, "--truth", (sample() / "truth").string(),
         "--no-progress"};
-    for (const char* set : {"masks.proposed.fit.steps=30", "normals.geometric.max_side=32", "optimize.iterations=60",
-                            "optimize.checkpoint_every=10", "optimize.max_gaussians=3000", "optimize.initial.stereo_side=32",
-                            "mesh.resolution=32", "mesh.faces=4000", "decompose.points=2000", "evaluate.relit_samples=4"})
+    for (const char* set : {"normals.geometric.max_side=32", "optimize.iterations=60", "optimize.checkpoint_every=10",
+                            "optimize.max_gaussians=3000", "optimize.initial.stereo_side=32", "mesh.resolution=32",
+                            "mesh.faces=4000", "decompose.points=2000", "evaluate.relit_samples=4"})
       words.insert(words.end(), {"--set", set});
     words.insert(words.end(), more.begin(), more.end());
     return words;

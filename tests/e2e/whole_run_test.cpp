@@ -13,9 +13,9 @@ namespace {
 // Sizes at which the figures say something.
 std::vector<std::string> full_size(const std::vector<std::string>& more = {}) {
   std::vector<std::string> words;
-  for (const char* set : {"masks.proposed.fit.steps=450", "normals.geometric.max_side=240", "optimize.iterations=600",
-                          "optimize.max_gaussians=6000", "optimize.checkpoint_every=100", "optimize.initial.stereo_side=160",
-                          "mesh.resolution=96", "mesh.faces=10000", "decompose.points=6000", "evaluate.relit_samples=8"})
+  for (const char* set : {"normals.geometric.max_side=240", "optimize.iterations=600", "optimize.max_gaussians=6000",
+                          "optimize.checkpoint_every=100", "optimize.initial.stereo_side=160", "mesh.resolution=96",
+                          "mesh.faces=10000", "decompose.points=6000", "evaluate.relit_samples=8"})
     words.insert(words.end(), {"--set", set});
   words.insert(words.end(), more.begin(), more.end());
   return words;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.h"
@@ -15,6 +16,7 @@
 #include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/appendage_pixels.h"
 #include "stages/masks/boxes/grab_cut.h"
+#include "stages/masks/boxes/past_outlines.h"
 
 namespace vitrine {
 
@@ -133,11 +135,11 @@ class Carrier {
         capture_(desc.capture),
         views_(desc.views),
         photos_(desc.photos),
-        past_(desc.past),
         thing_(thing),
         mark_of_(views_.size(), nullptr),
         drawn_(views_.size()),
         tight_(is_tight(thing)) {
+    if (desc.stereo != nullptr && mirror_in_boxes(thing)) past_.emplace(*desc.stereo);
     size_t whole = 0;  // photos that show all of it: what they do not see is not the thing
     for (const Mark& mark : thing.marks) {
       const Intrinsics& k = views_[mark.view].intrinsics;
@@ -151,25 +153,37 @@ class Carrier {
                   .one_piece = true,
                   .most_one_sided = kMostOneSided};
     marked_ = VisualHull(cones_, hull_desc_);
-    if (marked_.empty()) throw_disagree();
+  }
+
+  bool marks_meet() const { return !marked_.empty(); }
+
+  [[noreturn]] void throw_disagree() const {
+    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing_.name),
+                {.why = marked_.one_sidedness() > kMostOneSided
+                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
+                            : fmt::format("no point of space lies inside the marks of all {} photos", thing_.marks.size()),
+                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
+                 .code = "MARKS_DISAGREE"});
   }
 
   CarriedThing carry() const {
-    CarriedThing out{silhouettes_of(marked_, views_), std::vector<std::vector<uint8_t>>(views_.size()), {}, {}};
+    CarriedThing out;
+    out.inside = silhouettes_of(marked_, views_);
+    out.doubted.resize(views_.size());
     out.summary = {.name = thing_.name, .word = thing_.word, .kind = thing_.kind, .marks = thing_.marks.size()};
     const Vec3d extent = marked_.bounds().high - marked_.bounds().low;
     out.summary.edge = std::max({extent.x, extent.y, extent.z});
     for (size_t v = 0; v < views_.size(); ++v) out.doubted[v].assign(out.inside[v].size(), 0);
-    const VisualHull* hull = &marked_;
+    out.hull = marked_;
     FoundOutlines found;
     if (thing_.kind == MaskClass::Transparent) {
       if (tight_) take_box_of_marks(out);
     } else {
-      found = past_ != nullptr && mirror_in_boxes(thing_) ? outlines_past() : outlines_by_colour(out.inside);
+      found = past_ ? outlines_past() : outlines_by_colour(out.inside);
       for (size_t v = 0; v < views_.size(); ++v)
         out.summary.refined +=
             !is_polygon(v) && std::ranges::any_of(found.outlines[v].value.data(), [](float c) { return c > 0; });
-      if (!found.hull.empty()) take_shape(found, out), hull = &found.hull;
+      if (!found.hull.empty()) take_shape(found, out), out.hull = found.hull;
       doubt(found, out);
     }
     for (size_t v = 0; v < views_.size(); ++v) {
@@ -181,21 +195,12 @@ class Carrier {
       }
     }
     out.depth.resize(views_.size());
-    parallel_for(views_.size(), 1, [&](size_t v) { out.depth[v] = depths_inside(*hull, views_[v], out.inside[v]); });
+    parallel_for(views_.size(), 1, [&](size_t v) { out.depth[v] = depths_inside(out.hull, views_[v], out.inside[v]); });
     return out;
   }
 
  private:
   bool is_polygon(size_t v) const { return mark_of_[v] != nullptr && !mark_of_[v]->box; }
-
-  [[noreturn]] void throw_disagree() const {
-    throw Error(ErrorKind::Input, fmt::format("the marks of '{}' do not meet", thing_.name),
-                {.why = marked_.one_sidedness() > kMostOneSided
-                            ? "the marked photos look from the same side, so that nothing tells how far away it is"
-                            : fmt::format("no point of space lies inside the marks of all {} photos", thing_.marks.size()),
-                 .hint = "mark the whole thing, and the same thing, in photos from different sides",
-                 .code = "MARKS_DISAGREE"});
-  }
 
   // Glass that is a box where its marks are silhouettes of one.
   void take_box_of_marks(CarriedThing& out) const {
@@ -270,7 +275,7 @@ class Carrier {
   const MaskCapture& capture_;
   const std::vector<View>& views_;
   const std::vector<SmallPhoto>& photos_;
-  const PastOutlines* past_;
+  std::optional<PastOutlines> past_;
   const MarkedThing& thing_;
   std::vector<const Mark*> mark_of_;         // [view]
   std::vector<std::vector<uint8_t>> drawn_;  // [view][h,w] of the marks; empty: not marked
@@ -284,6 +289,16 @@ class Carrier {
 
 bool mirror_in_boxes(const MarkedThing& thing) { return thing.kind == MaskClass::Specular && !is_tight(thing); }
 
-CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing) { return Carrier(desc, thing).carry(); }
+CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing) {
+  const Carrier carrier(desc, thing);
+  if (!carrier.marks_meet()) carrier.throw_disagree();
+  return carrier.carry();
+}
+
+std::optional<CarriedThing> carry_if_marks_meet(const CarryDesc& desc, const MarkedThing& thing) {
+  const Carrier carrier(desc, thing);
+  if (!carrier.marks_meet()) return std::nullopt;
+  return carrier.carry();
+}
 
 }  // namespace vitrine

@@ -1,8 +1,10 @@
 // One marked thing, carried from its few marks to all photos (marked_source.h says how).
 #pragma once
 
+#include <optional>
+
 #include "stages/masks/boxes/marks_file.h"
-#include "stages/masks/boxes/past_outlines.h"
+#include "stages/masks/small_stereo.h"
 
 namespace vitrine {
 
@@ -16,7 +18,7 @@ struct CarryDesc {
   const MaskCapture& capture;
   const std::vector<View>& views;         // of the capture, at the small size
   const std::vector<SmallPhoto>& photos;  // the same with their colours; may be empty where all things are glass
-  const PastOutlines* past = nullptr;     // looks past the hulls of mirrors in boxes
+  const SmallStereo* stereo = nullptr;    // looks past the hulls of mirrors in boxes
 };
 
 struct CarriedThing {
@@ -31,11 +33,13 @@ struct CarriedThing {
   };
   std::vector<std::vector<uint8_t>> inside, doubted;  // [view][h,w]; doubted: outline and hull disagree
   std::vector<std::vector<float>> depth;              // [view][h,w] z-depth of the thing, where it is inside
+  VisualHull hull;
   Summary summary;
 };
 
 // Throws Error{Input} when no point of space lies inside all marks of the thing.
 CarriedThing carry_thing(const CarryDesc& desc, const MarkedThing& thing);
+std::optional<CarriedThing> carry_if_marks_meet(const CarryDesc& desc, const MarkedThing& thing);
 
 // What mirrors has no colour of its own; polygons in three photos or more tell its outline all the same.
 bool mirror_in_boxes(const MarkedThing& thing);

@@ -42,14 +42,14 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   const std::vector<View> views = small_views(capture, config.max_side);
   const bool looks = std::ranges::any_of(things, wants_outlines);
   const std::vector<SmallPhoto> photos = looks ? small_photos(capture, config.max_side) : std::vector<SmallPhoto>{};
-  std::optional<PastOutlines> past;
+  std::optional<SmallStereo> stereo;
   if (std::ranges::any_of(things, mirror_in_boxes)) {
-    past.emplace(photos, capture);
+    stereo.emplace(photos, capture);
     progress(kPastShare);
   }
-  const double begun = past ? kPastShare : 0;
-  if (past && past->blind()) past.reset();
-  const CarryDesc desc{config, capture, views, photos, past ? &*past : nullptr};
+  const double begun = stereo ? kPastShare : 0;
+  if (stereo && stereo->blind()) stereo.reset();
+  const CarryDesc desc{config, capture, views, photos, stereo ? &*stereo : nullptr};
   masks->inside.resize(views.size());
   masks->doubted.resize(views.size());
   for (size_t v = 0; v < views.size(); ++v) {

@@ -16,7 +16,7 @@ namespace vitrine {
 
 struct Mark {
   size_t view = 0;
-  bool box = false;            // the thing lies somewhere in it; a polygon is its outline
+  bool box = false;            // the thing lies somewhere in it; else it is its outline
   std::vector<Vec2d> outline;  // pixels of the undistorted photo
 };
 

@@ -2,17 +2,14 @@
 #pragma once
 
 #include "core/stereo/background.h"
-#include "stages/masks/small_photo.h"
+#include "stages/masks/small_stereo.h"
 
 namespace vitrine {
 
 class PastOutlines {
  public:
-  // Stereo of all photos: most of the time.
-  PastOutlines(std::span<const SmallPhoto> photos, const MaskCapture& capture);
+  explicit PastOutlines(const SmallStereo& stereo) : stereo_(stereo) {}  // refers to it
 
-  // Whether stereo found so little that no background can be predicted.
-  bool blind() const;
   // Of HullDesc.
   std::vector<HalfSpace> sides(const VisualHull& hull) const;
   // [view][h,w] 1 where something stands in front of a hull that surely holds all of the thing.
@@ -21,10 +18,7 @@ class PastOutlines {
   std::vector<Silhouette> outlines(const VisualHull& hull, std::span<const std::vector<uint8_t>> hidden) const;
 
  private:
-  std::vector<View> views_;
-  std::vector<EdgePhoto> photos_;
-  std::vector<DepthMap> maps_;
-  std::vector<ScenePlane> planes_;
+  const SmallStereo& stereo_;
 };
 
 }  // namespace vitrine

@@ -15,23 +15,24 @@ constexpr double kCaseReach = 0.6;           // of the cameras' ring: farther ou
 constexpr double kLow = 0.02, kHigh = 0.98;  // of the sparse points
 constexpr double kAboveCameras = 0.3;        // of the ring: cases on a table end below, whatever sparse points say
 constexpr size_t kFewestPoints = 20;
-constexpr double kOnSurface = 0.03;        // of the depth: the fit is no finer
-constexpr double kFoot = 0.15;             // share of what the fit has in the plan of a box that lies below its foot
+constexpr double kOnSurface = 0.03;        // of the depth
+constexpr double kFoot = 0.15;             // share of what is known in the plan of a box that lies below its foot
 constexpr double kShrunk = 0.8;            // of the plan: beside a case other things stand
 constexpr double kBelow = 0.5;             // of the height: how far below where edges begin to show its foot may be
 constexpr size_t kFewestCasePixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
 constexpr size_t kMostAsked = 12;          // boxes
 
-// visit(z-depth of the fit or 0, crossing of the pixel's ray with the box, eye, ray)
+// visit(pixel, reliable z-depth or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
-void for_each_pixel(const Box& box, const SmallPhoto& photo, const FittedView& fitted, const Visit& visit) {
-  const Intrinsics& k = photo.view.intrinsics;
-  const Vec3d eye = photo.view.centre_in_world();
+void for_each_pixel(const Box& box, const View& view, const DepthMap& map, const Visit& visit) {
+  const Intrinsics& k = view.intrinsics;
+  const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Vec3d ray = transposed_times(photo.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+      const Vec3d ray = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
       const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
-      visit(pixel, double(fitted.zdepth[pixel]), box.crossing(eye, ray), eye, ray);
+      const bool known = !map.trusted.empty() && map.reliable(pixel);
+      visit(pixel, known ? double(map.zdepth[pixel]) : 0.0, box.crossing(eye, ray), eye, ray);
     }
 }
 
@@ -43,8 +44,8 @@ bool same_place(const Box& a, const Box& b) {
   return holds(a, b) || holds(b, a);
 }
 
-// A case stands on what the fit has in its plan: all but some strays lie above its foot.
-double foot(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+// A case stands on what is known in its plan: all but some strays lie above its foot.
+double foot(const Box& box, std::span<const View> views, std::span<const DepthMap> maps) {
   Box column = box;
   const Vec3d middle = 0.5 * (box.low + box.high);
   for (size_t axis = 0; axis < 2; ++axis) {
@@ -53,24 +54,22 @@ double foot(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFi
   }
   column.low.z -= kBelow * (box.high.z - box.low.z);
   std::vector<double> heights;
-  for (size_t v = 0; v < photos.size(); ++v)
-    for_each_pixel(column, photos[v], fit.views[v],
-                   [&](size_t, double z, const auto& crossing, const Vec3d& eye, const Vec3d& ray) {
-                     if (crossing && z > crossing->in && z < crossing->out)
-                       heights.push_back(transposed_times(box.axes, eye + z * ray).z);
-                   });
+  for (size_t v = 0; v < views.size(); ++v)
+    for_each_pixel(column, views[v], maps[v], [&](size_t, double z, const auto& crossing, const Vec3d& eye, const Vec3d& ray) {
+      if (crossing && z > crossing->in && z < crossing->out) heights.push_back(transposed_times(box.axes, eye + z * ray).z);
+    });
   if (heights.size() < kFewestCasePixels) return box.low.z;
   return order_statistic_of(std::span(heights), size_t(kFoot * double(heights.size())));
 }
 
-// Of each side that is asked the share of its pixels at which the fit sees what lies behind it; the least.
-double seen_through(const Box& box, const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+// Of each side that is asked the share of its known pixels that show what lies behind it; the least.
+double seen_through(const Box& box, std::span<const View> views, std::span<const DepthMap> maps) {
   std::array<size_t, Box::kFaces> all{}, through{};
-  for (size_t v = 0; v < photos.size(); ++v)
-    for_each_pixel(box, photos[v], fit.views[v], [&](size_t, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
-      if (!crossing || (z > 0 && z < (1 - kOnSurface) * crossing->in)) return;
+  for (size_t v = 0; v < views.size(); ++v)
+    for_each_pixel(box, views[v], maps[v], [&](size_t, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
+      if (!crossing || !(z > 0) || z < (1 - kOnSurface) * crossing->in) return;
       ++all[crossing->entered.index()];
-      through[crossing->entered.index()] += !(z > 0) || z > (1 + kOnSurface) * crossing->in;
+      through[crossing->entered.index()] += z > (1 + kOnSurface) * crossing->in;
     });
   double least = 1;
   bool any = false;
@@ -89,8 +88,7 @@ void describe(Describer& d, DisplayCaseConfig& c) {
   d.option("least_posts", c.least_posts, "How far its upright edges must stand out of what is around them, in all.")
       .range(0, 1000);
   d.option("least_rim", c.least_rim, "How far its rim must stand out of other heights, standard deviations.").range(0, 1000);
-  d.option("least_seen_through", c.least_seen_through, "Share of each side at which the fit must see what lies behind.")
-      .range(0, 1);
+  d.option("least_seen_through", c.least_seen_through, "Share of each side that must show what lies behind it.").range(0, 1);
 }
 
 Bounds3 about_standing_boxes(const ViewSet& set) {
@@ -103,7 +101,7 @@ Bounds3 about_standing_boxes(const ViewSet& set) {
 }
 
 std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::span<const StandingBox> boxes,
-                                       const std::vector<SmallPhoto>& photos, const QuickFit& fit) {
+                                       std::span<const View> views, std::span<const DepthMap> maps) {
   std::vector<DisplayCase> found;
   size_t asked = 0;
   for (const StandingBox& standing : boxes) {
@@ -111,8 +109,8 @@ std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::spa
     if (std::ranges::any_of(found, [&](const DisplayCase& f) { return same_place(f.box, standing.box); })) continue;
     if (++asked > kMostAsked) break;
     DisplayCase glass{standing.box, standing.posts, standing.rim, 0};
-    glass.box.low.z = foot(glass.box, photos, fit);
-    if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, photos, fit);
+    glass.box.low.z = foot(glass.box, views, maps);
+    if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, views, maps);
     const bool is_glass = glass.seen_through >= config.least_seen_through;
     const Vec3d c = glass.box.axes * (0.5 * (glass.box.low + glass.box.high)), e = glass.box.high - glass.box.low;
     const std::string place = fmt::format("{:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f})", e.x, e.y, e.z, c.x, c.y, c.z);
@@ -128,9 +126,9 @@ std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::spa
   return found;
 }
 
-std::vector<uint8_t> case_mask(const DisplayCase& glass, const SmallPhoto& photo, const FittedView& fitted) {
-  std::vector<uint8_t> mask(fitted.zdepth.size(), 0);
-  for_each_pixel(glass.box, photo, fitted, [&](size_t pixel, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
+std::vector<uint8_t> case_mask(const DisplayCase& glass, const View& view, const DepthMap& map) {
+  std::vector<uint8_t> mask(size_t(view.intrinsics.width) * size_t(view.intrinsics.height), 0);
+  for_each_pixel(glass.box, view, map, [&](size_t pixel, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
     mask[pixel] = crossing && !(z > 0 && z < (1 - kOnSurface) * crossing->in);
   });
   return mask;

@@ -1,47 +1,41 @@
-// Masks that nobody drew: what differs from view to view after a short diffuse fit (README, "proposed").
+// Masks that nobody drew: display cases and mirrors that the photos alone show (README, "proposed").
 #pragma once
 
 #include <functional>
 #include <memory>
 
 #include "stages/masks/proposed/display_case.h"
-#include "stages/masks/proposed/hull_vote.h"
+#include "stages/masks/proposed/found_mirrors.h"
 
 namespace vitrine {
 
 struct ProposedConfig {
-  QuickFitConfig fit;
-  HullVoteConfig vote;
   DisplayCaseConfig display_case;
 };
 void describe(Describer& d, ProposedConfig& c);
 
-// One analysis serves all classes.
+// One analysis serves both classes.
 struct Proposal {
-  std::vector<std::vector<int>> things;    // [view][h,w] which thing is seen there, or -1
-  std::vector<std::vector<uint8_t>> told;  // [view][h,w] enough views saw the point to judge it
-  std::vector<Intrinsics> sizes;           // [view]
-  std::vector<DisplayCase> cases;          // where there is one, nothing is voted on
-  HullVote vote;
-  std::vector<std::vector<uint8_t>> in_case;  // [view][h,w] the glass of one of them is seen there
-  double fit_l1 = 0;
+  std::vector<Intrinsics> sizes;  // [view]
+  std::vector<DisplayCase> cases;
+  std::vector<FoundMirror> mirrors;
+  std::vector<std::vector<uint8_t>> in_case, mirrored, doubted;  // [view][h,w]
+  bool unsure = false;                                           // too few photos, or stereo finds too little
 };
-std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
+std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const BoxesConfig& boxes, const MaskCapture& capture,
                                         const std::function<void(double)>& progress);
 
 class ProposedSource final : public MaskSource {
  public:
-  // `kind`: transparent (what one sees through) or specular (all that changes with the view; glass mirrors, too).
+  // `kind`: transparent (cases) or specular (cases and mirrors).
   ProposedSource(std::shared_ptr<const Proposal> proposal, MaskClass kind) : proposal_(std::move(proposal)), kind_(kind) {}
   std::string_view name() const override { return "proposed"; }
   std::optional<SoftMask> at(size_t view) const override;
-  // Boxes that stand on their edges explain the photos.
-  std::string_view trust() const override { return proposal_->cases.empty() ? "guessed" : "detected"; }
+  std::string_view trust() const override { return "detected"; }
   bool propagated() const override { return true; }
   void report(nlohmann::ordered_json& j) const override;
 
  private:
-  bool belongs(const ProposedThing& thing) const { return kind_ == MaskClass::Specular || thing.transparent; }
   std::shared_ptr<const Proposal> proposal_;
   MaskClass kind_;
 };

@@ -1,4 +1,5 @@
-// Loose boxes around a mirror that stands in a textured room: no colour is its own, and what stands behind it tells its outline.
+// A mirror that stands in a textured room: no colour is its own, and what stands behind it tells its outline, in loose boxes and
+// where nobody marked it.
 #include <gtest/gtest.h>
 
 #include "core/base/hash.h"
@@ -30,9 +31,19 @@ double room(const Vec3d& eye, const Vec3d& d) {
   return brightness;
 }
 
-class LooseBoxes : public testing::Test, public BallCapture {
+enum class Ball { Mirror, Painted, Plain };
+
+class BallInARoom : public testing::Test, public BallCapture {
  protected:
-  LooseBoxes() : BallCapture(24) {
+  BallInARoom() : BallCapture(24) { draw(Ball::Mirror); }
+
+  static double ball(Ball kind, const Vec3d& p, const Vec3d& d) {
+    const Vec3d n = p / kBall;
+    if (kind == Ball::Mirror) return room(p, d - 2 * dot(d, n) * n);
+    if (kind == Ball::Painted) return textured_room::texture(0.3 * std::atan2(n.y, n.x), 0.3 * std::acos(n.z), 6);
+    return 0.45 + 0.3 * n.z;
+  }
+  void draw(Ball kind) {
     for (size_t v = 0; v < views.size(); ++v) {
       const Vec3d eye = views[v].centre_in_world();
       ImageF photo(kWidth, kHeight, 3);
@@ -44,12 +55,7 @@ class LooseBoxes : public testing::Test, public BallCapture {
               const Vec3d d =
                   normalized(transposed_times(views[v].cam_from_world.rotation, views[v].intrinsics.ray(x + dx, y + dy)));
               const double b = dot(eye, d), inside = b * b - dot(eye, eye) + kBall * kBall;
-              if (inside <= 0) {
-                sum += room(eye, d);
-                continue;
-              }
-              const Vec3d p = eye + (-b - std::sqrt(inside)) * d, n = p / kBall;
-              sum += room(p, d - 2 * dot(d, n) * n);
+              sum += inside > 0 ? ball(kind, eye + (-b - std::sqrt(inside)) * d, d) : room(eye, d);
             }
           for (int c = 0; c < 3; ++c) photo.at(x, y, c) = std::pow(float(sum / 4), 2.2f);
         }
@@ -71,9 +77,12 @@ class LooseBoxes : public testing::Test, public BallCapture {
     return text;
   }
   std::unique_ptr<RecordingContext> run(const std::string& marks, int threads) const {
-    write_file(folder.path() / "marks.yaml", marks);
-    auto context = std::make_unique<RecordingContext>(
-        std::map<std::string, fs::path>{{"sfm", sfm()}, {"masks", folder.path() / "marks.yaml"}});
+    std::map<std::string, fs::path> inputs{{"sfm", sfm()}};
+    if (!marks.empty()) {
+      write_file(folder.path() / "marks.yaml", marks);
+      inputs["masks"] = folder.path() / "marks.yaml";
+    }
+    auto context = std::make_unique<RecordingContext>(std::move(inputs));
     set_thread_limit(threads);
     run_masks({}, *context);
     set_thread_limit(0);
@@ -81,14 +90,31 @@ class LooseBoxes : public testing::Test, public BallCapture {
   }
 };
 
-TEST_F(LooseBoxes, GiveTheOutlineOfAMirrorInARoom) {
-  const auto one = run(boxes("specular", 4), 1), two = run(boxes("specular", 4), 2);
-  const double loose = worst_overlap(*run(boxes("transparent", 4), 2), "transparent"), found = worst_overlap(*one, "specular");
+TEST_F(BallInARoom, LooseBoxesGiveTheOutlineOfAMirror) {
+  const double loose = worst_overlap(*run(boxes("transparent", 4), 2), "transparent");
+  const double found = worst_overlap(*run(boxes("specular", 4), 2), "specular");
   RecordProperty("loose", std::to_string(loose));
   RecordProperty("found", std::to_string(found));
   EXPECT_LT(loose, 0.5);
   EXPECT_GT(found, 0.65) << loose;  // measured 0.72, of 48 pixels across
+}
+
+TEST_F(BallInARoom, AMirrorIsFoundWithoutMarks) {
+  const auto one = run("", 1), two = run("", 2);
+  ASSERT_TRUE(fs::exists(one->output() / "masks/specular"));
+  EXPECT_FALSE(fs::exists(one->output() / "masks/transparent"));
+  const double found = worst_overlap(*one, "specular");
+  RecordProperty("found", std::to_string(found));
+  EXPECT_GT(found, 0.5);  // measured 0.56
   EXPECT_EQ(digest_folder(one->output() / "masks/specular"), digest_folder(two->output() / "masks/specular"));
+  EXPECT_NE(read_file(one->output() / "masks/origin.json").find("detected"), std::string::npos);
+}
+
+TEST_F(BallInARoom, PaintIsNoMirror) {
+  for (const Ball kind : {Ball::Painted, Ball::Plain}) {
+    draw(kind);
+    EXPECT_FALSE(fs::exists(run("", 2)->output() / "masks/specular")) << int(kind);
+  }
 }
 
 }  // namespace

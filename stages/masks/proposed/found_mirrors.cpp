@@ -1,0 +1,223 @@
+#include "stages/masks/proposed/found_mirrors.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/log.h"
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/projection.h"
+#include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/stereo/unexplained_pieces.h"
+#include "core/stereo/view_dependence.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kMargin = 1.5;     // voxels around a piece
+constexpr size_t kFewestMarks = 3;  // photos that show all of a piece
+constexpr int kReduction = 2;       // of the photos in which places are compared
+constexpr float kWhole = 0.999f;    // coverage of a pixel that shows nothing else
+constexpr double kSlack = 3;        // voxels that a hull may be off by
+constexpr size_t kMostPlaces = 4000;
+constexpr double kMayMirror = 0.2;       // least view dependence of what stereo found in a piece
+constexpr double kMayOwnSurface = 0.25;  // and share of its pixels
+constexpr double kMirror = 0.18;         // of a whole thing; matt ones have at most .15
+constexpr double kOwnSurface = 0.3;      // where less of it has a surface, the piece is a gap in what is known
+constexpr double kStereoElsewhere = 4;   // the share must be so many times that of surfaces in front or behind
+constexpr double kPartOfAnother = 0.5;   // of the places
+
+// Loose outlines of a piece in the photos that show all of it.
+MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
+  MarkedThing thing{.name = "specular", .word = {}, .kind = MaskClass::Specular, .marks = {}};
+  for (size_t v = 0; v < desc.views.size(); ++v) {
+    const Intrinsics &k = desc.views[v].intrinsics, &full = desc.capture.set.views[v].intrinsics;
+    std::vector<cv::Point2f> corners, outline;
+    bool whole = true;
+    for (const Vec3d& place : piece.places) {
+      const auto p = projection(place, desc.views[v]);
+      const double margin = p ? kMargin * piece.voxel * k.fx / p->z : 0;
+      whole = whole && p && in_picture(*p, k, margin);
+      if (!whole) break;
+      for (const double dx : {-margin, margin})
+        for (const double dy : {-margin, margin}) corners.emplace_back(float(p->x + dx), float(p->y + dy));
+    }
+    if (!whole) continue;
+    cv::convexHull(corners, outline);
+    Mark mark{.view = v, .box = true, .outline = {}};
+    for (const cv::Point2f& p : outline)
+      mark.outline.push_back({double(p.x) * full.width / k.width, double(p.y) * full.height / k.height});
+    thing.marks.push_back(std::move(mark));
+  }
+  return thing;
+}
+
+// The pixels that show a thing, and where their rays pass it.
+struct Shown {
+  std::vector<std::vector<uint8_t>> inside;  // [view][h,w]
+  std::vector<HullDepths> passed;            // [view]
+  double slack;                              // depths may be off by it
+};
+
+Shown shown(const UnexplainedPiece& piece, std::span<const View> views) {
+  Shown out{std::vector<std::vector<uint8_t>>(views.size()), std::vector<HullDepths>(views.size()), kSlack * piece.voxel};
+  parallel_for(views.size(), 1, [&](size_t v) {
+    const Intrinsics& k = views[v].intrinsics;
+    const size_t pixels = size_t(k.width) * size_t(k.height);
+    out.inside[v].assign(pixels, 0);
+    std::vector<float>&entry = out.passed[v].entry, &exit = out.passed[v].exit;
+    entry.assign(pixels, 0.f), exit.assign(pixels, 0.f);
+    for (const Vec3d& place : piece.places) {
+      const auto p = projection(place, views[v]);
+      if (!p) continue;
+      const double half = 0.5 * piece.voxel * k.fx / p->z;
+      for (int y = std::max(0, int(p->y - half)); y <= std::min(k.height - 1, int(p->y + half)); ++y)
+        for (int x = std::max(0, int(p->x - half)); x <= std::min(k.width - 1, int(p->x + half)); ++x) {
+          const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+          const auto z = float(p->z);
+          entry[i] = out.inside[v][i] ? std::min(entry[i], z) : z;
+          exit[i] = std::max(exit[i], z);
+          out.inside[v][i] = 1;
+        }
+    }
+  });
+  return out;
+}
+
+Shown shown(const CarriedThing& thing, std::span<const View> views) {
+  Shown out{thing.inside, std::vector<HullDepths>(views.size()), kSlack * thing.hull.voxel()};
+  parallel_for(views.size(), 1, [&](size_t v) { out.passed[v] = hull_depths(thing.hull, views[v]); });
+  return out;
+}
+
+class MirrorTrial {
+ public:
+  explicit MirrorTrial(const SmallStereo& stereo) : stereo_(stereo) {
+    for (const EdgePhoto& photo : stereo.surroundings().photos) {
+      const Intrinsics& k = photo.view.intrinsics;
+      photos_.push_back(
+          luminance_photo(photo.view, linear_from_srgb_image(photo.srgb), std::max(k.width, k.height) / kReduction));
+    }
+    spread_ = luminance_spread(photos_);
+  }
+
+  // By what stereo found in it: most pieces are none.
+  bool may_be(const UnexplainedPiece& piece) {
+    const Shown seen = shown(piece, stereo_.views());
+    const StereoPlaces stereo = stereo_places(seen);
+    const double by = changes(stereo.places, seen);
+    log_debug("masks: a piece of {} voxels, of which stereo sees {:.0f} %, changes by {:.2f}", piece.places.size(),
+              100 * stereo.share, by);
+    return by >= kMayMirror && stereo.share >= kMayOwnSurface;
+  }
+
+  // nullopt: no mirror.
+  std::optional<FoundMirror> mirror(CarriedThing thing) {
+    const Shown seen = shown(thing, stereo_.views());
+    const StereoPlaces stereo = stereo_places(seen);
+    FoundMirror found{.thing = std::move(thing), .stereo_share = stereo.share};
+    found.of_hull = changes(found.thing.hull.surface(), seen);
+    found.of_stereo = changes(stereo.places, seen);
+    log_debug("masks: a piece {:.2f} across changes with the view by {:.2f} and {:.2f}; stereo sees its surface at {:.0f} %",
+              found.thing.summary.edge, found.of_hull, found.of_stereo, 100 * stereo.share);
+    if (std::min(found.of_hull, found.of_stereo) < kMirror || stereo.share < kOwnSurface ||
+        stereo.share < kStereoElsewhere * stereo.elsewhere)
+      return std::nullopt;
+    return found;
+  }
+
+ private:
+  struct StereoPlaces {
+    std::vector<ShapePoint> places;  // on the thing
+    double share, elsewhere;         // of its pixels: that show one of those, or a surface in front or behind
+  };
+
+  // View dependence of places of a thing, 0 where too few are seen.
+  double changes(const std::vector<ShapePoint>& places, const Shown& seen) {
+    const std::span<const View> views = stereo_.views();
+    for (size_t v = 0; v < photos_.size(); ++v) {
+      ImageF coverage(views[v].intrinsics.width, views[v].intrinsics.height, 1);
+      std::ranges::copy(seen.inside[v], coverage.data().begin());
+      const ImageF small = resized(coverage, photos_[v].luminance.width(), photos_[v].luminance.height());
+      std::ranges::transform(small.data(), photos_[v].inside.begin(), [](float c) { return uint8_t(c > kWhole); });
+    }
+    const auto hidden = [&](size_t v, const Vec3d& place) {
+      const auto p = image_point(place, views[v]);
+      if (!p) return true;
+      const float entry = seen.passed[v].entry[size_t(p->y) * size_t(views[v].intrinsics.width) + size_t(p->x)];
+      return entry > 0 && p->z > double(entry) + seen.slack;
+    };
+    return view_dependence(places, {.photos = photos_, .photo_spread = spread_, .hidden = hidden}).value_or(0);
+  }
+
+  StereoPlaces stereo_places(const Shown& seen) const {
+    const Surroundings scene = stereo_.surroundings();
+    std::vector<ShapePoint> all;
+    size_t pixels = 0, elsewhere = 0;
+    for (size_t v = 0; v < scene.photos.size(); ++v) {
+      const DepthMap& map = scene.maps[v];
+      if (map.zdepth.empty()) continue;
+      const View& view = scene.photos[v].view;
+      const HullDepths& passed = seen.passed[v];
+      const Rigid world_from_cam = inverse(view.cam_from_world);
+      for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+          const size_t i = map.index(x, y);
+          if (!seen.inside[v][i] || passed.entry[i] == 0) continue;
+          ++pixels;
+          if (!map.reliable(i)) continue;
+          const double z = map.zdepth[i];
+          if (z < double(passed.entry[i]) - seen.slack || z > double(passed.exit[i]) + seen.slack) {
+            ++elsewhere;
+            continue;
+          }
+          const Vec3f& n = map.normal[i];
+          all.push_back({world_from_cam * (z * view.intrinsics.ray(x + 0.5, y + 0.5)),
+                         world_from_cam.rotation * Vec3d{double(n.x), double(n.y), double(n.z)}});
+        }
+    }
+    const double count = double(std::max<size_t>(pixels, 1));
+    StereoPlaces out{{}, double(all.size()) / count, double(elsewhere) / count};
+    const size_t stride = (all.size() + kMostPlaces - 1) / kMostPlaces;
+    for (size_t i = 0; i < all.size(); i += stride) out.places.push_back(all[i]);
+    return out;
+  }
+
+  const SmallStereo& stereo_;
+  std::vector<LuminancePhoto> photos_;
+  double spread_ = 0;
+};
+
+}  // namespace
+
+std::vector<FoundMirror> found_mirrors(const CarryDesc& desc, std::span<const Explanation> explained,
+                                       const std::function<void(double)>& progress) {
+  std::vector<UnexplainedPiece> pieces = unexplained_pieces(desc.views, explained);
+  std::ranges::reverse(pieces);
+  MirrorTrial trial(*desc.stereo);
+  std::vector<FoundMirror> found;
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    throw_if_interrupted();
+    progress(double(i) / double(pieces.size()));
+    const UnexplainedPiece& piece = pieces[i];
+    const auto shares = [&](const FoundMirror& other) {
+      const auto inside =
+          std::ranges::count_if(piece.places, [&](const Vec3d& p) { return other.thing.hull.carved().at(p) != 0; });
+      return double(inside) > kPartOfAnother * double(piece.places.size());
+    };
+    if (std::ranges::any_of(found, shares) || !trial.may_be(piece)) continue;
+    const MarkedThing thing = outlined(piece, desc);
+    if (thing.marks.size() < kFewestMarks) continue;
+    std::optional<CarriedThing> carried = carry_if_marks_meet(desc, thing);
+    if (!carried || !carried->summary.voted) continue;
+    if (std::optional<FoundMirror> mirror = trial.mirror(std::move(*carried))) found.push_back(std::move(*mirror));
+  }
+  return found;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,44 @@
+#include "stages/masks/small_stereo.h"
+
+#include <algorithm>
+
+#include "core/base/process.h"
+#include "core/stereo/stereo_photos.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kStereoNeighbours = 5;
+constexpr int kStereoRounds = 2;  // four find no better background
+constexpr double kFarFactor = 2;
+constexpr uint64_t kSeed = 1;
+constexpr double kLeastReliable = 0.05;  // of all pixels
+
+}  // namespace
+
+SmallStereo::SmallStereo(std::span<const SmallPhoto> photos, const MaskCapture& capture) {
+  for (const SmallPhoto& small : photos) views_.push_back(small.view), photos_.push_back(edge_photo(small));
+  std::vector<uint32_t> all(photos_.size());
+  for (uint32_t v = 0; v < all.size(); ++v) all[v] = v;
+  std::vector<std::vector<uint32_t>> neighbours = stereo_neighbours(capture.set, all, kStereoNeighbours);
+  std::vector<StereoPhoto> stereo(photos_.size());
+  for (size_t v = 0; v < stereo.size(); ++v) {
+    stereo[v].view = views_[v];
+    stereo[v].luma = luma_of_srgb(photos_[v].srgb);
+    stereo[v].neighbours = std::move(neighbours[v]);
+  }
+  find_depth_ranges(capture.set, kFarFactor, stereo);
+  maps_ = patch_match(stereo, {.iterations = kStereoRounds, .seed = kSeed});
+  throw_if_interrupted();
+  count_agreement(stereo, maps_);
+  planes_ = scene_planes(stereo, maps_);
+}
+
+bool SmallStereo::blind() const {
+  size_t reliable = 0, pixels = 0;
+  for (const DepthMap& map : maps_) pixels += map.trusted.size(), reliable += size_t(std::ranges::count(map.trusted, 1));
+  return double(reliable) < kLeastReliable * double(pixels) || pixels == 0;
+}
+
+}  // namespace vitrine
