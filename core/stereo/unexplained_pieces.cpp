@@ -15,7 +15,7 @@ constexpr int kVoxels = 128;  // along an edge of the cube
 constexpr double kHalfCube = 1.2;
 constexpr float kErrors[] = {1.7f, 1.4f, 1.1f};     // of what is not explained, at least
 constexpr float kContradictions[] = {0.08f, 0.2f};  // share of the photos, at most
-constexpr size_t kFewestVoxels = 60;
+constexpr size_t kFewestVoxels = 200;  // smaller ones are parts of things, which gain nothing, or too small to matter
 constexpr double kSeenBy = 0.35, kUnexplainedBy = 0.3;  // of all photos, at least
 constexpr double kPastBy = 0.02;                        // of the depth
 constexpr double kNearestCamera = 0.02;                 // cameras nearer than that do not show a point
