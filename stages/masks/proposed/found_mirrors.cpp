@@ -1,6 +1,7 @@
 #include "stages/masks/proposed/found_mirrors.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -76,8 +77,9 @@ Shown shown(const UnexplainedPiece& piece, std::span<const View> views) {
       const auto p = projection(place, views[v]);
       if (!p) continue;
       const double half = 0.5 * piece.voxel * k.fx / p->z;
-      for (int y = std::max(0, int(p->y - half)); y <= std::min(k.height - 1, int(p->y + half)); ++y)
-        for (int x = std::max(0, int(p->x - half)); x <= std::min(k.width - 1, int(p->x + half)); ++x) {
+      const auto pixel = [](double at, int size) { return int(std::floor(std::clamp(at, -1.0, double(size)))); };
+      for (int y = std::max(0, pixel(p->y - half, k.height)); y <= std::min(k.height - 1, pixel(p->y + half, k.height)); ++y)
+        for (int x = std::max(0, pixel(p->x - half, k.width)); x <= std::min(k.width - 1, pixel(p->x + half, k.width)); ++x) {
           const size_t i = size_t(y) * size_t(k.width) + size_t(x);
           const auto z = float(p->z);
           entry[i] = out.inside[v][i] ? std::min(entry[i], z) : z;
