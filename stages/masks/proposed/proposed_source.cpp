@@ -60,8 +60,8 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Boxe
                                     explained, [&](double f) { progress(kExplainedShare + (1 - kExplainedShare) * f); });
   for (const FoundMirror& mirror : proposal->mirrors) {
     log_info(
-        "masks: a mirror {:.2f} across, told by how it changes with the view (masks/contact_sheet.png shows it; vitrine "
-        "mark takes it out if it is none)",
+        "masks: a mirror {:.2f} across, told by how it changes with the view (masks/contact_sheet.png shows it; if it is none, "
+        "role: opaque in objects/objects.json and --objects take it out)",
         mirror.thing.summary.edge);
     for (size_t v = 0; v < views.size(); ++v)
       for (size_t i = 0; i < mirror.thing.inside[v].size(); ++i) {
