@@ -68,6 +68,24 @@ class Behind {
     return std::ranges::any_of(least_, [](float z) { return z > 0; });
   }
 
+  // Of every pixel that is asked, the choice that explains it and those around it best.
+  Explanation best() const {
+    const size_t pixels = least_.size();
+    Explanation found{std::vector<float>(pixels, -1.f), std::vector<float>(pixels, -1.f), std::vector<float>(pixels, 0.f)};
+    for (const std::vector<float>& depth : choices()) {
+      const std::vector<float> error = errors(depth);
+      for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+          const size_t i = at(x, y);
+          if (error[i] < 0) continue;
+          if (const float mean = mean_around(error, x, y); found.around[i] < 0 || mean < found.around[i])
+            found.around[i] = mean, found.error[i] = error[i], found.depth[i] = depth[i];
+        }
+    }
+    return found;
+  }
+
+ private:
   // [choice][h,w] z-depths, 0 = none: measured, planes from near to far, far background.
   std::vector<std::vector<float>> choices() const {
     std::vector<std::vector<float>> depth(kMostPlanes + 2, std::vector<float>(least_.size(), 0.f));
@@ -130,24 +148,6 @@ class Behind {
     return error;
   }
 
-  // Of every pixel that is asked, the choice that explains it and those around it best.
-  Explanation best() const {
-    const size_t pixels = least_.size();
-    Explanation found{std::vector<float>(pixels, -1.f), std::vector<float>(pixels, -1.f), std::vector<float>(pixels, 0.f)};
-    for (const std::vector<float>& depth : choices()) {
-      const std::vector<float> error = errors(depth);
-      for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-          const size_t i = at(x, y);
-          if (error[i] < 0) continue;
-          if (const float mean = mean_around(error, x, y); found.around[i] < 0 || mean < found.around[i])
-            found.around[i] = mean, found.error[i] = error[i], found.depth[i] = depth[i];
-        }
-    }
-    return found;
-  }
-
- private:
   // Mean around a pixel of the errors that are known.
   float mean_around(const std::vector<float>& error, int x, int y) const {
     float sum = 0, count = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <iterator>
 
 #include "core/camera/projection.h"
@@ -77,7 +78,7 @@ std::vector<UnexplainedPiece> unexplained_pieces(std::span<const View> views, st
         if (std::ranges::none_of(found, [&](const std::vector<size_t>& other) { return same_piece(piece, other); }))
           found.push_back(std::move(piece));
       }
-  std::ranges::stable_sort(found, {}, [](const std::vector<size_t>& piece) { return piece.size(); });
+  std::ranges::stable_sort(found, std::greater{}, [](const std::vector<size_t>& piece) { return piece.size(); });
   std::vector<UnexplainedPiece> pieces;
   for (const std::vector<size_t>& voxels : found) {
     UnexplainedPiece piece{.places = {}, .voxel = shares[0].cell};

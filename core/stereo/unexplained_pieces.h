@@ -16,7 +16,7 @@ struct UnexplainedPiece {
   double voxel = 0;           // their edge
 };
 
-// From small to large. Nobody knows how much a pixel must differ, and how many photos may err, for things that stand near each
+// From large to small. Nobody knows how much a pixel must differ, and how many photos may err, for things that stand near each
 // other to come apart, so both are tried from strict to lax; a piece that is nearly one of a stricter try does not come again.
 // `explained`: of each view. The cube around the cameras' centre that is looked at has half edges of 1.2.
 std::vector<UnexplainedPiece> unexplained_pieces(std::span<const View> views, std::span<const Explanation> explained);

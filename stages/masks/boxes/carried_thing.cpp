@@ -102,15 +102,6 @@ void turn(std::span<const SurfaceOfRevolution> solids, const VisualHull& voted, 
   throw_if_interrupted();
 }
 
-// [h,w] z-depth of the hull where a thing is `inside`; that of its middle where the hull has a gap.
-std::vector<float> depths_inside(const VisualHull& hull, const View& view, const std::vector<uint8_t>& inside) {
-  std::vector<float> depth = hull_depths(hull, view).entry;
-  const auto middle = float((view.cam_from_world * (0.5 * (hull.bounds().low + hull.bounds().high))).z);
-  for (size_t i = 0; i < depth.size(); ++i)
-    if (depth[i] == 0 && inside[i]) depth[i] = middle;
-  return depth;
-}
-
 // Outlines of a thing that were looked for in the photos, and the hull that they vote for.
 struct FoundOutlines {
   std::vector<Silhouette> outlines;  // [view]; an empty picture: nothing was found there
@@ -194,8 +185,8 @@ class Carrier {
         for (size_t i = 0; i < drawn_[v].size(); ++i) out.inside[v][i] &= drawn_[v][i];
       }
     }
-    out.depth.resize(views_.size());
-    parallel_for(views_.size(), 1, [&](size_t v) { out.depth[v] = depths_inside(out.hull, views_[v], out.inside[v]); });
+    out.passed.resize(views_.size());
+    parallel_for(views_.size(), 1, [&](size_t v) { out.passed[v] = hull_depths(out.hull, views_[v]); });
     return out;
   }
 

@@ -32,8 +32,8 @@ struct CarriedThing {
     double box_agreement = 0;       // with a box that was taken for it; 0 = none
   };
   std::vector<std::vector<uint8_t>> inside, doubted;  // [view][h,w]; doubted: outline and hull disagree
-  std::vector<std::vector<float>> depth;              // [view][h,w] z-depth of the thing, where it is inside
   VisualHull hull;
+  std::vector<HullDepths> passed;  // [view] of the hull
   Summary summary;
 };
 

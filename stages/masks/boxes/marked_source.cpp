@@ -71,10 +71,15 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
                  : "");
     masks->things.push_back(carried.summary);
     if (things[t].kind != MaskClass::Object && things[t].kind != MaskClass::Ignore)
-      for (size_t v = 0; v < views.size(); ++v)
-        for (size_t i = 0; i < carried.inside[v].size(); ++i)
-          if (carried.inside[v][i] && carried.depth[v][i] < nearest[v][i])
-            nearest[v][i] = carried.depth[v][i], masks->shown[v][i] = uint16_t(t + 1);
+      for (size_t v = 0; v < views.size(); ++v) {
+        const Bounds3& hull = carried.hull.bounds();
+        const auto middle = float((views[v].cam_from_world * (0.5 * (hull.low + hull.high))).z);  // where the hull has a gap
+        for (size_t i = 0; i < carried.inside[v].size(); ++i) {
+          if (!carried.inside[v][i]) continue;
+          const float entry = carried.passed[v].entry[i], depth = entry > 0 ? entry : middle;
+          if (depth < nearest[v][i]) nearest[v][i] = depth, masks->shown[v][i] = uint16_t(t + 1);
+        }
+      }
     for (size_t v = 0; v < views.size(); ++v)
       for (MaskClass kind : kMaskClasses) {
         if (!marks_class(things[t].kind, kind)) continue;

@@ -60,13 +60,17 @@ MarkedThing outlined(const UnexplainedPiece& piece, const CarryDesc& desc) {
 
 // The pixels that show a thing, and where their rays pass it.
 struct Shown {
-  std::vector<std::vector<uint8_t>> inside;  // [view][h,w]
-  std::vector<HullDepths> passed;            // [view]
-  double slack;                              // depths may be off by it
+  std::span<const std::vector<uint8_t>> inside;  // [view][h,w]
+  std::span<const HullDepths> passed;            // [view]
+  double slack;                                  // depths may be off by it
 };
 
-Shown shown(const UnexplainedPiece& piece, std::span<const View> views) {
-  Shown out{std::vector<std::vector<uint8_t>>(views.size()), std::vector<HullDepths>(views.size()), kSlack * piece.voxel};
+struct PieceSeen {
+  std::vector<std::vector<uint8_t>> inside;
+  std::vector<HullDepths> passed;
+};
+PieceSeen seen_in(std::span<const View> views, const UnexplainedPiece& piece) {
+  PieceSeen out{std::vector<std::vector<uint8_t>>(views.size()), std::vector<HullDepths>(views.size())};
   parallel_for(views.size(), 1, [&](size_t v) {
     const Intrinsics& k = views[v].intrinsics;
     const size_t pixels = size_t(k.width) * size_t(k.height);
@@ -91,12 +95,6 @@ Shown shown(const UnexplainedPiece& piece, std::span<const View> views) {
   return out;
 }
 
-Shown shown(const CarriedThing& thing, std::span<const View> views) {
-  Shown out{thing.inside, std::vector<HullDepths>(views.size()), kSlack * thing.hull.voxel()};
-  parallel_for(views.size(), 1, [&](size_t v) { out.passed[v] = hull_depths(thing.hull, views[v]); });
-  return out;
-}
-
 class MirrorTrial {
  public:
   explicit MirrorTrial(const SmallStereo& stereo) : stereo_(stereo) {
@@ -110,7 +108,8 @@ class MirrorTrial {
 
   // By what stereo found in it: most pieces are none.
   bool may_be(const UnexplainedPiece& piece) {
-    const Shown seen = shown(piece, stereo_.views());
+    const PieceSeen in = seen_in(stereo_.views(), piece);
+    const Shown seen{in.inside, in.passed, kSlack * piece.voxel};
     const StereoPlaces stereo = stereo_places(seen);
     const double by = changes(stereo.places, seen);
     log_debug("masks: a piece of {} voxels, of which stereo sees {:.0f} %, changes by {:.2f}", piece.places.size(),
@@ -120,9 +119,10 @@ class MirrorTrial {
 
   // nullopt: no mirror.
   std::optional<FoundMirror> mirror(CarriedThing thing) {
-    const Shown seen = shown(thing, stereo_.views());
+    FoundMirror found{.thing = std::move(thing)};
+    const Shown seen{found.thing.inside, found.thing.passed, kSlack * found.thing.hull.voxel()};
     const StereoPlaces stereo = stereo_places(seen);
-    FoundMirror found{.thing = std::move(thing), .stereo_share = stereo.share};
+    found.stereo_share = stereo.share;
     found.of_hull = changes(found.thing.hull.surface(), seen);
     found.of_stereo = changes(stereo.places, seen);
     log_debug("masks: a piece {:.2f} across changes with the view by {:.2f} and {:.2f}; stereo sees its surface at {:.0f} %",
@@ -199,8 +199,7 @@ class MirrorTrial {
 
 std::vector<FoundMirror> found_mirrors(const CarryDesc& desc, std::span<const Explanation> explained,
                                        const std::function<void(double)>& progress) {
-  std::vector<UnexplainedPiece> pieces = unexplained_pieces(desc.views, explained);
-  std::ranges::reverse(pieces);
+  const std::vector<UnexplainedPiece> pieces = unexplained_pieces(desc.views, explained);
   MirrorTrial trial(*desc.stereo);
   std::vector<FoundMirror> found;
   for (size_t i = 0; i < pieces.size(); ++i) {

@@ -76,7 +76,7 @@ TEST(UnexplainedPieces, ASurfaceInFrontIsNoContradiction) {
   }
   const std::vector<UnexplainedPiece> pieces = unexplained_pieces(scene.views, scene.explained);
   ASSERT_FALSE(pieces.empty());
-  EXPECT_GT(farthest(pieces.back(), ball[0]), 0.9 * kPieceRadius);
+  EXPECT_GT(farthest(pieces.front(), ball[0]), 0.9 * kPieceRadius);
   for (size_t v = 0; v < kCameras; v += 3)  // those see past it
     std::ranges::fill(scene.explained[v].depth, 100.f);
   EXPECT_TRUE(unexplained_pieces(scene.views, scene.explained).empty());

@@ -113,7 +113,9 @@ TEST_F(BallInARoom, AMirrorIsFoundWithoutMarks) {
 TEST_F(BallInARoom, PaintIsNoMirror) {
   for (const Ball kind : {Ball::Painted, Ball::Plain}) {
     draw(kind);
-    EXPECT_FALSE(fs::exists(run("", 2)->output() / "masks/specular")) << int(kind);
+    const auto context = run("", 2);
+    EXPECT_FALSE(fs::exists(context->output() / "masks/specular")) << int(kind);
+    EXPECT_NE(read_file(context->output() / "masks/report.json").find("\"unsure\": false"), std::string::npos) << int(kind);
   }
 }
 

@@ -110,6 +110,7 @@ TEST(Proposed, AnOpaqueSceneGetsNoMaskAndTheSameBytesEveryTime) {
     EXPECT_FALSE(fs::exists(context.output() / "masks/transparent"));
     const std::string report = read_file(context.output() / "masks/report.json");
     EXPECT_NE(report.find("\"proposed\""), std::string::npos);
+    EXPECT_NE(report.find("\"unsure\": false"), std::string::npos) << "nothing was looked at";
     if (first.empty())
       first = report;
     else
