@@ -76,11 +76,12 @@ SurfacePictures first_surface(const RayScene& rays, const View& view) {
   return out;
 }
 
-Image8 developed(const ImageF& radiance, const SensorDesc& sensor, uint64_t key) {
+Image8 developed(const ImageF& radiance, const Vec3d& gain, const SensorDesc& sensor, uint64_t key) {
   ImageF noisy = radiance;
+  const Vec3f factor = cast<float>(gain);
   parallel_for(noisy.data().size(), 4096, [&](size_t i) {
     Rng rng(key, i);
-    const float signal = std::clamp(noisy.data()[i], 0.0f, 1.0f);
+    const float signal = std::clamp(factor[i % 3] * noisy.data()[i], 0.0f, 1.0f);
     noisy.data()[i] = signal + std::sqrt(sensor.shot_noise * signal + sensor.read_noise * sensor.read_noise) * rng.normal();
   });
   return srgb8_from_linear(noisy);

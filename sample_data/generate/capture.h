@@ -17,7 +17,7 @@ struct SurfacePictures {  // one sample at every pixel centre; 0 where nothing w
 };
 SurfacePictures first_surface(const RayScene& rays, const View& view);
 
-// Clipping at 1, shot and read noise, sRGB, 8 bit.
-Image8 developed(const ImageF& radiance, const SensorDesc& sensor, uint64_t key);
+// Gain (View::gain), clipping at 1, shot and read noise, sRGB, 8 bit.
+Image8 developed(const ImageF& radiance, const Vec3d& gain, const SensorDesc& sensor, uint64_t key);
 
 }  // namespace vitrine::generate

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   cli.value("views", 0, "N", views, 1, "Only the first N views.");
   cli.value("size", 0, "WxH", size, "Instead of the scene's picture size.");
   cli.value("threads", 'j', "N", threads, 0, "Threads; 0 = all.");
-  cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery, which needs it.");
+  cli.value("seed", 0, "N", seed, 1, "Which scene of the family; only for gallery and plain_gallery, which need it.");
   cli.flag("help", 'h', help, "Print this text.");
   try {
     const std::vector<std::string> scenes = cli.parse(std::vector<std::string>(argv + 1, argv + argc));

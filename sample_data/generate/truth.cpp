@@ -151,7 +151,7 @@ Image8 photograph(const Scene& scene, size_t view, int samples, const Integrator
   const Integrator integrator(rays, {environment, scene.lamps});
   const IrradianceCache cache = solved(rays, integrator, desc);
   const ImageF radiance = rendered(integrator, &cache, scene.views[view], samples, mix64(kPhoto, view));
-  return developed(radiance, scene.sensor, mix64(kSensor, view));
+  return developed(radiance, scene.views[view].gain, scene.sensor, mix64(kSensor, view));
 }
 
 void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& desc) {
@@ -169,7 +169,8 @@ void generate(const Scene& scene, const fs::path& folder, const GenerateDesc& de
     for (size_t i = 0; i < scene.views.size(); ++i) {
       const View& view = scene.views[i];
       const ImageF radiance = rendered(integrator, &cache, view, samples, mix64(kPhoto, i));
-      write_ldr(folder / "photos" / view.name, developed(radiance, scene.sensor, mix64(kSensor, i)), scene.sensor.jpeg_quality);
+      write_ldr(folder / "photos" / view.name, developed(radiance, view.gain, scene.sensor, mix64(kSensor, i)),
+                scene.sensor.jpeg_quality);
       log_info("{}: photos/{}", scene.name, view.name);
     }
   }

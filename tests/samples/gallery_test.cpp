@@ -277,9 +277,54 @@ TEST(Gallery, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(picture(1), picture(3));
 }
 
-TEST(Gallery, NeedsASeedAndIsAloneInTakingOne) {
+TEST(PlainGallery, HoldsTheThingsOfTheGalleryBetweenBareWalls) {
+  const Scene patterned = gallery(4), plain = plain_gallery(4);
+  const auto is_picture = [](const Part& p) { return p.name.starts_with("picture") || p.name.starts_with("frame"); };
+  EXPECT_TRUE(std::ranges::any_of(patterned.parts, is_picture));
+  EXPECT_FALSE(std::ranges::any_of(plain.parts, is_picture));
+  std::set<std::string> names, plain_names;
+  for (const Part& p : patterned.parts)
+    if (!is_picture(p)) names.insert(p.name);
+  for (const Part& p : plain.parts) {
+    plain_names.insert(p.name);
+    if (!p.name.starts_with("wall_") && p.name != "floor") continue;
+    const Vec3f corner = p.material.albedo({{0, 0, 0}, {0, 0, 1}, {0, 0}});
+    for (const float u : {0.2f, 0.51f, 0.93f})
+      EXPECT_EQ(p.material.albedo({{u, -u, u}, {0, 0, 1}, {u, 1 - u}}), corner) << p.name;
+  }
+  EXPECT_EQ(names, plain_names);
+}
+
+TEST(PlainGallery, EveryPhotoHasAGainOfItsOwn) {
+  const Scene scene = plain_gallery(4);
+  Vec3d sum{};
+  std::set<double> reds;
+  for (const View& view : scene.views) {
+    reds.insert(view.gain.x);
+    for (size_t c = 0; c < 3; ++c) sum[c] += std::log(view.gain[c]);
+    EXPECT_NEAR(view.gain.x, 1, 0.25);
+  }
+  EXPECT_EQ(reds.size(), scene.views.size());
+  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 0, 1e-9);
+}
+
+TEST(Sensor, GainActsOnRadianceBeforeItClips) {
+  const ImageF radiance(8, 8, 3, 0.4f);
+  const SensorDesc ideal{.shot_noise = 0, .read_noise = 0};
+  EXPECT_EQ(developed(radiance, {0.5, 1, 3}, ideal, 1), developed(
+                                                            [&] {
+                                                              ImageF out = radiance;
+                                                              for (int y = 0; y < 8; ++y)
+                                                                for (int x = 0; x < 8; ++x)
+                                                                  out.at(x, y, 0) = 0.2f, out.at(x, y, 2) = 1;
+                                                              return out;
+                                                            }(),
+                                                            {1, 1, 1}, ideal, 1));
+}
+
+TEST(Gallery, FamiliesNeedASeedAndNothingElseTakesOne) {
   for (const auto& [name, seed] :
-       {std::pair<const char*, std::optional<uint64_t>>{"gallery", {}}, {"tiny_room", 3}, {"gallery", 0}})
+       {std::pair<const char*, std::optional<uint64_t>>{"gallery", {}}, {"plain_gallery", {}}, {"tiny_room", 3}, {"gallery", 0}})
     try {
       scene_named(name, seed);
       FAIL() << name;

@@ -11,7 +11,7 @@
 namespace vitrine::generate {
 namespace {
 
-constexpr uint64_t kRoomPurpose = 6, kLightPurpose = 7;
+constexpr uint64_t kRoomPurpose = 6, kLightPurpose = 7, kPlainPurpose = 8;
 constexpr float kGround = -0.72f, kTop = 1.6f;  // floor and upper edge of the walls; the table top is z = 0
 constexpr float kBroadCell = 0.12f, kNearCell = 0.05f, kTableCell = 0.014f;
 
@@ -60,6 +60,10 @@ Texture wall_texture(Draw& draw, float width, float height) {
   const Vec3f base = mixed(palette[1], {0.55f, 0.52f, 0.46f}, 0.5f), stain = mixed(palette[2], base, 0.35f);
   if (draw.chance(0.65f)) return baked(sheet_of(plaster(base, stain, draw.texture_seed()), true), width, height, 0.010f);
   return baked(glyph_tiles(draw.between(0.18f, 0.3f), toned(palette, base, 0.5f), draw.texture_seed()), width, height, 0.010f);
+}
+
+Texture one_colour(const Vec3f& colour) {
+  return [colour](const SurfacePoint&) { return colour; };
 }
 
 struct RoomWall {
@@ -113,12 +117,16 @@ std::function<Vec3f(const Vec3f&)> turned_sky(Vec3f (*sky)(const Vec3f&), float 
 
 }  // namespace
 
-void add_gallery_room(Scene& scene, const GalleryPlan& plan, uint64_t seed) {
-  Draw draw(seed, kRoomPurpose);
+void add_gallery_room(Scene& scene, const GalleryPlan& plan, uint64_t seed, RoomPaint paint) {
+  Draw draw(seed, kRoomPurpose), plain(seed, kPlainPurpose);
+  const auto painted = [&](Texture pattern) {
+    if (paint == RoomPaint::Patterned) return pattern;
+    return one_colour(mixed(drawn_palette(plain, 2)[1], {0.62f, 0.60f, 0.56f}, 0.6f));
+  };
   const float x = draw.between(1.8f, 2.3f), south = -draw.between(1.8f, 2.3f),
               north = plan.wall_y.value_or(draw.between(1.8f, 2.3f));
   const Vec3f a{-x, south, kGround}, b{x, south, kGround}, c{x, north, kGround}, d{-x, north, kGround};
-  add_room_part(scene, "floor", rectangle(a, b - a, d - a, kBroadCell), floor_texture(draw, 2 * x, north - south));
+  add_room_part(scene, "floor", rectangle(a, b - a, d - a, kBroadCell), painted(floor_texture(draw, 2 * x, north - south)));
   const RoomWall walls[] = {{"south", b, {-1, 0, 0}, 2 * x},
                             {"east", c, {0, -1, 0}, north - south},
                             {"north", d, {1, 0, 0}, 2 * x},
@@ -128,8 +136,8 @@ void add_gallery_room(Scene& scene, const GalleryPlan& plan, uint64_t seed) {
     const bool used = plan.wall_y && wall.along.x > 0;
     add_room_part(scene, fmt::format("wall_{}", wall.name),
                   rectangle(wall.corner, wall.length * wall.along, {0, 0, height}, used ? kNearCell : kBroadCell),
-                  wall_texture(draw, wall.length, height));
-    add_pictures(scene, wall, draw, used ? x - 0.7f : 1e3f, used ? x + 0.7f : -1e3f);
+                  painted(wall_texture(draw, wall.length, height)));
+    if (paint == RoomPaint::Patterned) add_pictures(scene, wall, draw, used ? x - 0.7f : 1e3f, used ? x + 0.7f : -1e3f);
   }
   add_gallery_table(scene, plan, draw);
   // Points around the table and before each wall, from which the skies are seen.

@@ -4,8 +4,11 @@
 
 namespace vitrine::generate {
 namespace {
-constexpr SceneEntry kScenes[] = {
-    {"tiny_room", tiny_room}, {"paperweight", paperweight}, {"cabinet", cabinet}, {"gallery", nullptr, gallery}};
+constexpr SceneEntry kScenes[] = {{"tiny_room", tiny_room},
+                                  {"paperweight", paperweight},
+                                  {"cabinet", cabinet},
+                                  {"gallery", nullptr, gallery},
+                                  {"plain_gallery", nullptr, plain_gallery}};
 }
 
 std::span<const SceneEntry> scene_list() { return kScenes; }

@@ -18,6 +18,9 @@ Scene cabinet();  // a painted owl in a glass case, a copper kettle, books; 36 v
 
 Scene gallery(uint64_t seed);  // glass, metal, mirrors and coated paint drawn by the seed (from 1); 24 to 48 views of 320x240
 
+// The same things between bare walls of one paint each, and exposure and white balance of every photo are its own.
+Scene plain_gallery(uint64_t seed);
+
 struct SceneEntry {
   const char* name;
   Scene (*build)();  // null: a family of scenes
