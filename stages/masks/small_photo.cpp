@@ -30,8 +30,9 @@ std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
     if (interrupt_signal() != 0) return;
     photos[v].view = views[v];
     const Intrinsics& k = views[v].intrinsics;
-    const ImageF srgb =
-        srgb_from_linear_image(resized(read_exr_rgb(linear_image_path(capture.sfm_folder, views[v])), k.width, k.height));
+    ImageF linear = resized(read_exr_rgb(linear_image_path(capture.sfm_folder, views[v])), k.width, k.height);
+    for (size_t i = 0; i < linear.data().size(); ++i) linear.data()[i] /= float(views[v].gain[i % 3]);
+    const ImageF srgb = srgb_from_linear_image(linear);
     const size_t pixels = srgb.pixel_count();
     photos[v].srgb.resize(3 * pixels);
     for (size_t i = 0; i < pixels; ++i)

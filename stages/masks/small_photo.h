@@ -11,7 +11,7 @@ namespace vitrine {
 
 struct SmallPhoto {
   View view;                // intrinsics at this size
-  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]
+  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1], without the photo's gain: as bright in all photos
 };
 // `max_side` limits the longest side.
 std::vector<View> small_views(const MaskCapture& capture, int max_side);

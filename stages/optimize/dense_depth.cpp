@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/math/color.h"
+#include "core/stereo/bare_walls.h"
 #include "core/stereo/extend_planes.h"
 #include "core/stereo/stereo_photos.h"
 
@@ -25,15 +27,16 @@ size_t level_near(const Capture& capture, int max_side) {
   return best;
 }
 
-// Luma of Rec.709 on encoded values: what the eye, and a correlation, sees of an edge.
+// Luma of Rec.709 on encoded values, which is what the eye, and a correlation, sees of an edge; without the photo's gain, so that
+// a wall without texture is as bright in all photos.
 ImageF luma(const PhotoLevel& photo) {
   const Intrinsics& k = photo.view.intrinsics;
   ImageF grey(k.width, k.height, 1);
-  const size_t pixels = grey.pixel_count();
-  for (size_t i = 0; i < pixels; ++i)
+  for (size_t i = 0; i < grey.pixel_count(); ++i) {
+    const Vec3f linear = linear_at(photo, i);
     grey.data()[i] =
-        (0.2126f * float(photo.srgb[i]) + 0.7152f * float(photo.srgb[pixels + i]) + 0.0722f * float(photo.srgb[2 * pixels + i])) /
-        65535.f;
+        0.2126f * srgb_from_linear(linear.x) + 0.7152f * srgb_from_linear(linear.y) + 0.0722f * srgb_from_linear(linear.z);
+  }
   return grey;
 }
 
@@ -67,6 +70,8 @@ DenseDepth dense_depth(const Capture& capture, int max_side, double far_factor, 
   dense.maps = patch_match(dense.photos, {.seed = seed});
   count_agreement(dense.photos, dense.maps);
   dense.planes = scene_planes(dense.photos, dense.maps);
+  const std::vector<ScenePlane> walls = bare_walls(dense.photos, dense.maps, dense.planes);
+  dense.planes.insert(dense.planes.end(), walls.begin(), walls.end());
   std::vector<DepthMap> whole(dense.maps.size());
   parallel_for(dense.maps.size(), 1, [&](size_t v) {
     // What nobody confirms is chance, and there is no plane to continue.
