@@ -10,6 +10,7 @@ namespace vitrine {
 
 namespace {
 
+constexpr size_t kMostSampled = 48;                     // photos, spread evenly: more know no more of a wall
 constexpr size_t kOthers = 12;                          // photos that a sample is compared with
 constexpr int kTile = 32;                               // pixels: the largest region
 constexpr float kRegionEdge = 0.02f;                    // of brightness, between regions
@@ -50,7 +51,8 @@ BareEvidence::BareEvidence(std::span<const StereoPhoto> photos, std::span<const 
     blurred_[v] = blurred(photos[v].luma);
     used_.push_back(v);
   }
-  for (const uint32_t v : used_) add_samples(v, step);
+  const size_t stride = (used_.size() + kMostSampled - 1) / kMostSampled;
+  for (size_t i = 0; i < used_.size(); i += stride) add_samples(used_[i], step);
 }
 
 // Regions of unreliable pixels: what hangs together without an edge, within a tile. [h*w]

@@ -8,7 +8,7 @@ namespace vitrine {
 
 class BareEvidence {
  public:
-  // A pixel every `step`.
+  // A pixel every `step`, of 48 photos at most.
   BareEvidence(std::span<const StereoPhoto> photos, std::span<const DepthMap> maps, int step);
 
   size_t size() const { return samples_.size(); }
