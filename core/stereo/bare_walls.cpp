@@ -21,6 +21,7 @@ constexpr double kFarthest = 3;
 constexpr int kWallSteps = 12, kFloorSteps = 24;
 constexpr double kMayLieBehind = 0.01;  // of what stereo found: its errors
 constexpr size_t kMostBarePlanes = 6, kFinalists = 4, kFewestPhotos = 3;
+constexpr size_t kFewestSamples = 2000;  // a few photos of 160 pixels; what fewer say of a plane is chance
 // Refinement: first steps in radians and extents, halved in every round.
 struct Steps {
   double turn, shift;
@@ -58,7 +59,7 @@ class BareWallSearch {
 
   std::vector<ScenePlane> run() {
     std::vector<ScenePlane> walls, candidates;
-    if (centres_.size() < kFewestPhotos || many_.size() == 0) return walls;
+    if (centres_.size() < kFewestPhotos || many_.size() < kFewestSamples) return walls;
     for (int i = 0; i < kWallDirections; ++i) {
       const double phi = 2 * std::numbers::pi * i / kWallDirections;
       add_candidates(std::cos(phi) * across_ + std::sin(phi) * cross(up_, across_), kWallSteps, candidates);
