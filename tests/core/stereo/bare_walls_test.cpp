@@ -9,7 +9,6 @@
 #include "tests/core/stereo/textured_room.h"
 
 namespace vitrine {
-extern std::vector<ScenePlane> g_true;
 namespace {
 
 constexpr int kRing = 14;
