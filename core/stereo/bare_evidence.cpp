@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/camera/projection.h"
+#include "core/image/resample.h"
 #include "core/math/connected_components.h"
 
 namespace vitrine {
@@ -31,14 +32,6 @@ ImageF blurred(const ImageF& luma) {
       out.at(x, y) = sum / 9;
     }
   return out;
-}
-
-// Bilinear; at least a pixel from the edge.
-float brightness(const ImageF& luma, double x, double y) {
-  const int left = int(x - 0.5), top = int(y - 0.5);
-  const float fx = float(x - 0.5 - left), fy = float(y - 0.5 - top);
-  const auto row = [&](int v) { return luma.at(left, v) + fx * (luma.at(left + 1, v) - luma.at(left, v)); };
-  return row(top) + fy * (row(top + 1) - row(top));
 }
 
 }  // namespace
@@ -111,7 +104,9 @@ float BareEvidence::cost_at(const Sample& s, const Vec3d& point, bool far) const
         continue;
       }
     }
-    difference += double(std::min(std::abs(brightness(blurred_[v], at->x, at->y) - s.value), kMostDifference));
+    float value = 0;
+    sample_bilinear(blurred_[v], at->x, at->y, &value);
+    difference += double(std::min(std::abs(value - s.value), kMostDifference));
     seen += 1;
   }
   return (seen > 0 ? float(difference / seen) : kNobodySees) + kInTheWay * float(in_the_way / (in_the_way + seen + 0.5));

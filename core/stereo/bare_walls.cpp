@@ -67,7 +67,7 @@ class BareWallSearch {
     if (!floor_known_) add_candidates(-up_, kFloorSteps, candidates);
     while (walls.size() < kMostBarePlanes) {
       Wall next = best_of(candidates);
-      if (!(next.gain > least_gain(next.plane))) break;
+      if (next.gain == 0) break;
       next.plane.floor = is_level(next.plane);
       many_.measure(next.plane, many_least_);
       explain(next.plane);
@@ -149,7 +149,9 @@ class BareWallSearch {
       for (const double way : {1.0, -1.0}) {
         ScenePlane moved = best.plane;
         moved.offset += way * steps.shift * bounds(moved.normal).extent();
-        for (const ScenePlane& p : {moved, turned(best.plane, up_, way * steps.turn)})
+        std::vector<ScenePlane> tried{moved};
+        if (steps.turn > 0 && !is_level(best.plane)) tried.push_back(turned(best.plane, up_, way * steps.turn));
+        for (const ScenePlane& p : tried)
           if (p.offset >= bounds(p.normal).high) best = better(best, {p, evidence.gain(p, least)});
       }
     return best;
@@ -168,6 +170,7 @@ class BareWallSearch {
     return many_.refuted(others, plane, many_least_) > kLeastRefuted * double(many_.size());
   }
 
+  // Gain 0: none counts.
   Wall best_of(const std::vector<ScenePlane>& candidates) const {
     std::vector<double> gains(candidates.size());
     parallel_for(gains.size(), 8, [&](size_t c) { gains[c] = few_.gain(candidates[c], few_least_); });
@@ -179,7 +182,8 @@ class BareWallSearch {
     parallel_for(order.size(), 1, [&](size_t f) {
       const Wall coarse = refined(candidates[order[f]], few_, few_least_, kCoarse);
       finalists[f] = refined(coarse.plane, many_, many_least_, kFine);
-      if (!is_distinct(finalists[f].plane)) finalists[f].gain = 0;
+      Wall& wall = finalists[f];
+      if (!(wall.gain > least_gain(wall.plane)) || !is_distinct(wall.plane)) wall.gain = 0;
     });
     return *std::ranges::max_element(finalists, {}, &Wall::gain);
   }

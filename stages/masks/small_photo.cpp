@@ -29,6 +29,7 @@ std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side) {
   parallel_for(photos.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
     photos[v].view = views[v];
+    photos[v].view.gain = {1, 1, 1};
     const Intrinsics& k = views[v].intrinsics;
     ImageF linear = resized(read_exr_rgb(linear_image_path(capture.sfm_folder, views[v])), k.width, k.height);
     for (size_t i = 0; i < linear.data().size(); ++i) linear.data()[i] /= float(views[v].gain[i % 3]);

@@ -10,8 +10,8 @@
 namespace vitrine {
 
 struct SmallPhoto {
-  View view;                // intrinsics at this size
-  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1], without the photo's gain: as bright in all photos
+  View view;                // intrinsics at this size; gain 1, as the photo's is taken out
+  std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]: a surface is as bright in all photos
 };
 // `max_side` limits the longest side.
 std::vector<View> small_views(const MaskCapture& capture, int max_side);

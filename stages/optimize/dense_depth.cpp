@@ -27,17 +27,14 @@ size_t level_near(const Capture& capture, int max_side) {
   return best;
 }
 
-// Luma of Rec.709 on encoded values, which is what the eye, and a correlation, sees of an edge; without the photo's gain, so that
-// a wall without texture is as bright in all photos.
+// Without the photo's gain: a wall without texture is as bright in all photos.
 ImageF luma(const PhotoLevel& photo) {
-  const Intrinsics& k = photo.view.intrinsics;
-  ImageF grey(k.width, k.height, 1);
-  for (size_t i = 0; i < grey.pixel_count(); ++i) {
+  ImageF srgb(photo.view.intrinsics.width, photo.view.intrinsics.height, 3);
+  for (size_t i = 0; i < srgb.pixel_count(); ++i) {
     const Vec3f linear = linear_at(photo, i);
-    grey.data()[i] =
-        0.2126f * srgb_from_linear(linear.x) + 0.7152f * srgb_from_linear(linear.y) + 0.0722f * srgb_from_linear(linear.z);
+    for (size_t c = 0; c < 3; ++c) srgb.data()[3 * i + c] = srgb_from_linear(linear[c]);
   }
-  return grey;
+  return luma_of_srgb(srgb);
 }
 
 }  // namespace

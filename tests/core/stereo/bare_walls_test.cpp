@@ -116,7 +116,8 @@ TEST(BareWalls, DoNotDependOnTheNumberOfThreads) {
     return planes;
   };
   const std::vector<ScenePlane> one = found(1), three = found(3);
-  ASSERT_EQ(one.size(), three.size());
+  ASSERT_EQ(one.size(), 5u);
+  ASSERT_EQ(three.size(), 5u);
   for (size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].normal, three[i].normal);
     EXPECT_EQ(one[i].offset, three[i].offset);
