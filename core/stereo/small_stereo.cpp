@@ -1,4 +1,4 @@
-#include "stages/masks/small_stereo.h"
+#include "core/stereo/small_stereo.h"
 
 #include <algorithm>
 
@@ -17,18 +17,19 @@ constexpr double kLeastReliable = 0.05;  // of all pixels
 
 }  // namespace
 
-SmallStereo::SmallStereo(std::span<const SmallPhoto> photos, const MaskCapture& capture) {
-  for (const SmallPhoto& small : photos) views_.push_back(small.view), photos_.push_back(edge_photo(small));
-  std::vector<uint32_t> all(photos_.size());
-  for (uint32_t v = 0; v < all.size(); ++v) all[v] = v;
-  std::vector<std::vector<uint32_t>> neighbours = stereo_neighbours(capture.set, all, kStereoNeighbours);
+SmallStereo::SmallStereo(std::vector<EdgePhoto> photos, const ViewSet& set) : photos_(std::move(photos)) {
+  for (const EdgePhoto& photo : photos_) views_.push_back(photo.view);
+  std::vector<uint32_t> all;
+  for (uint32_t v = 0; v < photos_.size(); ++v)
+    if (!photos_[v].srgb.empty()) all.push_back(v);
+  std::vector<std::vector<uint32_t>> neighbours = stereo_neighbours(set, all, kStereoNeighbours);
   std::vector<StereoPhoto> stereo(photos_.size());
   for (size_t v = 0; v < stereo.size(); ++v) {
     stereo[v].view = views_[v];
-    stereo[v].luma = luma_of_srgb(photos_[v].srgb);
+    if (!photos_[v].srgb.empty()) stereo[v].luma = luma_of_srgb(photos_[v].srgb);
     stereo[v].neighbours = std::move(neighbours[v]);
   }
-  find_depth_ranges(capture.set, kFarFactor, stereo);
+  find_depth_ranges(set, kFarFactor, stereo);
   maps_ = patch_match(stereo, {.iterations = kStereoRounds, .seed = kSeed});
   throw_if_interrupted();
   count_agreement(stereo, maps_);

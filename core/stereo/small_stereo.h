@@ -1,15 +1,20 @@
-// The photos at the size that masks are looked for in, with stereo of all of them: what stands where, and the large planes.
+// Small photos with stereo of all of them: what stands where, and the large planes.
 #pragma once
 
+#include <span>
+#include <vector>
+
+#include "core/camera/view_set.h"
 #include "core/stereo/background.h"
-#include "stages/masks/small_photo.h"
+#include "core/stereo/edge_photo.h"
 
 namespace vitrine {
 
 class SmallStereo {
  public:
-  // PatchMatch of all photos: most of the time of what uses it.
-  SmallStereo(std::span<const SmallPhoto> photos, const MaskCapture& capture);
+  // `photos`: of all views, without their gains; those without a picture take no part. PatchMatch of all the others: most of the
+  // time of what uses it.
+  SmallStereo(std::vector<EdgePhoto> photos, const ViewSet& set);
 
   // Whether stereo found so little that no background can be predicted.
   bool blind() const;

@@ -50,14 +50,18 @@ EdgePhoto edge_photo(const SmallPhoto& photo) {
   return edges;
 }
 
+std::vector<EdgePhoto> edge_photos(std::span<const SmallPhoto> photos) {
+  std::vector<EdgePhoto> out;
+  for (const SmallPhoto& small : photos) out.push_back(edge_photo(small));
+  return out;
+}
+
 std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side) {
   MaskCapture some;
   some.sfm_folder = capture.sfm_folder;
   const size_t all = capture.set.views.size(), stride = (all + kMostEdgePhotos - 1) / kMostEdgePhotos;
   for (size_t v = 0; v < all; v += stride) some.set.views.push_back(capture.set.views[v]);
-  std::vector<EdgePhoto> photos;
-  for (const SmallPhoto& small : small_photos(some, max_side)) photos.push_back(edge_photo(small));
-  return photos;
+  return edge_photos(small_photos(some, max_side));
 }
 
 void blur_planes(std::vector<float>& planes, int width, int height, float sigma) {

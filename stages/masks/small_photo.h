@@ -2,6 +2,7 @@
 // more.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/stereo/edge_photo.h"
@@ -17,6 +18,7 @@ struct SmallPhoto {
 std::vector<View> small_views(const MaskCapture& capture, int max_side);
 std::vector<SmallPhoto> small_photos(const MaskCapture& capture, int max_side);
 EdgePhoto edge_photo(const SmallPhoto& photo);
+std::vector<EdgePhoto> edge_photos(std::span<const SmallPhoto> photos);
 // For looking at their edges: not all photos of a large capture, but spread evenly; some dozens know where an edge is.
 std::vector<EdgePhoto> edge_photos(const MaskCapture& capture, int max_side);
 

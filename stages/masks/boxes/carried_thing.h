@@ -3,8 +3,9 @@
 
 #include <optional>
 
+#include "core/stereo/small_stereo.h"
 #include "stages/masks/boxes/marks_file.h"
-#include "stages/masks/small_stereo.h"
+#include "stages/masks/small_photo.h"
 
 namespace vitrine {
 

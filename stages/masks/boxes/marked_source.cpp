@@ -44,7 +44,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   const std::vector<SmallPhoto> photos = looks ? small_photos(capture, config.max_side) : std::vector<SmallPhoto>{};
   std::optional<SmallStereo> stereo;
   if (std::ranges::any_of(things, mirror_in_boxes)) {
-    stereo.emplace(photos, capture);
+    stereo.emplace(edge_photos(photos), capture.set);
     progress(kPastShare);
   }
   const double begun = stereo ? kPastShare : 0;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/stereo/background.h"
-#include "stages/masks/small_stereo.h"
+#include "core/stereo/small_stereo.h"
 
 namespace vitrine {
 

@@ -1,4 +1,5 @@
 #include "stages/masks/proposed/proposed_source.h"
+#include "stages/masks/small_photo.h"
 
 #include <algorithm>
 
@@ -35,7 +36,7 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Boxe
   proposal->unsure = views.size() < kFewestPhotos;
   if (proposal->unsure) return proposal;
   const std::vector<SmallPhoto> photos = small_photos(capture, boxes.max_side);
-  const SmallStereo stereo(photos, capture);
+  const SmallStereo stereo(edge_photos(photos), capture.set);
   proposal->unsure = stereo.blind();
   if (proposal->unsure) return proposal;
   progress(kStereoShare);
