@@ -46,7 +46,7 @@ std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, c
       if (!shows_shape(e, surfels, i)) continue;
       ++all, left += keep[i];
     }
-    stays.push_back(all > 0 ? 2 * left >= all : e.role == ShapeRole::Sheet);
+    stays.push_back(all > 0 ? 2 * left >= all : is_glass(e.role));
   }
   ShapeSet out = set->kept(stays);
   return out.entries.empty() ? nullptr : std::make_shared<const ShapeSet>(std::move(out));
@@ -82,7 +82,7 @@ std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>
 
 bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i) {
   if (entry.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) return false;  // k_s below a half
-  if (entry.role == ShapeRole::Sheet && *surfels.at(Attribute::Transmission, i) < 0) return false;     // tau below a half
+  if (is_glass(entry.role) && *surfels.at(Attribute::Transmission, i) < 0) return false;               // tau below a half
   const float* m = surfels.at(Attribute::Mean, i);
   const Vec3d p{m[0], m[1], m[2]};
   return length(nearest(entry.shape, p).position - p) <= kOnShape * entry.tolerance;

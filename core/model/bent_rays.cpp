@@ -14,6 +14,7 @@ constexpr size_t kBentGrain = 256;  // pixels
 
 struct BentPixels {  // of one chunk
   std::vector<uint32_t> pixels, leg_counts;
+  std::vector<uint8_t> solid;
   std::vector<BentRay::Leg> legs;
 };
 
@@ -33,20 +34,25 @@ void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const
       if (bent.path != GlassPath::Bent) continue;
       found[chunk].pixels.push_back(pixel);
       found[chunk].leg_counts.push_back(bent.leg_count);
+      found[chunk].solid.push_back(frame.sheets.shows_solid(pixel));
       found[chunk].legs.insert(found[chunk].legs.end(), bent.legs.begin(), bent.legs.begin() + bent.leg_count);
     }
   });
   for (auto* v : {&pixels, &begin}) v->clear();
   for (auto* v : {&origins, &directions}) v->clear();
-  far.clear();
+  far.clear(), passed.clear();
   uint32_t legs = 0;
   for (const BentPixels& f : found) {
     pixels.insert(pixels.end(), f.pixels.begin(), f.pixels.end());
-    for (const uint32_t count : f.leg_counts) begin.push_back(std::exchange(legs, legs + count));
-    for (const BentRay::Leg& leg : f.legs) {
-      origins.push_back(leg.origin);
-      directions.push_back(leg.direction);
-      far.push_back(leg.length);
+    size_t leg = 0;
+    for (size_t p = 0; p < f.pixels.size(); ++p) {
+      begin.push_back(std::exchange(legs, legs + f.leg_counts[p]));
+      for (const size_t end = leg + f.leg_counts[p]; leg < end; ++leg) {
+        origins.push_back(f.legs[leg].origin);
+        directions.push_back(f.legs[leg].direction);
+        far.push_back(f.legs[leg].length);
+        passed.push_back(f.solid[p] ? f.legs[leg].passed : 1.f);
+      }
     }
   }
   begin.push_back(legs);
@@ -55,6 +61,7 @@ void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const
 BentLegs::Shown BentLegs::shown(size_t bent_pixel, const RayValues& values) const {
   Shown out;
   for (uint32_t k = begin[bent_pixel]; k < begin[bent_pixel + 1]; ++k) {
+    out.transmittance *= passed[k];
     out.color += out.transmittance * values.color[k];
     out.transmittance *= values.transmittance[k];
   }
@@ -100,6 +107,7 @@ void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, 
       for (size_t c = 0; c < 3; ++c) g[c] = std::exchange(upstream[c * all + pixel], 0.f);
       float through = 1;
       for (uint32_t k = begin; k < end; ++k) {
+        through *= legs_.passed[k];
         gradients_.color[k] = through * g;
         gradients_.transmittance[k] = through;  // times what comes from behind, below
         through *= values_.transmittance[k];
@@ -107,7 +115,7 @@ void BentRays::backward(Frame& frame, std::span<float> blame, SplatLayer& grad, 
       Vec3f beyond{};
       for (uint32_t k = end; k-- > begin;) {
         gradients_.transmittance[k] *= dot(g, beyond);
-        beyond = values_.color[k] + values_.transmittance[k] * beyond;
+        beyond = legs_.passed[k] * (values_.color[k] + values_.transmittance[k] * beyond);
       }
       if (blame.empty()) continue;
       std::fill(blame_.begin() + begin, blame_.begin() + end, blame[pixel]);

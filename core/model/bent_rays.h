@@ -20,6 +20,7 @@ struct BentLegs {
   std::vector<uint32_t> pixels, begin;  // bent ones, and [pixels + 1] their legs
   std::vector<Vec3f> origins, directions;
   std::vector<float> far;
+  std::vector<float> passed;  // what the wall lets pass of the leg's light; 1 where the picture's own Fresnel term has all walls
 
   // Of the pixels `asking` of a frame with its diffuse pass. Writes how their rays go to `path`, [h,w].
   void find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path);

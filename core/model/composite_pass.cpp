@@ -112,7 +112,7 @@ void CompositePass::forward(const SplatScene&, Frame& frame) {
         if (shown.reflection) {
           write(l.reflected, pixels, pixel, c_r);
           write(l.fresnel, pixels, pixel,
-                fresnel(material.f0, material.cosine, shown.transmission ? material.transmission : 0.f).value);
+                fresnel(material.f0, material.cosine, shown.transmission ? material.transmission : 0.f, material.solid).value);
         }
         if (shown.transmission) {
           write(l.transmitted, pixels, pixel, straight);

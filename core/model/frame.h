@@ -37,14 +37,16 @@ struct BehindGlass {
   void clear();                       // but for picture_weight
 };
 
-// Known sheets of glass that stand before what the surfels show (SheetPass). Empty without one in the picture.
+// Known sheets and blocks of glass that stand before what the surfels show (SheetPass). Empty without one in the picture.
 struct SheetImages {
   std::vector<uint32_t> entry;                     // [h,w] 1 + the entry that the pixel looks through first, 0: none
   std::vector<uint32_t> element;                   // [h,w] which part of it (ShapeHit)
   std::vector<float> coverage;                     // [h,w] of the pixel
+  std::vector<uint8_t> solid;                      // [h,w] 1: that entry is solid glass
   std::vector<float> behind_alpha, behind_median;  // [h,w] the channels Alpha and MedianZ of the surfels alone
   bool empty() const { return entry.empty(); }
   bool shows(uint32_t pixel) const { return !entry.empty() && entry[pixel] != 0; }
+  bool shows_solid(uint32_t pixel) const { return !solid.empty() && solid[pixel] != 0; }
   void clear();
 };
 

@@ -25,7 +25,8 @@ class GBuffer {
         transmission(frame.diffuse.plane(Aov::Transmission)),
         zdepth(frame.diffuse.plane(Aov::ZDepth)),
         alpha(frame.diffuse.plane(Aov::Alpha)),
-        coats_(frame.coats) {
+        coats_(frame.coats),
+        sheets_(frame.sheets) {
     const Intrinsics& k = frame.view->intrinsics;
     const Mat3d& r = frame.view->cam_from_world.rotation;
     eye_ = cast<float>(frame.view->centre_in_world());
@@ -59,13 +60,19 @@ class GBuffer {
   // What the blend needs of any pixel.
   BlendMaterial<float> material(uint32_t pixel) const {
     const Vec3f n = surface_normal(pixel);
-    return {(1.f / alpha[pixel]) * rgb(f0, pixel), specular[pixel],    transmission[pixel], dot(normalized(n), ray(pixel).view),
-            normal_agreement(n, alpha[pixel]),     coats_.shows(pixel)};
+    return {(1.f / alpha[pixel]) * rgb(f0, pixel),
+            specular[pixel],
+            transmission[pixel],
+            dot(normalized(n), ray(pixel).view),
+            normal_agreement(n, alpha[pixel]),
+            coats_.shows(pixel),
+            sheets_.shows_solid(pixel)};
   }
 
  private:
   static constexpr float kShortestNormal = 0.05f;  // opposite normals that cancel leave no direction
   const CoatImages& coats_;
+  const SheetImages& sheets_;
   Vec3f eye_, per_x_, per_y_, corner_;
 };
 

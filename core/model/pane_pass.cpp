@@ -57,7 +57,7 @@ void PanePass::find_own(const SplatScene& scene, const ShapeSet& set, float poli
   own_.assign(scene.diffuse.size(), 0);
   for (uint32_t entry = 0; entry < set.entries.size(); ++entry) {
     const ShapeSet::Entry& e = set.entries[entry];
-    if (e.role == ShapeRole::Sheet || facets(e.shape).empty()) continue;
+    if (is_glass(e.role) || facets(e.shape).empty()) continue;
     const double reach = kOwnSurfels * e.tolerance;
     const Bounds3 about = bounds(e.shape, reach);
     for (size_t i = 0; i < own_.size(); ++i) {
@@ -94,6 +94,7 @@ void PanePass::find_panes(const Frame& frame, PaneImages& out) {
       if (first_pane_[entry] == first_pane_[entry + 1]) continue;
       pane_of_[Near][pixel] = first_pane_[entry] + frame.sheets.element[pixel];
       out.shown[pixel] = 1;
+      if (frame.options.shape.set->entries[entry].role == ShapeRole::Solid) continue;
       // Out of a convex sheet by the first facet that looks away.
       double leaves_at = 1e300, rise = 0;
       uint32_t by = kNoPane;
@@ -153,7 +154,7 @@ void PanePass::mirror(const Frame& frame, uint32_t pane, Side side, PaneImages& 
     if (pane_of[i] == pane) window.extend(turned(i), row_of(i));
   if (window.empty()) return;
   const uint32_t entry = entry_of(pane);
-  const bool teaches = side == Near && frame.options.shape.set->entries[entry].role != ShapeRole::Sheet;
+  const bool teaches = side == Near && !is_glass(frame.options.shape.set->entries[entry].role);
   if (teaches) {
     if (mirrors_.size() == pictures_.size()) pictures_.push_back(std::make_unique<WindowPicture>(backend_));
     mirrors_.push_back({pane, window, {}, pictures_[mirrors_.size()].get()});

@@ -31,7 +31,7 @@ class SheetRays {
  public:
   SheetRays(const Frame& frame) : set_(*frame.options.shape.set), view_(*frame.view), eye_(view_.centre_in_world()) {
     for (const ShapeSet::Entry& e : set_.entries) {
-      if (e.role != ShapeRole::Sheet) continue;
+      if (!is_glass(e.role)) continue;
       const Bounds3 b = bounds(e.shape);
       all_.extend(b.low), all_.extend(b.high);
     }
@@ -42,10 +42,12 @@ class SheetRays {
     const Ray ray{eye_, per_z};
     if (!may_meet(all_, ray)) return std::nullopt;
     const double speed = length(per_z);
-    return set_.first_hit(ray, ShapeRole::Sheet, [&](const ShapeSet::Hit& h) {
+    const auto accepts = [&](const ShapeSet::Hit& h) {
       const ShapeSet::Entry& e = set_.entries[h.entry];
       return e.is_clear(h.element) && (shown.z - h.t) * speed > (shown.mirrors ? e.tolerance : -e.tolerance);
-    });
+    };
+    const auto sheet = set_.first_hit(ray, ShapeRole::Sheet, accepts), solid = set_.first_hit(ray, ShapeRole::Solid, accepts);
+    return !solid || (sheet && sheet->t < solid->t) ? sheet : solid;
   }
 
  private:
@@ -73,12 +75,12 @@ Shown shown_by_surfels(const Frame& frame, bool reflects, size_t pixel) {
 }  // namespace
 
 void SheetImages::clear() {
-  entry.clear(), element.clear();
+  entry.clear(), element.clear(), solid.clear();
   for (auto* plane : {&coverage, &behind_alpha, &behind_median}) plane->clear();
 }
 
 bool draws_sheets(const ImageOptions& options) {
-  return options.transmission.glass == Glass::Thin && knows(options.shape.set.get(), ShapeRole::Sheet);
+  return options.transmission.glass == Glass::Thin && options.shape.set && options.shape.set->has_glass();
 }
 
 // What the middles of all pixels look at.
@@ -107,7 +109,7 @@ void SheetPass::forward(const SplatScene& scene, Frame& frame) {
              height = static_cast<size_t>(frame.view->intrinsics.height);
   const size_t pixels = frame.pixel_count();
   if (std::ranges::none_of(middles_, [](const Seen& s) { return s.entry != 0; })) return;
-  out.entry.assign(pixels, 0), out.element.assign(pixels, 0);
+  out.entry.assign(pixels, 0), out.element.assign(pixels, 0), out.solid.assign(pixels, 0);
   out.coverage.assign(pixels, 0.f);
   const auto alpha = frame.diffuse.plane(Aov::Alpha), median = frame.diffuse.plane(Aov::MedianZ);
   out.behind_alpha.assign(alpha.begin(), alpha.end());
@@ -138,13 +140,14 @@ void SheetPass::forward(const SplatScene& scene, Frame& frame) {
           }
         }
         if (!(coverage > 0)) continue;
-        out.entry[pixel] = seen.entry, out.element[pixel] = seen.element;
+        const bool solid = frame.options.shape.set->entries[seen.entry - 1].role == ShapeRole::Solid;
+        out.entry[pixel] = seen.entry, out.element[pixel] = seen.element, out.solid[pixel] = solid;
         out.coverage[pixel] = coverage;
         const float a = std::max(channels.plane(Aov::Alpha)[pixel], coverage);
         channels.plane(Aov::Alpha)[pixel] = a;
         for (size_t c = 0; c < 3; ++c) {
           normal[c * pixels + pixel] = a * seen.normal[c];
-          f0[c * pixels + pixel] = a * static_cast<float>(kPaneReflectance);
+          f0[c * pixels + pixel] = a * static_cast<float>(solid ? kWallReflectance : kPaneReflectance);
         }
         channels.plane(Aov::ZDepth)[pixel] = a * seen.z;
         channels.plane(Aov::MedianZ)[pixel] = seen.z;

@@ -1,8 +1,9 @@
-// Known sheets of clear glass (core/shape, role Sheet) stand over the picture as surfaces of their own: no surfel shows them. A
-// pixel that looks at a pane in front of what the surfels show takes normal, depth and materials from the sheet, and later passes
-// shade it as they shade any glass (metal that the surfels show at the sheet is its frame, no glass): C_t is what the surfels
-// show there, dimmed and mirrored over by the Fresnel law of a sheet (README 2, 4). So glass takes no surfel of the budget, its
-// silhouette is sharp, and its normals are those of the shape.
+// Known sheets and blocks of clear glass (core/shape, roles Sheet and Solid) stand over the picture as surfaces of their own: no
+// surfel shows them. A pixel that looks at a pane in front of what the surfels show takes normal, depth and materials from the
+// shape, and later passes shade it as they shade any glass (metal that the surfels show at the sheet is its frame, no glass). C_t
+// is what the surfels show there, or what bent rays through a block show (ThinGlassPass), dimmed and mirrored over by the Fresnel
+// law of a sheet or of one wall (README 2, 4). So glass takes no surfel of the budget, its silhouette is sharp, and its normals
+// are those of the shape.
 //
 // Coverage: pixels that the silhouette of a sheet crosses are covered by the share of their four quarters whose middles meet it;
 // tau is that share. Where nothing is known of glass (no shape), nothing is drawn, and what is seen through it stays as it is.
@@ -17,7 +18,7 @@
 
 namespace vitrine {
 
-// Whether sheets of glass are drawn from their shapes.
+// Whether glass is drawn from its shapes.
 bool draws_sheets(const ImageOptions& options);
 
 class SheetPass final : public Pass {

@@ -30,6 +30,7 @@ double way_past(const Bounds3& box, const Ray& ray) {
 
 ShellPass::Wall ShellPass::far_wall(const Frame& frame, uint32_t pixel) const {
   const ShapeSet::Entry& entry = frame.options.shape.set->entries[frame.sheets.entry[pixel] - 1];
+  if (entry.role == ShapeRole::Solid) return {};
   const GBuffer g(frame);
   const Vec3d eye = frame.view->centre_in_world(), per_z = cast<double>(g.ray(pixel).direction_per_z);
   const double entered = double(g.zdepth[pixel]) / double(g.alpha[pixel]);
@@ -87,7 +88,7 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
   if (frame.sheets.empty() || frame.behind.radiance.empty()) return;
   shell_.clear();
   for (const ShapeSet::Entry& e : frame.options.shape.set->entries)
-    shell_.push_back(e.role == ShapeRole::Sheet && facets(e.shape).empty() ? bounds(e.shape) : Bounds3{});
+    shell_.push_back(is_glass(e.role) && facets(e.shape).empty() ? bounds(e.shape) : Bounds3{});
   if (std::ranges::all_of(shell_, &Bounds3::empty)) return;
   ShadedPixels& s = frame.shaded;
   const auto shows_shell = [&](size_t i) {

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/model/kernels/fresnel.h"
 #include "core/model/kernels/mirror.h"
 #include "core/model/kernels/refraction.h"
 
@@ -18,6 +19,7 @@ constexpr float kOffSurface = 2e-5f;  // scene units: a leg's own surface is not
 constexpr float kTolerance_rel = 0.01f, kToleranceVoxels = 3;
 constexpr int kSmoothing = 10;  // Taubin's passes: the steps of the voxels are in the normals of a mesh
 constexpr int kMostSurfaces = 32;
+constexpr double kSolidEdge_rel = 0.02;  // of a shape's size: edges of its mesh
 constexpr Vec3f kProbes[] = {{0.31f, 0.17f, 0.94f},
                              {-0.88f, 0.38f, 0.29f},
                              {0.23f, -0.92f, 0.32f},
@@ -77,16 +79,19 @@ BentRay ThickGlass::path(const Vec3f& eye, const Vec3f& direction, float surface
     Vec3f n = side * normal_at(hit->face, point);
     if (!(dot(n, d) < 0)) n = side * hit->normal;  // the smooth surface looks away where the mesh does not: an silhouette
     Vec3f bent;
-    if (refract(d, n, leaves ? ior_ : 1 / ior_, bent))
+    float passed = 1;
+    if (refract(d, n, leaves ? ior_ : 1 / ior_, bent)) {
       depth = leaves ? 0 : 1;
-    else
+      if (ray.leg_count > 0) passed = 1 - dielectric_reflectance(-dot(n, d), leaves ? ior_ : 1 / ior_);
+    } else {
       bent = reflected(-d, n);
+    }
     if (ray.leg_count > 0) ray.legs[ray.leg_count - 1].length = hit->t;
     if (ray.leg_count == BentRay::kMostLegs) return ends(depth > 0 ? GlassPath::TotalReflection : GlassPath::NoExit);
     origin = point;
     d = normalized(bent);
     near = kOffSurface;
-    ray.legs[ray.leg_count++] = {origin, d, std::numeric_limits<float>::infinity()};
+    ray.legs[ray.leg_count++] = {origin, d, std::numeric_limits<float>::infinity(), passed};
   }
   return ends(GlassPath::NoExit);
 }
@@ -103,6 +108,21 @@ bool ThickGlass::contains(const Vec3f& place) const {
     inside += hit && hit->from_inside;
   }
   return 2 * inside > std::size(kProbes);
+}
+
+std::shared_ptr<const ThickGlass> solid_glass(const ShapeSet& shapes) {
+  TriMesh all;
+  float tolerance = 0;
+  for (const ShapeSet::Entry& e : shapes.entries) {
+    if (e.role != ShapeRole::Solid) continue;
+    const TriMesh mesh = tessellated(e.shape, kSolidEdge_rel * size_of(e.shape));
+    const auto first = static_cast<uint32_t>(all.positions.size());
+    all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (const auto& f : mesh.faces) all.faces.push_back({first + f[0], first + f[1], first + f[2]});
+    tolerance = std::max(tolerance, static_cast<float>(e.tolerance));
+  }
+  if (all.faces.empty()) return nullptr;
+  return std::make_shared<const ThickGlass>(std::move(all), static_cast<float>(kGlassIndex), tolerance);
 }
 
 std::shared_ptr<const ThickGlass> thick_glass(const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior) {

@@ -1,8 +1,8 @@
-// Closed shells that are solid glass, and the way of a ray through them (algorithms 5.2): bent by Snell's law where it enters and
-// where it leaves, at the smoothed mesh's interpolated normals. Where it cannot leave it is mirrored inside (total reflection)
-// and goes on. A shell in a shell is the same glass. What interfaces reflect of light that can pass is no part of the path. A ray
-// that is still inside after kMostLegs keeps the straight way, and so does one that meets a hole or a surface that is not the one
-// the picture shows.
+// Closed shells that are solid glass (pieces of an extracted mesh, known shapes), and the way of a ray through them
+// (algorithms 5.2): bent by Snell's law where it enters and where it leaves, at the smoothed mesh's interpolated normals. Where
+// it cannot leave it is mirrored inside (total reflection) and goes on. A shell in a shell is the same glass. What interfaces
+// reflect of light that can pass is no part of the path. A ray that is still inside after kMostLegs keeps the straight way, and
+// so does one that meets a hole or a surface that is not the one the picture shows.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 
 #include "core/mesh/tri_mesh.h"
 #include "core/model/glass_mesh.h"
+#include "core/shape/shape_set.h"
 #include "core/trace/mesh_hits.h"
 
 namespace vitrine {
@@ -26,6 +27,7 @@ struct BentRay {
   struct Leg {
     Vec3f origin{}, direction{};
     float length = 0;  // the last one's is infinite
+    float passed = 1;  // of its light at its beginning, by Fresnel's law; all at the first wall, whose reflection the picture has
   };
   static constexpr size_t kMostLegs = 8;  // of a way that is longer the path is TotalReflection inside of glass, NoExit outside
   GlassPath path = GlassPath::Straight;
@@ -58,6 +60,8 @@ class ThickGlass {
 };
 
 // The chosen regions of the glass (`chosen`: [mesh.regions]), smoothed. nullptr when none is chosen.
+// The shapes of role Solid. nullptr: there is none.
+std::shared_ptr<const ThickGlass> solid_glass(const ShapeSet& shapes);
 std::shared_ptr<const ThickGlass> thick_glass(const GlassMesh& mesh, std::span<const uint8_t> chosen, float ior);
 
 }  // namespace vitrine

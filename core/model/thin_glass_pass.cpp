@@ -32,9 +32,18 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   wanted_.assign(frame.pixel_count(), 0);
   for (size_t i = 0; i < s.pixels.size(); ++i) wanted_[s.pixels[i]] = s.asks[i].transmission;
   if (std::ranges::find(wanted_, 1) == wanted_.end()) return;
-  drawn_ = sheets && !options.thick;
-  if (drawn_) return take_drawn(frame);
-  if (!sheets) without_glass(scene, opened_degrees(scene, frame.options), frame.opened);
+  drawn_ = sheets;
+  if (drawn_)
+    take_drawn(frame);
+  else
+    draw(scene, frame);
+  if (options.thick) bent_.forward(options, frame.opened.surfels, frame);
+}
+
+// With known sheets the diffuse pass has drawn it already.
+void ThinGlassPass::draw(const SplatScene& scene, Frame& frame) {
+  BehindGlass& behind = frame.behind;
+  without_glass(scene, opened_degrees(scene, frame.options), frame.opened);
   const SplatLayer& merged = frame.opened.surfels;
   RasterDesc desc;
   desc.intrinsics = frame.view->intrinsics;
@@ -51,18 +60,17 @@ void ThinGlassPass::forward(const SplatScene& scene, Frame& frame) {
   std::transform(alpha.begin(), alpha.end(), behind.inner_transmittance.begin(), [](float a) { return 1.f - a; });
   const std::span<const float> median = picture_.plane(Aov::MedianZ);
   behind.median_z.assign(median.begin(), median.end());
-  if (options.thick) bent_.forward(options, merged, frame);
 }
 
 void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& grad) {
   BehindGlass& behind = frame.behind;
   if (behind.radiance.empty()) return;
-  if (drawn_) {
+  const TransmissionOptions& options = frame.options.transmission;
+  const auto straight = [&] {
     const auto color = frame.grad_diffuse.plane(Aov::Color);
     for (size_t i = 0; i < color.size(); ++i) color[i] += behind.grad_radiance[i];
-    return;
-  }
-  const TransmissionOptions& options = frame.options.transmission;
+  };
+  if (drawn_ && !options.thick) return straight();
   const SplatLayer& merged = frame.opened.surfels;
   blame_.resize(frame.error_image.size());
   for (size_t i = 0; i < blame_.size(); ++i) blame_[i] = behind.picture_weight[i] * frame.error_image[i];
@@ -72,6 +80,11 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
     grad_.fill(0.f);
   statistics_.reset(merged.size());
   if (options.thick) bent_.backward(frame, blame_, grad_, statistics_);
+  if (drawn_) {
+    straight();
+    give_back(opened_degrees(scene, frame.options), {grad_, statistics_}, frame, grad);
+    return;
+  }
   gradients_.width = picture_.width;
   gradients_.height = picture_.height;
   std::vector<float>& of_color = gradients_.planes[static_cast<size_t>(Aov::Color)];

@@ -39,6 +39,7 @@ class ThinGlassPass final : public Pass {
 
  private:
   void take_drawn(Frame& frame) const;
+  void draw(const SplatScene& scene, Frame& frame);
 
   std::unique_ptr<Renderer> renderer_;
   bool drawn_ = false;           // the picture is that of DiffusePass

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr size_t kMostObjects = 65534;  // 16-bit labels, of which two have other meanings
-constexpr std::array<std::string_view, 3> kShapeRoles{"mirror", "sheet", "coat"};  // [ShapeRole], words of shape_file.h
+constexpr std::array<std::string_view, 4> kShapeRoles{"mirror", "sheet", "coat", "solid"};  // [ShapeRole], words of shape_file.h
 
 template <class Enum, size_t N>
 Enum word_of(const JsonAt& object, const char* key, std::optional<Enum> (*parse)(std::string_view)) {
@@ -54,7 +54,9 @@ Object read_object(const JsonAt& at) {
   out.evidence = {.views = size_t(std::max(0.0, number("views").value_or(0))),
                   .inside = number("inside_masks"),
                   .covered = number("masks_covered"),
-                  .view_dependence = number("view_dependence")};
+                  .view_dependence = number("view_dependence"),
+                  .straight = number("like_straight_rays"),
+                  .bent = number("like_bent_rays")};
   return out;
 }
 
@@ -140,6 +142,8 @@ void write_objects(const fs::path& folder, const ObjectSet& set) {
     if (o.evidence.inside) evidence["inside_masks"] = *o.evidence.inside;
     if (o.evidence.covered) evidence["masks_covered"] = *o.evidence.covered;
     if (o.evidence.view_dependence) evidence["view_dependence"] = *o.evidence.view_dependence;
+    if (o.evidence.straight) evidence["like_straight_rays"] = *o.evidence.straight;
+    if (o.evidence.bent) evidence["like_bent_rays"] = *o.evidence.bent;
     Json& own = row["shapes"] = Json::array();
     std::vector<size_t> numbers(set.shapes.entries.size());  // within the object
     for (size_t i = 0; i < set.shapes.entries.size(); ++i) {

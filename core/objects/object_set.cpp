@@ -25,7 +25,16 @@ std::string_view name(ObjectTrust trust) { return kTrustNames[static_cast<size_t
 std::optional<ObjectTrust> object_trust(std::string_view word) { return named<ObjectTrust>(kTrustNames, word); }
 
 ShapeRole shape_role(ObjectRole role) {
-  return is_glass(role) ? ShapeRole::Sheet : role == ObjectRole::Mirror ? ShapeRole::Mirror : ShapeRole::Coat;
+  switch (role) {
+    case ObjectRole::ThinGlass:
+      return ShapeRole::Sheet;
+    case ObjectRole::SolidGlass:
+      return ShapeRole::Solid;
+    case ObjectRole::Mirror:
+      return ShapeRole::Mirror;
+    default:
+      return ShapeRole::Coat;
+  }
 }
 
 const Object* ObjectSet::find(uint16_t id) const {
@@ -54,8 +63,7 @@ ShapeSet ObjectSet::drawn_shapes() const {
   std::vector<uint8_t> keep(shapes.entries.size());
   for (size_t i = 0; i < keep.size(); ++i) {
     const Object* object = of_shape(i);
-    keep[i] = object != nullptr &&
-              (object->role == ObjectRole::Coat || (shapes.entries[i].exact && object->role != ObjectRole::SolidGlass));
+    keep[i] = object != nullptr && (object->role == ObjectRole::Coat || shapes.entries[i].exact);
   }
   return shapes.kept(keep);
 }

@@ -47,10 +47,11 @@ struct Object {
 
   // What the photos say about it; measured, never read back into a decision.
   struct Evidence {
-    size_t views = 0;                            // training photos that show it
-    std::optional<double> inside = {};           // share of the pixels of its shapes' silhouettes that the masks mark
-    std::optional<double> covered = {};          // share of the marked pixels that these silhouettes cover
-    std::optional<double> view_dependence = {};  // of its luminance; of opaque objects
+    size_t views = 0;                                // training photos that show it
+    std::optional<double> inside = {};               // share of the pixels of its shapes' silhouettes that the masks mark
+    std::optional<double> covered = {};              // share of the marked pixels that these silhouettes cover
+    std::optional<double> view_dependence = {};      // of its luminance; of opaque objects
+    std::optional<double> straight = {}, bent = {};  // likeness of glass with what straight and bent rays would show
   } evidence = {};
 };
 

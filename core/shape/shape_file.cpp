@@ -16,7 +16,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr std::array<const char*, 3> kRoles{"mirror", "sheet", "coat"};  // [ShapeRole]
+constexpr std::array<const char*, 4> kRoles{"mirror", "sheet", "coat", "solid"};  // [ShapeRole]
 
 std::filesystem::path mesh_path(const std::filesystem::path& folder, size_t entry) {
   return folder / fmt::format("shape_{}.ply", entry);

@@ -35,9 +35,25 @@ ShapeSet ShapeSet::kept(std::span<const uint8_t> keep) const {
   return out;
 }
 
+bool ShapeSet::has_glass() const {
+  return std::ranges::any_of(entries, [](const Entry& e) { return is_glass(e.role); });
+}
+
 ShapeSet ShapeSet::without(ShapeRole role) const {
   std::vector<uint8_t> keep;
   for (const Entry& e : entries) keep.push_back(e.role != role);
+  return kept(keep);
+}
+
+ShapeSet ShapeSet::glass() const {
+  std::vector<uint8_t> keep;
+  for (const Entry& e : entries) keep.push_back(is_glass(e.role));
+  return kept(keep);
+}
+
+ShapeSet ShapeSet::no_glass() const {
+  std::vector<uint8_t> keep;
+  for (const Entry& e : entries) keep.push_back(!is_glass(e.role));
   return kept(keep);
 }
 

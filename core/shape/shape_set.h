@@ -14,7 +14,9 @@ enum class ShapeRole : unsigned char {
   Mirror,  // an opaque surface that mirrors
   Sheet,   // thin clear glass: its facets are panes
   Coat,    // a clear layer over paint, which its surfels show
+  Solid,   // a block of clear glass: rays bend at its walls
 };
+constexpr bool is_glass(ShapeRole role) { return role == ShapeRole::Sheet || role == ShapeRole::Solid; }
 
 struct ShapeSet {
   struct Entry {
@@ -42,10 +44,13 @@ struct ShapeSet {
   }
 
   bool has(ShapeRole role) const;
+  bool has_glass() const;
   uint32_t root(uint32_t entry) const;  // without parent
   // The entries with keep[i] != 0 whose parents are kept as well.
   ShapeSet kept(std::span<const uint8_t> keep) const;
   ShapeSet without(ShapeRole role) const;
+  ShapeSet glass() const;     // sheets and solids
+  ShapeSet no_glass() const;  // the others
   // Adds the entries of another set behind these.
   void append(ShapeSet more);
 

@@ -31,7 +31,7 @@ uint16_t label_near(const Image16& labels, int x, int y) {
 
 MirrorDepth::MirrorDepth(LabelledObjects objects, const ShapeSet* learnt, const std::vector<View>& views)
     : objects_(std::move(objects)), views_(views) {
-  const auto mirrors = [](const ShapeSet& set) { return set.without(ShapeRole::Sheet).without(ShapeRole::Coat); };
+  const auto mirrors = [](const ShapeSet& set) { return set.no_glass().without(ShapeRole::Coat); };
   if (learnt != nullptr) shapes_ = mirrors(*learnt);
   learnt_.assign(shapes_.entries.size(), 1);
   ShapeSet found = mirrors(objects_.objects().shapes);

@@ -20,7 +20,7 @@ class Owners {
   Owners(const View& photo, const ObjectSet& set, bool glass, const std::vector<uint8_t>& marked)
       : photo_(photo), small_(photo.intrinsics.limited_to(kOwnerSide)), eye_(photo.centre_in_world()) {
     for (const ShapeSet::Entry& e : set.shapes.entries)
-      if ((e.role == ShapeRole::Sheet) == glass) shapes_.push_back(&e);
+      if (is_glass(e.role) == glass) shapes_.push_back(&e);
     owner_.assign(size_t(small_.width) * size_t(small_.height), 0);
     if (shapes_.empty()) return;
     for (int y = 0; y < small_.height; ++y)

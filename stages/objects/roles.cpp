@@ -56,7 +56,7 @@ std::optional<double> RoleTest::view_dependence(const ShapeSet& all, uint16_t ob
                                      const Vec3d eye = photos_[photo].view.centre_in_world(), way = p - eye;
                                      const double far_enough = 1 - slack / length(way);
                                      return std::ranges::any_of(all.entries, [&](const ShapeSet::Entry& e) {
-                                       if (e.role == ShapeRole::Sheet) return false;
+                                       if (is_glass(e.role)) return false;
                                        const auto hit = intersect(e.shape, {eye, way});
                                        return hit && hit->t < far_enough;
                                      });

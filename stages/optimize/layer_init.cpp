@@ -262,7 +262,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   // Masks of any class say what reflects; without one everything may.
   const bool marked = desc.targets.any(MaskClass::Specular), masked = marked || desc.targets.any(MaskClass::Transparent);
   SurfaceSeeds hull;
-  if (marked && phase.hull_points > 0) hull = surface_seeds(desc.shapes.without(ShapeRole::Coat).without(ShapeRole::Sheet));
+  if (marked && phase.hull_points > 0) hull = surface_seeds(desc.shapes.no_glass().without(ShapeRole::Coat));
 
   // Pictures in a mirror lie in and behind it. What lies farther off is the room that one photo shows beside the mirror.
   Bounds3 around;
@@ -293,7 +293,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
   append_shell(far, mean_color(diffuse, dull), seed, scene.reflection);
 
   HullCounts counts;
-  counts.shapes = desc.shapes.without(ShapeRole::Sheet).without(ShapeRole::Mirror);  // coats keep their surfels
+  counts.shapes = desc.shapes.no_glass().without(ShapeRole::Mirror);  // coats keep their surfels
   if (hull.points.empty()) return counts;
   // What the diffuse layer has there are pictures in the mirror, at their depths.
   counts.moved = gone.size();
@@ -315,7 +315,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
     for (const SurfaceSeed& p : hull.points)
       if (p.known) counts.known_points.push_back(p.position);
     counts.known_reach = kKnownReach * hull.spacing;
-    counts.shapes = desc.shapes.without(ShapeRole::Sheet);
+    counts.shapes = desc.shapes.no_glass();
   }
   for (size_t k = 0; k < taken.size(); ++k) {
     const bool known = told && hull.points[taken[k]].known;
@@ -326,12 +326,12 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
 }
 
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes) {
-  return config.shading.glass == "thin" && config.shading.panes && shapes.has(ShapeRole::Sheet);
+  return config.shading.glass == "thin" && config.shading.panes && shapes.has_glass();
 }
 
 ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene) {
   const Survey found = survey(desc, scene, {});
-  ShapeSet sheets = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
+  ShapeSet sheets = desc.shapes.glass();
   for (ShapeSet::Entry& sheet : sheets.entries)
     sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
   for (size_t i = 0; i < scene.diffuse.size(); ++i) set(scene.diffuse, Attribute::Transmission, i, kDull);
@@ -359,7 +359,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     move_behind_glass(seen, closed ? std::min(static_cast<size_t>(phase.initial_surfels), cap) : 1, scene);
     counts.moved = scene.transmittance.size();
     if (closed) place_glass();
-    if (closed) counts.shapes = desc.shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
+    if (closed) counts.shapes = desc.shapes.glass();
     for (ShapeSet::Entry& sheet : counts.shapes.entries)
       sheet = with_clear_panes(std::move(sheet), desc.capture, desc.targets, found.depths, kEvidenceLevel);
     return counts;

@@ -13,6 +13,7 @@
 #include "core/train/capture.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
+#include "stages/optimize/opaque_twin.h"
 #include "stages/optimize/outputs.h"
 #include "stages/optimize/surroundings.h"
 
@@ -159,7 +160,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   const LabelledObjects objects = LabelledObjects::trusted(context.optional_input("objects"));
   Targets targets = load_targets(capture, context.optional_input("masks"), objects, context.optional_input("normals"));
   const ShapeSet shapes = objects.objects().drawn_shapes();
-  const ShapeSet glass = objects.objects().shapes.without(ShapeRole::Mirror).without(ShapeRole::Coat);
+  const ShapeSet glass = objects.objects().shapes.glass();
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
   check_memory(config, capture, context);
   const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));

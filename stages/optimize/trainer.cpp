@@ -4,6 +4,8 @@
 
 #include "core/base/log.h"
 #include "core/base/rng.h"
+#include "core/model/thick_glass.h"
+#include "core/scene/activation.h"
 #include "stages/optimize/opaque_twin.h"
 #include "stages/optimize/plane_inpainting.h"
 
@@ -11,6 +13,7 @@ namespace vitrine {
 
 namespace {
 
+constexpr double kInSolid = 0.1;     // opacity, at most, of what straight rays have put into a block of glass
 constexpr double kNoiseScale = 5e5;  // noise per unit of the position's rate (Kheradmand et al. 2024)
 
 ImageOptions options_at(const PhaseClock& clock, const OptimizeConfig& c, int sh_degree) {
@@ -133,8 +136,24 @@ LayerInitDesc Trainer::init_desc() const {
 
 void Trainer::begin_sheets() {
   ShapeSet sheets = known_sheets(init_desc(), scene_);
-  log_info("step {}: {} sheets of glass begin", step_index(), sheets.entries.size());
+  log_info("step {}: {} sheets and blocks of glass begin", step_index(), sheets.entries.size());
   shapes_.add(std::move(sheets));
+  bend_in_solids();
+  doubt_content_of_solids();
+}
+
+void Trainer::bend_in_solids() { solids_ = shapes_.set() ? solid_glass(*shapes_.set()) : nullptr; }
+
+// Straight rays paint a picture of the bent room into a block of glass, which bent rays meet as fog before the room itself. A
+// thing that is cast into the glass grows again.
+void Trainer::doubt_content_of_solids() {
+  if (!solids_) return;
+  const float doubted = raw_value(row(Attribute::Opacity).activation, float(kInSolid));
+  for (size_t i = 0; i < scene_.diffuse.size(); ++i) {
+    const float* m = scene_.diffuse.at(Attribute::Mean, i);
+    float& opacity = *scene_.diffuse.at(Attribute::Opacity, i);
+    if (opacity > doubted && solids_->contains({m[0], m[1], m[2]})) opacity = doubted;
+  }
 }
 
 // Glass and gloss of the photos that judge are learnt from for the rest of the run.
@@ -178,8 +197,8 @@ void Trainer::begin_phases() {
     if (kind == LayerKind::Reflection && !counts.known_points.empty())
       known_gloss_ = KnownSurface(counts.known_points, counts.known_reach);
     ShapeSet known = counts.shapes;
-    if (!config().shading.shapes) known = known.without(ShapeRole::Mirror).without(ShapeRole::Coat);
-    if (!config().shading.panes) known = known.without(ShapeRole::Sheet);
+    if (!config().shading.shapes) known = known.glass();
+    if (!config().shading.panes) known = known.no_glass();
     shapes_.add(std::move(known));
     training(kind).restart(scene_.layer(kind));
   }
@@ -218,6 +237,7 @@ ImageOptions Trainer::image_options() const {
   ImageOptions options = options_at(clock(), config(), sh_degree());
   options.diffuse.near_z = setup_.capture.near_z;
   options.shape.set = shapes_.set();
+  options.transmission.thick = solids_;
   if (judged_) options.opaque.layered = kLayeredElsewhere;
   if (filled_) options.panes.mirrored = scene_.diffuse.size() - unseen_surfels_ - glass_surfels_;
   return options;
@@ -241,6 +261,7 @@ void Trainer::transfer(Archive& archive) {
   archive.value(filled_);
   archive.value(judged_);
   shapes_.transfer(archive);
+  bend_in_solids();
   archive.value(unseen_surfels_);
   archive.value(from_behind_glass_);
 }

@@ -63,6 +63,8 @@ class Trainer : public Training {
   LayerInitDesc init_desc() const;
   void begin_phases();
   void begin_sheets();
+  void bend_in_solids();
+  void doubt_content_of_solids();
   void judge_layers();
   void fill_unseen();
   void fill_beside_glass();
@@ -72,12 +74,13 @@ class Trainer : public Training {
   std::array<uint8_t, 3> begun_{1, 0, 0};  // [layer kind]
   std::vector<ScenePlane> planes_;
   double background_;
-  ShapeTraining shapes_;      // that mirror, and sheets of glass
-  KnownSurface known_gloss_;  // of what reflects
-  uint8_t filled_ = 0;        // what no photo shows
-  uint8_t judged_ = 0;        // the layers, against the opaque twin
-  bool sheets_;               // glass is drawn from its shapes
-  size_t glass_surfels_ = 0;  // that carry it, after finish(): the last ones of the diffuse layer
+  std::shared_ptr<const ThickGlass> solids_;  // of shapes_, which do not move
+  ShapeTraining shapes_;                      // that mirror, and sheets of glass
+  KnownSurface known_gloss_;                  // of what reflects
+  uint8_t filled_ = 0;                        // what no photo shows
+  uint8_t judged_ = 0;                        // the layers, against the opaque twin
+  bool sheets_;                               // glass is drawn from its shapes
+  size_t glass_surfels_ = 0;                  // that carry it, after finish(): the last ones of the diffuse layer
   uint64_t initial_surfels_ = 0, unseen_surfels_ = 0, from_behind_glass_ = 0;
 };
 

@@ -152,6 +152,7 @@ class Refiner {
   void decide_thickness() {
     Json& report = report_["glass"] = {{"mode", config_.glass}};
     start_ = scene_;
+    if (bends(scene_)) return;  // trained so: the shape of what is solid is known
     // Rays that leave thick glass see the room, which traced glass with a set of its own outside does not show.
     const bool room = scene_.image.transmission.glass == Glass::Thin || config_.exterior_set != "transmittance";
     if (config_.glass == "thin" || !room) return;
@@ -288,7 +289,7 @@ class Refiner {
     if (chosen) report_["chosen"] = chosen->name;
     report_["after"] = json_of(after);
     report_["glass"]["bent"] = chosen && bends(chosen->scene);
-    if (bends(start_) && !(chosen && bends(chosen->scene)))
+    if (bends(start_) && !bends(scene_) && !(chosen && bends(chosen->scene)))
       context_.warning(
           "THICK_GLASS",
           fmt::format("{} of the pieces of glass look solid, but pictures with bent rays gain nothing: they stay straight "

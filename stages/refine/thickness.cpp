@@ -114,7 +114,7 @@ TrainedScene with_thick_glass(TrainedScene scene, const GlassMesh& mesh, std::sp
     scene.image.transmission.glass = Glass::Thin;
     scene.image.transmission.thick = std::move(thick);
     if (const auto& set = scene.image.shape.set)  // a block of glass, not a case of panes
-      scene.image.shape.set = std::make_shared<const ShapeSet>(set->without(ShapeRole::Sheet));
+      scene.image.shape.set = std::make_shared<const ShapeSet>(set->no_glass());
   }
   return scene;
 }

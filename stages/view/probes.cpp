@@ -31,7 +31,7 @@ std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
   std::vector<Stand> out;
   if (const ShapeSet* set = scene.trained.image.shape.set.get())
     for (const ShapeSet::Entry& e : set->entries) {
-      if (e.role == ShapeRole::Sheet || e.parent >= 0 || out.size() == kMostProbes) continue;
+      if (is_glass(e.role) || e.parent >= 0 || out.size() == kMostProbes) continue;
       const Bounds3 b = bounds(e.shape);
       out.push_back({0.5 * (b.low + b.high), b, &e.shape});
     }

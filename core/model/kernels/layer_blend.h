@@ -32,6 +32,7 @@ struct BlendMaterial {  // or its gradient
   Vec3<T> f0{};
   T specular{}, transmission{}, cosine{}, agreement{1};  // k_s, tau, n.v, a
   bool coat = false;                                     // Fresnel counts in full whatever k_s; no gradient
+  bool solid = false;                                    // what is clear is one wall of solid glass; no gradient
 };
 
 template <class T>
@@ -70,7 +71,7 @@ template <class T>
 LayerWeights<T> layer_weights(LayerBlend blend, const BlendMaterial<T>& m, LayersPresent present) {
   LayerWeights<T> w;
   const T tau = present.transmission ? m.transmission : T(0), one(1);
-  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
+  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau, m.solid) : Fresnel<T>{};
   const T opaque_gate = m.coat ? one : fresnel_gate(m.specular);
   const T gate = opaque_gate + (one - opaque_gate) * tau * clear_gate(m.specular);
   for (size_t c = 0; c < 3; ++c) {
@@ -95,7 +96,7 @@ BlendMaterial<T> layer_weights_vjp(LayerBlend blend, const BlendMaterial<T>& m, 
   BlendMaterial<T> out;
   out.agreement = T(0);
   const T tau = present.transmission ? m.transmission : T(0), one(1), a = m.agreement;
-  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau) : Fresnel<T>{};
+  const Fresnel<T> f = present.reflection ? fresnel(m.f0, m.cosine, tau, m.solid) : Fresnel<T>{};
   const T opaque_gate = m.coat ? one : fresnel_gate(m.specular), opaque_slope = m.coat ? T(0) : fresnel_gate_slope(m.specular);
   const T closed = one - opaque_gate, clear = clear_gate(m.specular);
   const T gate = opaque_gate + closed * tau * clear;

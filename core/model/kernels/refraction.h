@@ -16,4 +16,14 @@ bool refract(const Vec3<T>& d, const Vec3<T>& n, T eta, Vec3<T>& w) {
   return true;
 }
 
+// Unpolarised Fresnel reflectance there, `cosine` = cos_i > 0; 1 where all light is reflected.
+template <class T>
+T dielectric_reflectance(T cosine, T eta) {
+  using std::sqrt;
+  const T left = T(1) - eta * eta * (T(1) - cosine * cosine);
+  if (!(left > T(0))) return T(1);
+  const T bent = sqrt(left), s = (eta * cosine - bent) / (eta * cosine + bent), p = (cosine - eta * bent) / (cosine + eta * bent);
+  return (s * s + p * p) / T(2);
+}
+
 }  // namespace vitrine

@@ -7,6 +7,7 @@
 #include "core/math/dual.h"
 #include "core/model/kernels/ggx.h"
 #include "core/model/kernels/layer_blend.h"
+#include "core/model/kernels/refraction.h"
 #include "core/model/kernels/surface_point.h"
 
 namespace vitrine {
@@ -84,6 +85,34 @@ TEST(Fresnel, ClearSheetsReflectAtBothSides) {
     Vec3d grad_f0{};
     double grad_c = 0, grad_clear = 0;
     fresnel_vjp(any, fresnel(any, c, clear), g, grad_f0, grad_c, grad_clear);
+    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(grad_f0[i], exact.d[i], kTolerance);
+    EXPECT_NEAR(grad_c, exact.d[3], kTolerance);
+    EXPECT_NEAR(grad_clear, exact.d[4], kTolerance);
+  }
+}
+
+// One wall of a block: the same amplitudes without the second wall, from outside and from inside.
+TEST(Fresnel, OneWallOfSolidGlassReflectsLessThanASheet) {
+  const Vec3d f0{kWallReflectance, kWallReflectance, kWallReflectance};
+  for (const double angle_deg : {0.0, 30.0, 56.3, 77.0, 89.0}) {
+    const double i = angle_deg * std::numbers::pi / 180, t = std::asin(std::sin(i) / kGlassIndex);
+    const double outside = dielectric_reflectance(std::cos(i), 1 / kGlassIndex);
+    EXPECT_NEAR(fresnel(f0, std::cos(i), 1.0, true).value.x, outside, 1e-9) << angle_deg;
+    EXPECT_NEAR(dielectric_reflectance(std::cos(t), kGlassIndex), outside, 1e-9) << angle_deg;
+    EXPECT_NEAR(2 * outside / (1 + outside),
+                fresnel({kPaneReflectance, kPaneReflectance, kPaneReflectance}, std::cos(i), 1.0).value.x, 1e-9);
+  }
+  EXPECT_NEAR(fresnel(f0, 1.0, 1.0, true).value.x, 0.04, 1e-12);
+  EXPECT_EQ(dielectric_reflectance(std::cos(0.8), kGlassIndex), 1) << "total reflection";
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    Draw draw(seed);
+    const Vec3d any = draw.color(), g = draw.vec();
+    const double c = draw.unit(), clear = draw.unit();
+    const auto exact =
+        dot(fresnel(variables<5>(any, 0), D<5>::variable(c, 3), D<5>::variable(clear, 4), true).value, constants<5>(g));
+    Vec3d grad_f0{};
+    double grad_c = 0, grad_clear = 0;
+    fresnel_vjp(any, fresnel(any, c, clear, true), g, grad_f0, grad_c, grad_clear);
     for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(grad_f0[i], exact.d[i], kTolerance);
     EXPECT_NEAR(grad_c, exact.d[3], kTolerance);
     EXPECT_NEAR(grad_clear, exact.d[4], kTolerance);

@@ -59,6 +59,11 @@ TEST(ShapeSet, SubsetsAndUnionsKeepFamiliesTogether) {
   EXPECT_EQ(both.entries[3].parent, 2);
   EXPECT_EQ(both.without(ShapeRole::Sheet).entries[2].parent, 1);
   EXPECT_FALSE(both.without(ShapeRole::Mirror).has(ShapeRole::Mirror));
+  both.entries.push_back({square({}), ShapeRole::Solid, 0.1, -1, {}});
+  EXPECT_EQ(both.glass().entries.size(), 2u);
+  EXPECT_EQ(both.no_glass().entries.size(), some.entries.size());
+  EXPECT_TRUE(both.has_glass());
+  EXPECT_FALSE(some.has_glass());
 }
 
 TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
@@ -68,6 +73,7 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
   for (const ShapeKind& kind : shape_kinds()) set.entries.push_back({kind.sample(rng), ShapeRole::Mirror, 0.25, -1, {}});
   set.entries.back().parent = 1;
   set.entries[0].role = ShapeRole::Sheet, set.entries[0].clear = {1, 0};
+  set.entries[1].role = set.entries.back().role = ShapeRole::Solid;
   set.entries[2].role = ShapeRole::Coat, set.entries[2].exact = false, set.entries[2].layered = 0.25;
   const std::string text = write_shapes(set, folder.path()).dump();
   const ShapeSet back = read_shapes(nlohmann::json::parse(text), folder.path());
@@ -76,6 +82,7 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
   EXPECT_FALSE(back.entries[0].is_clear(1));
   EXPECT_EQ(back.entries.back().parent, 1);
   EXPECT_EQ(back.entries[2].role, ShapeRole::Coat);
+  EXPECT_EQ(back.entries[1].role, ShapeRole::Solid);
   EXPECT_FALSE(back.entries[2].exact);
   EXPECT_EQ(back.entries[2].layered, 0.25);
   EXPECT_EQ(back.entries[1].layered, 1);
@@ -91,7 +98,7 @@ TEST(ShapeFile, KeepsSetsAndRefusesWhatIsNone) {
     return std::string();
   };
   EXPECT_EQ(refused(1, "kind", "torus"), "shape 1: there is no such kind");
-  EXPECT_EQ(refused(1, "role", "door"), "shape 1: there is no role \"door\"; the roles are mirror, sheet, coat");
+  EXPECT_EQ(refused(1, "role", "door"), "shape 1: there is no role \"door\"; the roles are mirror, sheet, coat, solid");
   EXPECT_EQ(refused(1, "tolerance", 0), "shape 1: its tolerance is not positive");
   EXPECT_EQ(refused(1, "parent", 1), "shape 1: its parent is unknown");
   EXPECT_EQ(refused(1, "parent", 0), "shape 1: its parent has another role");

@@ -3,10 +3,12 @@
 
 #include "core/base/hash.h"
 #include "core/base/parallel.h"
+#include "core/model/thick_glass.h"
 #include "core/picture/trained_scene.h"
 #include "core/scene/scene_io.h"
 #include "core/shape/shape_file.h"
 #include "core/stereo/box_fit.h"
+#include "core/stereo/revolution_fit.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
@@ -110,6 +112,41 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   run_optimize(config, plain);
   EXPECT_FALSE(knows(read_image_options(plain.output() / "optimize/model.json").shape.set.get(), ShapeRole::Sheet));
   EXPECT_NE(digest_folder(whole.output()), digest_folder(plain.output()));
+}
+
+// A block of solid glass: rays bend in it while the scene is trained, and in every program that reads the scene.
+TEST_F(LayeredRun, ABlockOfGlassBendsRaysAndSurvivesBeingKilled) {
+  const auto ball = [] {
+    SurfaceOfRevolution s{{0, 0, 0}, {0, 0, 1}, {}};
+    for (int i = 0; i <= 24; ++i) {
+      const double polar = std::numbers::pi * i / 24;
+      s.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
+    }
+    return s;
+  }();
+  const fs::path masks = folder_->path() / "block";
+  fs::create_directories(masks / "masks/transparent");
+  for (const View& view : testing::ring_of_views(18, 48, 36)) {
+    const std::vector<uint8_t> inside = silhouette_mask(ball, view);
+    Image8 mask(48, 36, 1);
+    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
+    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
+  }
+  const fs::path objects =
+      test::write_objects_artifact(folder_->path() / "block objects", masks, load_view_set(folder_->path() / "sfm").views,
+                                   test::one_object(ball, ObjectRole::SolidGlass, 0.02));
+  OptimizeConfig config = layered_config(60);
+  config.layers = "full";
+  TestContext whole = context("whole block"), killed = context("killed block");
+  whole.objects = killed.objects = objects;
+  whole.thread_count = 1, killed.thread_count = 3;
+  run_optimize(config, whole);
+  const ImageOptions image = read_image_options(whole.output() / "optimize/model.json");
+  ASSERT_TRUE(knows(image.shape.set.get(), ShapeRole::Solid));
+  ASSERT_TRUE(image.transmission.thick);
+  EXPECT_TRUE(image.transmission.thick->contains({0, 0, 0.2f}));
+  EXPECT_FALSE(image.transmission.thick->contains({0, 0, 0.3f}));
+  expect_same_bytes(config, whole, killed, {8, 10, 20, 45, 59});  // glass begins at 9
 }
 
 // The ball as a coat: its shape is part of the scene, and does not learn.

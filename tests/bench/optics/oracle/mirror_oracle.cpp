@@ -64,7 +64,7 @@ class MirrorOracle {
         scene_(read_trained_scene(desc.opaque)) {
     shapes_ =
         d_.trained_shapes && d_.trained ? *read_trained_scene(*d_.trained).image.shape.set : labels_.objects().drawn_shapes();
-    shapes_ = shapes_.without(ShapeRole::Sheet).without(ShapeRole::Coat);
+    shapes_ = shapes_.no_glass().without(ShapeRole::Coat);
     for (const ShapeSet::Entry& e : shapes_.entries) build_tracer(e.object);
     build_tracer(kStraight);
     far_.assign(size_t(d_.texels) * size_t(d_.texels), {});

@@ -1,0 +1,183 @@
+#include "stages/objects/solid_trial.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
+#include "core/camera/projection.h"
+#include "core/image/exr.h"
+#include "core/image/metrics.h"
+#include "core/image/resample.h"
+#include "core/math/color.h"
+#include "core/math/median.h"
+#include "core/model/kernels/fresnel.h"
+#include "core/model/thick_glass.h"
+#include "core/shape/shape_set.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr int kTrialSide = 240;                                  // pixels, longest side
+constexpr size_t kMostTried = 12;                                // photos
+constexpr size_t kFewestInside = 150;                            // pixels of a photo
+constexpr size_t kFewestPredicted = 600;                         // of all photos
+constexpr std::array<double, 3> kJitter{1 / 6.0, 0.5, 5 / 6.0};  // rays of a pixel, each way
+constexpr double kFacing = 0.5;                                  // cosine: rims mirror, and show the room too small
+constexpr float kLamp = 0.8f;                     // sRGB of all channels: a lamp in the glass, which no plane shows
+constexpr double kOtherSurface = 0.04;            // relative depth
+constexpr size_t kFewestSeen = 2, kMostSeen = 9;  // photos that colour a place
+constexpr double kLargePlane = 0.03;              // of all surfaces: a facet of something small goes on nowhere
+constexpr double kLikeBent = 0.15, kClearly = 0.15;
+constexpr double kTrialTolerance_rel = 0.05;  // of the shape's size
+
+EdgePhoto small_photo(const std::filesystem::path& sfm, const View& view) {
+  EdgePhoto out{view, {}};
+  out.view.intrinsics = view.intrinsics.limited_to(kTrialSide);
+  ImageF linear = resized(read_exr_rgb(linear_image_path(sfm, view)), out.view.intrinsics.width, out.view.intrinsics.height);
+  for (size_t i = 0; i < linear.data().size(); ++i) linear.data()[i] /= static_cast<float>(view.gain[i % 3]);
+  out.view.gain = {1, 1, 1};
+  out.srgb = srgb_from_linear_image(linear);
+  for (float& value : out.srgb.data()) value = std::clamp(value, 0.f, 1.f);
+  return out;
+}
+
+std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every) {
+  std::vector<EdgePhoto> photos(set.views.size());
+  parallel_for(photos.size(), 1, [&](size_t v) {
+    if (interrupt_signal() != 0) return;
+    photos[v].view = set.views[v];
+    if (!is_heldout(v, holdout_every)) photos[v] = small_photo(sfm, set.views[v]);
+  });
+  throw_if_interrupted();
+  return photos;
+}
+
+// What photos show where rays end that come out of an object.
+class Room {
+ public:
+  Room(const Surroundings& scene, std::span<const std::vector<uint8_t>> marked) : scene_(scene), marked_(marked) {}
+
+  std::optional<Vec3f> colour(const Ray& ray) const {
+    const std::optional<Vec3d> place = end_of(ray);
+    if (!place) return std::nullopt;
+    std::array<std::vector<float>, 3> seen;  // by photo
+    const size_t stride = std::max<size_t>(1, scene_.photos.size() / kMostSeen);
+    for (size_t first = 0; first < stride && seen[0].size() < kFewestSeen; ++first)
+      for (size_t v = first; v < scene_.photos.size(); v += stride) {
+        if (marked_[v].empty()) continue;
+        const auto p = image_point(*place, scene_.photos[v].view, 0, 0.5);
+        if (!p) continue;
+        const DepthMap& map = scene_.maps[v];
+        const size_t pixel = size_t(p->y) * size_t(scene_.photos[v].view.intrinsics.width) + size_t(p->x);
+        if (marked_[v][pixel]) continue;
+        if (!map.zdepth.empty() && map.reliable(pixel) && p->z > (1 + kOtherSurface) * double(map.zdepth[pixel])) continue;
+        std::array<float, 3> colour{};
+        sample_bilinear(scene_.photos[v].srgb, p->x, p->y, colour.data());
+        for (size_t c = 0; c < 3; ++c) seen[c].push_back(colour[c]);
+      }
+    if (seen[0].size() < kFewestSeen) return std::nullopt;
+    return Vec3f{upper_median_of(std::span(seen[0])), upper_median_of(std::span(seen[1])), upper_median_of(std::span(seen[2]))};
+  }
+
+ private:
+  std::optional<Vec3d> end_of(const Ray& ray) const {
+    double nearest = INFINITY;
+    for (const ScenePlane& plane : scene_.planes) {
+      if (plane.share < kLargePlane) continue;
+      const double t = (plane.offset - dot(plane.normal, ray.origin)) / dot(plane.normal, ray.direction);
+      if (t > 0 && t < nearest && length(ray.origin + t * ray.direction - plane.centre) <= plane.reach()) nearest = t;
+    }
+    return std::isfinite(nearest) ? std::optional(ray.origin + nearest * ray.direction) : std::nullopt;
+  }
+
+  const Surroundings& scene_;
+  std::span<const std::vector<uint8_t>> marked_;
+};
+
+// The last leg of the way of a ray of a pixel through the shape.
+std::optional<Ray> straight_way(const Shape& shape, const Ray& ray) {
+  const Bounds3 box = bounds(shape);
+  const double beyond = 2 * length(box.high - box.low) + length(box.centre() - ray.origin);
+  const auto back = intersect(shape, {ray.origin + beyond * ray.direction, -1.0 * ray.direction});
+  if (!back) return std::nullopt;
+  return Ray{ray.origin + (beyond - back->t) * ray.direction, ray.direction};
+}
+std::optional<Ray> bent_way(const ThickGlass& glass, const Shape& shape, const Ray& ray) {
+  const auto front = intersect(shape, ray);
+  if (!front) return std::nullopt;
+  const BentRay way = glass.path(cast<float>(ray.origin), cast<float>(ray.direction), float(front->t));
+  if (way.path != GlassPath::Bent) return std::nullopt;
+  const BentRay::Leg& last = way.legs[way.leg_count - 1];
+  return Ray{cast<double>(last.origin), cast<double>(last.direction)};
+}
+
+}  // namespace
+
+bool GlassTrial::solid() const { return bent > kLikeBent && bent > straight + kClearly; }
+
+SolidTrial::SolidTrial(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every)
+    : stereo_(read_photos(sfm, set, holdout_every), set) {}
+
+std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const std::vector<uint8_t>> marked) const {
+  if (stereo_.blind()) return std::nullopt;
+  const auto inside = [&](size_t v) { return size_t(std::ranges::count(marked[v], 1)); };
+  std::vector<size_t> tried(marked.size());
+  for (size_t v = 0; v < tried.size(); ++v) tried[v] = v;
+  std::erase_if(tried, [&](size_t v) { return inside(v) < kFewestInside; });
+  std::ranges::stable_sort(tried, std::greater(), inside);
+  tried.resize(std::min(tried.size(), kMostTried));
+
+  ShapeSet solid;
+  solid.entries.push_back(
+      {.shape = shape, .role = ShapeRole::Solid, .tolerance = kTrialTolerance_rel * size_of(shape), .clear = {}});
+  const auto glass = solid_glass(solid);
+  const Surroundings scene = stereo_.surroundings();
+  const Room room(scene, marked);
+  std::array<LocalCorrelation, 2> alike;
+  std::array<size_t, 2> predicted{};
+  for (const size_t v : tried) {
+    throw_if_interrupted();
+    const EdgePhoto& photo = scene.photos[v];
+    const Intrinsics& k = photo.view.intrinsics;
+    const Vec3d eye = photo.view.centre_in_world();
+    std::array<ImageF, 2> picture, known;
+    for (size_t way = 0; way < 2; ++way) picture[way] = ImageF(k.width, k.height, 3), known[way] = ImageF(k.width, k.height, 1);
+    parallel_for(size_t(k.height), 4, [&](size_t y) {
+      for (size_t x = 0; x < size_t(k.width); ++x) {
+        const size_t i = y * size_t(k.width) + x;
+        const float* shown = photo.srgb.data().data() + 3 * i;
+        if (!marked[v][i] || std::min({shown[0], shown[1], shown[2]}) > kLamp) continue;
+        const Vec3d middle =
+            normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(double(x) + 0.5, double(y) + 0.5)));
+        if (const auto front = intersect(shape, {eye, middle}); !front || -dot(front->normal, middle) < kFacing) continue;
+        std::array<Vec3f, 2> sum{};
+        std::array<int, 2> count{};
+        for (const double dy : kJitter)
+          for (const double dx : kJitter) {
+            const Vec3d d =
+                normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(double(x) + dx, double(y) + dy)));
+            const std::array ways{straight_way(shape, {eye, d}), bent_way(*glass, shape, {eye, d})};
+            for (size_t way = 0; way < 2; ++way)
+              if (ways[way])
+                if (const auto c = room.colour(*ways[way])) sum[way] += *c, ++count[way];
+          }
+        for (size_t way = 0; way < 2; ++way) {
+          if (2 * size_t(count[way]) < kJitter.size() * kJitter.size()) continue;
+          known[way].data()[i] = 1;
+          for (size_t c = 0; c < 3; ++c) picture[way].data()[3 * i + c] = sum[way][c] / float(count[way]);
+        }
+      }
+    });
+    for (size_t way = 0; way < 2; ++way) {
+      alike[way] += local_correlation(picture[way], photo.srgb, &known[way]);
+      predicted[way] += size_t(std::ranges::count(known[way].data(), 1.f));
+    }
+  }
+  if (std::min(predicted[0], predicted[1]) < kFewestPredicted) return std::nullopt;
+  return GlassTrial{alike[0].value().value_or(0), alike[1].value().value_or(0)};
+}
+
+}  // namespace vitrine
