@@ -11,6 +11,7 @@ namespace vitrine {
 
 namespace {
 constexpr size_t kBentGrain = 256;  // pixels
+constexpr int kPictureRays = 2;     // a pixel, each way, where nobody asks for gradients: what is seen in glass is small
 
 struct BentPixels {  // of one chunk
   std::vector<uint32_t> pixels, leg_counts;
@@ -20,22 +21,26 @@ struct BentPixels {  // of one chunk
 
 }  // namespace
 
-void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path) {
+void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path,
+                    int side) {
   const GBuffer g(frame);
   const auto median = frame.diffuse.plane(Aov::MedianZ);
   std::vector<BentPixels> found(chunk_count(asking.size(), kBentGrain));
   parallel_chunks(asking.size(), kBentGrain, [&](size_t chunk, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const uint32_t pixel = asking[i];
-      const PixelRay<float> ray = g.ray(pixel);
       const float z = surface_depth(g.zdepth[pixel], g.alpha[pixel], median[pixel]);
-      const BentRay bent = glass.path(ray.eye, -ray.view, z * length(ray.direction_per_z));
-      path[pixel] = bent.path;
-      if (bent.path != GlassPath::Bent) continue;
-      found[chunk].pixels.push_back(pixel);
-      found[chunk].leg_counts.push_back(bent.leg_count);
-      found[chunk].solid.push_back(frame.sheets.shows_solid(pixel));
-      found[chunk].legs.insert(found[chunk].legs.end(), bent.legs.begin(), bent.legs.begin() + bent.leg_count);
+      for (int k = 0; k < side * side; ++k) {
+        const auto off = [&](int at) { return (float(at) + 0.5f) / float(side) - 0.5f; };
+        const PixelRay<float> ray = side == 1 ? g.ray(pixel) : g.ray(pixel, off(k % side), off(k / side));
+        const BentRay bent = glass.path(ray.eye, -ray.view, z * length(ray.direction_per_z));
+        if (path[pixel] != GlassPath::Bent) path[pixel] = bent.path;
+        if (bent.path != GlassPath::Bent) continue;
+        found[chunk].pixels.push_back(pixel);
+        found[chunk].leg_counts.push_back(bent.leg_count);
+        found[chunk].solid.push_back(frame.sheets.shows_solid(pixel));
+        found[chunk].legs.insert(found[chunk].legs.end(), bent.legs.begin(), bent.legs.begin() + bent.leg_count);
+      }
     }
   });
   for (auto* v : {&pixels, &begin}) v->clear();
@@ -76,7 +81,8 @@ void BentRays::forward(const TransmissionOptions& options, const SplatLayer& ope
   asking_.clear();
   for (size_t i = 0; i < s.pixels.size(); ++i)
     if (s.asks[i].transmission) asking_.push_back(s.pixels[i]);
-  legs_.find(*options.thick, frame, asking_, behind.path);
+  const int side = frame.differentiable ? 1 : kPictureRays;
+  legs_.find(*options.thick, frame, asking_, behind.path, side);
   if (legs_.pixels.empty()) return;
 
   if (!tracer_) tracer_ = make_tracer(options.backend);
@@ -86,9 +92,16 @@ void BentRays::forward(const TransmissionOptions& options, const SplatLayer& ope
   tracer_->forward(legs_.batch(), desc_, values_, frame.differentiable ? &hits_ : nullptr);
   parallel_chunks(legs_.pixels.size(), kBentGrain, [&](size_t, size_t first, size_t last) {
     for (size_t p = first; p < last; ++p) {
-      const BentLegs::Shown shown = legs_.shown(p, values_);
-      for (size_t c = 0; c < 3; ++c) behind.radiance[c * all + legs_.pixels[p]] = shown.color[c];
-      behind.inner_transmittance[legs_.pixels[p]] = shown.transmittance;
+      const uint32_t pixel = legs_.pixels[p];
+      if (p > 0 && legs_.pixels[p - 1] == pixel) continue;  // the first of a pixel's rays sums them up
+      BentLegs::Shown mean{.color = {}, .transmittance = 0};
+      float rays = 0;
+      for (size_t q = p; q < legs_.pixels.size() && legs_.pixels[q] == pixel; ++q, ++rays) {
+        const BentLegs::Shown shown = legs_.shown(q, values_);
+        mean.color += shown.color, mean.transmittance += shown.transmittance;
+      }
+      for (size_t c = 0; c < 3; ++c) behind.radiance[c * all + pixel] = mean.color[c] / rays;
+      behind.inner_transmittance[pixel] = mean.transmittance / rays;
     }
   });
 }

@@ -17,13 +17,15 @@ namespace vitrine {
 
 // The ways of many rays through thick glass, leg by leg.
 struct BentLegs {
-  std::vector<uint32_t> pixels, begin;  // bent ones, and [pixels + 1] their legs
+  std::vector<uint32_t> pixels, begin;  // of the bent rays, and [pixels + 1] their legs
   std::vector<Vec3f> origins, directions;
   std::vector<float> far;
   std::vector<float> passed;  // what the wall lets pass of the leg's light; 1 where the picture's own Fresnel term has all walls
 
-  // Of the pixels `asking` of a frame with its diffuse pass. Writes how their rays go to `path`, [h,w].
-  void find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path);
+  // Of the pixels `asking` of a frame with its diffuse pass. Writes how their rays go to `path`, [h,w]. `side` x `side` rays a
+  // pixel, of which those that are bent stand one after the other.
+  void find(const ThickGlass& glass, const Frame& frame, std::span<const uint32_t> asking, std::span<GlassPath> path,
+            int side = 1);
   RayBatch batch() const { return {.origins = origins, .directions = directions, .far = far}; }
 
   struct Shown {

@@ -43,6 +43,11 @@ class GBuffer {
     const Vec3f d = corner_ + float(pixel % w) * per_x_ + float(pixel / w) * per_y_;
     return {eye_, d, -normalized(d)};
   }
+  // From the middle of the pixel, so far across and down.
+  PixelRay<float> ray(uint32_t pixel, float across, float down) const {
+    const Vec3f d = ray(pixel).direction_per_z + across * per_x_ + down * per_y_;
+    return {eye_, d, -normalized(d)};
+  }
   // The normal of what mirrors, times alpha: on a coat that of its shape.
   Vec3f surface_normal(uint32_t pixel) const {
     return coats_.of_shape(pixel) ? alpha[pixel] * rgb(coats_.normal, pixel) : rgb(normal, pixel);

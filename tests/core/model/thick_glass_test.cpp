@@ -173,6 +173,44 @@ TEST(ThickGlass, PicturesShowWhatTheClosedFormShows) {
   EXPECT_LT(psnr(error_straight), 15);  // 12.0
 }
 
+// A pixel of a ball covers much of the room: pictures that nobody learns from take the mean of four rays.
+TEST(ThickGlass, PicturesTakeTheMeanOfFourRaysAPixel) {
+  const test::GlassBallScene ball;
+  ImageOptions options = test::GlassBallScene::image();
+  options.composite.layer_images = true;
+  options.transmission.thick = std::make_shared<ThickGlass>(shapes::sphere({}, ball.kBall, 100, 200), kGlassIor, 0.1f);
+  const LayeredModel model(options);
+  const View view = ball.view(0.3);
+  Frame frame;
+  frame.differentiable = false;
+  model.forward(ball.scene, view, frame);
+  const size_t n = frame.pixel_count(), width = size_t(view.intrinsics.width);
+  std::vector<uint32_t> pixels;
+  std::vector<Vec3f> origins, directions;
+  for (uint32_t i = 0; i < n; ++i) {
+    const auto middle = ball.through(view, i);
+    if (!middle || middle->offset > 0.85 || frame.behind.path[i] != GlassPath::Bent) continue;
+    pixels.push_back(i);
+    for (const auto& [dx, dy] : {std::pair{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}) {
+      const Vec3d d = normalized(
+          transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(double(i % width) + dx, double(i / width) + dy)));
+      const auto way = test::through_ball(view.centre_in_world(), d, {}, ball.kBall, ball.kIor);
+      origins.push_back(cast<float>(way->exit));
+      directions.push_back(cast<float>(way->direction));
+    }
+  }
+  ASSERT_GT(pixels.size(), 200u);
+  const std::vector<Vec3f> colors = ball.wall_colors(origins, directions);
+  double error = 0;
+  for (size_t p = 0; p < pixels.size(); ++p)
+    for (size_t c = 0; c < 3; ++c) {
+      const float mean = (colors[4 * p][c] + colors[4 * p + 1][c] + colors[4 * p + 2][c] + colors[4 * p + 3][c]) / 4;
+      const double off = double(frame.layers.transmitted[c * n + pixels[p]] - mean);
+      error += off * off / double(3 * pixels.size());
+    }
+  EXPECT_LT(std::sqrt(error), 2e-3);
+}
+
 TEST(ThickGlass, GradientsMatchFiniteDifferences) {
   LayeredRoom r = room({.transmission = 0.85}, 5, 13, 11);
   const size_t glass = r.scene.diffuse.size();
