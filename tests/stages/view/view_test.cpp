@@ -292,6 +292,9 @@ TEST(PageShapes, FacesOfABoxKnowTheirPlanes) {
   EXPECT_NEAR(shapes["facets"][5]["at_pane"].get<double>(), 0.008, 1e-9);
   EXPECT_EQ(blocks.directory()[3]["name"], "shape_corner");
   EXPECT_EQ(blocks.directory()[3]["count"], 36);
+  set.entries[0].role = ShapeRole::Solid;
+  PageBlocks of_solid;
+  EXPECT_EQ(add_shapes(&set, of_solid)["entries"][0]["role"], "sheet") << "the page knows no other glass";
   PageBlocks none;
   EXPECT_TRUE(add_shapes(nullptr, none)["entries"].empty());
 }
