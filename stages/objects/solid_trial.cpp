@@ -20,7 +20,8 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kTrialSide = 240;                                  // pixels, longest side
+constexpr int kTrialSide = 240;  // pixels, longest side
+constexpr size_t kMostPhotos = 60;
 constexpr size_t kMostTried = 12;                                // photos
 constexpr size_t kFewestInside = 150;                            // pixels of a photo
 constexpr size_t kFewestPredicted = 600;                         // of all photos
@@ -33,23 +34,35 @@ constexpr double kLargePlane = 0.03;              // of all surfaces: a facet of
 constexpr double kLikeBent = 0.15, kClearly = 0.15;
 constexpr double kTrialTolerance_rel = 0.05;  // of the shape's size
 
+View small_view(const View& view) {
+  View out = view;
+  out.intrinsics = view.intrinsics.limited_to(kTrialSide);
+  out.gain = {1, 1, 1};
+  return out;
+}
+
 EdgePhoto small_photo(const std::filesystem::path& sfm, const View& view) {
-  EdgePhoto out{view, {}};
-  out.view.intrinsics = view.intrinsics.limited_to(kTrialSide);
+  EdgePhoto out{small_view(view), {}};
   ImageF linear = resized(read_exr_rgb(linear_image_path(sfm, view)), out.view.intrinsics.width, out.view.intrinsics.height);
   for (size_t i = 0; i < linear.data().size(); ++i) linear.data()[i] /= static_cast<float>(view.gain[i % 3]);
-  out.view.gain = {1, 1, 1};
   out.srgb = srgb_from_linear_image(linear);
   for (float& value : out.srgb.data()) value = std::clamp(value, 0.f, 1.f);
   return out;
 }
 
+// Of kMostPhotos at most, spread evenly; the others have no picture.
 std::vector<EdgePhoto> read_photos(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every) {
   std::vector<EdgePhoto> photos(set.views.size());
+  std::vector<size_t> trained;
+  for (size_t v = 0; v < photos.size(); ++v)
+    if (!is_heldout(v, holdout_every)) trained.push_back(v);
+  const size_t stride = (trained.size() + kMostPhotos - 1) / kMostPhotos;
   parallel_for(photos.size(), 1, [&](size_t v) {
     if (interrupt_signal() != 0) return;
-    photos[v].view = set.views[v];
-    if (!is_heldout(v, holdout_every)) photos[v] = small_photo(sfm, set.views[v]);
+    photos[v].view = small_view(set.views[v]);
+    const auto place = std::ranges::lower_bound(trained, v);
+    if (place != trained.end() && *place == v && size_t(place - trained.begin()) % stride == 0)
+      photos[v] = small_photo(sfm, set.views[v]);
   });
   throw_if_interrupted();
   return photos;
@@ -67,7 +80,7 @@ class Room {
     const size_t stride = std::max<size_t>(1, scene_.photos.size() / kMostSeen);
     for (size_t first = 0; first < stride && seen[0].size() < kFewestSeen; ++first)
       for (size_t v = first; v < scene_.photos.size(); v += stride) {
-        if (marked_[v].empty()) continue;
+        if (scene_.photos[v].srgb.empty()) continue;
         const auto p = image_point(*place, scene_.photos[v].view, 0, 0.5);
         if (!p) continue;
         const DepthMap& map = scene_.maps[v];
@@ -123,7 +136,8 @@ SolidTrial::SolidTrial(const std::filesystem::path& sfm, const ViewSet& set, int
 
 std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const std::vector<uint8_t>> marked) const {
   if (stereo_.blind()) return std::nullopt;
-  const auto inside = [&](size_t v) { return size_t(std::ranges::count(marked[v], 1)); };
+  const Surroundings scene = stereo_.surroundings();
+  const auto inside = [&](size_t v) { return scene.photos[v].srgb.empty() ? 0 : size_t(std::ranges::count(marked[v], 1)); };
   std::vector<size_t> tried(marked.size());
   for (size_t v = 0; v < tried.size(); ++v) tried[v] = v;
   std::erase_if(tried, [&](size_t v) { return inside(v) < kFewestInside; });
@@ -134,7 +148,6 @@ std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const 
   solid.entries.push_back(
       {.shape = shape, .role = ShapeRole::Solid, .tolerance = kTrialTolerance_rel * size_of(shape), .clear = {}});
   const auto glass = solid_glass(solid);
-  const Surroundings scene = stereo_.surroundings();
   const Room room(scene, marked);
   std::array<LocalCorrelation, 2> alike;
   std::array<size_t, 2> predicted{};
