@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.h"
+#include "core/model/diffuse_pass.h"
 #include "core/model/display_pass.h"
 #include "tests/core/model/exact_model.h"
 #include "tests/core/model/tiny_rooms.h"
