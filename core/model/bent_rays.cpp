@@ -32,7 +32,7 @@ void BentLegs::find(const ThickGlass& glass, const Frame& frame, std::span<const
       const float z = surface_depth(g.zdepth[pixel], g.alpha[pixel], median[pixel]);
       for (int k = 0; k < side * side; ++k) {
         const auto off = [&](int at) { return (float(at) + 0.5f) / float(side) - 0.5f; };
-        const PixelRay<float> ray = side == 1 ? g.ray(pixel) : g.ray(pixel, off(k % side), off(k / side));
+        const PixelRay<float> ray = g.ray(pixel, off(k % side), off(k / side));
         const BentRay bent = glass.path(ray.eye, -ray.view, z * length(ray.direction_per_z));
         if (path[pixel] != GlassPath::Bent) path[pixel] = bent.path;
         if (bent.path != GlassPath::Bent) continue;

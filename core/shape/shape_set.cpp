@@ -39,22 +39,21 @@ bool ShapeSet::has_glass() const {
   return std::ranges::any_of(entries, [](const Entry& e) { return is_glass(e.role); });
 }
 
+ShapeSet ShapeSet::kept_roles(bool (*keeps)(ShapeRole)) const {
+  std::vector<uint8_t> keep;
+  for (const Entry& e : entries) keep.push_back(keeps(e.role));
+  return kept(keep);
+}
+
 ShapeSet ShapeSet::without(ShapeRole role) const {
   std::vector<uint8_t> keep;
   for (const Entry& e : entries) keep.push_back(e.role != role);
   return kept(keep);
 }
 
-ShapeSet ShapeSet::glass() const {
-  std::vector<uint8_t> keep;
-  for (const Entry& e : entries) keep.push_back(is_glass(e.role));
-  return kept(keep);
-}
-
+ShapeSet ShapeSet::glass() const { return kept_roles(is_glass); }
 ShapeSet ShapeSet::no_glass() const {
-  std::vector<uint8_t> keep;
-  for (const Entry& e : entries) keep.push_back(!is_glass(e.role));
-  return kept(keep);
+  return kept_roles([](ShapeRole role) { return !is_glass(role); });
 }
 
 void ShapeSet::append(ShapeSet more) {

@@ -55,6 +55,7 @@ struct ShapeSet {
   void append(ShapeSet more);
 
  private:
+  ShapeSet kept_roles(bool (*keeps)(ShapeRole)) const;
   bool is_bulge(const Hit& appendage, const Hit& parent, const Ray& ray) const;
 };
 

@@ -32,7 +32,6 @@ constexpr double kOtherSurface = 0.04;            // relative depth
 constexpr size_t kFewestSeen = 2, kMostSeen = 9;  // photos that colour a place
 constexpr double kLargePlane = 0.03;              // of all surfaces: a facet of something small goes on nowhere
 constexpr double kLikeBent = 0.15, kClearly = 0.15;
-constexpr double kTrialTolerance_rel = 0.05;  // of the shape's size
 
 View small_view(const View& view) {
   View out = view;
@@ -111,17 +110,14 @@ class Room {
 };
 
 // The last leg of the way of a ray of a pixel through the shape.
-std::optional<Ray> straight_way(const Shape& shape, const Ray& ray) {
-  const Bounds3 box = bounds(shape);
-  const double beyond = 2 * length(box.high - box.low) + length(box.centre() - ray.origin);
+std::optional<Ray> straight_way(const Shape& shape, const Bounds3& box, const Ray& ray) {
+  const double beyond = length(box.high - box.low) + length(box.centre() - ray.origin);
   const auto back = intersect(shape, {ray.origin + beyond * ray.direction, -1.0 * ray.direction});
   if (!back) return std::nullopt;
   return Ray{ray.origin + (beyond - back->t) * ray.direction, ray.direction};
 }
-std::optional<Ray> bent_way(const ThickGlass& glass, const Shape& shape, const Ray& ray) {
-  const auto front = intersect(shape, ray);
-  if (!front) return std::nullopt;
-  const BentRay way = glass.path(cast<float>(ray.origin), cast<float>(ray.direction), float(front->t));
+std::optional<Ray> bent_way(const ThickGlass& glass, const Ray& ray) {
+  const BentRay way = glass.path(cast<float>(ray.origin), cast<float>(ray.direction), 0);  // at whatever distance
   if (way.path != GlassPath::Bent) return std::nullopt;
   const BentRay::Leg& last = way.legs[way.leg_count - 1];
   return Ray{cast<double>(last.origin), cast<double>(last.direction)};
@@ -145,9 +141,9 @@ std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const 
   tried.resize(std::min(tried.size(), kMostTried));
 
   ShapeSet solid;
-  solid.entries.push_back(
-      {.shape = shape, .role = ShapeRole::Solid, .tolerance = kTrialTolerance_rel * size_of(shape), .clear = {}});
+  solid.entries.push_back({.shape = shape, .role = ShapeRole::Solid, .tolerance = INFINITY, .clear = {}});
   const auto glass = solid_glass(solid);
+  const Bounds3 box = bounds(shape);
   const Room room(scene, marked);
   std::array<LocalCorrelation, 2> alike;
   std::array<size_t, 2> predicted{};
@@ -172,7 +168,7 @@ std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const 
           for (const double dx : kJitter) {
             const Vec3d d =
                 normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(double(x) + dx, double(y) + dy)));
-            const std::array ways{straight_way(shape, {eye, d}), bent_way(*glass, shape, {eye, d})};
+            const std::array ways{straight_way(shape, box, {eye, d}), bent_way(*glass, {eye, d})};
             for (size_t way = 0; way < 2; ++way)
               if (ways[way])
                 if (const auto c = room.colour(*ways[way])) sum[way] += *c, ++count[way];
