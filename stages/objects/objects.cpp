@@ -162,52 +162,13 @@ class ObjectsRun {
         object.role = object_role_of(MaskClass::Specular, figure, !hull, config_.coat_below);
       }
     }
-    find_solids();
+    find_solids(set_, {context_.input("sfm"), views_, silhouettes_[size_t(MaskClass::Transparent)], config_.holdout_every});
     std::map<ObjectRole, int> numbers;
     for (Object& object : set_.objects) {
       object.name = numbered(object.role, ++numbers[is_glass(object.role) ? ObjectRole::ThinGlass : object.role]);
       for (ShapeSet::Entry& e : set_.shapes.entries)
         if (e.object == object.id) e.role = shape_role(object.role);
     }
-  }
-
-  // Glass of a closed curved shape may be solid.
-  void find_solids() {
-    std::optional<SolidTrial> test;
-    for (Object& object : set_.objects) {
-      if (!is_glass(object.role) || object.trust == ObjectTrust::Guessed) continue;
-      const Shape* shape = nullptr;
-      size_t shapes = 0;
-      for (const ShapeSet::Entry& e : set_.shapes.entries)
-        if (e.object == object.id) ++shapes, shape = e.exact && facets(e.shape).empty() ? &e.shape : nullptr;
-      if (shapes != 1 || shape == nullptr) continue;
-      throw_if_interrupted();
-      if (!test) test.emplace(context_.input("sfm"), views_, config_.holdout_every);
-      const auto trial = test->trial(*shape, marked_pixels_of(*shape, test->views()));
-      if (!trial) continue;
-      object.evidence.straight = trial->straight, object.evidence.bent = trial->bent;
-      if (trial->solid()) object.role = ObjectRole::SolidGlass;
-    }
-  }
-
-  // [view][h*w] that show a shape of glass; none of photos that are held out.
-  std::vector<std::vector<uint8_t>> marked_pixels_of(const Shape& shape, std::span<const View> views) const {
-    std::vector<std::vector<uint8_t>> marked(views.size());
-    parallel_for(views.size(), 1, [&](size_t v) {
-      if (is_heldout(v, config_.holdout_every)) return;
-      marked[v] = mask_of_rays(views[v], [&](size_t, const Vec3d& eye, const Vec3d& direction) {
-        return intersect(shape, {eye, direction}).has_value();
-      });
-      const auto& all = silhouettes_[size_t(MaskClass::Transparent)];
-      const auto own = std::ranges::find(all, views[v].name, [](const Silhouette& s) { return s.view.name; });
-      if (own == all.end()) return;
-      const Intrinsics& k = views[v].intrinsics;
-      for (int y = 0; y < k.height; ++y)
-        for (int x = 0; x < k.width; ++x)
-          if (own->value.at(x * own->value.width() / k.width, y * own->value.height() / k.height) < 0.5f)
-            marked[v][size_t(y) * size_t(k.width) + size_t(x)] = 0;
-    });
-    return marked;
   }
 
   static std::string numbered(ObjectRole role, int number) {

@@ -14,7 +14,7 @@
 #include "core/math/median.h"
 #include "core/model/kernels/fresnel.h"
 #include "core/model/thick_glass.h"
-#include "core/shape/shape_set.h"
+#include "core/stereo/small_stereo.h"
 
 namespace vitrine {
 
@@ -123,16 +123,34 @@ std::optional<Ray> bent_way(const ThickGlass& glass, const Ray& ray) {
   return Ray{cast<double>(last.origin), cast<double>(last.direction)};
 }
 
-}  // namespace
+// Local correlation of the photos with the picture that rays straight on, and bent by Snell's law, would show; 1: the same.
+struct GlassTrial {
+  double straight = 0, bent = 0;
+  bool solid() const { return bent > kLikeBent && bent > straight + kClearly; }
+};
 
-bool GlassTrial::solid() const { return bent > kLikeBent && bent > straight + kClearly; }
+// [view][h*w] 1 where a photo shows a shape; none of photos that are held out.
+std::vector<std::vector<uint8_t>> marked_pixels(const Shape& shape, std::span<const View> views, const SolidTrialDesc& desc) {
+  std::vector<std::vector<uint8_t>> marked(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) {
+    if (is_heldout(v, desc.holdout_every)) return;
+    marked[v] = mask_of_rays(views[v], [&](size_t, const Vec3d& eye, const Vec3d& direction) {
+      return intersect(shape, {eye, direction}).has_value();
+    });
+    const auto own = std::ranges::find(desc.glass, views[v].name, [](const Silhouette& s) { return s.view.name; });
+    if (own == desc.glass.end()) return;
+    const Intrinsics& k = views[v].intrinsics;
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x)
+        if (own->value.at(x * own->value.width() / k.width, y * own->value.height() / k.height) < 0.5f)
+          marked[v][size_t(y) * size_t(k.width) + size_t(x)] = 0;
+  });
+  return marked;
+}
 
-SolidTrial::SolidTrial(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every)
-    : stereo_(read_photos(sfm, set, holdout_every), set) {}
-
-std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const std::vector<uint8_t>> marked) const {
-  if (stereo_.blind()) return std::nullopt;
-  const Surroundings scene = stereo_.surroundings();
+// Of the photos that show most of the shape.
+std::optional<GlassTrial> trial(const SmallStereo& stereo, const Shape& shape, std::span<const std::vector<uint8_t>> marked) {
+  const Surroundings scene = stereo.surroundings();
   const auto inside = [&](size_t v) { return scene.photos[v].srgb.empty() ? 0 : size_t(std::ranges::count(marked[v], 1)); };
   std::vector<size_t> tried(marked.size());
   for (size_t v = 0; v < tried.size(); ++v) tried[v] = v;
@@ -187,6 +205,34 @@ std::optional<GlassTrial> SolidTrial::trial(const Shape& shape, std::span<const 
   }
   if (std::min(predicted[0], predicted[1]) < kFewestPredicted) return std::nullopt;
   return GlassTrial{alike[0].value().value_or(0), alike[1].value().value_or(0)};
+}
+
+// nullptr: none, or one that is flat or no better than a hull.
+const Shape* one_curved_shape(const ShapeSet& shapes, uint16_t object) {
+  const Shape* found = nullptr;
+  for (const ShapeSet::Entry& e : shapes.entries) {
+    if (e.object != object) continue;
+    if (found != nullptr || !e.exact || !facets(e.shape).empty()) return nullptr;
+    found = &e.shape;
+  }
+  return found;
+}
+
+}  // namespace
+
+void find_solids(ObjectSet& set, const SolidTrialDesc& desc) {
+  std::optional<SmallStereo> stereo;  // once for all objects
+  for (Object& object : set.objects) {
+    const Shape* shape = one_curved_shape(set.shapes, object.id);
+    if (!is_glass(object.role) || object.trust == ObjectTrust::Guessed || shape == nullptr) continue;
+    throw_if_interrupted();
+    if (!stereo) stereo.emplace(read_photos(desc.sfm, desc.views, desc.holdout_every), desc.views);
+    if (stereo->blind()) return;
+    const auto said = trial(*stereo, *shape, marked_pixels(*shape, stereo->views(), desc));
+    if (!said) continue;
+    object.evidence.straight = said->straight, object.evidence.bent = said->bent;
+    if (said->solid()) object.role = ObjectRole::SolidGlass;
+  }
 }
 
 }  // namespace vitrine

@@ -3,32 +3,23 @@
 // like decides. What stands in the glass is not predicted: a paperweight with a picture in its foot stays undecided.
 #pragma once
 
-#include <optional>
+#include <filesystem>
 #include <span>
 
-#include "core/shape/shape.h"
-#include "core/stereo/small_stereo.h"
+#include "core/camera/view_set.h"
+#include "core/objects/object_set.h"
+#include "core/stereo/silhouette.h"
 
 namespace vitrine {
 
-// Local correlation of the photos with the picture that rays straight on, and bent by Snell's law, would show; 1: the same.
-struct GlassTrial {
-  double straight = 0, bent = 0;
-  bool solid() const;
+struct SolidTrialDesc {
+  std::filesystem::path sfm;
+  const ViewSet& views;
+  std::span<const Silhouette> glass;  // of the transparent masks
+  int holdout_every;                  // photos that are held out are not looked at
 };
-
-class SolidTrial {
- public:
-  // Of the photos of an sfm artifact that are trained on, reduced; one stereo for all objects.
-  SolidTrial(const std::filesystem::path& sfm, const ViewSet& set, int holdout_every);
-
-  // Of the photos that show most of the shape. `marked`: [view][h*w of views()] 1 where the photo shows the object; empty of
-  // those that are held out. nullopt: stereo found too little, or too few pixels tell.
-  std::optional<GlassTrial> trial(const Shape& shape, std::span<const std::vector<uint8_t>> marked) const;
-  std::span<const View> views() const { return stereo_.views(); }
-
- private:
-  SmallStereo stereo_;
-};
+// Gives the role solid_glass to objects of glass whose one exact, closed, curved shape the photos show to be solid, and writes
+// what they said to their evidence. Where stereo finds too little, or too few pixels tell, nothing is said.
+void find_solids(ObjectSet& set, const SolidTrialDesc& desc);
 
 }  // namespace vitrine
