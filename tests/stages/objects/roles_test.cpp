@@ -61,25 +61,13 @@ double glazed(const Seen& seen, const Vec3d& eye, const Vec3d& d) {
 
 double polished(const Seen& seen, const Vec3d& d) { return 0.85 * room(d - 2 * dot(d, seen.normal) * seen.normal); }
 
-template <class Radiance>
-ImageF photo_of(const View& view, const Radiance& radiance) {
-  const Intrinsics& k = view.intrinsics;
-  ImageF out(k.width, k.height, 3);
-  const Vec3d eye = view.centre_in_world();
-  for (int y = 0; y < k.height; ++y)
-    for (int x = 0; x < k.width; ++x) {
-      const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
-      for (int c = 0; c < 3; ++c) out.at(x, y, c) = static_cast<float>(radiance(eye, d));
-    }
-  return out;
-}
-
 struct GlossyScene {
   TemporaryFolder folder;
   template <class Meets, class Radiance>
   GlossyScene(const Meets& meets, const Radiance& radiance) {
     const auto marks = silhouettes_of_rays(24, 2 * std::numbers::pi, meets);
-    const auto views = test::write_sfm(folder.path() / "sfm", marks, [&](const View& view) { return photo_of(view, radiance); });
+    const auto views =
+        test::write_sfm(folder.path() / "sfm", marks, [&](const View& view) { return test::photo_of(view, radiance); });
     test::write_masks(folder.path() / "masks", MaskClass::Specular, views, marks);
   }
   std::unique_ptr<RecordingContext> run(const char* coat_below = "0.25") const {

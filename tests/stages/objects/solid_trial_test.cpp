@@ -39,19 +39,11 @@ struct GlassBallCapture {
   explicit GlassBallCapture(bool solid) {
     const auto meets = [](const Vec3d& eye, const Vec3d& d) { return meets_ball({}, kGlassBall, eye, d); };
     const auto marks = silhouettes_of_rays(kCameras, 2 * std::numbers::pi, meets);
-    const auto photo = [&](const View& view) {
-      const Intrinsics& k = view.intrinsics;
-      ImageF out(k.width, k.height, 3);
-      const Vec3d eye = view.centre_in_world();
-      for (int y = 0; y < k.height; ++y)
-        for (int x = 0; x < k.width; ++x) {
-          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
-          const auto way = test::through_ball(eye, d, {}, kGlassBall, 1.5);
-          const Vec3f seen = way && solid ? painted_room(way->exit, way->direction) : painted_room(eye, d);
-          for (int c = 0; c < 3; ++c) out.at(x, y, c) = (way ? 0.92f : 1.f) * seen[size_t(c)];
-        }
-      return out;
+    const auto radiance = [&](const Vec3d& eye, const Vec3d& d) {
+      const auto way = test::through_ball(eye, d, {}, kGlassBall, 1.5);
+      return (way ? 0.92f : 1.f) * (way && solid ? painted_room(way->exit, way->direction) : painted_room(eye, d));
     };
+    const auto photo = [&](const View& view) { return test::photo_of(view, radiance); };
     const auto views = test::write_sfm(folder.path() / "sfm", marks, photo);
     test::write_masks(folder.path() / "masks", MaskClass::Transparent, views, marks);
   }

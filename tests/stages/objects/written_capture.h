@@ -15,6 +15,25 @@
 
 namespace vitrine::test {
 
+// Every pixel: radiance(eye, unit direction), a number or a colour.
+template <class Radiance>
+ImageF photo_of(const View& view, const Radiance& radiance) {
+  const Intrinsics& k = view.intrinsics;
+  ImageF out(k.width, k.height, 3);
+  const Vec3d eye = view.centre_in_world();
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+      if constexpr (requires(Vec3f colour) { colour = radiance(eye, d); }) {
+        const Vec3f colour = radiance(eye, d);
+        for (int c = 0; c < 3; ++c) out.at(x, y, c) = colour[size_t(c)];
+      } else {
+        for (int c = 0; c < 3; ++c) out.at(x, y, c) = static_cast<float>(radiance(eye, d));
+      }
+    }
+  return out;
+}
+
 // photo(view): linear. Photo i is called v<i>.jpg.
 template <class Photo>
 std::vector<View> write_sfm(const fs::path& sfm, const std::vector<Silhouette>& cameras, const Photo& photo) {

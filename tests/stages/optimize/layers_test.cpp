@@ -27,6 +27,26 @@ OptimizeConfig layered_config(int iterations) {
   return config;
 }
 
+SurfaceOfRevolution tiny_ball() {
+  SurfaceOfRevolution ball{{0, 0, 0}, {0, 0, 1}, {}};
+  for (int i = 0; i <= 24; ++i) {
+    const double polar = std::numbers::pi * i / 24;
+    ball.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
+  }
+  return ball;
+}
+
+template <class Shape>
+void write_glass_masks(const fs::path& masks, const Shape& shape) {
+  fs::create_directories(masks / "masks/transparent");
+  for (const View& view : testing::ring_of_views(18, 48, 36)) {
+    const std::vector<uint8_t> inside = silhouette_mask(shape, view);
+    Image8 mask(48, 36, 1);
+    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
+    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
+  }
+}
+
 class LayeredRun : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -81,13 +101,7 @@ TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
 TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
   const Box box{Mat3d::identity(), {-0.22, -0.18, -0.2}, {0.2, 0.2, 0.25}};
   const fs::path masks = folder_->path() / "case";
-  fs::create_directories(masks / "masks/transparent");
-  for (const View& view : testing::ring_of_views(18, 48, 36)) {
-    const std::vector<uint8_t> inside = silhouette_mask(box, view);
-    Image8 mask(48, 36, 1);
-    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
-    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
-  }
+  write_glass_masks(masks, box);
   const fs::path objects =
       test::write_objects_artifact(folder_->path() / "case objects", masks, load_view_set(folder_->path() / "sfm").views,
                                    test::one_object(box, ObjectRole::ThinGlass, 0.02));
@@ -116,22 +130,9 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
 
 // A block of solid glass: rays bend in it while the scene is trained, and in every program that reads the scene.
 TEST_F(LayeredRun, ABlockOfGlassBendsRaysAndSurvivesBeingKilled) {
-  const auto ball = [] {
-    SurfaceOfRevolution s{{0, 0, 0}, {0, 0, 1}, {}};
-    for (int i = 0; i <= 24; ++i) {
-      const double polar = std::numbers::pi * i / 24;
-      s.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
-    }
-    return s;
-  }();
+  const SurfaceOfRevolution ball = tiny_ball();
   const fs::path masks = folder_->path() / "block";
-  fs::create_directories(masks / "masks/transparent");
-  for (const View& view : testing::ring_of_views(18, 48, 36)) {
-    const std::vector<uint8_t> inside = silhouette_mask(ball, view);
-    Image8 mask(48, 36, 1);
-    for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
-    write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
-  }
+  write_glass_masks(masks, ball);
   const fs::path objects =
       test::write_objects_artifact(folder_->path() / "block objects", masks, load_view_set(folder_->path() / "sfm").views,
                                    test::one_object(ball, ObjectRole::SolidGlass, 0.02));
@@ -151,11 +152,7 @@ TEST_F(LayeredRun, ABlockOfGlassBendsRaysAndSurvivesBeingKilled) {
 
 // The ball as a coat: its shape is part of the scene, and does not learn.
 TEST_F(LayeredRun, ACoatSurvivesBeingKilled) {
-  SurfaceOfRevolution ball{{0, 0, 0}, {0, 0, 1}, {}};
-  for (int i = 0; i <= 24; ++i) {
-    const double polar = std::numbers::pi * i / 24;
-    ball.profile.push_back({0.25 * std::sin(polar), -0.25 * std::cos(polar)});
-  }
+  const SurfaceOfRevolution ball = tiny_ball();
   const fs::path sfm = folder_->path() / "sfm";
   const fs::path objects = test::write_objects_artifact(folder_->path() / "coat", sfm, load_view_set(sfm).views,
                                                         test::one_object(ball, ObjectRole::Coat, 0.015));
