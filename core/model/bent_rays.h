@@ -38,6 +38,7 @@ struct BentLegs {
 
 class BentRays {
  public:
+  bool any() const { return !legs_.pixels.empty(); }  // of the last forward()
   // `opened`: the scene without its glass, as frame.behind shows it. Writes radiance and inner_transmittance of bent pixels and
   // frame.behind.path.
   void forward(const TransmissionOptions& options, const SplatLayer& opened, Frame& frame);

@@ -70,7 +70,7 @@ void ThinGlassPass::backward(const SplatScene& scene, Frame& frame, SplatScene& 
     const auto color = frame.grad_diffuse.plane(Aov::Color);
     for (size_t i = 0; i < color.size(); ++i) color[i] += behind.grad_radiance[i];
   };
-  if (drawn_ && !options.thick) return straight();
+  if (drawn_ && !(options.thick && bent_.any())) return straight();
   const SplatLayer& merged = frame.opened.surfels;
   blame_.resize(frame.error_image.size());
   for (size_t i = 0; i < blame_.size(); ++i) blame_[i] = behind.picture_weight[i] * frame.error_image[i];
