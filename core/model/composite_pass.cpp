@@ -204,9 +204,7 @@ void CompositePass::backward(const SplatScene&, Frame& frame, SplatScene&) {
       if (shown.reflection && !frame.reflection.grad_radiance.empty()) frame.reflection.grad_radiance[g] = grad_arrived.reflected;
       if (shown.transmission && frame.behind.radiance.empty())
         frame.transmission.grad_radiance[g] = gate(frame, pixel) * grad_arrived.transmitted;
-      const bool glass = !frame.transparent_mask.empty() && frame.transparent_mask[pixel] > 0.5f;
-      write(frame.grad_linear, pixels, pixel,
-            (glass ? frame.options.composite.diffuse_in_transparent : 1.f) * hadamard(grad, w.diffuse));
+      write(frame.grad_linear, pixels, pixel, hadamard(grad, w.diffuse));
     }
   });
 }

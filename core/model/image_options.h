@@ -45,7 +45,6 @@ struct SurfaceOptions {
 enum class Lobe : unsigned char {
   Mirror,   // one ray, roughness ignored
   Sampled,  // GGX half vectors: unbiased, noisy; `samples` rays where the surface is rough
-  Cone,     // one ray whose footprint grows with the lobe: smooth, no noise, a little too soft at grazing angles
 };
 
 struct ReflectionOptions {
@@ -56,7 +55,6 @@ struct ReflectionOptions {
   float mirror_below = 0.05f;  // Lobe::Sampled: smoother surfaces send one mirror ray (their lobe is a few pixels wide)
   float near = 0.01f;          // scene units; nothing nearer to the surface is seen in it
   float min_transmittance = 1e-3f;
-  float max_footprint = 0.2f;  // Lobe::Cone: scene units. Every surfel's box grows by it: dear. Wider lobes do not learn.
 };
 
 // How what is behind glass comes to the pixel.
@@ -86,9 +84,6 @@ struct CompositeOptions {
   // Gradient gate: where the reflected part of the picture varies strongly among neighbours, less gradient reaches the
   // transmitted radiance: exp(-gate * Var_3x3 sqrt(w_r C_r)) (Shi et al. 2026, "RT-Splatting"). 0 = off.
   float gate = 4.f;
-  // Share of the gradient of the diffuse radiance that is kept inside the transparent mask: below 1, the diffuse layer does not
-  // try to paint what is seen through glass.
-  float diffuse_in_transparent = 1.f;
   bool layer_images = false;  // fill Frame::layers
 };
 

@@ -78,15 +78,12 @@ void ReflectionPass::emit(Frame& frame, int first_sample, int last_sample) {
     }
   });
   r.gather(s.groups(), chunks_);
-  const bool cone = options.lobe == Lobe::Cone;
-  if (cone) r.spread.resize(r.rays.size());
   parallel_chunks(r.rays.size(), kReflectionGrain, [&](size_t, size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       const SurfacePoint<float>& p = s.points[r.rays[i].group];
       r.origins[i] = p.position;
       r.directions[i] = r.rays[i].lobe.direction;
       r.near[i] = options.near;
-      if (cone) r.spread[i] = lobe_spread(p.roughness);
     }
   });
 }
@@ -95,7 +92,7 @@ void ReflectionPass::forward(const SplatScene& scene, Frame& frame) {
   frame.reflection.clear();
   if (scene.reflection.size() == 0 || frame.shaded.groups() == 0) return;
   const ReflectionOptions& options = frame.options.reflection;
-  tracer_->build(scene.reflection, {.max_footprint = options.lobe == Lobe::Cone ? options.max_footprint : 0.f});
+  tracer_->build(scene.reflection);
   SecondaryRays& r = frame.reflection;
   const TraceDesc desc = trace_desc(options, scene.reflection);
   const int samples = options.lobe == Lobe::Sampled ? std::max(options.samples, 1) : 1;
@@ -135,7 +132,6 @@ void ReflectionPass::backward(const SplatScene& scene, Frame& frame, SplatScene&
           continue;
         }
         out.normal += carried_vjp(p.normal, p.normal, reflected_vjp(s.rays[g].view, p.normal, ray_gradients_.directions[i]));
-        if (!r.spread.empty()) out.roughness += ray_gradients_.spread[i] * lobe_spread_slope(p.roughness);
       }
   });
 }

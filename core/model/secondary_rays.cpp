@@ -18,7 +18,7 @@ void ShadedPixels::clear() {
 void SecondaryRays::clear() {
   rays.clear();
   for (auto* v : {&origins, &directions, &radiance, &grad_radiance}) v->clear();
-  for (auto* v : {&near, &spread, &mean_distance, &alpha, &weight, &inner_transmittance}) v->clear();
+  for (auto* v : {&near, &mean_distance, &alpha, &weight, &inner_transmittance}) v->clear();
   begin.clear();
   values.resize(0);
   gradients = {};
@@ -33,7 +33,6 @@ void SecondaryRays::gather(size_t groups, std::span<const std::vector<SecondaryR
   origins.resize(rays.size());
   directions.resize(rays.size());
   near.resize(rays.size());
-  spread.clear();
 }
 
 void SecondaryRays::trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, bool keep_hits) {

@@ -43,7 +43,7 @@ struct SecondaryRays {
   // Per ray.
   std::vector<SecondaryRay> rays;
   std::vector<Vec3f> origins, directions;
-  std::vector<float> near, spread;  // spread: empty unless the lobe is a cone
+  std::vector<float> near;
   RayValues values;
   std::vector<float> mean_distance, alpha;  // sum w t / sum w (0: met nothing), sum w
   std::vector<float> weight;                // pixels that a ray stands for in a loss over rays
@@ -67,7 +67,7 @@ struct SecondaryRays {
   void trace(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, bool keep_hits);
   void trace_back(const Tracer& tracer, const TraceDesc& desc, const ShadedPixels& shaded, std::span<const float> error_image,
                   SplatLayer& grad, RayGradients* ray_gradients);
-  RayBatch batch() const { return {.origins = origins, .directions = directions, .near = near, .far = {}, .spread = spread}; }
+  RayBatch batch() const { return {.origins = origins, .directions = directions, .near = near, .far = {}}; }
 
  private:
   std::vector<float> blame_;  // [rays]

@@ -110,8 +110,8 @@ void ShellPass::forward(const SplatScene&, Frame& frame) {
   });
   emit(frame);
   if (origins_.empty()) return;
-  tracer_->build(frame.opened.surfels, {});
-  tracer_->forward({.origins = origins_, .directions = directions_, .near = near_, .far = {}, .spread = {}},
+  tracer_->build(frame.opened.surfels);
+  tracer_->forward({.origins = origins_, .directions = directions_, .near = near_, .far = {}},
                    {.sh_degree = frame.opened.surfels.sh_degree(), .min_transmittance = kDimRay}, values_, nullptr);
   spread_to_groups(frame);
 }

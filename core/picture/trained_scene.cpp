@@ -23,15 +23,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 2> kBlends{"rtrgs", "layered"};
-constexpr std::array<const char*, 3> kLobes{"mirror", "sampled", "cone"};
+constexpr std::array<const char*, 2> kLobes{"mirror", "sampled"};
 constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
-constexpr const char* kCaseOfBefore = "case";  // a box of panes, which is one of the shapes
 constexpr const char* kMirrored = "mirrored_surfels";
 constexpr const char* kLayered = "layered";         // (OpaqueOptions)
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
 constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
 
-constexpr const char *kSilhouettes = "silhouettes", *kOldSilhouettes = "outlines";
+constexpr const char* kSilhouettes = "silhouettes";
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
@@ -44,7 +43,6 @@ void visit(Options& o, const Word& word, const Number& number) {
   number("near_z", o.diffuse.near_z);
   number("min_alpha", o.surface.min_alpha);
   number("mirror_below", o.reflection.mirror_below);
-  number("max_footprint", o.reflection.max_footprint);
   number("reflection_near", o.reflection.near);
   number("reflection_min_transmittance", o.reflection.min_transmittance);
   number("transmission_near", o.transmission.near);
@@ -130,13 +128,12 @@ ImageOptions read_image_options(const fs::path& path) {
           value = json.at(key).get<float>();
           if (!(value >= 0) || !std::isfinite(value)) throw fail(fmt::format("{} is not a positive number", key));
         });
-    if (json.contains(kCaseOfBefore)) throw fail("an earlier version of vitrine wrote it");
     options.panes.mirrored = json.value(kMirrored, options.panes.mirrored);
     options.opaque.layered = json.value(kLayered, options.opaque.layered);
     if (!(options.opaque.layered >= 0 && options.opaque.layered <= 1)) throw fail("layered is not between 0 and 1");
     if (json.contains(kShapes))
       options.shape.set = std::make_shared<const ShapeSet>(read_shapes(json.at(kShapes), path.parent_path()));
-    options.shape.silhouettes = json.value(kSilhouettes, json.value(kOldSilhouettes, options.shape.silhouettes));
+    options.shape.silhouettes = json.value(kSilhouettes, options.shape.silhouettes);
     if (!json.contains(kThickGlass)) return options;
     const float ior = json.at(kThickGlass).at("ior").get<float>(), tolerance = json.at(kThickGlass).at("tolerance").get<float>();
     if (!(ior > 1) || !std::isfinite(ior) || !(tolerance >= 0)) throw fail("ior or tolerance of thick glass is unusable");

@@ -1,24 +1,9 @@
 #include "core/trace/tracer.h"
 
-#include <cmath>
-#include <numbers>
-
-#include "core/trace/embree/embree_tracer.h"
-#include "core/trace/reference/reference_tracer.h"
-
 namespace vitrine {
 
-namespace {
-
-// The slopes of a GGX surface deviate by about alpha/sqrt(2) per axis, reflection doubles the angle; kLobeWidth of that deviation
-// is the footprint, since the tails are not what one sees.
-constexpr float kLobeWidth = 0.5f;
-constexpr float kSpread = kLobeWidth * std::numbers::sqrt2_v<float>;
-
-}  // namespace
-
-float lobe_spread(float roughness) { return kSpread * roughness * roughness; }
-float lobe_spread_slope(float roughness) { return 2.f * kSpread * roughness; }
+std::unique_ptr<Tracer> make_embree_tracer();
+std::unique_ptr<Tracer> make_reference_tracer();
 
 void RayValues::resize(size_t rays) {
   color.resize(rays);

@@ -26,15 +26,8 @@ struct RayBatch {
   std::span<const Vec3f> directions;  // [n], unit
   std::span<const float> near = {};   // [n], a hit counts when near < t <= far; empty: 0
   std::span<const float> far = {};    // [n]; empty: infinity
-  // [n] footprint per distance: a surfel at t is widened by min(spread * t, max_footprint) (README 5); empty: 0. The spread of
-  // a GGX lobe is lobe_spread(roughness).
-  std::span<const float> spread = {};
   size_t size() const { return origins.size(); }
 };
-
-// Footprint per distance of the reflected lobe of a surface with this roughness (GGX alpha = roughness^2), and its derivative.
-float lobe_spread(float roughness);
-float lobe_spread_slope(float roughness);
 
 struct TraceDesc {
   int sh_degree = 3;  // used for colour; at most the layer's
@@ -82,18 +75,13 @@ struct TraceBackwardInput {
 // Per ray; overwritten by backward(). Leave `wanted` false to save the time.
 struct RayGradients {
   std::vector<Vec3f> origins, directions;  // directions: as three free coordinates; project if they are normalised
-  std::vector<float> spread;               // empty when the batch has none
-};
-
-struct TraceBuildDesc {
-  float max_footprint = 0.f;  // scene units; the largest widening that rays with a spread can cause. 0 switches it off.
 };
 
 class Tracer {
  public:
   virtual ~Tracer() = default;
   // Takes in the surfels of `layer`, which must outlive the calls below and not change before the next build().
-  virtual void build(const SplatLayer& layer, const TraceBuildDesc& desc = {}) = 0;
+  virtual void build(const SplatLayer& layer) = 0;
   // `hits` may be null when no backward pass follows.
   virtual void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const = 0;
   // Adds to `grad` (same shape as the layer, raw values) and, if given, to `statistics`; writes `ray_gradients` if given. Same

@@ -127,8 +127,6 @@ const int kRows = [] {
   apply(benchmark::RegisterBenchmark("model/three_sets/budget:10000", [](auto& s) { model_step(s, 10000, Lobe::Mirror, true); }));
   apply(benchmark::RegisterBenchmark("model/three_sets/budget:10000/sampled",
                                      [](auto& s) { model_step(s, 10000, Lobe::Sampled, true); }));
-  apply(benchmark::RegisterBenchmark("model/three_sets/budget:10000/cone",
-                                     [](auto& s) { model_step(s, 10000, Lobe::Cone, true); }));
   apply(benchmark::RegisterBenchmark("model/passes/budget:10000", [](auto& s) { model_passes(s, 10000); }));
   return 0;
 }();

@@ -1,4 +1,5 @@
-#include "core/render/cpu/cpu_renderer.h"
+// Renderer "cpu": tiles, SIMD, threads (README 6-8).
+#include "core/render/renderer.h"
 
 #include <algorithm>
 #include <cstdlib>

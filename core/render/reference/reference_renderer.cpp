@@ -1,4 +1,5 @@
-#include "core/render/reference/reference_renderer.h"
+// Renderer "reference": double, O(pixels x surfels). For tests, benchmarks' checks and for bisecting a wrong picture.
+#include "core/render/renderer.h"
 
 #include <cmath>
 

@@ -1,4 +1,5 @@
-#include "core/trace/embree/embree_tracer.h"
+// Tracer "embree": single precision, threads, hit lists for the reverse. Same bytes for any number of threads (README 5, 6).
+#include "core/trace/tracer.h"
 
 #include <algorithm>
 
@@ -18,10 +19,9 @@ constexpr size_t kMaxRecords = 1 << 20;
 
 class EmbreeTracer final : public Tracer {
  public:
-  void build(const SplatLayer& layer, const TraceBuildDesc& desc) override {
+  void build(const SplatLayer& layer) override {
     layer_ = &layer;
-    build_ = desc;
-    tree_.build(layer, desc);
+    tree_.build(layer);
   }
   void forward(const RayBatch& rays, const TraceDesc& desc, RayValues& out, HitLists* hits) const override;
   void backward(const RayBatch& rays, const TraceDesc& desc, const HitLists& hits, const TraceBackwardInput& input,
@@ -31,12 +31,8 @@ class EmbreeTracer final : public Tracer {
  private:
   int degree(const TraceDesc& desc) const { return std::min(desc.sh_degree, layer_->sh_degree()); }
   TraceRay<float> ray_of(const RayBatch& rays, size_t i) const {
-    return {rays.origins[i],
-            rays.directions[i],
-            rays.near.empty() ? 0.f : rays.near[i],
-            rays.far.empty() ? std::numeric_limits<float>::infinity() : rays.far[i],
-            rays.spread.empty() || build_.max_footprint <= 0.f ? 0.f : rays.spread[i],
-            build_.max_footprint};
+    return {rays.origins[i], rays.directions[i], rays.near.empty() ? 0.f : rays.near[i],
+            rays.far.empty() ? std::numeric_limits<float>::infinity() : rays.far[i]};
   }
   Vec3f facing_normal(size_t place, const Vec3f& direction) const {
     const Vec3f n = tree_.shape(place).normal;
@@ -48,7 +44,6 @@ class EmbreeTracer final : public Tracer {
   void bucket_gradients(const Reverse& pass, size_t bucket, size_t first_place, const RecordBuckets& buckets) const;
 
   const SplatLayer* layer_ = nullptr;
-  TraceBuildDesc build_;
   SurfelTree tree_;
 };
 
@@ -127,7 +122,6 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       transmittance *= 1.f - hits[h].alpha;
     }
     Vec3f grad_origin{}, grad_direction{};
-    float grad_spread = 0.f;
     F4 basis_weight[kMaxFours] = {};
     const size_t coefficients = pass.ray_gradients && sh_degree > 0 ? fours(sh_degree) : 0;
     float behind = transmittance * upstream.transmittance;
@@ -142,7 +136,7 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       again.t = hit.t;
       again.alpha = hit.alpha;
       again.free = hit.alpha < static_cast<float>(kMaxAlpha);
-      ray.spread > 0.f ? place_hit<true, float>(s, ray, again) : place_hit<false, float>(s, ray, again);
+      place_hit<float>(s, ray, again);
       const HitGrad<float> g = ray_splat_vjp<float>(s, ray, again, b.alpha, b.t, flipped ? -b.normal : b.normal);
       HitRecord& record = buckets.at(cursors[buckets.bucket_of(place)]++);
       const uint32_t positive = (hit.color.x > 0.f) | (hit.color.y > 0.f) << 1 | (hit.color.z > 0.f) << 2;
@@ -154,7 +148,6 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
       if (!pass.ray_gradients) continue;
       grad_origin += g.origin;
       grad_direction += g.direction;
-      grad_spread += g.spread;
       for (size_t c = 0; c < 3; ++c) {
         if (!(hit.color[c] > 0.f)) continue;
         const F4* sh = tree_.colors().of(place, c);
@@ -169,7 +162,6 @@ void EmbreeTracer::chunk_records(const Reverse& pass, size_t chunk, size_t first
     }
     pass.ray_gradients->origins[i] = grad_origin;
     pass.ray_gradients->directions[i] = grad_direction;
-    if (!pass.rays.spread.empty()) pass.ray_gradients->spread[i] = grad_spread;
   }
 }
 
@@ -253,7 +245,6 @@ void EmbreeTracer::backward(const RayBatch& rays, const TraceDesc& desc, const H
   if (ray_gradients) {
     ray_gradients->origins.resize(rays.size());
     ray_gradients->directions.resize(rays.size());
-    ray_gradients->spread.resize(rays.spread.size());
   }
   if (statistics)
     for (auto* v : {&statistics->screen_gradient, &statistics->weight, &statistics->error}) v->resize(layer_->size(), 0.f);

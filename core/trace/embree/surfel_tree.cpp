@@ -38,7 +38,6 @@ struct SurfelTree::Gathering : RTCIntersectContext {
   uint32_t waiting_count = 0;
   uint32_t waiting[kLanes];
 
-  template <bool kFootprint>
   void evaluate() {
     if (waiting_count == 0) return;
     const float* records[kLanes];
@@ -49,13 +48,9 @@ struct SurfelTree::Gathering : RTCIntersectContext {
     load_columns(records, 8, c + 8);
     const RaySurfel<V8> s{{c[0], c[1], c[2]},  c[3],  {c[4], c[5], c[6]},    c[7],
                           {c[8], c[9], c[10]}, c[11], {c[12], c[13], c[14]}, c[15]};
-    const TraceRay<V8> r{{ray.origin.x, ray.origin.y, ray.origin.z},
-                         {ray.direction.x, ray.direction.y, ray.direction.z},
-                         ray.near,
-                         ray.far,
-                         ray.spread,
-                         ray.max_footprint};
-    const RayHit<V8> hit = ray_splat<kFootprint>(s, r);
+    const TraceRay<V8> r{
+        {ray.origin.x, ray.origin.y, ray.origin.z}, {ray.direction.x, ray.direction.y, ray.direction.z}, ray.near, ray.far};
+    const RayHit<V8> hit = ray_splat(s, r);
     alignas(32) float t[kLanes], alpha[kLanes];
     _mm256_store_ps(t, hit.t.v);
     _mm256_store_ps(alpha, hit.alpha.v);
@@ -96,10 +91,8 @@ struct SurfelTree::Gathering : RTCIntersectContext {
 void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   const auto& tree = *static_cast<const SurfelTree*>(args->geometryUserPtr);
   const PackedSurfel& s = tree.surfels_[args->primID];
-  // axis / |axis|^2 is s_u r0: the half axes of the ellipse rho = cut, widened by the largest footprint (which also lowers the
-  // opacity; the bound is that of the full one).
-  const float wide = tree.max_footprint_ * tree.max_footprint_;
-  const float cu = s.cut * (s.var_u + wide) * s.var_u, cv = s.cut * (s.var_v + wide) * s.var_v;
+  // axis / |axis|^2 is s_u r0: the half axes of the ellipse rho = cut.
+  const float cu = s.cut * s.var_u * s.var_u, cv = s.cut * s.var_v * s.var_v;
   RTCBounds& b = *args->bounds_o;
   if (!(s.cut > 0.f)) {  // too transparent to show: an empty box is left out of the tree
     b.lower_x = b.lower_y = b.lower_z = std::numeric_limits<float>::infinity();
@@ -110,7 +103,7 @@ void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   for (size_t c = 0; c < 3; ++c) {
     const float u = s.axis_u[c], v = s.axis_v[c];
     const float half = std::sqrt(cu * u * u + cv * v * v);
-    const float pad = kPad * (std::abs(s.mean[c]) + std::sqrt(s.cut * (std::max(s.var_u, s.var_v) + wide)));
+    const float pad = kPad * (std::abs(s.mean[c]) + std::sqrt(s.cut * std::max(s.var_u, s.var_v)));
     low[c] = s.mean[c] - half - pad;
     high[c] = s.mean[c] + half + pad;
   }
@@ -118,19 +111,17 @@ void SurfelTree::bounds(const RTCBoundsFunctionArguments* args) {
   b.upper_x = high[0], b.upper_y = high[1], b.upper_z = high[2];
 }
 
-template <bool kFootprint>
 void SurfelTree::intersect(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   auto& g = *static_cast<Gathering*>(args->context);
   __builtin_prefetch(&g.tree->surfels_[args->primID]);
   g.waiting[g.waiting_count++] = args->primID;
   if (g.waiting_count < kLanes) return;
-  g.evaluate<kFootprint>();
+  g.evaluate();
   RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, 1), 1, 0) = g.ray.far;
 }
 
-void SurfelTree::build(const SplatLayer& layer, const TraceBuildDesc& desc) {
-  max_footprint_ = std::max(0.f, desc.max_footprint);
+void SurfelTree::build(const SplatLayer& layer) {
   order_.build(layer);
   surfels_.resize(layer.size());
   parallel_chunks(layer.size(), kPackChunk, [&](size_t, size_t begin, size_t end) {
@@ -147,7 +138,7 @@ void SurfelTree::build(const SplatLayer& layer, const TraceBuildDesc& desc) {
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(surfels_.size()));
   rtcSetGeometryUserData(geometry, this);
   rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, max_footprint_ > 0.f ? intersect<true> : intersect<false>);
+  rtcSetGeometryIntersectFunction(geometry, intersect);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -164,7 +155,7 @@ void SurfelTree::gather(const TraceRay<float>& ray, float min_transmittance, std
   g.hits = &out;
   RTCRayHit r = ray_hit(ray.origin, ray.direction, std::max(0.f, ray.near), ray.far);
   rtcIntersect1(scene_.get(), &g, &r);
-  max_footprint_ > 0.f ? g.evaluate<true>() : g.evaluate<false>();
+  g.evaluate();
 }
 
 }  // namespace vitrine::embree

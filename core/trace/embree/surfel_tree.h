@@ -29,7 +29,7 @@ struct FoundHit {
 
 class SurfelTree {
  public:
-  void build(const SplatLayer& layer, const TraceBuildDesc& desc);
+  void build(const SplatLayer& layer);
   // All hits of the ray that can be blended: sorted by (t, surfel), ending where the transmittance has fallen below
   // min_transmittance. `out` is reused.
   void gather(const TraceRay<float>& ray, float min_transmittance, std::vector<FoundHit>& out) const;
@@ -43,13 +43,11 @@ class SurfelTree {
  private:
   struct Gathering;
   static void bounds(const RTCBoundsFunctionArguments* args);
-  template <bool kFootprint>
   static void intersect(const RTCIntersectFunctionNArguments* args);
 
   SpaceOrder order_;
   HugeArray<PackedSurfel> surfels_;
   PackedColors colors_;
-  float max_footprint_ = 0.f;
   Scene scene_;
 };
 

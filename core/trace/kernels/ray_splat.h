@@ -1,10 +1,7 @@
-// One surfel and one ray: where they meet, how much the surfel hides there, and the reverse (README 1, 2, 5).
+// One surfel and one ray: where they meet, how much the surfel hides there, and the reverse (README 1, 2).
 //
 //   t = n.(mean - o)/(n.d)   x = o + t d - mean   u = r0.x/s_u   v = r1.x/s_v
-//   f = min(spread t, max_footprint)   q_u = s_u^2/(s_u^2 + f^2)   q_v alike       (f = 0: both 1)
-//   alpha = min(0.99, opacity sqrt(q_u q_v) exp(-(q_u u^2 + q_v v^2)/2)), dropped below 1/255
-//
-// The footprint f convolves the surfel with the cross-section of the ray's cone and keeps the amount of light that it blocks.
+//   alpha = min(0.99, opacity exp(-(u^2 + v^2)/2)), dropped below 1/255
 #pragma once
 
 #include "core/math/rigid.h"
@@ -22,7 +19,7 @@ struct RaySurfel {  // 16 scalars: one cache line in float
   Vec3<T> mean;
   T opacity;
   Vec3<T> normal;
-  T cut;           // largest rho that counts when there is no footprint: 2 ln(255 opacity)
+  T cut;           // largest rho = u^2 + v^2 that counts: 2 ln(255 opacity)
   Vec3<T> axis_u;  // r0 / s_u
   T var_u;         // s_u^2
   Vec3<T> axis_v;
@@ -33,13 +30,11 @@ template <class T>
 struct TraceRay {
   Vec3<T> origin, direction;
   T near, far;
-  T spread, max_footprint;
 };
 
 template <class T, class Mask = decltype(T() < T())>
 struct RayHit {
   T t{}, u{}, v{};
-  T footprint{}, q_u{}, q_v{};
   T alpha{};
   Mask free{};    // below the clamp: gradients flow
   Mask counts{};  // they meet between near and far, and the surfel hides at least 1/255
@@ -54,44 +49,28 @@ RaySurfel<T> ray_surfel(const SurfelGeometry<T>& raw, const T& opacity) {
   return {raw.mean, opacity, frame.c2, T(2) * log(opacity / T(kMinAlpha)), frame.c0 / su, su * su, frame.c1 / sv, sv * sv};
 }
 
-// Fills in what follows from hit.t, but alpha. Forward and backward both come through here.
-template <bool kFootprint, class T>
+// u and v from hit.t, for forward and backward.
+template <class T>
 VITRINE_INLINE void place_hit(const RaySurfel<T>& s, const TraceRay<T>& ray, RayHit<T>& hit) {
   const Vec3<T> x = (ray.origin - s.mean) + hit.t * ray.direction;
   hit.u = dot(s.axis_u, x);
   hit.v = dot(s.axis_v, x);
-  hit.footprint = T(0);
-  hit.q_u = hit.q_v = T(1);
-  if constexpr (kFootprint) {
-    const T wide = ray.spread * hit.t;
-    hit.footprint = select(wide < ray.max_footprint, wide, ray.max_footprint);
-    const T ff = hit.footprint * hit.footprint;
-    hit.q_u = s.var_u / (s.var_u + ff);
-    hit.q_v = s.var_v / (s.var_v + ff);
-  }
 }
 
-// Without kFootprint the ray's spread counts as zero. alpha is 0 where the hit does not count.
-template <bool kFootprint, class T>
+// alpha is 0 where the hit does not count.
+template <class T>
 VITRINE_INLINE RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray) {
-  using std::sqrt;
   RayHit<T> hit;
   const T nd = dot(s.normal, ray.direction);
   hit.t = dot(s.normal, s.mean - ray.origin) / nd;
-  place_hit<kFootprint>(s, ray, hit);
-  const T rho = hit.q_u * (hit.u * hit.u) + hit.q_v * (hit.v * hit.v);
-  T peak = s.opacity * gaussian(rho);
-  if constexpr (kFootprint) peak = peak * sqrt(hit.q_u * hit.q_v);
+  place_hit(s, ray, hit);
+  const T rho = hit.u * hit.u + hit.v * hit.v;
+  const T peak = s.opacity * gaussian(rho);
   hit.counts =
       (nd * nd >= T(kGrazing * kGrazing)) & (hit.t > ray.near) & (hit.t <= ray.far) & (rho <= s.cut) & (peak >= T(kMinAlpha));
   hit.free = peak < T(kMaxAlpha);
   hit.alpha = select(hit.counts, select(hit.free, peak, T(kMaxAlpha)), T(0));
   return hit;
-}
-// The same for one surfel and one ray, whether it has a spread or not.
-template <class T>
-RayHit<T> ray_splat(const RaySurfel<T>& s, const TraceRay<T>& ray) {
-  return ray.spread > T(0) ? ray_splat<true>(s, ray) : ray_splat<false>(s, ray);
 }
 
 // Sums over the hits of one surfel, from which ray_surfel_vjp makes the gradients of its raw values.
@@ -121,7 +100,6 @@ template <class T>
 struct HitGrad {
   HitMoments<T> moments;
   Vec3<T> origin, direction;
-  T spread;
 };
 
 // `grad_normal` is that of the normal as stored (not flipped to face the ray).
@@ -131,21 +109,13 @@ VITRINE_INLINE HitGrad<T> ray_splat_vjp(const RaySurfel<T>& s, const TraceRay<T>
   HitGrad<T> g;
   HitMoments<T>& m = g.moments;
   const T log_alpha = hit.free ? grad_alpha * hit.alpha : T(0);
-  const T qu_u = hit.q_u * hit.u, qv_v = hit.q_v * hit.v;
-  m.u = -log_alpha * qu_u;
-  m.v = -log_alpha * qv_v;
+  m.u = -log_alpha * hit.u;
+  m.v = -log_alpha * hit.v;
   m.log_opacity = log_alpha;
-  m.log_su = log_alpha * ((T(1) - hit.q_u) + qu_u * qu_u);
-  m.log_sv = log_alpha * ((T(1) - hit.q_v) + qv_v * qv_v);
+  m.log_su = log_alpha * (hit.u * hit.u);
+  m.log_sv = log_alpha * (hit.v * hit.v);
   const Vec3<T> grad_x = m.u * s.axis_u + m.v * s.axis_v;
-  T along = dot(grad_x, ray.direction) + grad_t;
-  g.spread = T(0);
-  if (hit.footprint > T(0) && hit.footprint < ray.max_footprint) {
-    const T grad_footprint =
-        -log_alpha * hit.footprint * (hit.q_u / s.var_u * (T(1) - qu_u * hit.u) + hit.q_v / s.var_v * (T(1) - qv_v * hit.v));
-    along += grad_footprint * ray.spread;
-    g.spread = grad_footprint * hit.t;
-  }
+  const T along = dot(grad_x, ray.direction) + grad_t;
   m.plane = along / dot(s.normal, ray.direction);
   m.u_v = m.u * hit.v;
   m.v_u = m.v * hit.u;

@@ -79,7 +79,6 @@ struct TraceSums {  // over rays
 template <class T>
 struct RayGrad {
   Vec3<T> origin{}, direction{};
-  T spread{};
 };
 
 // `hits` and `values` are those of trace_ray. Adds to `sums`.
@@ -101,7 +100,6 @@ RayGrad<T> trace_ray_vjp(const std::vector<TraceSurfel<T>>& surfels, const Trace
     sum.moments += g.moments;
     out.origin += g.origin;
     out.direction += g.direction;
-    out.spread += g.spread;
     ray_color_vjp(desc.sh_degree, basis, s.sh.data(), h.color, b.color, sum.sh.data(), basis_weight);
     sum.screen -= T(0.5) * h.hit.t * g.origin;  // a hit moves with the surfel as it moves against the ray
     const T w = h.transmittance * h.hit.alpha;

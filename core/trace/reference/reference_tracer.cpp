@@ -1,4 +1,5 @@
-#include "core/trace/reference/reference_tracer.h"
+// Tracer "reference": double, O(rays x surfels), one thread. For tests, benchmarks' checks and for bisecting a wrong picture.
+#include "core/trace/tracer.h"
 
 #include <numeric>
 
@@ -13,9 +14,8 @@ using namespace reference;
 
 class ReferenceTracer final : public Tracer {
  public:
-  void build(const SplatLayer& layer, const TraceBuildDesc& desc) override {
+  void build(const SplatLayer& layer) override {
     layer_ = &layer;
-    build_ = desc;
     values_.assign(layer.size(), {});
     surfels_.clear();
     for (size_t i = 0; i < layer.size(); ++i) {
@@ -59,7 +59,6 @@ class ReferenceTracer final : public Tracer {
     if (ray_gradients) {
       ray_gradients->origins.assign(rays.size(), {});
       ray_gradients->directions.assign(rays.size(), {});
-      ray_gradients->spread.assign(rays.spread.size(), 0.f);
     }
     for (size_t i = 0; i < rays.size(); ++i) {
       const RayValues& upstream = *input.gradients;
@@ -76,7 +75,6 @@ class ReferenceTracer final : public Tracer {
       if (!ray_gradients) continue;
       ray_gradients->origins[i] = cast<float>(r.origin);
       ray_gradients->directions[i] = cast<float>(r.direction);
-      if (!rays.spread.empty()) ray_gradients->spread[i] = static_cast<float>(r.spread);
     }
     if (statistics)
       for (auto* v : {&statistics->screen_gradient, &statistics->weight, &statistics->error}) v->resize(surfels_.size(), 0.f);
@@ -98,12 +96,9 @@ class ReferenceTracer final : public Tracer {
 
  private:
   TraceRay<double> ray_of(const RayBatch& rays, size_t i) const {
-    return {cast<double>(rays.origins[i]),
-            cast<double>(rays.directions[i]),
+    return {cast<double>(rays.origins[i]), cast<double>(rays.directions[i]),
             rays.near.empty() ? 0.0 : static_cast<double>(rays.near[i]),
-            rays.far.empty() ? std::numeric_limits<double>::infinity() : static_cast<double>(rays.far[i]),
-            rays.spread.empty() || build_.max_footprint <= 0.f ? 0.0 : static_cast<double>(rays.spread[i]),
-            static_cast<double>(build_.max_footprint)};
+            rays.far.empty() ? std::numeric_limits<double>::infinity() : static_cast<double>(rays.far[i])};
   }
   MarchDesc<double> march_desc(const TraceDesc& desc) const {
     return {std::min(desc.sh_degree, layer_->sh_degree()), static_cast<double>(desc.min_transmittance),
@@ -111,7 +106,6 @@ class ReferenceTracer final : public Tracer {
   }
 
   const SplatLayer* layer_ = nullptr;
-  TraceBuildDesc build_;
   std::vector<SurfelValues<double>> values_;
   std::vector<TraceSurfel<double>> surfels_;
 };

@@ -11,7 +11,6 @@ inline ImageOptions exact_options() {
   o.diffuse.backend = Backend::Reference;
   o.surface.normal_quantile = 1;
   o.composite.gate = 0;
-  o.reflection.max_footprint = 1;
   return o;
 }
 

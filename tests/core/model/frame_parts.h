@@ -39,7 +39,7 @@ class Bytes {
   void add(const SecondaryRays& r) {  // but for picture_weight, and what the reverse leaves
     for (const SecondaryRay& ray : r.rays) number(ray.group), number(ray.share), number(ray.lobe);
     for (const auto* values : {&r.origins, &r.directions, &r.radiance}) add(*values);
-    for (const auto* values : {&r.near, &r.spread, &r.mean_distance, &r.alpha, &r.weight, &r.inner_transmittance}) add(*values);
+    for (const auto* values : {&r.near, &r.mean_distance, &r.alpha, &r.weight, &r.inner_transmittance}) add(*values);
     add(r.begin), add(r.values);
   }
   void add(const SplatLayer& layer) {

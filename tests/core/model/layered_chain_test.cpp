@@ -60,7 +60,7 @@ PixelGrad specified(const LayeredRoom& room, const ImageOptions& options, const 
   for (uint32_t i = frame.reflection.begin[group]; i < frame.reflection.begin[group + 1]; ++i) {
     const SecondaryRay& sent = frame.reflection.rays[i];
     Vec3<N> direction = reflected(ray.view, p.normal);
-    N weight(1), spread(0);
+    N weight(1);
     if (options.reflection.lobe == Lobe::Sampled) {
       Vec3<double> n{p.normal.x.v, p.normal.y.v, p.normal.z.v};
       const Vec3<double> half = normalized(cast<double>(sent.lobe.half));
@@ -68,15 +68,12 @@ PixelGrad specified(const LayeredRoom& room, const ImageOptions& options, const 
       const auto lobe = glossy_ray(ray.view, p.normal, carried(constant(half), constant(n), p.normal), p.roughness, N(density));
       direction = lobe.direction;
       weight = lobe.weight;
-    } else if (options.reflection.lobe == Lobe::Cone) {
-      spread = N(double(lobe_spread(1))) * p.roughness * p.roughness;
     }
-    const TraceRay<N> traced{p.position, direction, N(double(options.reflection.near)),
-                             N(1e30),    spread,    N(double(options.reflection.max_footprint))};
+    const TraceRay<N> traced{p.position, direction, N(double(options.reflection.near)), N(1e30)};
     reflected_radiance += (N(double(sent.share)) * weight) * reference::trace_ray(mirror_layer, traced, march, hits).color;
   }
   const Vec3<N> fixed{N(p.position.x.v), N(p.position.y.v), N(p.position.z.v)};
-  const TraceRay<N> straight{fixed, -ray.view, N(double(options.transmission.near)), N(1e30), N(0), N(0)};
+  const TraceRay<N> straight{fixed, -ray.view, N(double(options.transmission.near)), N(1e30)};
   transmitted = reference::trace_ray(glass_layer, straight, march, hits).color;
 
   const auto w =
@@ -93,7 +90,6 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
   options.diffuse.backend = Backend::Reference;
   options.surface.normal_quantile = 1;
   options.composite.gate = 0;
-  options.reflection.max_footprint = 1;
   std::tie(options.composite.blend, options.reflection.lobe) = GetParam();
   options.reflection.samples = options.reflection.lobe == Lobe::Sampled ? 3 : 1;
   const LayeredRoom room = furnished_room({}, 3);
@@ -158,7 +154,7 @@ TEST_P(LayeredChain, ChannelGradientsAreThoseOfTheSpecification) {
 
 INSTANTIATE_TEST_SUITE_P(All, LayeredChain,
                          testing::Combine(testing::Values(LayerBlend::RtrGs, LayerBlend::Layered),
-                                          testing::Values(Lobe::Mirror, Lobe::Sampled, Lobe::Cone)));
+                                          testing::Values(Lobe::Mirror, Lobe::Sampled)));
 
 }  // namespace
 }  // namespace vitrine

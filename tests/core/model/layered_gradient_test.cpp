@@ -49,8 +49,7 @@ TEST_P(WholeChain, MatchesFiniteDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(All, WholeChain,
                          testing::Values(std::tuple{LayerBlend::RtrGs, Lobe::Mirror},
-                                         std::tuple{LayerBlend::Layered, Lobe::Mirror},
-                                         std::tuple{LayerBlend::Layered, Lobe::Cone}));
+                                         std::tuple{LayerBlend::Layered, Lobe::Mirror}));
 
 TEST(LayeredModel, DepthAndNormalGradientsCanBeCut) {
   const LayeredRoom r = furnished_room({}, 5);

@@ -66,7 +66,7 @@ Compared compared_with_rays(const Showcase& s, const Frame& frame, const Facet& 
       std::copy_n(room.at(a, i), room.width(a), side.at(a, side.size() - 1));
   }
   const auto tracer = make_tracer(TracerBackend::Reference);
-  tracer->build(side, {});
+  tracer->build(side);
   std::vector<Vec3f> origins, directions;
   std::vector<size_t> of;
   for (size_t i = 0; i < pixels; ++i) {
@@ -81,7 +81,7 @@ Compared compared_with_rays(const Showcase& s, const Frame& frame, const Facet& 
   }
   const std::vector<float> start(of.size(), 1e-3f);
   RayValues values;
-  tracer->forward({.origins = origins, .directions = directions, .near = start, .far = {}, .spread = {}},
+  tracer->forward({.origins = origins, .directions = directions, .near = start, .far = {}},
                   {.sh_degree = 1, .min_transmittance = 1e-4f}, values, nullptr);
   Compared out{.pixels = of.size()};
   for (size_t k = 0; k < of.size(); ++k) {

@@ -189,7 +189,7 @@ TEST(Shells, MirrorWhatRaysWouldMeet) {
   const auto tracer = make_tracer(TracerBackend::Reference);
   OpenedScene opened;
   without_glass(t.scene, {1, 1}, opened);
-  tracer->build(opened.surfels, {});
+  tracer->build(opened.surfels);
   size_t near = 0, far = 0, differ = 0;
   for (size_t i = 0; i < pixels; ++i) {
     const Vec3d d = t.ray(i);
@@ -201,7 +201,7 @@ TEST(Shells, MirrorWhatRaysWouldMeet) {
       const std::vector<Vec3f> origin{cast<float>(at)}, direction{cast<float>(d - 2 * dot(d, n) * n)};
       const std::vector<float> start{0.01f};
       RayValues values;
-      tracer->forward({.origins = origin, .directions = direction, .near = start, .far = {}, .spread = {}},
+      tracer->forward({.origins = origin, .directions = direction, .near = start, .far = {}},
                       {.sh_degree = 1, .min_transmittance = 0.02f}, values, nullptr);
       const auto& color = of_far ? f.panes.far_color : f.panes.near_color;
       float error = std::abs((of_far ? f.panes.far_open : f.panes.near_open)[i] - values.transmittance[0]);

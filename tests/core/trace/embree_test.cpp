@@ -47,7 +47,6 @@ TEST(EmbreeTracer, AgreesWithTheReferenceOnEveryScene) {
     }
     grad(flat(a.rays.origins), flat(e.rays.origins), 3, "origins");
     grad(flat(a.rays.directions), flat(e.rays.directions), 3, "directions");
-    if (!scene.spread.empty()) grad(a.rays.spread, e.rays.spread, 1, "spread");
     grad(a.statistics.weight, e.statistics.weight, 1, "weight");
     grad(a.statistics.error, e.statistics.error, 1, "error");
     grad(a.statistics.screen_gradient, e.statistics.screen_gradient, 1, "screen gradient");

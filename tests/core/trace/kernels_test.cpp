@@ -16,7 +16,7 @@ using namespace reference;
 
 constexpr GradTolerance kExact{.relative_l2 = 1e-10, .bias = 1e-10};  // worst seen: printed by each test
 
-// Everything that a loss can depend on, as one list of numbers: raw values of surfels, then of rays (origin, direction, spread).
+// Everything that a loss can depend on, as one list of numbers: raw values of surfels, then of rays (origin, direction).
 struct Variables {
   std::vector<SurfelValues<double>> surfels;
   std::vector<TraceRay<double>> rays;
@@ -29,8 +29,7 @@ Variables variables_of(const RayScene& scene) {
     visit_values(scene.layer, v.surfels[i], [&](double& x, Attribute a, size_t c) { x = double(scene.layer.at(a, i)[c]); });
   for (size_t i = 0; i < scene.origins.size(); ++i)
     v.rays.push_back({cast<double>(scene.origins[i]), cast<double>(scene.directions[i]), scene.near.empty() ? 0 : scene.near[i],
-                      scene.far.empty() ? 1e30 : scene.far[i], scene.spread.empty() ? 0 : scene.spread[i],
-                      scene.build.max_footprint});
+                      scene.far.empty() ? 1e30 : scene.far[i]});
   return v;
 }
 
@@ -56,7 +55,7 @@ T loss_of_ray(const RayScene& scene, const std::vector<TraceSurfel<T>>& surfels,
 
 template <class T>
 TraceRay<T> ray_as(const TraceRay<double>& r) {
-  return {cast<T>(r.origin), cast<T>(r.direction), T(r.near), T(r.far), T(r.spread), T(r.max_footprint)};
+  return {cast<T>(r.origin), cast<T>(r.direction), T(r.near), T(r.far)};
 }
 
 struct Gradients {
@@ -126,8 +125,8 @@ TEST(TracerBackward, MatchesDualNumbersForEveryRawValueOfSurfels) {
   std::cout << "surfels against dual numbers: worst relative L2 " << worst << " over " << compared << "\n";
 }
 
-TEST(TracerBackward, MatchesDualNumbersForOriginDirectionAndSpread) {
-  using D = Dual<double, 7>;
+TEST(TracerBackward, MatchesDualNumbersForOriginAndDirection) {
+  using D = Dual<double, 6>;
   double worst = 0;
   for (const RayScene& scene : ray_scenes()) {
     SCOPED_TRACE(scene.name);
@@ -151,11 +150,10 @@ TEST(TracerBackward, MatchesDualNumbersForOriginDirectionAndSpread) {
         ray.origin[c] = D::variable(at.rays[i].origin[c], c);
         ray.direction[c] = D::variable(at.rays[i].direction[c], 3 + c);
       }
-      ray.spread = D::variable(at.rays[i].spread, 6);
       const D loss = loss_of_ray(scene, surfels, ray, grad, i);
       expected.insert(expected.end(), loss.d.begin(), loss.d.end());
       const RayGrad<double>& g = gradients.rays[i];
-      actual.insert(actual.end(), {g.origin.x, g.origin.y, g.origin.z, g.direction.x, g.direction.y, g.direction.z, g.spread});
+      actual.insert(actual.end(), {g.origin.x, g.origin.y, g.origin.z, g.direction.x, g.direction.y, g.direction.z});
     }
     worst = std::max(worst, expect_grad_close(actual, expected, kExact, scene.name).relative_l2);
   }
@@ -200,34 +198,13 @@ TEST(RaySplat, MeetsThePlaneWhereTheSurfelIs) {
   const RaySurfel<double> s = ray_surfel(raw, 0.8);
   const Mat3d frame = rotation_matrix(normalized(raw.rotation));
   const Vec3d target = raw.mean + 0.3 * 1.2 * frame.c0 - 0.2 * 0.4 * frame.c1, origin{0.3, 0.5, -1};
-  const TraceRay<double> ray{origin, normalized(target - origin), 0, 10, 0, 0};
+  const TraceRay<double> ray{origin, normalized(target - origin), 0, 10};
   const RayHit<double> hit = ray_splat(s, ray);
   ASSERT_TRUE(hit.counts);
   EXPECT_NEAR(hit.t, length(target - origin), 1e-12);
   EXPECT_NEAR(hit.u, 1.2, 1e-12);
   EXPECT_NEAR(hit.v, -0.4, 1e-12);
   EXPECT_NEAR(hit.alpha, 0.8 * std::exp(-0.5 * (1.2 * 1.2 + 0.4 * 0.4)), 1e-12);
-}
-
-// The footprint spreads what a surfel hides, it does not change how much that is: the integral of alpha over the plane stays.
-TEST(RaySplat, FootprintKeepsTheLightThatASurfelBlocks) {
-  const SurfelGeometry<double> raw{{0, 0, 1}, {1, 0, 0, 0}, std::log(0.05), std::log(0.1)};
-  const RaySurfel<double> s = ray_surfel(raw, 0.9);
-  const auto blocked = [&](double spread) {
-    double sum = 0;
-    const double step = 0.01;
-    for (double x = -2; x < 2; x += step)
-      for (double y = -2; y < 2; y += step) {
-        const TraceRay<double> ray{{x, y, 0}, {0, 0, 1}, 0, 10, spread, 1};
-        sum += ray_splat(s, ray).alpha * step * step;
-      }
-    return sum;
-  };
-  // The cut at 1/255 takes a share that grows as the peak falls.
-  const double exact = 0.9 * 2 * 3.14159265358979 * 0.05 * 0.1;
-  EXPECT_NEAR(blocked(0), exact, 0.005 * exact);
-  EXPECT_NEAR(blocked(0.1), exact, 0.02 * exact);
-  EXPECT_NEAR(blocked(0.2), exact, 0.05 * exact);
 }
 
 }  // namespace

@@ -14,11 +14,10 @@ struct RayScene {
   std::string name;
   SplatLayer layer{LayerKind::Reflection, 3, 0};
   std::vector<Vec3f> origins, directions;
-  std::vector<float> near, far, spread;
+  std::vector<float> near, far;
   TraceDesc desc;
-  TraceBuildDesc build;
 
-  RayBatch rays() const { return {origins, directions, near, far, spread}; }
+  RayBatch rays() const { return {origins, directions, near, far}; }
   void add_ray(const Vec3d& origin, const Vec3d& direction) {
     origins.push_back(cast<float>(origin));
     directions.push_back(cast<float>(normalized(direction)));
@@ -109,9 +108,6 @@ inline std::vector<RayScene> ray_scenes() {
   all.push_back(ray_cloud("cloud", 80, 60, 0.25, 0.9, 9));
   all.push_back(ray_cloud("sh_degree_one", 40, 40, 0.3, 0.7, 10));
   all.back().desc.sh_degree = 1;
-  all.push_back(ray_cloud("cone", 80, 60, 0.1, 0.9, 11));
-  all.back().build.max_footprint = 0.1f;  // reached by the rays with the largest spread
-  for (size_t i = 0; i < all.back().origins.size(); ++i) all.back().spread.push_back(0.005f * float(i % 30));
   return all;
 }
 
@@ -140,7 +136,7 @@ struct TracePass {
 
 inline TracePass run(Tracer& tracer, const RayScene& scene) {
   TracePass p;
-  tracer.build(scene.layer, scene.build);
+  tracer.build(scene.layer);
   tracer.forward(scene.rays(), scene.desc, p.values, &p.hits);
   const RayValues g = random_gradients(scene.origins.size(), 3);
   std::vector<float> error(scene.origins.size());

@@ -138,14 +138,14 @@ TEST(ImageOptionsFile, KeepsWhatAPictureDependsOn) {
   const fs::path path = folder.path() / "model.json";
   ImageOptions o;
   o.composite.blend = LayerBlend::RtrGs;
-  o.reflection.lobe = Lobe::Cone;
+  o.reflection.lobe = Lobe::Sampled;
   o.reflection.near = 0.0237f;
   o.transmission.near = 0.05f;
   o.diffuse.near_z = 0.07f;
   write_image_options(path, o);
   const ImageOptions back = read_image_options(path);
   EXPECT_EQ(back.composite.blend, LayerBlend::RtrGs);
-  EXPECT_EQ(back.reflection.lobe, Lobe::Cone);
+  EXPECT_EQ(back.reflection.lobe, Lobe::Sampled);
   EXPECT_EQ(back.reflection.near, 0.0237f);
   EXPECT_EQ(back.transmission.near, 0.05f);
   EXPECT_EQ(back.diffuse.near_z, 0.07f);
