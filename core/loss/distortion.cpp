@@ -10,7 +10,6 @@ namespace {
 class DistortionLoss final : public Loss {
  public:
   std::string_view name() const override { return "distortion"; }
-  void describe_options(Describer&) override {}
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     const auto plane = input.raster->plane(Aov::Distortion);

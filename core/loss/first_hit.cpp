@@ -15,21 +15,18 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kChunk = 4096;
-constexpr float kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
+constexpr float kSceneRadius = 1;             // the sfm stage scales the ring of cameras to it
+constexpr float kTransmissionMargin = 0.01f;  // delta: transmitted light starts this far behind the front surface, scene radii
+constexpr float kReflectionMargin = 0.02f;    // delta: reflected things are this far off the reflector, scene radii
+constexpr float kSpread = 0.1f;               // eta: weight of the first hit's distance to the mean hit
 
 class FirstHitLoss final : public Loss {
  public:
   std::string_view name() const override { return "first_hit"; }
-  void describe_options(Describer& d) override {
-    d.option("margin", margin_, "Transmitted light starts this far behind the front surface, in scene radii.").range(0, 1);
-    d.option("reflection_margin", reflection_margin_, "Reflected things are this far off the reflector, in scene radii.")
-        .range(0, 1);
-    d.option("spread", spread_, "Weight of the first hit's distance to the mean hit.").range(0, 10);
-  }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
-    return of_layer(input.transmission, margin_, scale, gradient.transmission_first_hit) +
-           of_layer(input.reflection, reflection_margin_, scale, gradient.reflection_first_hit);
+    return of_layer(input.transmission, kTransmissionMargin, scale, gradient.transmission_first_hit) +
+           of_layer(input.reflection, kReflectionMargin, scale, gradient.reflection_first_hit);
   }
 
  private:
@@ -50,8 +47,8 @@ class FirstHitLoss final : public Loss {
         if (t <= 0) continue;
         const float v = rays.alpha[i] * (rays.weight.empty() ? 1.f : rays.weight[i]);
         const float before = std::max(0.f, wall + margin * kSceneRadius - t), off = t - rays.mean_distance[i];
-        sums_[chunk] += v * (before + spread_ * std::abs(off));
-        const float slope = (before > 0 ? -1.f : 0.f) + (off == 0 ? 0.f : std::copysign(spread_, off));
+        sums_[chunk] += v * (before + kSpread * std::abs(off));
+        const float slope = (before > 0 ? -1.f : 0.f) + (off == 0 ? 0.f : std::copysign(kSpread, off));
         if (!grad.empty()) grad[i] += step * v * slope;
       }
     });
@@ -60,7 +57,6 @@ class FirstHitLoss final : public Loss {
     return sum / total;
   }
 
-  float margin_ = 0.01f, reflection_margin_ = 0.02f, spread_ = 0.1f;
   std::vector<double> sums_;
 };
 

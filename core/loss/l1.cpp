@@ -12,7 +12,6 @@ namespace {
 class L1Loss final : public Loss {
  public:
   std::string_view name() const override { return "l1"; }
-  void describe_options(Describer&) override {}
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     const size_t pixels = input.prediction_srgb.size() / 3;

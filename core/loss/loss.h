@@ -1,8 +1,9 @@
-// A loss is a value and a reverse on the frame of one view. Losses are listed in registry.cpp; the registry gives each its
-// YAML block (weight + schedule + its own options), its log column and its gradient tests.
+// A loss is a value and a reverse on the frame of one view. Losses are listed in registry.cpp; the registry gives each the
+// option of its weight, its schedule, its log column and its gradient tests.
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -61,7 +62,7 @@ class Loss {
   virtual std::string_view name() const = 0;
   // Adds `scale` times the gradient to `gradient` and returns the unscaled value. One evaluation serves both.
   virtual double evaluate(const LossInput& input, double scale, LossGradient& gradient) = 0;
-  virtual void describe_options(Describer& d) = 0;
+  virtual void describe_options(Describer&) {}  // its options other than the weight
 };
 
 struct LossFactory {
@@ -69,8 +70,12 @@ struct LossFactory {
   std::string_view doc;
   float default_weight;
   std::unique_ptr<Loss> (*make)();
-  double default_from = 0, default_ramp = 0, default_final_share = 1;  // see schedule.h
+  double default_from = 0, default_ramp = 0, default_final_share = 1;  // see WeightSchedule
 };
 const std::vector<LossFactory>& loss_registry();
+
+// Perceptual loss (perceptual.cpp). `vgg`: safetensors file of the network; empty = the option decides, off without it.
+// `crop`: side of the square that is compared, pixels. `every`: steps between two evaluations; one counts for all of them.
+std::unique_ptr<Loss> make_perceptual_loss(std::string vgg = {}, int crop = 128, int every = 10);
 
 }  // namespace vitrine

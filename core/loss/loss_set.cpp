@@ -4,13 +4,11 @@
 
 namespace vitrine {
 
-void describe(Describer& d, LossTerm& term) {
-  describe(d, term.schedule);
-  term.loss->describe_options(d);
-}
-
 void describe(Describer& d, LossSet& set) {
-  for (LossTerm& term : set.terms()) d.group(term.factory->name, term, term.factory->doc);
+  for (LossTerm& term : set.terms()) {
+    d.option(term.factory->name, term.schedule.weight, term.factory->doc).range(0, 1e6);
+    term.loss->describe_options(d);
+  }
 }
 
 LossSet::LossSet() {

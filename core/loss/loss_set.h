@@ -1,20 +1,36 @@
-// All losses of the registry with their schedules: the sum that an optimisation descends, and its options.
+// All losses of the registry with their schedules: the objective of a training, and the options of its weights.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "core/loss/loss.h"
-#include "core/loss/schedule.h"
 
 namespace vitrine {
+
+// Weight of a loss over a run: 0 before `from`, a linear ramp, then along half a cosine down to `final_share` of the weight at
+// the end. Times are fractions of the run in [0, 1], so that presets of different length share them.
+struct WeightSchedule {
+  float weight = 0;
+  double from = 0, ramp = 0, final_share = 1;
+
+  float at(double fraction) const {
+    if (weight == 0 || fraction < from) return 0;
+    if (fraction < from + ramp) return weight * static_cast<float>((fraction - from) / ramp);
+    if (final_share == 1 || from + ramp >= 1) return weight;
+    const double done = (fraction - from - ramp) / (1 - from - ramp);
+    return weight * static_cast<float>(final_share + (1 - final_share) * 0.5 * (1 + std::cos(std::numbers::pi * done)));
+  }
+};
 
 struct LossTerm {
   const LossFactory* factory = nullptr;
   std::unique_ptr<Loss> loss;
   WeightSchedule schedule;
 };
-void describe(Describer& d, LossTerm& term);
 
 struct LossValues {
   double total = 0;           // weighted sum

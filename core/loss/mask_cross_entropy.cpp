@@ -30,7 +30,6 @@ class MaskCrossEntropyLoss final : public Loss {
   MaskCrossEntropyLoss(std::string_view name, Aov channel, std::span<const float> LossTargets::*mask)
       : name_(name), channel_(channel), mask_(mask) {}
   std::string_view name() const override { return name_; }
-  void describe_options(Describer&) override {}
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     const auto values = input.raster->plane(channel_);

@@ -1,6 +1,5 @@
 // Normal consistency (Huang et al. 2024, eq. 14; algorithms 1.8):  L = mean_p A_p (1 - N_p . n_d(p)),  n_d from central
-// differences of the depth
-//   z = (1 - r) Z/A + r z_median,   P(x, y) = z d(x, y) in the camera frame.
+// differences of P(x, y) = z d(x, y) in the camera frame, z = Z/A the mean depth.
 // Two passes, both without scatter: per pixel the gradients of the two differences; then every pixel gathers from its four
 // neighbours.
 #include <algorithm>
@@ -13,13 +12,11 @@ namespace vitrine {
 
 namespace {
 
+constexpr float kLeastAlphaOfDepth = 0.3f;  // a fainter pixel has no usable depth
+
 class NormalConsistencyLoss final : public Loss {
  public:
   std::string_view name() const override { return "normal_consistency"; }
-  void describe_options(Describer& d) override {
-    d.option("median_share", median_share_, "Depth = (1 - share) * mean depth + share * median depth.").range(0, 1);
-    d.option("min_alpha", min_alpha_, "Pixels with less alpha have no usable depth.").range(1e-3, 1);
-  }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     const Intrinsics& camera = input.view->intrinsics;
@@ -35,13 +32,13 @@ class NormalConsistencyLoss final : public Loss {
     const auto ray = [&](size_t x, size_t y) { return Vec3f{ray_x_[x], ray_y_[y], 1.f}; };
 
     const auto zdepth = input.raster->plane(Aov::ZDepth), alpha = input.raster->plane(Aov::Alpha);
-    const auto median = input.raster->plane(Aov::MedianZ), normal = input.raster->plane(Aov::Normal);
+    const auto normal = input.raster->plane(Aov::Normal);
     depth_.resize(pixels);
     slope_down_.resize(pixels);
     slope_right_.resize(pixels);
     parallel_for(height, kRowGrain, [&](size_t y) {
       for (size_t i = y * width; i < (y + 1) * width; ++i)  // 0 marks a pixel without depth
-        depth_[i] = alpha[i] < min_alpha_ ? 0.f : (1 - median_share_) * zdepth[i] / alpha[i] + median_share_ * median[i];
+        depth_[i] = alpha[i] < kLeastAlphaOfDepth ? 0.f : zdepth[i] / alpha[i];
     });
 
     const float pixel_scale = static_cast<float>(scale / double(pixels));
@@ -67,7 +64,6 @@ class NormalConsistencyLoss final : public Loss {
     });
 
     const auto grad_z = gradient.raster->plane(Aov::ZDepth), grad_alpha = gradient.raster->plane(Aov::Alpha);
-    const auto grad_median = gradient.raster->plane(Aov::MedianZ);
     parallel_for(height, kRowGrain, [&](size_t y) {
       for (size_t x = 0; x < width; ++x) {
         const size_t i = y * width + x;
@@ -77,17 +73,15 @@ class NormalConsistencyLoss final : public Loss {
         if (y + 1 < height) g -= slope_down_[i + width];
         if (x > 0) g += slope_right_[i - 1];
         if (x + 1 < width) g -= slope_right_[i + 1];
-        const float grad_depth = dot(g, ray(x, y)), mean_part = (1 - median_share_) * grad_depth;
-        grad_z[i] += mean_part / alpha[i];
-        grad_alpha[i] -= mean_part * zdepth[i] / (alpha[i] * alpha[i]);
-        grad_median[i] += median_share_ * grad_depth;
+        const float grad_depth = dot(g, ray(x, y));
+        grad_z[i] += grad_depth / alpha[i];
+        grad_alpha[i] -= grad_depth * zdepth[i] / (alpha[i] * alpha[i]);
       }
     });
     return sum / double(pixels);
   }
 
  private:
-  float median_share_ = 0.f, min_alpha_ = 0.3f;
   std::vector<float> depth_, ray_x_, ray_y_;
   std::vector<Vec3f> slope_down_, slope_right_;  // gradients of the two central differences
   std::vector<double> row_sums_;

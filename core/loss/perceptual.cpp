@@ -27,11 +27,10 @@ uint64_t hash_of(std::string_view text) {
 
 class PerceptualLoss final : public Loss {
  public:
+  PerceptualLoss(std::string weights, int crop, int every) : weights_(std::move(weights)), crop_(crop), every_(every) {}
   std::string_view name() const override { return "perceptual"; }
   void describe_options(Describer& d) override {
-    d.option("weights", weights_, "safetensors file of a VGG network (core/loss/README.md); empty = this loss is off.");
-    d.option("crop", crop_, "Side of the square that is looked at, pixels.").range(8, 4096);
-    d.option("every", every_, "Steps from one look to the next; a look counts for all of them.").range(1, 100000);
+    d.option("vgg", weights_, "safetensors file of a VGG network (core/loss/README.md); empty = no perceptual loss.");
   }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
@@ -118,7 +117,7 @@ class PerceptualLoss final : public Loss {
   }
 
   std::string weights_, loaded_;
-  int crop_ = 128, every_ = 10;
+  int crop_, every_;
   std::optional<FeatureNetwork> network_;
   FeatureNetwork::Activations activations_[2];
   std::vector<std::vector<float>> grad_features_;
@@ -127,6 +126,8 @@ class PerceptualLoss final : public Loss {
 
 }  // namespace
 
-std::unique_ptr<Loss> make_perceptual_loss() { return std::make_unique<PerceptualLoss>(); }
+std::unique_ptr<Loss> make_perceptual_loss(std::string vgg, int crop, int every) {
+  return std::make_unique<PerceptualLoss>(std::move(vgg), crop, every);
+}
 
 }  // namespace vitrine

@@ -14,9 +14,6 @@ std::unique_ptr<Loss> make_transmission_mask_loss();
 std::unique_ptr<Loss> make_object_mask_loss();
 std::unique_ptr<Loss> make_first_hit_loss();
 std::unique_ptr<Loss> make_monocular_normal_loss();
-std::unique_ptr<Loss> make_gradient_l1_loss();
-std::unique_ptr<Loss> make_ms_ssim_loss();
-std::unique_ptr<Loss> make_perceptual_loss();
 
 const std::vector<LossFactory>& loss_registry() {
   static const std::vector<LossFactory> rows{
@@ -34,9 +31,8 @@ const std::vector<LossFactory>& loss_registry() {
       {"object_mask", "Alpha agrees with the object mask, where the object is trained alone.", 0.3f, make_object_mask_loss},
       {"first_hit", "Transmitted and reflected things stay off the surface that shows them.", 0.01f, make_first_hit_loss},
       {"monocular_normal", "Surfel normals agree with the normals stage.", 0.05f, make_monocular_normal_loss, 0, 0, 0.2},
-      {"gradient_l1", "Differences between neighbouring pixels agree with the photo's.", 0.f, make_gradient_l1_loss},
-      {"ms_ssim", "One minus the structural similarity over five scales.", 0.f, make_ms_ssim_loss},
-      {"perceptual", "Features of a convolutional network agree; needs a weights file.", 0.01f, make_perceptual_loss, 0.75},
+      {"perceptual", "Features of a convolutional network agree with the photo's; needs `vgg`.", 0.01f,
+       [] { return make_perceptual_loss(); }, 0.75},
   };
   return rows;
 }

@@ -17,10 +17,6 @@ namespace {
 class SpecularMaskLoss final : public Loss {
  public:
   std::string_view name() const override { return "specular_mask"; }
-  void describe_options(Describer& d) override {
-    d.option("inside_share", inside_share_, "Weight of the pixels inside the mask relative to those outside.").range(0, 100);
-    d.option("inside_target", inside_target_, "Specular weight that a pixel inside the mask should reach.").range(0, 1);
-  }
 
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     const auto weight = input.raster->plane(Aov::SpecularWeight);
@@ -35,14 +31,15 @@ class SpecularMaskLoss final : public Loss {
     const float step = static_cast<float>(scale / mask.total());
     return mask.sum_over_pixels(row_sums_, [&](size_t i, float m, float valid) {
       const float v = valid * (glass.empty() ? 1 : 1 - glass[i]) * (coat.empty() ? 1 : 1 - coat[i]);
-      const float missing = std::max(0.f, inside_target_ - weight[i]);
-      grad[i] += step * v * (1 - m - (missing > 0 ? inside_share_ * m : 0.f));
-      return v * ((1 - m) * weight[i] + inside_share_ * m * missing);
+      const float missing = std::max(0.f, kInsideTarget - weight[i]);
+      grad[i] += step * v * (1 - m - (missing > 0 ? kInsideShare * m : 0.f));
+      return v * ((1 - m) * weight[i] + kInsideShare * m * missing);
     }) / mask.total();
   }
 
  private:
-  float inside_share_ = 0.5f, inside_target_ = 0.3f;
+  static constexpr float kInsideShare = 0.5f;   // b: weight of the pixels inside the mask relative to those outside
+  static constexpr float kInsideTarget = 0.3f;  // K0: specular weight that a pixel inside the mask should reach
   std::vector<double> row_sums_;
 };
 

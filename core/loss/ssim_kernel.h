@@ -30,14 +30,4 @@ SsimPoint<T> ssim_point(const SsimMoments<T>& m) {
   return {s, half_mu + half_mu, -(s * ib2), (a1 + a1) * ib};
 }
 
-// Contrast and structure alone, without luminance: S = A2 / B2 (multi-scale SSIM, Wang et al. 2003).
-template <class T>
-SsimPoint<T> contrast_structure_point(const SsimMoments<T>& m) {
-  const T c2 = T{} + kSsimC2, covariance = m.xy - m.mu_x * m.mu_y;
-  const T a2 = covariance + covariance + c2, b2 = (m.xx - m.mu_x * m.mu_x) + (m.yy - m.mu_y * m.mu_y) + c2;
-  const T ib2 = (T{} + 1.f) / b2, s = a2 * ib2;
-  const T half_mu = (m.mu_x * s - m.mu_y) * ib2;
-  return {s, half_mu + half_mu, -(s * ib2), ib2 + ib2};
-}
-
 }  // namespace vitrine

@@ -38,7 +38,6 @@ double mean_of_attribute(const LossInput& input, double scale, LossGradient& gra
 class OpacityLoss final : public Loss {
  public:
   std::string_view name() const override { return "opacity"; }
-  void describe_options(Describer&) override {}
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     return mean_of_attribute(input, scale, gradient, Attribute::Opacity, sums_, [](float o) { return o * (1 - o); });
   }
@@ -50,7 +49,6 @@ class OpacityLoss final : public Loss {
 class ScaleLoss final : public Loss {
  public:
   std::string_view name() const override { return "scale"; }
-  void describe_options(Describer&) override {}
   double evaluate(const LossInput& input, double scale, LossGradient& gradient) override {
     return mean_of_attribute(input, scale, gradient, Attribute::LogScale, sums_, [](float s) { return s; });
   }

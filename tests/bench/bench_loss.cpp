@@ -35,8 +35,6 @@ void picture_loss(benchmark::State& state, const char* name) {
 }
 BENCHMARK_CAPTURE(picture_loss, l1, "l1")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 BENCHMARK_CAPTURE(picture_loss, dssim, "dssim")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK_CAPTURE(picture_loss, ms_ssim, "ms_ssim")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
-BENCHMARK_CAPTURE(picture_loss, gradient_l1, "gradient_l1")->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 void write_vgg16(const fs::path& path) {
   std::string header = "{", data;
@@ -69,15 +67,11 @@ void perceptual_vgg16_crop128(benchmark::State& state) {
   const TemporaryFolder folder;
   write_vgg16(folder.path() / "vgg16.safetensors");
   Picture picture(480, 270);
-  LossSet losses;
-  OptionTable options = options_of(losses);
-  options.find("perceptual.weights")->assign((folder.path() / "vgg16.safetensors").string(), "bench");
-  options.find("perceptual.every")->assign("1", "bench");
-  LossTerm& term = losses.term("perceptual");
+  const auto loss = make_perceptual_loss((folder.path() / "vgg16.safetensors").string(), 128, 1);
   LossInput input = picture.input();
   for (auto _ : state) {
     LossGradient gradient{.prediction_srgb = picture.grad};
-    benchmark::DoNotOptimize(term.loss->evaluate(input, 1, gradient));
+    benchmark::DoNotOptimize(loss->evaluate(input, 1, gradient));
     ++input.step;
   }
 }

@@ -28,8 +28,8 @@ TEST_P(PictureLoss, GradientMatchesFiniteDifferences) {
   EXPECT_LT(a.worst, 5e-3) << name;  // worst seen 1.1e-3: float sums
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, PictureLoss,
-                         ::testing::Combine(::testing::Values("l1", "dssim", "gradient_l1", "ms_ssim"),
-                                            ::testing::Values(5, 8, 13, 24), ::testing::Values(3, 14), ::testing::Bool()));
+                         ::testing::Combine(::testing::Values("l1", "dssim"), ::testing::Values(5, 8, 13, 24),
+                                            ::testing::Values(3, 14), ::testing::Bool()));
 
 double plain_ssim(const TestFrame& frame) {
   const int w = frame.view.intrinsics.width, h = frame.view.intrinsics.height;
@@ -87,65 +87,6 @@ TEST(SsimPoint, PartialsMatchDualNumbers) {
   }
 }
 
-TEST(ContrastStructurePoint, PartialsMatchDualNumbers) {
-  using D = Dual<double, 3>;
-  Rng rng(4);
-  for (int trial = 0; trial < 100; ++trial) {
-    const double mx = rng.uniform_double(), my = rng.uniform_double(), sx = 0.1 * rng.uniform_double(),
-                 sy = 0.1 * rng.uniform_double();
-    const double sxy = std::sqrt(sx * sy) * (2 * rng.uniform_double() - 1);
-    const SsimMoments<double> m{mx, my, sx + mx * mx, sy + my * my, sxy + mx * my};
-    const SsimPoint<double> p = contrast_structure_point(m);
-    const SsimPoint<D> d =
-        contrast_structure_point<D>({D::variable(m.mu_x, 0), D(m.mu_y), D::variable(m.xx, 1), D(m.yy), D::variable(m.xy, 2)});
-    EXPECT_NEAR(p.value, (2 * sxy + kSsimC2) / (sx + sy + kSsimC2), 1e-9);
-    const double partials[] = {p.grad_mu_x, p.grad_xx, p.grad_xy};
-    for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(d.value.d[k], partials[k], 1e-9 * (1 + std::abs(partials[k])));
-  }
-}
-
-// Three levels: the coarse ones are windows of their own.
-TEST(MsSsim, GradientThroughThePyramidMatchesFiniteDifferences) {
-  for (bool weighted : {false, true}) {
-    TestFrame frame(47, 45, weighted);
-    const auto loss = make("ms_ssim");
-    LossGradient gradient = frame.gradient();
-    loss->evaluate(frame.input(), 1, gradient);
-    // 6000 values one by one would take long and tell no more: along directions that share the gradient's signs, so that the
-    // differences stand out of the float sums.
-    double square = 0;
-    for (float g : frame.grad_prediction) square += double(g) * g;
-    const float unit = float(1 / std::sqrt(square / double(frame.grad_prediction.size())));
-    Rng rng(8);
-    std::vector<float> direction(frame.prediction.size()), kept = frame.prediction;
-    for (int trial = 0; trial < 5; ++trial) {
-      double expected = 0;
-      for (size_t i = 0; i < direction.size(); ++i) {
-        direction[i] = unit * frame.grad_prediction[i] * 2 * rng.uniform();
-        expected += double(direction[i]) * frame.grad_prediction[i];
-      }
-      constexpr float h = 5e-4f;
-      double value[2];
-      TestFrame ignored = frame;
-      LossGradient nowhere = ignored.gradient();
-      for (int side = 0; side < 2; ++side) {
-        for (size_t i = 0; i < kept.size(); ++i) frame.prediction[i] = kept[i] + (side == 0 ? -h : h) * direction[i];
-        value[side] = loss->evaluate(frame.input(), 0, nowhere);
-      }
-      frame.prediction = kept;
-      EXPECT_NEAR((value[1] - value[0]) / (2 * h), expected, 2e-3 * expected);
-    }
-  }
-}
-
-TEST(MsSsim, IsZeroAndFlatForEqualPictures) {
-  TestFrame frame(64, 64, false);
-  LossGradient gradient = frame.gradient();
-  frame.target = frame.prediction;
-  EXPECT_NEAR(make("ms_ssim")->evaluate(frame.input(), 1, gradient), 0, 1e-6);
-  for (float g : frame.grad_prediction) EXPECT_NEAR(g, 0, 1e-5);
-}
-
 TEST(NormalTerm, GradientMatchesDualNumbers) {
   using D = Dual<double, 9>;
   Rng rng(5);
@@ -166,25 +107,17 @@ TEST(NormalTerm, GradientMatchesDualNumbers) {
   }
 }
 
-class NormalConsistency : public ::testing::TestWithParam<double> {};
-
-TEST_P(NormalConsistency, GradientMatchesFiniteDifferences) {
+TEST(NormalConsistency, GradientMatchesFiniteDifferences) {
   TestFrame frame(9, 7, false);
   const auto loss = make("normal_consistency");
-  OptionTable table;
-  Describer describer(table);
-  loss->describe_options(describer);
-  table.find("median_share")->assign(fmt::format("{}", GetParam()), "test");
   LossGradient gradient = frame.gradient();
   loss->evaluate(frame.input(), 1, gradient);
   const RasterImages expected = frame.grad_raster;
   const auto agreement = [&](Aov a, float h) { return check(*loss, frame, frame.raster.plane(a), expected.plane(a), h); };
   EXPECT_LT(agreement(Aov::Normal, 1e-2f).worst, 2e-3);
-  const Agreement z = agreement(Aov::ZDepth, 1e-3f), median = agreement(Aov::MedianZ, 1e-3f);
+  const Agreement z = agreement(Aov::ZDepth, 1e-3f);
   EXPECT_LT(z.worst, 2e-2);  // the difference quotient's own curvature
-  EXPECT_LT(median.worst, 2e-2);
-  EXPECT_EQ(z.norm > 0, GetParam() < 1);
-  EXPECT_EQ(median.norm > 0, GetParam() > 0);
+  EXPECT_GT(z.norm, 0);
   // The alpha of the weight is held constant; through the depth Z/A it acts like -z times the gradient of Z.
   const size_t pixels = frame.raster.plane(Aov::Alpha).size();
   for (size_t i = 0; i < pixels; ++i) {
@@ -192,7 +125,6 @@ TEST_P(NormalConsistency, GradientMatchesFiniteDifferences) {
     EXPECT_NEAR(expected.plane(Aov::Alpha)[i], -depth * expected.plane(Aov::ZDepth)[i], 1e-6);
   }
 }
-INSTANTIATE_TEST_SUITE_P(MedianShare, NormalConsistency, ::testing::Values(0.0, 0.4, 1.0));
 
 TEST(NormalConsistencyLoss, VanishesOnAPlaneWithItsOwnNormal) {
   TestFrame frame(12, 10, false);
@@ -266,28 +198,28 @@ TEST(Registry, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(run(1), run(5));
 }
 
-TEST(WeightSchedule, RisesStaysAndEnds) {
-  const WeightSchedule s{.weight = 2, .from = 0.2, .until = 0.8, .ramp = 0.1};
+TEST(WeightSchedule, RisesAndStays) {
+  const WeightSchedule s{.weight = 2, .from = 0.2, .ramp = 0.1};
   EXPECT_EQ(s.at(0.1), 0);
   EXPECT_FLOAT_EQ(s.at(0.25), 1);
   EXPECT_FLOAT_EQ(s.at(0.5), 2);
-  EXPECT_EQ(s.at(0.9), 0);
+  EXPECT_FLOAT_EQ(s.at(1), 2);
 }
 
 TEST(WeightSchedule, FallsAlongACosineToItsFinalShare) {
-  const WeightSchedule s{.weight = 2, .from = 0.2, .until = 0.8, .ramp = 0.1, .final_share = 0.25};
+  const WeightSchedule s{.weight = 2, .from = 0.2, .ramp = 0.1, .final_share = 0.25};
   EXPECT_FLOAT_EQ(s.at(0.25), 1);
   EXPECT_FLOAT_EQ(s.at(0.3), 2);
-  EXPECT_FLOAT_EQ(s.at(0.55), 2 * (0.25f + 0.75f / 2));
-  EXPECT_FLOAT_EQ(s.at(0.8), 0.5f);
+  EXPECT_FLOAT_EQ(s.at(0.65), 2 * (0.25f + 0.75f / 2));
+  EXPECT_FLOAT_EQ(s.at(1), 0.5f);
 }
 
-TEST(LossSet, DescribesWeightAndOwnOptionsOfEveryLoss) {
+TEST(LossSet, DescribesTheWeightOfEveryLoss) {
   LossSet losses;
   OptionTable table = options_of(losses);
-  for (const LossFactory& f : loss_registry()) EXPECT_NE(table.find(std::string(f.name) + ".weight"), nullptr) << f.name;
-  EXPECT_NE(table.find("normal_consistency.median_share"), nullptr);
-  table.find("l1.weight")->assign("0.25", "test");
+  for (const LossFactory& f : loss_registry()) EXPECT_NE(table.find(f.name), nullptr) << f.name;
+  EXPECT_NE(table.find("vgg"), nullptr);
+  table.find("l1")->assign("0.25", "test");
   EXPECT_EQ(losses.term("l1").schedule.weight, 0.25f);
 }
 

@@ -85,15 +85,8 @@ double plain_distance(const std::vector<NetworkLayer>& layers, const std::vector
   return total;
 }
 
-std::unique_ptr<Loss> perceptual(const fs::path& weights, const char* crop = "128", const char* every = "1") {
-  auto loss = make("perceptual");
-  OptionTable table;
-  Describer describer(table);
-  loss->describe_options(describer);
-  table.find("weights")->assign(weights.string(), "test");
-  table.find("crop")->assign(crop, "test");
-  table.find("every")->assign(every, "test");
-  return loss;
+std::unique_ptr<Loss> perceptual(const fs::path& weights, int crop = 128, int every = 1) {
+  return make_perceptual_loss(weights.string(), crop, every);
 }
 
 class Perceptual : public ::testing::TestWithParam<std::pair<int, int>> {};
@@ -132,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Perceptual, ::testing::Values(std::pair{8, 8}, s
 TEST(PerceptualLoss, LooksAtOneCropOfEverySoManySteps) {
   const TemporaryFolder folder;
   write_network(folder.path() / "net.safetensors", small_network());
-  const auto loss = perceptual(folder.path() / "net.safetensors", "8", "3");
+  const auto loss = perceptual(folder.path() / "net.safetensors", 8, 3);
   TestFrame frame(40, 30, false);
   const auto touched = [&](uint64_t step) {
     std::fill(frame.grad_prediction.begin(), frame.grad_prediction.end(), 0.f);
@@ -163,7 +156,7 @@ TEST(PerceptualLoss, SameBitsForAnyNumberOfThreads) {
     set_thread_limit(threads);
     TestFrame frame(61, 47, false);
     LossGradient g = frame.gradient();
-    const double value = perceptual(folder.path() / "net.safetensors", "40")->evaluate(frame.input(), 1, g);
+    const double value = perceptual(folder.path() / "net.safetensors", 40)->evaluate(frame.input(), 1, g);
     set_thread_limit(0);
     return std::pair(value, frame.grad_prediction);
   };

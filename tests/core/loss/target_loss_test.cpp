@@ -40,37 +40,6 @@ INSTANTIATE_TEST_SUITE_P(Targets, ChannelLoss,
                            return std::string(std::get<0>(info.param).loss) + (std::get<1>(info.param) ? "_weighted" : "");
                          });
 
-void set_option(Loss& loss, std::string_view name, const char* value) {
-  OptionTable table;
-  Describer describer(table);
-  loss.describe_options(describer);
-  table.find(name)->assign(value, "test");
-}
-
-TEST(MonocularNormal, NearSurfacesCountMoreThanFarOnesWhenAsked) {
-  TestFrame plain(24, 18, false), weighed(24, 18, false);
-  const auto loss = make("monocular_normal");
-  LossGradient g = plain.gradient();
-  loss->evaluate(plain.input(), 1, g);
-  set_option(*loss, "near_first", "true");
-  g = weighed.gradient();
-  loss->evaluate(weighed.input(), 1, g);
-  const size_t n = weighed.specular.size();
-  double near = 0, far = 0, near_before = 0, far_before = 0;  // depth rises along x + y in the frame
-  for (size_t c = 0; c < 3; ++c)
-    for (size_t i = 0; i < n; ++i) {
-      const float before = std::abs(plain.grad_raster.plane(Aov::Normal)[c * n + i]);
-      const float after = std::abs(weighed.grad_raster.plane(Aov::Normal)[c * n + i]);
-      EXPECT_LE(after, before * 1.0001f);
-      if (i % 24 + i / 24 < 10) near += after, near_before += before;
-      if (i % 24 + i / 24 > 30) far += after, far_before += before;
-    }
-  EXPECT_GT(near, 0.6 * near_before);
-  EXPECT_LT(far, 0.3 * far_before);
-  const Agreement a = check(*loss, weighed, weighed.raster.plane(Aov::Normal), weighed.grad_raster.plane(Aov::Normal), 1e-3f);
-  EXPECT_LT(a.worst, 2e-3);
-}
-
 TEST(MonocularNormal, IsZeroWhereTheRenderedNormalIsTheTarget) {
   TestFrame frame(12, 10, false);
   const size_t n = 120;
