@@ -7,7 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/math/rigid.h"
-#include "core/optim/far_steps.h"
+#include "core/optim/rates.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
@@ -15,18 +15,13 @@ namespace vitrine {
 namespace {
 
 // Streams of the random numbers: what a number is for.
-enum : uint64_t {
-  kRelocateStream = 0x4d01,
-  kGrowStream = 0x4d02,
-  kJitterStream = 0x4d03,
-  kNoiseStream = 0x4d04,
-  kSplitStream = 0x4d05
-};
+enum : uint64_t { kRelocateStream = 0x4d01, kGrowStream = 0x4d02, kNoiseStream = 0x4d04, kSplitStream = 0x4d05 };
 
-constexpr int kMaxCopies = 50;  // the binomial sums lose their digits beyond
-constexpr float kOpacityCeiling = 1 - 1e-6f, kOpacityFloor = 0.005f;
-constexpr double kErrorFloor = 0.1;   // of the mean error: surfels without error still attract a few copies
-constexpr float kShareDecay = 0.01f;  // a picture's part of SurfelAccumulator::share
+constexpr double kDeadOpacity = 0.01;        // surfels at or below it are moved (divide)
+constexpr double kGradientThreshold = 2e-4;  // mean screen-space gradient that calls for more surfels (classic)
+constexpr double kFaintOpacity = 0.05;       // fainter surfels are dropped (classic)
+constexpr double kErrorFloor = 0.1;          // of the mean error: surfels without error still attract a few copies
+constexpr float kShareDecay = 0.01f;         // a picture's part of SurfelAccumulator::share
 constexpr float kRarestShare = 1e-3f;
 constexpr double kSplitShrink = 1.6;  // children of a split are smaller by this (Kerbl et al. 2023)
 // Halves of a divided surfel: their centres, in standard deviations of the parent's longer axis, and their scales. Two such
@@ -40,12 +35,11 @@ Mat3f axes_of(const SplatLayer& layer, size_t i) {
   return rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]}));
 }
 
-// Moves a surfel by normal deviates of `amount` standard deviations along its own two axes.
-void jitter_in_plane(SplatLayer& layer, size_t i, float amount, Rng& rng) {
-  if (amount == 0) return;
+// Moves a surfel by normal deviates of its own two axes.
+void jitter_in_plane(SplatLayer& layer, size_t i, Rng& rng) {
   const Mat3f axes = axes_of(layer, i);
   const float* log_scale = layer.at(Attribute::LogScale, i);
-  const float u = amount * std::exp(log_scale[0]) * rng.normal(), v = amount * std::exp(log_scale[1]) * rng.normal();
+  const float u = std::exp(log_scale[0]) * rng.normal(), v = std::exp(log_scale[1]) * rng.normal();
   for (size_t c = 0; c < 3; ++c) layer.at(Attribute::Mean, i)[c] += u * axes.c0[c] + v * axes.c1[c];
 }
 
@@ -66,7 +60,7 @@ void divide(SplatLayer& layer, size_t parent, size_t copy) {
 }
 
 // p_i ~ o_i (floor + E_i / mean E): where the surfels are, and more where the picture is wrong. Cumulative, unnormalised.
-std::vector<double> cumulative_chances(const DensifyConfig& config, const SplatLayer& layer, const SurfelAccumulator& accumulator,
+std::vector<double> cumulative_chances(const SplatLayer& layer, const SurfelAccumulator& accumulator,
                                        const std::vector<uint8_t>& dead) {
   const size_t n = layer.size();
   double error_sum = 0;
@@ -76,7 +70,7 @@ std::vector<double> cumulative_chances(const DensifyConfig& config, const SplatL
   double sum = 0;
   for (size_t i = 0; i < n; ++i) {
     const double error = mean_error > 0 ? kErrorFloor + accumulator.error[i] / mean_error : 1;
-    if (!dead[i]) sum += opacity_of(layer, i) * ((1 - config.error_share) + config.error_share * error);
+    if (!dead[i]) sum += opacity_of(layer, i) * error;
     cumulative[i] = sum;
   }
   return cumulative;
@@ -88,38 +82,17 @@ size_t drawn(const std::vector<double>& cumulative, Rng& rng) {
   return std::min<size_t>(static_cast<size_t>(it - cumulative.begin()), cumulative.size() - 1);
 }
 
-// Gives every slot of `slots` to a living surfel drawn by chance. mcmc: parent and copies share its opacity and shrink;
-// divide: each copy halves its parent.
-void copy_onto(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget& target,
-               const std::vector<uint32_t>& slots, const std::vector<double>& cumulative, uint64_t stream) {
-  SplatLayer& layer = target.layer;
+// Gives every slot of `slots` to a living surfel drawn by chance, which it halves.
+void copy_onto(const DensifyMoment& moment, DensifyTarget& target, const std::vector<uint32_t>& slots,
+               const std::vector<double>& cumulative, uint64_t stream) {
   std::vector<uint32_t> parents(slots.size());
-  std::vector<int> copies(layer.size(), 1);
   Rng draw(moment.seed, mix64(stream, moment.step));
-  for (uint32_t& parent : parents) ++copies[parent = static_cast<uint32_t>(drawn(cumulative, draw))];
-  if (config.strategy == "divide") {
-    for (size_t k = 0; k < slots.size(); ++k) {
-      divide(layer, parents[k], slots[k]);
-      target.accumulator.share[slots[k]] = target.accumulator.share[parents[k]];
-      target.adam.forget(parents[k]);
-      target.adam.forget(slots[k]);
-    }
-    return;
-  }
-  for (size_t i = 0; i < cumulative.size(); ++i) {
-    if (copies[i] == 1) continue;
-    const double opacity = std::min<double>(opacity_of(layer, i), kOpacityCeiling);
-    const CopySplit split = copy_split(opacity, copies[i]);
-    *layer.at(Attribute::Opacity, i) = logit(std::max(static_cast<float>(split.opacity), kOpacityFloor));
-    for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] += static_cast<float>(std::log(split.scale_factor));
-    target.adam.forget(i);
-  }
+  for (uint32_t& parent : parents) parent = static_cast<uint32_t>(drawn(cumulative, draw));
   for (size_t k = 0; k < slots.size(); ++k) {
-    layer.copy_surfel(parents[k], slots[k]);
+    divide(target.layer, parents[k], slots[k]);
     target.accumulator.share[slots[k]] = target.accumulator.share[parents[k]];
+    target.adam.forget(parents[k]);
     target.adam.forget(slots[k]);
-    Rng jitter(moment.seed, mix64(kJitterStream, mix64(moment.step, slots[k])));
-    jitter_in_plane(layer, slots[k], static_cast<float>(config.jitter), jitter);
   }
 }
 
@@ -133,12 +106,12 @@ DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment
   std::vector<uint8_t> dead(n);
   std::vector<uint32_t> slots;
   for (size_t i = 0; i < n; ++i)
-    if ((dead[i] = opacity_of(layer, i) <= config.dead_opacity || target.accumulator.weight[i] < least_weight))
+    if ((dead[i] = opacity_of(layer, i) <= kDeadOpacity || target.accumulator.weight[i] < least_weight))
       slots.push_back(static_cast<uint32_t>(i));
-  const std::vector<double> cumulative = cumulative_chances(config, layer, target.accumulator, dead);
+  const std::vector<double> cumulative = cumulative_chances(layer, target.accumulator, dead);
   DensifyCounts counts;
   if (n == 0 || cumulative.back() <= 0) return counts;
-  copy_onto(config, moment, target, slots, cumulative, kRelocateStream);
+  copy_onto(moment, target, slots, cumulative, kRelocateStream);
   counts.relocated = slots.size();
 
   const double growth = std::pow(config.growth, moment.times);
@@ -149,7 +122,7 @@ DensifyCounts relocate_and_grow(const DensifyConfig& config, const DensifyMoment
     target.accumulator.share.resize(grown);
     slots.resize(grown - n);
     std::iota(slots.begin(), slots.end(), static_cast<uint32_t>(n));
-    copy_onto(config, moment, target, slots, cumulative, kGrowStream);
+    copy_onto(moment, target, slots, cumulative, kGrowStream);
     counts.added = grown - n;
   }
   return counts;
@@ -162,8 +135,7 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
   std::vector<uint32_t> wanted;
   for (size_t i = 0; i < n; ++i) {
     const double seen = target.accumulator.seen[i];
-    if (seen > 0 && target.accumulator.screen_gradient[i] / seen > config.gradient_threshold)
-      wanted.push_back(static_cast<uint32_t>(i));
+    if (seen > 0 && target.accumulator.screen_gradient[i] / seen > kGradientThreshold) wanted.push_back(static_cast<uint32_t>(i));
   }
   if (const size_t room = moment.cap > n ? moment.cap - n : 0; wanted.size() > room) {  // the cap: highest gradients first
     std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) {
@@ -185,50 +157,20 @@ DensifyCounts clone_split_prune(const DensifyConfig& config, const DensifyMoment
     if (std::exp(std::max(log_scale[0], log_scale[1])) <= largest_clone) continue;  // a clone starts as the same surfel
     for (size_t half : {parent, child}) {
       Rng rng(moment.seed, mix64(kSplitStream, mix64(moment.step, half)));
-      jitter_in_plane(layer, half, 1.f, rng);
+      jitter_in_plane(layer, half, rng);
       for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, half)[c] -= static_cast<float>(std::log(kSplitShrink));
     }
     target.adam.forget(parent);
   }
   std::vector<uint32_t> kept;
   for (size_t i = 0; i < layer.size(); ++i)
-    if (opacity_of(layer, i) >= config.prune_opacity) kept.push_back(static_cast<uint32_t>(i));
+    if (opacity_of(layer, i) >= kFaintOpacity) kept.push_back(static_cast<uint32_t>(i));
   counts.removed = layer.size() - kept.size();
   keep_surfels(layer, kept);
   target.adam.keep_only(kept);
   target.accumulator.keep_only(kept);
   return counts;
 }
-
-}  // namespace
-
-void describe(Describer& d, DensifyConfig& c) {
-  d.option(
-       "strategy", c.strategy,
-       "divide: move idle surfels, grow to the cap, copies halve their parent; mcmc: copies lie on their parent and share its "
-       "opacity; classic: clone, split and prune; none.")
-      .choices({"divide", "mcmc", "classic", "none"});
-  d.option("every", c.every, "Steps between two densifications, rounded up to whole passes through the photos.").range(1, 100000);
-  d.option("from", c.from, "Part of the run after which it starts.").range(0, 1);
-  d.option("until", c.until, "Part of the run after which it stops.").range(0, 1);
-  d.option("growth", c.growth, "Growth of the number of surfels in `every` steps (divide, mcmc).").range(1, 2);
-  d.option("dead_opacity", c.dead_opacity, "Surfels at or below this opacity are moved (divide, mcmc).").range(0, 0.5);
-  d.option("idle_weight", c.idle_weight,
-           "Surfels whose sum of blending weights is below this part of the mean are moved (divide, mcmc).")
-      .range(0, 1);
-  d.option("error_share", c.error_share,
-           "How much the picture's error, beside the opacity, decides where copies go (divide, mcmc).")
-      .range(0, 1);
-  d.option("jitter", c.jitter, "Displacement of a copy in its plane, in standard deviations of the parent (mcmc).").range(0, 2);
-  d.option("noise", c.noise, "Strength of the random walk of nearly transparent surfels, relative to the paper (divide, mcmc).")
-      .range(0, 10);
-  d.option("gradient_threshold", c.gradient_threshold, "Mean screen-space gradient that calls for more surfels (classic).")
-      .range(0, 1);
-  d.option("split_size_rel", c.split_size_rel, "Larger surfels are split, smaller ones cloned (classic).").range(0, 1);
-  d.option("prune_opacity", c.prune_opacity, "Fainter surfels are dropped (classic).").range(0, 0.5);
-}
-
-namespace {
 
 float mean_share(const std::vector<float>& share) {
   double sum = 0;
@@ -279,22 +221,6 @@ void SurfelAccumulator::transfer(Archive& archive) {
     if (size != weight.size()) archive.fail("statistics of different sizes");
 }
 
-CopySplit copy_split(double opacity, int copies) {
-  const int n = std::clamp(copies, 1, kMaxCopies);
-  const double shared = 1 - std::pow(1 - opacity, 1.0 / n);
-  double denominator = 0;
-  for (int i = 1; i <= n; ++i) {
-    double binomial = 1, power = shared, sign = 1;
-    for (int k = 0; k < i; ++k) {
-      denominator += binomial * sign * power / std::sqrt(double(k + 1));
-      binomial = binomial * double(i - 1 - k) / double(k + 1);
-      power *= shared;
-      sign = -sign;
-    }
-  }
-  return {shared, opacity / denominator};
-}
-
 DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double window) {
   const uint64_t pass = std::max<size_t>(photos, 1), every = static_cast<uint64_t>(config.every);
   const uint64_t whole = (every + pass - 1) / pass * pass;
@@ -304,8 +230,8 @@ DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double 
 
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target) {
   DensifyCounts counts;
-  if (config.strategy == "mcmc" || config.strategy == "divide") counts = relocate_and_grow(config, moment, target);
-  if (config.strategy == "classic") counts = clone_split_prune(config, moment, target);
+  if (config.strategy == DensifyStrategy::Divide) counts = relocate_and_grow(config, moment, target);
+  if (config.strategy == DensifyStrategy::Classic) counts = clone_split_prune(config, moment, target);
   target.accumulator.reset(target.layer.size());
   return counts;
 }

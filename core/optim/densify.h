@@ -1,8 +1,7 @@
-// Where surfels come from and go to while a layer is trained (algorithms 2). Four strategies:
-//   divide   as mcmc, but a copy and its parent become the two halves of the parent along its longer axis, opacity kept:
-//            detail grows without the overdraw of coincident copies
-//   mcmc     dead surfels move onto living ones, and the layer grows by a factor to a hard cap; a parent with N copies gets
-//            o' = 1 - (1-o)^(1/N) and a smaller scale, so that the picture hardly changes (Kheradmand et al. 2024)
+// Where surfels come from and go to while a layer is trained (algorithms 2). Three strategies:
+//   divide   dead and idle surfels move onto living ones, and the layer grows by a factor to a hard cap (after Kheradmand et al.
+//            2024); a copy and its parent become the two halves of the parent along its longer axis, opacity kept: detail grows
+//            without the overdraw of coincident copies
 //   classic  clone small and split large surfels whose screen-space gradient is high, drop faint ones, up to the same cap
 //            (Kerbl et al. 2023, "3D Gaussian Splatting", section 5.2)
 //   none     the initial surfels are all there is
@@ -10,30 +9,22 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "core/config/describe.h"
 #include "core/optim/adam.h"
 #include "core/render/renderer.h"
 
 namespace vitrine {
 
+enum class DensifyStrategy { Divide, Classic, None };
 struct DensifyConfig {
-  std::string strategy = "divide";
-  int every = 50;
+  DensifyStrategy strategy = DensifyStrategy::Divide;
+  int every = 50;                   // steps, rounded up to whole passes through the photos
   double from = 0.05, until = 0.7;  // parts of the run
-  double growth = 1.1;
-  double dead_opacity = 0.01;
-  double idle_weight = 0.02;
-  double error_share = 1;
-  double jitter = 0.5;
-  double noise = 0.2;
-  double gradient_threshold = 2e-4;  // classic only, and the two below
-  double split_size_rel = 0.01;
-  double prune_opacity = 0.05;
+  double growth = 1.1;              // of the number of surfels in `every` steps (divide)
+  double idle_weight = 0.02;        // surfels whose sum of blending weights is below this part of the mean are moved (divide)
+  double split_size_rel = 0.01;     // larger surfels are split, smaller ones cloned, scene radii (classic)
 };
-void describe(Describer& d, DensifyConfig& c);
 
 // Sums of the surfel statistics since the last densification, and what outlives it.
 struct SurfelAccumulator {
@@ -79,13 +70,6 @@ DensifyRhythm densify_rhythm(const DensifyConfig& config, size_t photos, double 
 
 // By the strategy of `config`. The caller decides when (densify_rhythm, from, until).
 DensifyCounts densify(const DensifyConfig& config, const DensifyMoment& moment, DensifyTarget target);
-
-// Opacity of each of `copies` coincident surfels that together replace one, and the factor on its scales
-// (Kheradmand et al. 2024, eq. 9; algorithms 2.2): the composited opacity at the centre and the line integral through it stay.
-struct CopySplit {
-  double opacity, scale_factor;
-};
-CopySplit copy_split(double opacity, int copies);
 
 // mu += S xi * sigmoid(100 (0.005 - o)) * strength, with S = s_u^2 r0 r0^T + s_v^2 r1 r1^T: nearly transparent surfels wander.
 void add_position_noise(SplatLayer& layer, float strength, uint64_t seed, uint64_t step);

@@ -1,11 +1,11 @@
-// Step sizes of the attributes, from the attribute table, and how they shrink over a run: rate(f) = rate * end_factor^f.
-// The mean's rate is in units of the scene radius and has its own end factor; the others usually stay.
+// Step sizes of the attributes, from the attribute table. The position's rate is in units of the scene radius and falls over a
+// run, rate(f) = rate * mean_end_factor^f; the others stay.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "core/config/describe.h"
 #include "core/optim/adam.h"
 
 namespace vitrine {
@@ -16,12 +16,28 @@ struct RatesConfig {
     for (size_t i = 0; i < kAttributeCount; ++i) r[i] = kAttributes[i].rate;
     return r;
   }();
-  double mean_end_factor = 0.02, end_factor = 1;
-  double rarest = 2;
+  double factor = 1;              // of all
+  double mean_end_factor = 0.02;  // of the position's rate at the end of the run, exponential decay
+  double rarest = 2;              // most that the steps of surfels grow by which few photos show (SurfelAccumulator::rarity)
 };
 
-void describe(Describer& d, RatesConfig& c);
 // At `fraction` of the run, for a scene of this radius.
-AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius);
+inline AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius) {
+  AttributeRates rates{};
+  const double mean_decay = std::pow(c.mean_end_factor, fraction);
+  for (const AttributeRow& r : kAttributes) {
+    const auto i = static_cast<size_t>(r.id);
+    rates[i] = static_cast<float>(c.factor * c.rate[i] * (r.id == Attribute::Mean ? mean_decay * scene_radius : 1));
+  }
+  return rates;
+}
+
+// Photos see angles: what stands far from the cameras moves in proportion to its distance, so that a step, or a random walk, is
+// the same angle wherever it is taken. // 1 near the cameras, whose radius is 1 around the origin; from a few radii on the
+// distance over that.
+inline float far_factor(const float* mean) {
+  constexpr float kFar = 5;
+  return std::max(1.f, std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / kFar);
+}
 
 }  // namespace vitrine

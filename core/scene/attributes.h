@@ -17,20 +17,28 @@ constexpr std::string_view name(LayerKind kind) {
 }
 
 enum class Activation : unsigned char { Identity, Exp, Sigmoid, Normalize };
-// What a child gets when a surfel is cloned or split (classical densification) or relocated (algorithms 2.2).
-enum class SpawnRule : unsigned char { Copy, JitterInPlane, Shrink, ShareOpacity };
 
-enum class Attribute : unsigned char { Mean, Rotation, LogScale, Opacity, ShDc, ShRest, F0, Roughness, SpecularWeight, Transmission };
+enum class Attribute : unsigned char {
+  Mean,
+  Rotation,
+  LogScale,
+  Opacity,
+  ShDc,
+  ShRest,
+  F0,
+  Roughness,
+  SpecularWeight,
+  Transmission
+};
 
 struct AttributeRow {
   Attribute id;
-  std::string_view name;           // also the YAML key of its rate and the stem of its PLY properties
-  int width;                       // floats per surfel; ShRest: at degree 3, fewer for lower degrees
-  unsigned layers;                 // bit 0 diffuse, 1 reflection, 2 transmittance
+  std::string_view name;  // also the stem of its PLY properties
+  int width;              // floats per surfel; ShRest: at degree 3, fewer for lower degrees
+  unsigned layers;        // bit 0 diffuse, 1 reflection, 2 transmittance
   Activation activation;
-  float initial;                   // activated value of a new surfel where nothing better is known
-  float rate;                      // Adam step size of the raw value (mean: times the scene radius)
-  SpawnRule spawn;
+  float initial;  // activated value of a new surfel where nothing better is known
+  float rate;     // Adam step size of the raw value (mean: times the scene radius)
 };
 
 inline constexpr unsigned kInAll = 0b111, kInDiffuse = 0b001;
@@ -38,22 +46,24 @@ inline constexpr size_t kAttributeCount = 10;
 // Rates: two to ten times those of Kerbl et al. 2023 ("3D Gaussian Splatting"; opacity: the same), because runs here are five
 // times shorter (2k-6k steps). Initial materials: a diffuse dielectric (f0 .04).
 inline constexpr std::array<AttributeRow, kAttributeCount> kAttributes{{
-    {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-3f, SpawnRule::JitterInPlane},
-    {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 4e-3f, SpawnRule::Copy},
-    {Attribute::LogScale, "log_scale", 2, kInAll, Activation::Exp, 0.01f, 1e-2f, SpawnRule::Shrink},
-    {Attribute::Opacity, "opacity", 1, kInAll, Activation::Sigmoid, 0.1f, 5e-2f, SpawnRule::ShareOpacity},
-    {Attribute::ShDc, "sh_dc", 3, kInAll, Activation::Identity, 0.f, 1e-2f, SpawnRule::Copy},
-    {Attribute::ShRest, "sh_rest", 45, kInAll, Activation::Identity, 0.f, 2.5e-4f, SpawnRule::Copy},
-    {Attribute::F0, "f0", 3, kInDiffuse, Activation::Sigmoid, 0.04f, 2e-2f, SpawnRule::Copy},
-    {Attribute::Roughness, "roughness", 1, kInDiffuse, Activation::Sigmoid, 0.3f, 1e-2f, SpawnRule::Copy},
-    {Attribute::SpecularWeight, "specular_weight", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f, SpawnRule::Copy},
-    {Attribute::Transmission, "transmission", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f, SpawnRule::Copy},
+    {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-3f},
+    {Attribute::Rotation, "rotation", 4, kInAll, Activation::Normalize, 0.f, 4e-3f},
+    {Attribute::LogScale, "log_scale", 2, kInAll, Activation::Exp, 0.01f, 1e-2f},
+    {Attribute::Opacity, "opacity", 1, kInAll, Activation::Sigmoid, 0.1f, 5e-2f},
+    {Attribute::ShDc, "sh_dc", 3, kInAll, Activation::Identity, 0.f, 1e-2f},
+    {Attribute::ShRest, "sh_rest", 45, kInAll, Activation::Identity, 0.f, 2.5e-4f},
+    {Attribute::F0, "f0", 3, kInDiffuse, Activation::Sigmoid, 0.04f, 2e-2f},
+    {Attribute::Roughness, "roughness", 1, kInDiffuse, Activation::Sigmoid, 0.3f, 1e-2f},
+    {Attribute::SpecularWeight, "specular_weight", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f},
+    {Attribute::Transmission, "transmission", 1, kInDiffuse, Activation::Sigmoid, 0.02f, 2e-2f},
 }};
-static_assert([] {
-  for (size_t i = 0; i < kAttributeCount; ++i)
-    if (static_cast<size_t>(kAttributes[i].id) != i) return false;
-  return true;
-}(), "rows stand in the order of the enum");
+static_assert(
+    [] {
+      for (size_t i = 0; i < kAttributeCount; ++i)
+        if (static_cast<size_t>(kAttributes[i].id) != i) return false;
+      return true;
+    }(),
+    "rows stand in the order of the enum");
 
 constexpr const AttributeRow& row(Attribute a) { return kAttributes[static_cast<size_t>(a)]; }
 constexpr bool has_attribute(LayerKind layer, Attribute a) { return (row(a).layers >> static_cast<unsigned>(layer)) & 1u; }

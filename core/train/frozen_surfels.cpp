@@ -1,5 +1,7 @@
 #include "core/train/frozen_surfels.h"
 
+#include <utility>
+
 #include "core/base/parallel.h"
 #include "core/scene/activation.h"
 
@@ -41,6 +43,21 @@ void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float 
     const float k_s = sigmoid(*diffuse.at(Attribute::SpecularWeight, i)), *mean = diffuse.at(Attribute::Mean, i);
     if (k_s > kHeldGloss && known.near({mean[0], mean[1], mean[2]})) damping[i] *= 1 - (1 - gloss_factor) * k_s;
   });
+}
+
+KnownSurface::KnownSurface(std::vector<Vec3f> points, float reach) : reach_(reach) {
+  if (points.empty() || !(reach > 0)) return;
+  points_ = std::make_shared<const std::vector<Vec3f>>(std::move(points));
+  grid_ = std::make_shared<const PointGrid>(*points_, reach);
+}
+
+bool KnownSurface::near(const Vec3f& place) const { return grid_ && grid_->any(place, reach_); }
+
+void KnownSurface::transfer(Archive& archive) {
+  std::vector<Vec3f> points = points_ ? *points_ : std::vector<Vec3f>();
+  archive.array(points);
+  archive.value(reach_);
+  if (archive.reads()) *this = KnownSurface(std::move(points), reach_);
 }
 
 }  // namespace vitrine

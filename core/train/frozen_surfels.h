@@ -1,17 +1,37 @@
-// Glass and mirrors while surfels descend: what is seen through or in them must not move their surfels.
+// Gradients of glass and mirrors: what is seen through or in them must not move their own surfels.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/math/point_grid.h"
+#include "core/optim/archive.h"
 #include "core/scene/layers.h"
-#include "core/train/known_surface.h"
 
 namespace vitrine {
 
-// Glass stays where it is, whatever is seen through it: `damping` (of geometry and opacity, Adam::step) goes from 1 to
-// `glass_factor` as a surfel is transparent, and its `error` from all to none. What is no glass becomes none: masks reach over
-// its rim, and what stands behind must not be taken for it.
+// Points of a fitted box, of a surface of revolution or of a fine visual hull that reflects, where the surface is known better
+// than by surfels. Surfels near it keep their geometry (freeze_mirrors).
+class KnownSurface {
+ public:
+  KnownSurface() = default;
+  // `reach`: how far from the points surfels lie that show the surface, at most; scene units.
+  KnownSurface(std::vector<Vec3f> points, float reach);
+  bool empty() const { return points_ == nullptr; }
+  bool near(const Vec3f& place) const;
+
+  void transfer(Archive& archive);
+
+ private:
+  std::shared_ptr<const std::vector<Vec3f>> points_;  // grid_ looks at them
+  std::shared_ptr<const PointGrid> grid_;
+  float reach_ = 0;
+};
+
+// `damping` (of geometry and opacity, Adam::step) goes from 1 to `glass_factor` with the transmission of a surfel, and its
+// `error` from all to none. Surfels that are no glass get no gradient of tau: masks reach over the rim of the glass, and objects
+// behind it must not become transparent.
 void freeze_glass(const SplatLayer& diffuse, float glass_factor, std::vector<float>& damping, std::span<float> error,
                   SplatLayer& grad);
 

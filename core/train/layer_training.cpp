@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/math/spherical_harmonics.h"
-#include "core/optim/far_steps.h"
+#include "core/optim/rates.h"
 
 namespace vitrine {
 
@@ -74,8 +74,7 @@ void LayerTraining::move(const DensifyConfig& config, const Move& move, SplatLay
     counts_.added += done.added;
     counts_.removed += done.removed;
   }
-  if (config.strategy == "mcmc" || config.strategy == "divide")
-    add_position_noise(layer, move.noise, move.moment.seed, move.moment.step);
+  if (config.strategy == DensifyStrategy::Divide) add_position_noise(layer, move.noise, move.moment.seed, move.moment.step);
 }
 
 void LayerTraining::transfer(Archive& archive) {

@@ -9,18 +9,22 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/loss/loss_set.h"
 #include "core/model/layered_model.h"
 #include "core/train/capture.h"
-#include "core/train/known_surface.h"
+#include "core/train/frozen_surfels.h"
 #include "core/train/layer_training.h"
 #include "core/train/shape_training.h"
 #include "core/train/targets.h"
 
 namespace vitrine {
+
+// The photos of one epoch, permuted by seed and epoch alone: a run that continues needs no memory of the order.
+std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch);
 
 inline constexpr double kSceneRadius = 1;  // the sfm stage scales the ring of cameras to it
 

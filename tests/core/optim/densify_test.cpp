@@ -28,31 +28,6 @@ SurfelAccumulator even_statistics(size_t size) {
   return a;
 }
 
-// Opacity at offset x, along a line through the centre, of N coincident surfels.
-double composited(double opacity, double scale, int copies, double x) {
-  return 1 - std::pow(1 - opacity * std::exp(-0.5 * x * x / (scale * scale)), copies);
-}
-
-TEST(CopySplit, KeepsTheCentreAndTheLineIntegral) {
-  for (double opacity : {0.05, 0.3, 0.7, 0.95})
-    for (int copies : {1, 2, 3, 5, 12}) {
-      const CopySplit split = copy_split(opacity, copies);
-      EXPECT_NEAR(composited(split.opacity, split.scale_factor, copies, 0), opacity, 1e-12);
-      double before = 0, after = 0;
-      const double step = 0.01;
-      for (double x = -8; x < 8; x += step) {
-        before += step * composited(opacity, 1, 1, x);
-        after += step * composited(split.opacity, split.scale_factor, copies, x);
-      }
-      EXPECT_NEAR(after, before, 1e-6 * before) << opacity << " in " << copies;
-    }
-}
-
-TEST(CopySplit, OneCopyIsTheSurfelItself) {
-  EXPECT_DOUBLE_EQ(copy_split(0.4, 1).opacity, 0.4);
-  EXPECT_NEAR(copy_split(0.4, 1).scale_factor, 1, 1e-12);
-}
-
 TEST(Densify, HappensAfterWholePassesThroughThePhotos) {
   DensifyConfig config;
   config.every = 50;
@@ -131,13 +106,13 @@ TEST(SurfelAccumulator, WhatFewPicturesShowIsRareAndSoAreItsCopies) {
   EXPECT_GT(rare, 15u) << "nearly all copies have rare parents";
 }
 
-TEST(Mcmc, MovesTheDeadAndGrowsToTheCapOnly) {
+TEST(Divide, MovesTheDeadAndGrowsToTheCapOnly) {
   SplatLayer layer = random_layer(100);
   for (size_t i = 0; i < 10; ++i) *layer.at(Attribute::Opacity, i) = logit(0.004f);
   Adam adam(layer);
   SurfelAccumulator accumulator = even_statistics(100);
   DensifyConfig config;
-  config.strategy = "mcmc";
+  config.strategy = DensifyStrategy::Divide;
   config.growth = 1.2;
   DensifyCounts counts = densify(config, {.seed = 1, .step = 50, .cap = 130}, {layer, adam, accumulator});
   EXPECT_EQ(counts.relocated, 10u);
@@ -152,15 +127,14 @@ TEST(Mcmc, MovesTheDeadAndGrowsToTheCapOnly) {
   EXPECT_EQ(counts.added, 0u);
 }
 
-TEST(Mcmc, PutsCopiesWhereTheErrorIs) {
+TEST(Divide, PutsCopiesWhereTheErrorIs) {
   SplatLayer layer = random_layer(1000);
   for (size_t i = 0; i < 1000; ++i) layer.at(Attribute::Mean, i)[0] = i < 100 ? 100.f : 0.f;
   Adam adam(layer);
   SurfelAccumulator accumulator = even_statistics(1000);
   for (size_t i = 0; i < 1000; ++i) accumulator.error[i] = i < 100 ? 5.f : 0.f;
   DensifyConfig config;
-  config.strategy = "mcmc";
-  config.error_share = 1;
+  config.strategy = DensifyStrategy::Divide;
   config.growth = 1.5;
   densify(config, {.seed = 1, .step = 1, .cap = 10000}, {layer, adam, accumulator});
   size_t near_error = 0;
@@ -178,7 +152,7 @@ TEST(Divide, HalvesLieAlongTheLongerAxisAndAddUpToTheParent) {
   Adam adam(layer);
   SurfelAccumulator accumulator = even_statistics(1);
   DensifyConfig config;
-  config.strategy = "divide";
+  config.strategy = DensifyStrategy::Divide;
   config.growth = 2;
   densify(config, {.seed = 1, .step = 1, .cap = 2}, {layer, adam, accumulator});
   ASSERT_EQ(layer.size(), 2u);
@@ -207,14 +181,14 @@ TEST(Divide, MovesWhatHardlyAnyPixelSees) {
   SurfelAccumulator accumulator = even_statistics(100);
   for (size_t i = 0; i < 7; ++i) accumulator.weight[i] = 1e-3f;
   DensifyConfig config;
-  config.strategy = "divide";
+  config.strategy = DensifyStrategy::Divide;
   config.idle_weight = 0.05;
   const DensifyCounts counts = densify(config, {.seed = 1, .step = 1, .cap = 100}, {layer, adam, accumulator});
   EXPECT_EQ(counts.relocated, 7u);
   EXPECT_EQ(layer.size(), 100u);
 }
 
-TEST(Mcmc, SurvivesALayerWithoutLivingSurfels) {
+TEST(Divide, SurvivesALayerWithoutLivingSurfels) {
   SplatLayer layer = random_layer(5, 0.001f);
   Adam adam(layer);
   SurfelAccumulator accumulator = even_statistics(5);
@@ -233,7 +207,7 @@ TEST(Classic, ClonesSmallSplitsLargeDropsFaint) {
   SurfelAccumulator accumulator = even_statistics(4);
   accumulator.screen_gradient = {1, 1, 0, 0};
   DensifyConfig config;
-  config.strategy = "classic";
+  config.strategy = DensifyStrategy::Classic;
   const DensifyCounts counts = densify(config, {.seed = 1, .step = 50, .cap = 100}, {layer, adam, accumulator});
   EXPECT_EQ(counts.added, 2u);
   EXPECT_EQ(counts.removed, 1u);
@@ -251,7 +225,7 @@ TEST(Classic, KeepsTheCapAndPrefersHighGradients) {
   SurfelAccumulator accumulator = even_statistics(10);
   for (size_t i = 0; i < 10; ++i) accumulator.screen_gradient[i] = float(i + 1);
   DensifyConfig config;
-  config.strategy = "classic";
+  config.strategy = DensifyStrategy::Classic;
   config.split_size_rel = 1;
   const SplatLayer before = layer;
   densify(config, {.seed = 1, .step = 50, .cap = 12}, {layer, adam, accumulator});
