@@ -1,8 +1,7 @@
 #include "pipeline/chart.h"
 
 #include "core/base/error.h"
-#include "core/config/photo_box.h"
-#include "core/config/scale_bar.h"
+#include "core/config/chart.h"
 #include "pipeline/given_inputs.h"
 
 namespace vitrine {

@@ -73,7 +73,6 @@ int config_command(const Words& words) {
   SettingsDesc desc{.project = project, .configs = configs, .sets = sets};
   if (!preset.empty()) desc.flags.push_back({"preset", preset, "--preset"});
   settings.load(desc);
-  settings.log_warnings();
   std::cout << yaml_text(settings.options.table, {.origins = origin});
   return 0;
 }

@@ -6,9 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/config/chart.h"
 #include "core/config/cli.h"
-#include "core/config/length.h"
-#include "core/config/scale_bar.h"
 #include "core/config/text.h"
 #include "pipeline/export_folder.h"
 #include "pipeline/graph.h"

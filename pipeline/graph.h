@@ -35,7 +35,7 @@ class Graph {
  public:
   std::vector<StageNode> nodes;  // every stage after those it reads from
 
-  // Also by the name that it had in the version before, with a warning. Error{Usage} with a suggestion.
+  // Error{Usage} with a suggestion.
   const StageNode& at(std::string_view name) const;
   std::set<std::string> ancestors(const StageNode& node) const;    // without itself
   std::set<std::string> descendants(const StageNode& node) const;  // without itself

@@ -70,7 +70,6 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
     return s;
   }
   settings.load({.project = *s.project});
-  settings.log_warnings();
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
   if (a.masks.empty()) s.masks = settings.text("input.masks");

@@ -48,7 +48,6 @@ MarkSubject subject_of(const std::string& word, const std::string& marks) {
   s.command = join_command({"vitrine", "run", word, "--masks", "marks.yaml"});
   Settings settings(load_graph(stage_folder()));
   settings.load({.project = what});
-  settings.log_warnings();
   s.photos = settings.text("input.photos");
   std::error_code ec;
   const fs::path before = settings.text("input.masks");

@@ -62,7 +62,6 @@ int status_command(const Words& words) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load({.project = project});
-  settings.log_warnings();
   Planner planner(graph, settings, project, {});
   fmt::print("{:<10} {:<8} {:<16} {:<9} {:<8} {}\n", "stage", "state", "when (UTC)", "took", "key", "why");
   int to_run = 0;
@@ -95,7 +94,6 @@ int explain_command(const Words& words) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load({.project = project});
-  settings.log_warnings();
   Planner planner(graph, settings, project, {});
   const StageNode* only = rest.empty() ? nullptr : &graph.at(rest[0]);
   for (const Step& s : planner.all()) {

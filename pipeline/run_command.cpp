@@ -223,7 +223,6 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
   const Graph graph = load_graph(stage_folder());
   Settings settings(graph);
   settings.load(settings_desc(a, target, settings));
-  settings.log_warnings();
   if (const std::string limit = settings.text("limits.memory"); !limit.empty())
     parse_bytes(limit, machine_memory_bytes(), settings.options.table.find("limits.memory")->origin);
   if (const Option* card = settings.options.table.find("decompose.grey_card"); card != nullptr && !card->text().empty())

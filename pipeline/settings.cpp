@@ -194,16 +194,11 @@ void Settings::load(const SettingsDesc& desc) {
   for (const FlagValue& flag : desc.flags) apply(flag.path + "=" + flag.value, flag.origin);
   for (const std::string& word : desc.sets) apply(word, "--set");
   anchor_paths(before, fs::current_path());
-  warnings_ = errors.warnings();
   errors.throw_if_any("`vitrine config reference` prints all options; `vitrine config show --origin` where each value came from");
   for (size_t i = 0; i < options.table.options.size(); ++i)
     if (options.table.options[i].origin != origins[i]) from_command.insert(options.table.options[i].path);
   if (preset_from_command) from_command.insert("preset");
   find_truth();
-}
-
-void Settings::log_warnings() const {
-  for (const std::string& warning : warnings_) log_warning("{}", warning);
 }
 
 void Settings::find_truth() {

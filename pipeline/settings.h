@@ -31,7 +31,6 @@ class Settings {
   explicit Settings(const Graph& graph);
   // Error{Usage} with all complaints of all layers.
   void load(const SettingsDesc& desc);
-  void log_warnings() const;  // about names of the version before
 
   OwnedOptions options;
   std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
@@ -45,8 +44,6 @@ class Settings {
     fs::path path;
     std::string prefix;  // "mesh" for stages/mesh.yaml
   };
-  std::vector<std::string> warnings_;
-  // Files stages/<stage>.yaml under a name of the version before.
   // A folder `truth` beside the photos, unless input.truth says something, be it "none".
   void find_truth();
   // Relative paths of input.* given by this layer start at `base`.

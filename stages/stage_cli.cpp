@@ -110,7 +110,6 @@ void apply_stage_config(const StageArguments& arguments, const StageInfo& info, 
       apply_set(std::string_view(word).substr(bar + 1), options, word.substr(0, bar), errors);
   }
   for (const std::string& word : arguments.sets) apply_set(word, options, "--set", errors);
-  for (const std::string& warning : errors.warnings()) log_warning("{}", warning);
   errors.throw_if_any(fmt::format("vitrine-{} --help lists every option", info.name));
 }
 

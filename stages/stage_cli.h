@@ -28,7 +28,7 @@ std::string stage_description(const StageInfo& info, const OptionTable& options)
 // What `--cost` prints. Error{Usage} where the stage has no estimate, or an option that it reads is missing in the file.
 std::string stage_cost_answer(const StageInfo& info, const std::string& file);
 // Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's
-// part is read, also under the name that the stage had in the version before).
+// part is read).
 void apply_stage_config(const StageArguments& arguments, const StageInfo& info, OptionTable& options);
 
 }  // namespace vitrine

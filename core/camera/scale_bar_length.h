@@ -10,7 +10,7 @@
 
 #include "core/camera/passes.h"
 #include "core/camera/view.h"
-#include "core/config/scale_bar.h"
+#include "core/config/chart.h"
 
 namespace vitrine {
 

@@ -21,16 +21,6 @@ std::string unknown_message(const OptionTable& table, const std::string& path, s
                      near.empty() ? std::string() : fmt::format("; did you mean '{}'?", joined(shown, near)));
 }
 
-std::string renamed_message(const std::string& before, const std::string& now) {
-  return fmt::format("'{}' is called '{}' now; the old name is accepted in this version alone", before, now);
-}
-
-std::string removed_message(const std::string& path) { return fmt::format("'{}' has no effect any more: leave it out", path); }
-
-std::string both_message(const std::string& written, const std::string& first, const std::string& place) {
-  return fmt::format("'{}' and '{}' ({}) are the old and the new name of the same: leave one of them out", written, first, place);
-}
-
 class Application {
  public:
   Application(const YamlFile& file, OptionTable& table, const ApplyDesc& desc, ConfigErrors& errors)
@@ -54,10 +44,10 @@ class Application {
       errors_.add(file_, key.mark, 1, "a key must be a word");
       return;
     }
-    const std::string written = joined(prefix, key.text), path = table_.present_path(written);
-    if (repeated(key, written, path.empty() ? written : path)) return;
-    if (path.empty()) {
-      errors_.warn(file_, key.mark, removed_message(shown(written)));
+    const std::string path = joined(prefix, key.text);
+    if (const auto [first, fresh] = seen_.emplace(path, key.mark); !fresh) {
+      errors_.add(file_, key.mark, key.text.size(),
+                  fmt::format("'{}' is given twice (first on line {})", shown(path), first->second.line));
       return;
     }
     Option* option = table_.find(path);
@@ -65,22 +55,10 @@ class Application {
       errors_.add(file_, key.mark, key.text.size(), unknown_message(table_, path, desc_.shown));
       return;
     }
-    if (path != written) errors_.warn(file_, key.mark, renamed_message(shown(written), shown(path)));
     if (option != nullptr)
       assign(*option, key, value, path);
     else
       map(value, path);
-  }
-
-  // Whether the option or group was given before, by this name or another one.
-  bool repeated(const YamlNode& key, const std::string& written, const std::string& path) {
-    const auto [place, fresh] = seen_.emplace(path, Seen{written, key.mark});
-    if (fresh) return false;
-    const auto& [first, mark] = place->second;
-    errors_.add(file_, key.mark, key.text.size(),
-                first == written ? fmt::format("'{}' is given twice (first on line {})", shown(written), mark.line)
-                                 : both_message(shown(written), shown(first), fmt::format("line {}", mark.line)));
-    return true;
   }
 
   void assign(Option& option, const YamlNode& key, const YamlNode& value, const std::string& path) {
@@ -122,11 +100,7 @@ class Application {
   OptionTable& table_;
   const ApplyDesc& desc_;
   ConfigErrors& errors_;
-  struct Seen {
-    std::string written;
-    SourceMark mark;
-  };
-  std::map<std::string, Seen> seen_;  // by present path
+  std::map<std::string, SourceMark> seen_;
 };
 
 }  // namespace
@@ -141,13 +115,8 @@ void apply_set(std::string_view assignment, OptionTable& table, std::string_view
     errors.add(where, fmt::format("expected path=value, got \"{}\"", assignment));
     return;
   }
-  std::string written(assignment.substr(0, equals));
-  std::replace(written.begin(), written.end(), '-', '_');
-  const std::string path = table.present_path(written);
-  if (path.empty()) {
-    errors.warn(where, removed_message(written));
-    return;
-  }
+  std::string path(assignment.substr(0, equals));
+  std::replace(path.begin(), path.end(), '-', '_');
   Option* option = table.find(path);
   if (option == nullptr) {
     if (table.is_group(path))
@@ -156,12 +125,6 @@ void apply_set(std::string_view assignment, OptionTable& table, std::string_view
       errors.add(where, unknown_message(table, path, {}));
     return;
   }
-  if (path != written) errors.warn(where, renamed_message(written, path));
-  if (option->origin == where && !option->given_as.empty() && option->given_as != written) {
-    errors.add(where, both_message(written, option->given_as, "given before"));
-    return;
-  }
-  option->given_as = written;
   if (const auto broken = option->try_assign(assignment.substr(equals + 1), where))
     errors.add(where, fmt::format("'{}' {}", path, *broken));
 }

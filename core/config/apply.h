@@ -1,6 +1,5 @@
 // Values into an OptionTable: from a YAML map, from `path=value` words. Strict: an unknown key, a duplicate, a value of the wrong
-// kind or out of range is an error that names the place; nothing is ignored. Names of the version before (OptionTable::renamed)
-// are accepted with a warning; the old and the new name of one option beside each other are an error.
+// kind or out of range is an error that names the place; nothing is ignored.
 #pragma once
 
 #include <string>

@@ -51,6 +51,7 @@ std::string Option::type() const {
     std::string operator()(float*) const { return "float"; }
     std::string operator()(double*) const { return "float"; }
     std::string operator()(std::string*) const { return "string"; }
+    std::string operator()(const ChoiceTarget&) const { return "string"; }
     std::string operator()(std::vector<double>*) const { return "float list"; }
     std::string operator()(std::vector<std::string>*) const { return "string list"; }
   };
@@ -59,11 +60,13 @@ std::string Option::type() const {
 
 std::string Option::text() const {
   struct Text {
+    const std::vector<std::string>& choices;
     std::string operator()(bool* v) const { return *v ? "true" : "false"; }
     std::string operator()(int* v) const { return fmt::format("{}", *v); }
     std::string operator()(float* v) const { return fmt::format("{}", *v); }
     std::string operator()(double* v) const { return fmt::format("{}", *v); }
     std::string operator()(std::string* v) const { return *v; }
+    std::string operator()(const ChoiceTarget& v) const { return choices.at(v.get(v.value)); }
     std::string operator()(std::vector<double>* v) const { return fmt::format("[{}]", fmt::join(*v, ", ")); }
     std::string operator()(std::vector<std::string>* v) const {
       std::vector<std::string> quoted;
@@ -71,7 +74,7 @@ std::string Option::text() const {
       return fmt::format("[{}]", fmt::join(quoted, ", "));
     }
   };
-  return std::visit(Text{}, target);
+  return std::visit(Text{choices}, target);
 }
 
 std::string Option::rule() const {
@@ -104,12 +107,15 @@ std::optional<std::string> Option::try_assign(std::string_view text, std::string
     double value = 0;
     if (!parse_finite(text, value) || !in_range(*this, value)) return broken();
     **p = value;
-  } else if (auto* p = std::get_if<std::string*>(&target)) {
+  } else {
     if (!allowed_word(*this, text)) {
       const std::string near = nearest_word(text, choices);
       return broken() + (near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
     }
-    **p = std::string(text);
+    if (auto* p = std::get_if<ChoiceTarget>(&target))
+      p->set(p->value, static_cast<size_t>(std::find(choices.begin(), choices.end(), text) - choices.begin()));
+    else
+      *std::get<std::string*>(target) = std::string(text);
   }
   origin = std::string(new_origin);
   return std::nullopt;
@@ -167,21 +173,6 @@ bool OptionTable::is_group(std::string_view path) const {
   return std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.path.starts_with(stem); });
 }
 
-std::string OptionTable::present_path(std::string_view path) const {
-  std::string now(path);
-  // A renaming may lead to another: a group of another name, and in it an option of another name.
-  for (size_t i = 0; i < renamed.size() && find(now) == nullptr && !is_group(now); ++i) {
-    const Renaming* longest = nullptr;
-    for (const Renaming& r : renamed)
-      if ((now == r.before || now.starts_with(r.before + ".")) && (!longest || r.before.size() > longest->before.size()))
-        longest = &r;
-    if (longest == nullptr) break;
-    if (longest->now.empty()) return {};
-    now = longest->now + now.substr(longest->before.size());
-  }
-  return now;
-}
-
 std::string OptionTable::nearest(std::string_view path) const {
   std::vector<std::string> words;
   for (const Option& o : options) words.push_back(o.path);
@@ -208,11 +199,12 @@ std::string OptionTable::canonical_text() const {
   return fmt::format("{}", fmt::join(lines, ""));
 }
 
-OptionRef Describer::add(std::string_view name, OptionTarget target, std::string_view doc) {
+OptionRef Describer::add(std::string_view name, OptionTarget target, std::string_view doc, std::vector<std::string> choices) {
   Option o;
   o.path = joined(name);
   o.doc = std::string(doc);
   o.target = target;
+  o.choices = std::move(choices);
   o.default_text = o.text();
   VITRINE_CHECK(table_.find(o.path) == nullptr, "option '{}' is described twice", o.path);
   table_.options.push_back(std::move(o));

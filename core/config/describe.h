@@ -3,13 +3,9 @@
 //   void describe(Describer& d, MeshConfig& c) {
 //     d.option("voxel_size_rel", c.voxel_size_rel, "Edge of a TSDF voxel, relative to the scene radius.").range(1e-4, 0.1);
 //     d.option("threads", c.threads, "Threads; 0 = all.").range(0, 1024).affects_output(false);
+//     d.choice("backend", c.backend, {"cpu", "reference"}, "Renderer.");  // an enum class; words in the order of its values
 //     d.group("fusion", c.fusion, "How depth maps are fused.");          // nested struct with its own describe
 //   }
-//
-// A name that users' files may still have from the version before stands beside the field that has its meaning now:
-//
-//     d.renamed("voxel_size", "voxel_size_rel");     // taken for the new name, with a warning; a group takes its options along
-//     d.removed("smooth");                           // accepted with a warning, without effect
 //
 // From these lines come the strict YAML reader, the command line, --help, --describe (JSON), the canonical text of the cache
 // key, the echo in the manifest, the reference YAML and the generic tests.
@@ -23,7 +19,14 @@
 
 namespace vitrine {
 
-using OptionTarget = std::variant<bool*, int*, float*, double*, std::string*, std::vector<double>*, std::vector<std::string>*>;
+// A member of an enum class whose values count from 0 in the order of the option's words.
+struct ChoiceTarget {
+  void* value;
+  size_t (*get)(const void*);
+  void (*set)(void*, size_t);
+};
+using OptionTarget =
+    std::variant<bool*, int*, float*, double*, std::string*, ChoiceTarget, std::vector<double>*, std::vector<std::string>*>;
 
 struct Option {
   std::string path;                  // "fusion.weight_cap", without the stage's name
@@ -34,7 +37,6 @@ struct Option {
   std::vector<std::string> choices;  // allowed words of a string option
   bool affects_result = true;        // false: not in the cache key (threads, log level, preview period)
   std::string origin = "default";    // "default", "preset preview", "vitrine.yaml:14:3", "--set"
-  std::string given_as = {};         // the path that the last --set had, which may be an old one
 
   std::string type() const;  // "bool", "int", "float", "string", "float list", "string list"
   std::string text() const;  // canonical text of the current value: shortest round-trip numbers
@@ -73,22 +75,15 @@ struct OptionGroup {
   std::string path, doc;
 };
 
-struct Renaming {
-  std::string before, now;  // paths of an option or a group; `now` is empty: removed
-};
-
 // All options of one config object. Valid as long as the object lives (and does not move).
 class OptionTable {
  public:
   std::vector<Option> options;  // in declaration order
   std::vector<OptionGroup> groups;
-  std::vector<Renaming> renamed;
 
   Option* find(std::string_view path);
   const Option* find(std::string_view path) const;
   bool is_group(std::string_view path) const;  // options lie below it
-  // What `path` is called now: the path itself where it is no old one, empty where it was removed.
-  std::string present_path(std::string_view path) const;
   // Nearest path or group by edit distance, for "did you mean"; the first word alone where nothing but that is near; empty when
   // nothing is.
   std::string nearest(std::string_view path) const;
@@ -106,20 +101,24 @@ class Describer {
   OptionRef option(std::string_view name, std::string& v, std::string_view doc) { return add(name, &v, doc); }
   OptionRef option(std::string_view name, std::vector<double>& v, std::string_view doc) { return add(name, &v, doc); }
   OptionRef option(std::string_view name, std::vector<std::string>& v, std::string_view doc) { return add(name, &v, doc); }
+  template <class Enum>
+  OptionRef choice(std::string_view name, Enum& v, std::vector<std::string> words, std::string_view doc) {
+    const ChoiceTarget target{&v, [](const void* p) { return static_cast<size_t>(*static_cast<const Enum*>(p)); },
+                              [](void* p, size_t i) { *static_cast<Enum*>(p) = static_cast<Enum>(i); }};
+    return add(name, target, doc, std::move(words));
+  }
   template <class Config>
   void group(std::string_view name, Config& config, std::string_view doc) {
     table_.groups.push_back({joined(name), std::string(doc)});
     Describer inner(table_, joined(name));
     describe(inner, config);  // found by argument-dependent lookup
   }
-  void renamed(std::string_view before, std::string_view now) { table_.renamed.push_back({joined(before), joined(now)}); }
-  void removed(std::string_view before) { table_.renamed.push_back({joined(before), {}}); }
 
  private:
   std::string joined(std::string_view name) const {
     return prefix_.empty() ? std::string(name) : prefix_ + "." + std::string(name);
   }
-  OptionRef add(std::string_view name, OptionTarget target, std::string_view doc);
+  OptionRef add(std::string_view name, OptionTarget target, std::string_view doc, std::vector<std::string> choices = {});
   OptionTable& table_;
   std::string prefix_;
 };

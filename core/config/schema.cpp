@@ -8,7 +8,7 @@ namespace vitrine {
 using nlohmann::json;
 
 std::string options_to_json(const OptionTable& table) {
-  json out = {{"options", json::array()}, {"groups", json::array()}, {"renamed", json::array()}};
+  json out = {{"options", json::array()}, {"groups", json::array()}};
   for (const Option& o : table.options) {
     json one = {
         {"path", o.path}, {"type", o.type()}, {"doc", o.doc}, {"default", o.default_text}, {"affects_result", o.affects_result}};
@@ -18,7 +18,6 @@ std::string options_to_json(const OptionTable& table) {
     out["options"].push_back(std::move(one));
   }
   for (const OptionGroup& g : table.groups) out["groups"].push_back({{"path", g.path}, {"doc", g.doc}});
-  for (const Renaming& r : table.renamed) out["renamed"].push_back({{"before", r.before}, {"now", r.now}});
   return out.dump();
 }
 
@@ -64,10 +63,6 @@ void OwnedOptions::add_json(std::string_view text, std::string_view prefix) {
     o.affects_result = one.at("affects_result").get<bool>();
   }
   for (const json& one : all.at("groups")) table.groups.push_back({path_of(one), one.at("doc").get<std::string>()});
-  for (const json& one : all.value("renamed", json::array())) {
-    const std::string now = one.at("now").get<std::string>();
-    table.renamed.push_back({below(one.at("before").get<std::string>()), now.empty() ? now : below(now)});
-  }
 }
 
 }  // namespace vitrine

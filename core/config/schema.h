@@ -11,7 +11,7 @@
 
 namespace vitrine {
 
-// {"options":[{path,type,doc,default,value,low?,high?,choices?,affects_result}],"groups":[{path,doc}],"renamed":[{before,now}]}
+// {"options":[{path,type,doc,default,value,low?,high?,choices?,affects_result}],"groups":[{path,doc}]}
 std::string options_to_json(const OptionTable& table);
 
 // Owns the values that its table points at. Not copyable: the table would point into the original.

@@ -176,14 +176,6 @@ void ConfigErrors::add(std::string_view where, const std::string& message) {
   if (++count_ <= kMostShown) text_ += fmt::format("{}: error: {}\n", where, shortened(message));
 }
 
-void ConfigErrors::warn(const YamlFile& file, SourceMark mark, const std::string& message) {
-  warn(fmt::format("{}:{}:{}", file.name, mark.line, mark.column), message);
-}
-
-void ConfigErrors::warn(std::string_view where, const std::string& message) {
-  warnings_.push_back(fmt::format("{}: warning: {}", where, shortened(message)));
-}
-
 void ConfigErrors::throw_if_any(std::string_view hint) const {
   if (count_ == 0) return;
   const std::string more = count_ > kMostShown ? fmt::format(", the first {} are shown", kMostShown) : "";

@@ -43,10 +43,6 @@ class ConfigErrors {
   // "name:line:col: error: message" plus the line with `length` columns underlined.
   void add(const YamlFile& file, SourceMark mark, size_t length, const std::string& message);
   void add(std::string_view where, const std::string& message);  // "where: error: message"
-  // Likewise, but nothing fails because of it: "name:line:col: warning: message", one line.
-  void warn(const YamlFile& file, SourceMark mark, const std::string& message);
-  void warn(std::string_view where, const std::string& message);
-  const std::vector<std::string>& warnings() const { return warnings_; }
   bool empty() const { return count_ == 0; }
   // Throws one Error{Usage} with all of them, a count and `hint`.
   void throw_if_any(std::string_view hint) const;
@@ -54,7 +50,6 @@ class ConfigErrors {
  private:
   std::string text_;
   int count_ = 0;
-  std::vector<std::string> warnings_;
 };
 
 }  // namespace vitrine

@@ -89,9 +89,6 @@ void add_shapes(const JsonAt& at, const Object& object, size_t index, ShapeList&
 
 ObjectSet read_document(const nlohmann::json& document, const fs::path& folder) {
   const JsonAt root(document);
-  if (root.has("shapes") && !root.has("objects"))
-    throw JsonMistake("/shapes",
-                      "this is a shapes.json of an earlier version; a table of objects is objects/objects.json of a run");
   ObjectSet set;
   ShapeList list;
   const JsonAt objects = root.at("objects");

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/config/photo_box.h"
+#include "core/config/chart.h"
 #include "core/math/median.h"
 
 namespace vitrine {

@@ -8,7 +8,7 @@
 #include "core/base/json.h"
 #include "core/base/process.h"
 #include "core/camera/scale_bar_length.h"
-#include "core/config/scale_bar.h"
+#include "core/config/chart.h"
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {

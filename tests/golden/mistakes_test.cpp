@@ -64,7 +64,7 @@ TEST_F(GoldenMessages, InSettings) {
   told("no value", ingest("max_side"));
   told("a choice that there is not", {"vitrine-masks", "-i", "sfm=x", "-o", "m", "--set", "frame=upright"});
   told("two options that contradict each other",
-       {"vitrine-optimize", "-i", "sfm=x", "-o", "o", "--set", "densify.from=0.9", "--set", "densify.until=0.2"});
+       {"vitrine-normals", "-i", "sfm=x", "-o", "o", "--set", "onnx.width=512"});
   const auto run = [&](const Words& more) {
     Words words = {"vitrine", "run", photos_, "-o", "out"};
     words.insert(words.end(), more.begin(), more.end());

@@ -13,7 +13,6 @@
 #include "pipeline/settings.h"
 #include "tests/pipeline/built_stages.h"
 #include "tests/support/error_of.h"
-#include "tests/support/renamed_options.h"
 
 namespace vitrine {
 namespace {
@@ -119,18 +118,6 @@ TEST(Stages, ReferenceFilesAreUpToDate) {
   const std::string first = graph().nodes.front().name;
   EXPECT_EQ(output_of({std::string(VITRINE_BIN_DIR) + "/vitrine", "config", "reference", first}),
             read_file(written.path() / (first + ".yaml")));
-}
-
-TEST(Stages, OptionsOfTheVersionBeforeAreAccepted) {
-  size_t renamed = 0;
-  for (const StageNode& n : graph().nodes)
-    test::expect_old_names_are_accepted([&](const auto& check) {
-      OwnedOptions options;
-      options.add_json(n.description, "");
-      renamed += options.table.renamed.size();
-      check(options.table);
-    });
-  EXPECT_GT(renamed, 0u);
 }
 
 TEST(Presets, AreReadWithoutComplaint) {

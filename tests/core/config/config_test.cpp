@@ -8,7 +8,6 @@
 #include "core/config/yaml_reader.h"
 #include "tests/core/config/example.h"
 #include "tests/support/error_of.h"
-#include "tests/support/renamed_options.h"
 
 namespace vitrine {
 namespace {
@@ -42,7 +41,7 @@ TEST(Yaml, ReadsEveryKindOfOption) {
             "");
   EXPECT_FLOAT_EQ(c.voxel, 0.002f);
   EXPECT_EQ(c.iterations, 5);
-  EXPECT_EQ(c.backend, "reference");
+  EXPECT_EQ(c.backend, example::Renderer::Reference);
   EXPECT_EQ(c.schedule, (std::vector<double>{0.5, 1}));
   EXPECT_EQ(c.formats, std::vector<std::string>{"glb"});
   EXPECT_TRUE(c.fusion.carve);
@@ -162,61 +161,6 @@ TEST(Set, ComplainsAboutWhatIsWrong) {
   }
 }
 
-TEST(Renamed, OldNamesMeanWhatTheNewOnesDo) {
-  const auto fresh = [](const auto& check) {
-    Config c;
-    OptionTable table = options_of(c);
-    check(table);
-  };
-  test::expect_old_names_are_accepted(fresh);
-  // What a stage prints of itself keeps the old names.
-  test::expect_old_names_are_accepted([&](const auto& check) {
-    Config c;
-    OwnedOptions copy;
-    copy.add_json(options_to_json(options_of(c)), "mesh");
-    ASSERT_EQ(copy.table.renamed.size(), 6u);
-    check(copy.table);
-  });
-}
-
-TEST(Renamed, WarningsNamePlaceAndBothNames) {
-  Config c;
-  OptionTable table = options_of(c);
-  const test::Parsed p =
-      test::parsed(table, test::from_yaml("integration:\n  max_weight: 8\n  smooth: 3\ndenoise: {steps: 2, on: 1}\n"));
-  EXPECT_EQ(p.complaint, "");
-  EXPECT_EQ(p.warnings,
-            (std::vector<std::string>{
-                "old.yaml:1:1: warning: 'integration' is called 'fusion' now; the old name is accepted in this version alone",
-                "old.yaml:2:3: warning: 'fusion.max_weight' is called 'fusion.weight_cap' now; the old name is accepted in this "
-                "version alone",
-                "old.yaml:3:3: warning: 'fusion.smooth' has no effect any more: leave it out",
-                "old.yaml:4:1: warning: 'denoise' has no effect any more: leave it out"}));
-  EXPECT_EQ(c.fusion.weight_cap, 8);
-  EXPECT_EQ(table.find("fusion.weight_cap")->origin, "old.yaml:2:3");
-}
-
-TEST(Renamed, BothNamesInAFileAreAnErrorAtTheSecond) {
-  for (const auto& [text, message] :
-       {std::pair{"voxel: 0.01\nvoxel_size: 0.02\n",
-                  "kettle.yaml:2:1: error: 'voxel_size' and 'voxel' (line 1) are the old and the new name of the same"},
-        std::pair{"fusion: {carve: true}\nintegration:\n  max_weight: 8\n",
-                  "kettle.yaml:2:1: error: 'integration' and 'fusion' (line 1) are the old and the new name of the same"},
-        std::pair{"fusion:\n  backend: cpu\nbackend: cpu\n",
-                  "kettle.yaml:3:1: error: 'backend' and 'fusion.backend' (line 2) are the old and the new name of the same"},
-        std::pair{"denoise: 1\ndenoise: 2\n", "kettle.yaml:2:1: error: 'denoise' is given twice (first on line 1)"}})
-    EXPECT_TRUE(complaint(text).starts_with(message)) << complaint(text);
-}
-
-TEST(Renamed, AnUnknownOptionOfARenamedGroupIsLookedForInTheNewOne) {
-  EXPECT_NE(complaint("integration:\n  carv: true\n").find("unknown key 'fusion.carv'; did you mean 'fusion.carve'?"),
-            std::string::npos);
-  Config c;
-  OptionTable table = options_of(c);
-  EXPECT_NE(test::parsed(table, test::from_sets({{"integration.carv", "1"}})).complaint.find("did you mean 'fusion.carve'?"),
-            std::string::npos);
-}
-
 TEST(Option, AssignThrowsWithOptionValueAndRule) {
   Config c;
   OptionTable table = options_of(c);
@@ -248,7 +192,7 @@ TEST(YamlText, ReadsBackToTheSameValues) {
   c.voxel = 0.0333333333f;
   c.note = "it's \"5\": # x\ttab\nline\x01";
   c.formats = {};
-  c.backend = "reference";
+  c.backend = example::Renderer::Reference;
   c.fusion.carve = true;
   OptionTable table = options_of(c);
   for (bool documented : {false, true}) {

@@ -1,9 +1,8 @@
 // Lengths and scale bars as users write them.
-#include "core/config/scale_bar.h"
+#include "core/config/chart.h"
 
 #include <gtest/gtest.h>
 
-#include "core/config/length.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -237,7 +237,7 @@ TEST(Verdict, AdviceBecomesACommandThatAShellTakes) {
       {"white means 'object' (--set masks.object.polarity=black turns it round); without such pixels: --set "
        "masks.object.source=none",
        " --set masks.object.polarity=black"},
-      {"raise --max-memory or --set optimize.resolution.max_side=640", " --set optimize.resolution.max_side=640"},
+      {"raise --max-memory or --set optimize.max_side=640", " --set optimize.max_side=640"},
       {"supply poses: --poses transforms.json, or a COLMAP model", " --poses transforms.json"},
       {"say it: --set normals.files.space= (or normals.onnx.space=) one of camera-opencv", ""},
       {"leave out --from and --only: what is missing is computed first", ""},

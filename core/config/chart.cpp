@@ -1,4 +1,4 @@
-#include "core/config/scale_bar.h"
+#include "core/config/chart.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,9 +6,35 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/config/length.h"
 
 namespace vitrine {
+
+std::optional<PhotoBox> parse_photo_box(std::string_view text) {
+  const size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+  PhotoBox box{.photo = std::string(text.substr(0, colon))};
+  const char *at = text.data() + colon, *end = text.data() + text.size();
+  for (int* number : {&box.x, &box.y, &box.width, &box.height}) {
+    if (at == end || (*at != ':' && *at != ',')) return std::nullopt;
+    const auto [next, error] = std::from_chars(at + 1, end, *number);
+    if (error != std::errc()) return std::nullopt;
+    at = next;
+  }
+  if (at != end || box.x < 0 || box.y < 0 || box.width < 1 || box.height < 1) return std::nullopt;
+  return box;
+}
+
+std::optional<Length> parse_length(std::string_view text) {
+  double value = 0;
+  const auto [next, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc()) return std::nullopt;
+  std::string_view unit = text.substr(size_t(next - text.data()));
+  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+  const double factor = unit.empty() || unit == "m" ? 1 : unit == "cm" ? 0.01 : unit == "mm" ? 0.001 : 0;
+  const Length length{value * factor, !unit.empty()};
+  if (!(length.metres > 0) || !std::isfinite(length.metres)) return std::nullopt;
+  return length;
+}
 
 namespace {
 

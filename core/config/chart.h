@@ -1,0 +1,48 @@
+// Measures that a user reads off a photo: a box, a length, a scale bar.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vitrine {
+
+// "photo:x,y,w,h": left, top, width and height in pixels.
+struct PhotoBox {
+  std::string photo;
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+// Nothing when the text is not of that form, or the box is empty or begins outside (below 0). The name may hold colons.
+std::optional<PhotoBox> parse_photo_box(std::string_view text);
+
+// "24cm", "0.24 m", "240mm".
+struct Length {
+  double metres = 0;
+  bool has_unit = false;  // a bare number counts as metres
+};
+
+// Nothing when the text is not of that form, or the length is not finite and above zero.
+std::optional<Length> parse_length(std::string_view text);
+
+// A scale bar of known length in the picture, as a user writes it: its two ends in two or more photos, and its length.
+//
+//   IMG_0007.jpg:120.5,410,388,402 IMG_0011.jpg:96,377,301.5,455 = 5cm
+//
+// photo:x1,y1,x2,y2 are pixels of the undistorted photo (images/<photo>), centres at .5; the ends have the same order in each
+// photo.
+struct ScaleBarMark {
+  std::string photo;
+  double x1 = 0, y1 = 0, x2 = 0, y2 = 0;
+};
+
+struct ScaleBar {
+  std::vector<ScaleBarMark> marks;  // two or more, of different photos
+  double length_m = 0;
+};
+
+// The names may hold spaces, commas and colons. Throws Error{Usage, SCALE_BAR}.
+ScaleBar parse_scale_bar(const std::string& text);
+
+}  // namespace vitrine
