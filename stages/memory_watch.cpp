@@ -49,11 +49,11 @@ std::string less_memory_hint(const std::string& stage) {
       {"sfm", "--set sfm.max_image_size=1600, or fewer threads: -j 1"},
       {"masks", "--set ingest.max_side=1024"},
       {"normals", "--set normals.geometric.max_side=192"},
-      {"optimize", "--max-gaussians 50000 --set optimize.resolution.max_side=640"},
+      {"optimize", "--max-gaussians 50000 --set optimize.max_side=640"},
       {"mesh", "--set mesh.resolution=192"},
-      {"refine", "--set optimize.resolution.max_side=640"},
+      {"refine", "--set optimize.max_side=640"},
       {"decompose", "--set mesh.faces=50000"},
-      {"evaluate", "--set optimize.resolution.max_side=640"},
+      {"evaluate", "--set optimize.max_side=640"},
       {"export", "--set mesh.faces=50000"},
   };
   for (const Hint& h : kHints)

@@ -8,7 +8,7 @@ namespace vitrine {
 inline double ingested_side(const CostTerms& t) { return t.number("ingest.max_side"); }
 // Megapixels of all photos as they are ingested.
 inline double ingested_mpx(const CostTerms& t) { return t.photos() * t.mpx(ingested_side(t)); }
-inline double trained_side(const CostTerms& t) { return t.limited("optimize.resolution.max_side", ingested_side(t)); }
+inline double trained_side(const CostTerms& t) { return t.limited("optimize.max_side", ingested_side(t)); }
 double opaque_step_s(const CostTerms& t);  // of one opaque layer, CPU seconds
 // CPU seconds of a step of training with all its layers, of which those of gloss and glass take part in `layered` of the steps;
 // a ray of them costs less than its pixel, which is shaded with all the others. `budget`: option with the most rays of a step.

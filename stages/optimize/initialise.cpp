@@ -26,7 +26,8 @@ constexpr double kBorrowReach = 0.12;
 constexpr double kOneSurface = 1.12;     // ratio of depths up to which neighbouring points are taken for one surface
 constexpr double kUnknownDemand = 0.5;   // a pixel without a depth: half as much as one that its photo alone sees
 constexpr float kLargestSpacing = 10.f;  // in medians: isolated points would become huge
-constexpr double kSkyShare = 0.9;        // of the background's distance
+constexpr float kInitialOpacity = 0.3f;
+constexpr double kSkyShare = 0.9;  // of the background's distance
 
 struct Seed {
   Vec3f position, normal, linear;
@@ -181,13 +182,13 @@ SplatLayer initial_layer(const OptimizeConfig& config, const Capture& capture, c
     rotation[0] = q.w, rotation[1] = q.x, rotation[2] = q.y, rotation[3] = q.z;
     const float nearest = spacing[i] > 0 ? spacing[i] : median;
     const float largest = seed.sky ? seed.spacing_limit : std::min(seed.spacing_limit, kLargestSpacing * median);
-    const float scale = float(config.initial.scale) * std::max(std::min(nearest, largest), 1e-3f * median);
+    const float scale = std::max(std::min(nearest, largest), 1e-3f * median);
     for (size_t c = 0; c < 2; ++c) layer.at(Attribute::LogScale, i)[c] = std::log(scale);
     for (size_t c = 0; c < 3; ++c) {
       layer.at(Attribute::Mean, i)[c] = seed.position[c];
       layer.at(Attribute::ShDc, i)[c] = (seed.linear[c] - 0.5f) / kShDc;
     }
-    *layer.at(Attribute::Opacity, i) = logit(static_cast<float>(config.initial.opacity));
+    *layer.at(Attribute::Opacity, i) = logit(kInitialOpacity);
     for (Attribute a : {Attribute::F0, Attribute::Roughness, Attribute::SpecularWeight, Attribute::Transmission})
       std::fill_n(layer.at(a, i), layer.width(a), raw_value(row(a).activation, row(a).initial));
   }

@@ -326,7 +326,7 @@ HullCounts begin_reflection(const LayerInitDesc& start, size_t cap, size_t diffu
 }
 
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes) {
-  return config.shading.glass == "thin" && config.shading.panes && shapes.has_glass();
+  return config.shading.glass == Glass::Thin && config.shading.panes && shapes.has_glass();
 }
 
 ShapeSet known_sheets(const LayerInitDesc& desc, SplatScene& scene) {
@@ -353,7 +353,7 @@ HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t dif
     counts.hull = append_hull(desc, hull, std::min(room, static_cast<size_t>(phase.hull_points)), kGlassColor, diffuse).size();
     for (size_t i = first; i < diffuse.size(); ++i) make_glass(phase, diffuse, i);
   };
-  if (desc.config.shading.glass == "thin") {
+  if (desc.config.shading.glass == Glass::Thin) {
     for (size_t i = 0; i < diffuse.size(); ++i) set(diffuse, Attribute::Transmission, i, kDull);
     // Where no glass can be placed, what stands behind it would be gone from every picture.
     move_behind_glass(seen, closed ? std::min(static_cast<size_t>(phase.initial_surfels), cap) : 1, scene);

@@ -39,7 +39,8 @@ size_t bytes_before_surfels(const ViewSet& views, int max_side, const std::optio
 }
 
 size_t affordable_surfels(const OptimizeConfig& config, size_t bytes_before, size_t max_memory_bytes) {
-  const size_t trained = kBytesPerSurfel + (config.opaque_twin && config.layers != "diffuse" ? kBytesPerTwinSurfel : 0);
+  const size_t trained =
+      kBytesPerSurfel + (config.opaque_twin && config.layers != WantedLayers::Diffuse ? kBytesPerTwinSurfel : 0);
   const auto each = config.fill_unseen ? static_cast<size_t>((1 + kMostUnseen) * double(trained)) : trained;
   return max_memory_bytes > bytes_before ? (max_memory_bytes - bytes_before) / each : 0;
 }
@@ -51,7 +52,7 @@ std::vector<FittedOption> fit_into_memory(const OptimizeConfig& config, size_t m
   };
   const auto sfm = path("sfm");
   if (!sfm) return {};
-  const size_t before = bytes_before_surfels(load_view_set(*sfm), config.resolution.max_side, path("masks"), path("normals"));
+  const size_t before = bytes_before_surfels(load_view_set(*sfm), config.max_side, path("masks"), path("normals"));
   const auto wanted = static_cast<size_t>(config.max_gaussians);
   const size_t possible = affordable_surfels(config, before, max_memory_bytes);
   if (possible >= wanted) return {};

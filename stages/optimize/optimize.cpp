@@ -21,17 +21,19 @@ namespace vitrine {
 
 namespace {
 
+constexpr double kFarFactor = 5;  // surfaces are searched so far beyond the farthest sparse points; beyond may be sky
+
 // stage_main has made max_gaussians small enough for the limit (memory.h), as far as fewer surfels help.
 void check_memory(const OptimizeConfig& config, const Capture& capture, const StageContext& context) {
   const size_t limit = context.max_memory_bytes();
   if (limit == 0) return;
-  const size_t before = bytes_before_surfels(capture.view_set, config.resolution.max_side, context.optional_input("masks"),
-                                             context.optional_input("normals"));
+  const size_t before =
+      bytes_before_surfels(capture.view_set, config.max_side, context.optional_input("masks"), context.optional_input("normals"));
   if (affordable_surfels(config, before, limit) >= std::min(kFewestSurfels, static_cast<size_t>(config.max_gaussians))) return;
   throw Error(ErrorKind::Resource, "the photos do not fit into the memory limit",
               {.where = fmt::format("limit {} MiB", limit >> 20),
                .why = fmt::format("photos and pictures need {} MiB before the first surfel", before >> 20),
-               .hint = "raise --max-memory or --set optimize.resolution.max_side=640",
+               .hint = "raise --max-memory or --set optimize.max_side=640",
                .code = "OUT_OF_MEMORY"});
 }
 
@@ -43,7 +45,7 @@ class LazyDepth {
   const DenseDepth& get() {
     if (depth_) return *depth_;
     const Timer timer;
-    depth_ = dense_depth(capture_, config_.initial.stereo_side, config_.initial.far_factor, uint64_t(config_.seed));
+    depth_ = dense_depth(capture_, config_.initial.stereo_side, kFarFactor, uint64_t(config_.seed));
     context_.timing("stereo_seconds", timer.seconds());
     log_info("dense stereo: {:.0f} % of the pixels of {} photos have a reliable depth, {:.1f} s", 100 * depth_->reliable_share(),
              capture_.train.size(), timer.seconds());
@@ -107,7 +109,7 @@ void train(const OptimizeConfig& config, const Capture& capture, Trainer& traine
   if (!trainer.sound())
     throw Error(ErrorKind::Diverged, "training broke down: at its end the surfels are gone or no numbers",
                 {.where = fmt::format("step {}", trainer.step_index()),
-                 .hint = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed",
+                 .hint = "lower the rates (--set optimize.rate_factor=0.1) or change the seed",
                  .code = "COLLAPSED"});
   if (!part.previews.empty() && trainer.step_index() > first_step)
     context.timing("seconds_per_step", timer.seconds() / double(trainer.step_index() - first_step));
@@ -154,9 +156,9 @@ void say(const Surroundings& surroundings) {
 
 void run_optimize(const OptimizeConfig& config, StageContext& context) {
   set_thread_limit(context.threads());
-  Capture capture = load_capture(context.input("sfm"), config.resolution.max_side, config.holdout_every);
+  Capture capture = load_capture(context.input("sfm"), config.max_side, config.holdout_every);
   const Passes passes = read_passes(context.input("sfm"));
-  if (config.surroundings == "train") keep_largest_pass(passes, capture);
+  if (config.surroundings == WantedSurroundings::Train) keep_largest_pass(passes, capture);
   const LabelledObjects objects = LabelledObjects::trusted(context.optional_input("objects"));
   Targets targets = load_targets(capture, context.optional_input("masks"), objects, context.optional_input("normals"));
   const ShapeSet shapes = objects.objects().drawn_shapes();
@@ -164,7 +166,7 @@ void run_optimize(const OptimizeConfig& config, StageContext& context) {
   for (const TargetProblem& problem : targets.warnings) context.warning(problem.code, problem.text);
   check_memory(config, capture, context);
   const LayerChoice layers = chosen_layers(config.layers, targets.any(MaskClass::Specular), targets.any(MaskClass::Transparent));
-  if (config.layers == "auto" && !layers.any() && !read_objects(context.optional_input("objects")).empty())
+  if (config.layers == WantedLayers::Auto && !layers.any() && !read_objects(context.optional_input("objects")).empty())
     log_info("glass and mirrors are only guessed: one opaque layer (correct objects/objects.json and give it with --objects)");
   LazyDepth depth(config, capture, context);
   const Surroundings surroundings = surroundings_to_train(

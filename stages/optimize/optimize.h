@@ -15,34 +15,34 @@
 
 namespace vitrine {
 
-struct ResolutionConfig {
-  int max_side = 1280;
+// Parts of the run on photos of a quarter and of half the size, coarse to fine.
+struct ResolutionPhases {
   double quarter_until = 0.12, half_until = 0.45;
 };
 
 struct InitialConfig {
   int frustum_points = 80000;
-  double far_factor = 5.0;
   int stereo_side = 160;
-  double opacity = 0.3;
-  double scale = 1.0;
 };
+
+enum class WantedSurroundings { Auto, Train, Ignore };
 
 struct OptimizeConfig {
   int iterations = 3000;
   int max_gaussians = 240000;
-  std::string layers = "auto";
+  WantedLayers layers = WantedLayers::Auto;
   bool opaque_twin = true;
   int sh_degree = 1;
-  double sh_from = 0.15;
-  std::string backend = "cpu";
+  int max_side = 1280;
+  Backend backend = Backend::Cpu;
   int seed = 1;
   int holdout_every = 8;
-  std::string surroundings = "auto";
+  WantedSurroundings surroundings = WantedSurroundings::Auto;
   bool fill_unseen = true;
-  int preview_every = 1000;
   int checkpoint_every = 250;
-  ResolutionConfig resolution;
+  double sh_from = 0.15;     // part of the run after which the colour may depend on the view; no option
+  int preview_every = 1000;  // steps between two preview pictures, 0 = only the last; no option
+  ResolutionPhases resolution;
   InitialConfig initial;
   PhasesConfig phases;
   ShadingConfig shading;

@@ -26,7 +26,7 @@ uint8_t byte_of(float value) { return static_cast<uint8_t>(std::lround(255.f * s
 }  // namespace
 
 void write_views(const std::filesystem::path& path, const OptimizeConfig& config, const Capture& capture, bool object_alone) {
-  Json json{{"holdout_every", config.holdout_every}, {"max_side", config.resolution.max_side}};
+  Json json{{"holdout_every", config.holdout_every}, {"max_side", config.max_side}};
   if (object_alone) json["object_alone"] = true;
   json["train"] = Json::array();
   json["heldout"] = Json::array();

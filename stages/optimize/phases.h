@@ -24,18 +24,18 @@ struct LayerChoice {
     return kind == LayerKind::Diffuse || (kind == LayerKind::Reflection ? reflection : transmittance);
   }
 };
-// `wanted`: auto, diffuse, reflection or full. auto: what masks of glass and gloss ask for; objects that are only guessed do not
-// count (ObjectSet::trusted).
-LayerChoice chosen_layers(const std::string& wanted, bool has_specular_mask, bool has_transparent_mask);
+enum class WantedLayers { Auto, Diffuse, Reflection, Full };
+// Auto: what masks of glass and of mirrors need; objects that are only guessed do not count (ObjectSet::trusted).
+LayerChoice chosen_layers(WantedLayers wanted, bool has_specular_mask, bool has_transparent_mask);
 
+// Values that EXPERIMENTS.md measured; tests shorten them, users do not set them.
 struct LayerPhase {
-  double from = 0.3, until = 1, ramp = 0.05;  // ramp: from 0 to the full rates
-  double densify_until = 0.75;
-  double share = 0.2;  // of max_gaussians
-  int initial_surfels = 6000;
-  int hull_points = 4000;  // diffuse surfels on the shapes of this phase's objects
-  int sh_degree = 2;
-  double geometry_factor = 1;  // of the diffuse layer's rates of geometry, from now on
+  double from = 0.3, ramp = 0.05;  // start; time over which the rates rise from zero
+  double densify_until = 0.75;     // end of relocation and growth
+  double share = 0.2;              // of max_gaussians
+  int initial_surfels = 6000;      // at most
+  int hull_points = 4000;          // diffuse surfels on the shapes of this phase's objects
+  int sh_degree = 2;               // view dependence of its colour
 };
 
 struct ReflectionPhase : LayerPhase {
@@ -46,7 +46,7 @@ struct ReflectionPhase : LayerPhase {
   int known_hull_points = 3000;  // in place of hull_points: opaque surfels, which only help where they stand right
   double roughness_from = 0.4;
   double surface_from = 0.36;      // rays turn and move surfaces
-  double silhouettes_from = 0.36;  // known shapes tell the pixels at their silhouettes
+  double silhouettes_from = 0.36;  // known shapes decide how much of the pixels at their silhouettes they cover
   double shape_rate = 1e-4;        // of a known shape's lengths, scene units
   double axis_rate = 4e-4;         // of its angles, radians
 };
@@ -60,10 +60,13 @@ struct DiffusePhase {
 };
 // How the layers become a picture (core/model).
 struct ShadingConfig {
-  std::string blend = "layered", lobe = "mirror", glass = "thin";
+  LayerBlend blend = LayerBlend::Layered;
+  Lobe lobe = Lobe::Mirror;
+  Glass glass = Glass::Thin;
   int ray_budget = 0;
-  bool panes = true, shapes = true, silhouettes = true;
-  double gate = 4, diffuse_in_transparent = 1;
+  // Tests switch these off. Thin glass of known shape is rendered from its shape and reflects the scene at both walls of each
+  // sheet; known mirrors have the surface of their shape, which learns from what it reflects.
+  bool panes = true, shapes = true;
 };
 void describe(Describer& d, ShadingConfig& c);
 
@@ -88,8 +91,6 @@ struct PhasesConfig {
     return kind == LayerKind::Reflection && points > 0 ? std::max(points, reflection.known_hull_points) : points;
   }
 };
-void describe(Describer& d, PhasesConfig& c);
-std::string phases_problem(const PhasesConfig& c);  // empty = fine
 
 // What the phases say at one moment of the run.
 class PhaseClock {
@@ -99,9 +100,6 @@ class PhaseClock {
 
   bool begun(LayerKind kind) const {
     return kind == LayerKind::Diffuse || (layers_.has(kind) && fraction_ >= config_.of(kind).from);
-  }
-  bool training(LayerKind kind) const {
-    return begun(kind) && (kind == LayerKind::Diffuse || fraction_ <= config_.of(kind).until);
   }
   // The passes' options at this moment, for training; `sh_degree`: of the diffuse layer.
   ImageOptions image_options(const ShadingConfig& shading, Backend backend, int sh_degree) const;

@@ -70,10 +70,10 @@ double sightings_outside_object(const Capture& capture, const Targets& targets) 
   return all > 0 ? double(outside) / double(all) : 1;
 }
 
-Surroundings surroundings_to_train(const std::string& wanted, const Passes& passes, const Capture& capture,
+Surroundings surroundings_to_train(WantedSurroundings wanted, const Passes& passes, const Capture& capture,
                                    const std::function<const DenseDepth&()>& dense, Targets& targets) {
-  if (wanted == "train" || !targets.any(MaskClass::Object)) return {};
-  if (wanted == "ignore") return {Trained::ObjectAlone, {}};
+  if (wanted == WantedSurroundings::Train || !targets.any(MaskClass::Object)) return {};
+  if (wanted == WantedSurroundings::Ignore) return {Trained::ObjectAlone, {}};
   if (passes.size() > 1)
     return {Trained::ObjectAlone, fmt::format("{}, and what surrounds the object stands elsewhere in each", passes_text(passes))};
   const double outside = sightings_outside_object(capture, targets);

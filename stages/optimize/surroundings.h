@@ -27,7 +27,7 @@ struct Surroundings {
 // nothing (moving_evidence.h). Masks that are proposals decide nothing. StillPart: the masks of the object are widened by what
 // stands still with it, and the rim of that is ignored. `dense` is called where it is needed.
 // Between passes the object was moved: what surrounds it stands elsewhere in each, and auto trains it alone.
-Surroundings surroundings_to_train(const std::string& wanted, const Passes& passes, const Capture& capture,
+Surroundings surroundings_to_train(WantedSurroundings wanted, const Passes& passes, const Capture& capture,
                                    const std::function<const DenseDepth&()>& dense, Targets& targets);
 
 // Leaves the photos of the largest pass to train on and to measure by: those in which the surroundings stand still.

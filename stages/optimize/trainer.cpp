@@ -14,10 +14,11 @@ namespace vitrine {
 namespace {
 
 constexpr double kInSolid = 0.1;     // opacity, at most, of what straight rays have put into a block of glass
-constexpr double kNoiseScale = 5e5;  // noise per unit of the position's rate (Kheradmand et al. 2024)
+constexpr double kNoise = 0.2;       // random walk of nearly transparent surfels, relative to Kheradmand et al. 2024
+constexpr double kNoiseScale = 5e5;  // its strength per unit of the position's rate there
 
 ImageOptions options_at(const PhaseClock& clock, const OptimizeConfig& c, int sh_degree) {
-  return clock.image_options(c.shading, c.backend == "reference" ? Backend::Reference : Backend::Cpu, sh_degree);
+  return clock.image_options(c.shading, c.backend, sh_degree);
 }
 
 SplatScene first_scene(const TrainerSetup& setup, SplatLayer initial) {
@@ -35,7 +36,7 @@ Trainer::Trainer(const TrainerSetup& setup, SplatLayer initial, std::vector<Scen
                 .losses = setup.config.loss,
                 .steps = static_cast<uint64_t>(setup.config.iterations),
                 .seed = static_cast<uint64_t>(setup.config.seed),
-                .remedy = "lower the rates (--set optimize.rates.mean=8e-5) or change the seed"},
+                .remedy = "lower the rates (--set optimize.rate_factor=0.1) or change the seed"},
                options_at({setup.config.phases, setup.layers, 0}, setup.config, setup.config.sh_degree),
                first_scene(setup, std::move(initial))),
       setup_(setup),
@@ -101,7 +102,7 @@ StepPlan Trainer::plan() {
 
 void Trainer::end_step() {
   const DensifyConfig& d = config().densify;
-  if (d.strategy == "none") return;
+  if (d.strategy == DensifyStrategy::None) return;
   const double f = fraction();
   const PhaseClock clock = this->clock();
   for (LayerKind kind : kAllLayers) {
@@ -120,7 +121,7 @@ void Trainer::end_step() {
                                     .times = rhythm.times,
                                     .scene_radius = kSceneRadius},
                          .now = step_index() % rhythm.interval == 0 && training(kind).pictures() >= rhythm.pictures,
-                         .noise = static_cast<float>(d.noise * kNoiseScale * rate)},
+                         .noise = static_cast<float>(kNoise * kNoiseScale * rate)},
                         scene_.layer(kind));
   }
 }
@@ -211,7 +212,7 @@ void Trainer::fill_unseen() {
   for (LayerKind kind : kAllLayers)
     if (setup_.layers.has(kind) && !begun(kind)) return;
   filled_ = 1;
-  const bool thin_glass = config().shading.glass == "thin" && setup_.layers.transmittance;
+  const bool thin_glass = config().shading.glass == Glass::Thin && setup_.layers.transmittance;
   if (thin_glass && !sheets_) fill_beside_glass();
   const SplatLayer unseen = inpainted_planes(thin_glass ? seen_through_glass(scene_) : scene_.diffuse, setup_.capture, planes_,
                                              background_, size_t(kMostUnseen * double(config().max_gaussians)));

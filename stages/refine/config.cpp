@@ -1,37 +1,19 @@
 #include "core/render/renderer.h"
 #include "stages/refine/refine.h"
+#include "stages/training_cost.h"
 
 namespace vitrine {
-
-void describe(Describer& d, PruneConfig& c) {
-  d.option("min_votes", c.min_votes, "A surfel goes when at least so many photos show the space around it to be empty.")
-      .range(1, 100000);
-  d.option("share", c.share, "And at least this share of the photos that see its place.").range(0, 1);
-  d.option("inside_share", c.inside_share,
-           "With exterior_set diffuse a surfel stays behind glass when at least this share of the rays through closed glass that "
-           "pass it meets it inside.")
-      .range(0, 1);
-}
 
 void describe(Describer& d, RefineConfig& c) {
   d.option("max_side", c.max_side, "Longest side of the photos and pictures, pixels; 0 = as the scene was trained.")
       .range(0, 16384);
-  d.option("exterior_set", c.exterior_set,
+  d.choice("exterior_set", c.exterior_set, {"auto", "transmittance", "diffuse"},
            "What rays see that have left closed glass on its far side: transmittance (its layer among the rest of the room), "
-           "diffuse (the room alone), auto: whichever the photos prefer.")
-      .choices({"auto", "transmittance", "diffuse"});
-  d.option("glass", c.glass,
+           "diffuse (the room alone), auto: whichever the photos prefer.");
+  d.choice("glass", c.glass, {"auto", "thin", "thick"},
            "Closed glass in the mesh: thin (a shell, rays go straight on), thick (solid, rays bend where they enter and leave), "
-           "auto: "
-           "per piece, whichever is nearer to photos that training never saw.")
-      .choices({"auto", "thin", "thick"});
+           "auto: per piece, whichever is nearer to the held-out photos.");
   d.option("ior", c.ior, "Index of refraction of thick glass.").range(1.01, 4);
-  d.option("min_gain", c.min_gain, "The scene stays as it was unless glass gains so many dB in photos that training never saw.")
-      .range(0, 10);
-  d.option("min_agreement", c.min_agreement,
-           "A photo's segments count when mesh and rendered depth agree on this share of its glass.")
-      .range(0, 1);
-  d.group("prune", c.prune, "Surfels of the transmittance layer that stand where the photos see through.");
   d.group("fine_tune", c.fine_tune, "A short training of all layers afterwards.");
 }
 
@@ -51,6 +33,27 @@ Stage refine_stage() {
   return make_stage<RefineConfig>(std::move(info), run_refine, [] {
     return std::map<std::string, std::string>{{"renderer", std::string(make_renderer(Backend::Cpu)->numerics_tag())}};
   });
+}
+
+// Cost estimate and report figures of the refine stage.
+
+// Glass alone gives it anything to do; what masks hold, and whether there will be anything to train on, is not known before: at
+// most so much.
+StageCost refine_cost(const CostTerms& t) {
+  if (!t.capture.masks) return stage_cost(0.1, 0.5, 90, 0.1);
+  const double steps = t.number("refine.fine_tune.iterations");
+  return stage_cost(0.6 * t.photos() + steps * training_step_s(t, 1, "refine.fine_tune.ray_budget"), 0.92,
+                    1.05 * training_memory_mib(t), trained_surfels_disk_mib(t));
+}
+
+StageReport refine_report() {
+  StageReport report{.file = "refine/report.json"};
+  report.facts = {
+      {.group = "Light and materials",
+       .text = "the glass looks {verdict=thin,thick} (straight rays show what is behind it at "
+               "{psnr.straight,psnr.straight_without_layer:1} dB, refracted ones at {psnr.bent,psnr.bent_without_layer:1} dB)",
+       .each = "glass.regions"}};
+  return report;
 }
 
 }  // namespace vitrine

@@ -10,6 +10,8 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kGrain = 1 << 14;  // floats
+constexpr uint64_t kSeed = 1;
+constexpr double kAverageFrom = 0.25;  // part of the steps after which scenes count in the mean
 
 // Everything that masks mark sends rays, but for coats; losses and rates are those of a training's end.
 StepPlan plan_of(const FineTuneConfig& config, const TrainedScene& start) {
@@ -19,7 +21,6 @@ StepPlan plan_of(const FineTuneConfig& config, const TrainedScene& start) {
                 .glass_factor = static_cast<float>(config.glass_factor),
                 .one_glass = start.surfels.transmittance.size() > 0 && start.surfels.reflection.size() > 0};
   plan.image.surface.ray_budget = config.ray_budget;
-  plan.image.composite.gate = static_cast<float>(config.gate);
   AttributeRates rates = rates_at(config.rates, plan.fraction, kSceneRadius);
   for (float& rate : rates) rate *= static_cast<float>(config.rate_factor);
   plan.rates.fill(rates);
@@ -29,22 +30,12 @@ StepPlan plan_of(const FineTuneConfig& config, const TrainedScene& start) {
 }  // namespace
 
 void describe(Describer& d, FineTuneConfig& c) {
-  d.option("iterations", c.iterations, "Training steps after surfels were sorted; 0 = none.").range(0, 10000000);
-  d.option("unchanged", c.unchanged, "Also where neither sorting nor bent rays made the glass better.");
-  d.option("rate_factor", c.rate_factor, "Factor on the rates that a training ends with.").range(0, 10);
-  d.option("average_from", c.average_from, "Part of the steps after which scenes count in the mean that is kept.").range(0, 1);
-  d.option("glass_factor", c.glass_factor, "Factor on the rates of geometry and opacity where surfels are transparent.")
-      .range(0, 1);
-  d.option("gate", c.gate, "Damps gradients of what is seen through glass where reflections vary strongly; 0 = off.")
-      .range(0, 1000);
+  d.option("iterations", c.iterations, "Training steps after surfels were removed; 0 = none.").range(0, 10000000);
   d.option("ray_budget", c.ray_budget, "Pixels of a picture that send rays in a step; 0 = all that reflect or transmit.")
       .range(0, 100000000);
-  d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.option("checkpoint_every", c.checkpoint_every, "Steps between two checkpoints; 0 = only on interruption.")
       .range(0, 10000000)
       .affects_output(false);
-  d.group("rates", c.rates, "Step sizes of Adam.");
-  d.group("loss", c.loss, "What training makes small; parts of the run are those of the steps here.");
 }
 
 GlassMotion glass_motion(const SplatLayer& before, const SplatLayer& after) {
@@ -64,11 +55,11 @@ FineTune::FineTune(const FineTuneConfig& config, const Capture& capture, const T
                 .targets = targets,
                 .losses = config.loss,
                 .steps = static_cast<uint64_t>(config.iterations),
-                .seed = static_cast<uint64_t>(config.seed),
+                .seed = kSeed,
                 .remedy = "--set refine.fine_tune.iterations=0"},
                plan_of(config, start).image, start.surfels),
       plan_(plan_of(config, start)),
-      average_after_(config.average_from * config.iterations),
+      average_after_(kAverageFrom * config.iterations),
       mean_(scene_.zeros_like()) {}
 
 void FineTune::end_step() {

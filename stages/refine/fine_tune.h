@@ -11,14 +11,12 @@ namespace vitrine {
 
 struct FineTuneConfig {
   int iterations = 600;
-  bool unchanged = false;
-  double rate_factor = 0.2;
-  double average_from = 0.25;
-  double glass_factor = 0.05;
-  double gate = 4;
   int ray_budget = 0;
-  int seed = 1;
   int checkpoint_every = 100;
+  // Not options; tests set them.
+  bool unchanged = false;      // also where neither removal of surfels nor bent rays improved the glass
+  double rate_factor = 0.2;    // on the rates at the end of a training
+  double glass_factor = 0.05;  // on the rates of geometry and opacity where surfels are transparent
   RatesConfig rates;
   LossSet loss;
 };

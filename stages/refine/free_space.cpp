@@ -12,6 +12,9 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kVoteGrain = 256;
+constexpr uint32_t kLeastEmpty = 2;   // photos that show the space around a removed surfel to be empty,
+constexpr double kEmptyShare = 0.25;  // and their share of the photos that see its place
+constexpr double kInsideShare = 0.5;  // of the rays through closed glass that pass a surfel which stays behind glass
 constexpr float kMarginVoxels = 3, kMargin_rel = 0.01f;  // the larger one counts
 constexpr float kReach = 2;                              // a surfel reaches so many of its scales from its centre
 
@@ -57,13 +60,10 @@ std::vector<SurfelVotes> surfel_votes(const SplatLayer& layer, std::span<const G
   return votes;
 }
 
-bool stands_in_empty_space(const SurfelVotes& v, const PruneConfig& config) {
-  return !v.on_pane && v.empty >= static_cast<uint32_t>(config.min_votes) &&
-         double(v.empty) >= config.share * double(v.empty + v.seen);
+bool stands_in_empty_space(const SurfelVotes& v) {
+  return !v.on_pane && v.empty >= kLeastEmpty && double(v.empty) >= kEmptyShare * double(v.empty + v.seen);
 }
 
-bool stands_beyond(const SurfelVotes& v, const PruneConfig& config) {
-  return v.beyond > 0 && double(v.inside) < config.inside_share * double(v.inside + v.beyond);
-}
+bool stands_beyond(const SurfelVotes& v) { return v.beyond > 0 && double(v.inside) < kInsideShare * double(v.inside + v.beyond); }
 
 }  // namespace vitrine

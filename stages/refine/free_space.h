@@ -8,7 +8,6 @@
 #pragma once
 
 #include "stages/refine/glass_views.h"
-#include "stages/refine/refine.h"
 
 namespace vitrine {
 
@@ -18,8 +17,8 @@ struct SurfelVotes {
 };
 std::vector<SurfelVotes> surfel_votes(const SplatLayer& layer, std::span<const GlassView> views, const GlassMesh& mesh);
 
-bool stands_in_empty_space(const SurfelVotes& v, const PruneConfig& config);
+bool stands_in_empty_space(const SurfelVotes& v);
 // Only rays that have left closed glass pass it.
-bool stands_beyond(const SurfelVotes& v, const PruneConfig& config);
+bool stands_beyond(const SurfelVotes& v);
 
 }  // namespace vitrine

@@ -26,7 +26,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kMapLevel = 1;            // of the pyramid: segments at half size
 constexpr double kMostMotionVoxels = 0.5;  // of glass off its mesh that no picture shows
+constexpr double kLeastGain = 0.01;        // dB in glass of held-out photos; with less the scene stays as it was
 constexpr double kMostLoss = 0.005;        // dB of whole photos that noise may cost
+constexpr float kLeastAgreement = 0.8f;    // share of a photo's glass on which mesh and rendered depth must agree
+constexpr const char* kGlassWords[] = {"auto", "thin", "thick"};
 
 Json json_of(const Quality& q) { return {{"glass", rounded(q.glass)}, {"rest", rounded(q.rest)}, {"all", rounded(q.all)}}; }
 
@@ -125,7 +128,7 @@ class Refiner {
                         .targets = targets_,
                         .scene = scene_,
                         .mesh = mesh_,
-                        .segments = {.min_agreement = static_cast<float>(config_.min_agreement)},
+                        .segments = {.min_agreement = kLeastAgreement},
                         .level = kMapLevel},
                        photos);
   }
@@ -150,12 +153,12 @@ class Refiner {
 
   // Which pieces of glass are solid, and with them the scene that all candidates begin with.
   void decide_thickness() {
-    Json& report = report_["glass"] = {{"mode", config_.glass}};
+    Json& report = report_["glass"] = {{"mode", kGlassWords[static_cast<size_t>(config_.glass)]}};
     start_ = scene_;
     if (bends(scene_)) return;  // trained so: the shape of what is solid is known
     // Rays that leave thick glass see the room, which traced glass with a set of its own outside does not show.
-    const bool room = scene_.image.transmission.glass == Glass::Thin || config_.exterior_set != "transmittance";
-    if (config_.glass == "thin" || !room) return;
+    const bool room = scene_.image.transmission.glass == Glass::Thin || config_.exterior_set != ExteriorSet::Transmittance;
+    if (config_.glass == GlassKind::Thin || !room) return;
     const float ior = static_cast<float>(config_.ior);
     std::vector<GlassView> heldout;
     if (!capture_.heldout.empty()) heldout = views_of(capture_.heldout);
@@ -170,21 +173,21 @@ class Refiner {
     thick_.assign(mesh_.regions, 0);
     const std::vector<uint8_t> solid = regions_of_solid_glass(objects_, views_, mesh_);
     for (const RegionThickness& r : regions) {
-      thick_[r.region] = config_.glass == "thick" || solid[r.region] || r.thick();
+      thick_[r.region] = config_.glass == GlassKind::Thick || solid[r.region] || r.thick();
       given_solid_ = given_solid_ || solid[r.region];
     }
     start_ = with_thick_glass(scene_, mesh_, thick_, ior);
     report["ior"] = rounded(config_.ior);
     report["regions"] = thickness_json(regions);
     context_.metric("thick_regions", double(std::ranges::count(thick_, 1)));
-    if (config_.glass == "thick" && !bends(start_))
+    if (config_.glass == GlassKind::Thick && !bends(start_))
       context_.warning("NO_CLOSED_GLASS",
                        "glass = thick changes nothing: the mesh has no closed glass that the photos agree with");
   }
 
   static bool bends(const TrainedScene& scene) { return scene.image.transmission.thick != nullptr; }
   // By the option, or by the role of an object.
-  bool forced() const { return (config_.glass == "thick" || given_solid_) && bends(start_); }
+  bool forced() const { return (config_.glass == GlassKind::Thick || given_solid_) && bends(start_); }
 
   void find_candidates() {
     const SplatLayer& layer = scene_.surfels.transmittance;
@@ -192,7 +195,7 @@ class Refiner {
     std::vector<uint8_t> filled(votes.size()), within(votes.size());
     size_t empty = 0, beyond = 0;
     for (size_t i = 0; i < votes.size(); ++i) {
-      const bool in_empty = stands_in_empty_space(votes[i], config_.prune), is_beyond = stands_beyond(votes[i], config_.prune);
+      const bool in_empty = stands_in_empty_space(votes[i]), is_beyond = stands_beyond(votes[i]);
       filled[i] = !in_empty;
       within[i] = !in_empty && !is_beyond;
       empty += in_empty;
@@ -215,10 +218,10 @@ class Refiner {
       c.scene.surfels.transmittance = kept_or_blank(layer, clear);
       candidates_.push_back(std::move(c));
     }
-    if (empty > 0 && config_.exterior_set != "diffuse")
+    if (empty > 0 && config_.exterior_set != ExteriorSet::Diffuse)
       add("free_space", "without surfels in empty space", filled, start_.image.transmission.glass);
     // Rays of traced glass see the transmittance layer alone; sorted into sets, the room behind is the diffuse layer's.
-    if ((beyond > 0 || traced) && config_.exterior_set != "transmittance")
+    if ((beyond > 0 || traced) && config_.exterior_set != ExteriorSet::Transmittance)
       add("exterior_diffuse", "the room behind closed glass is the diffuse layer's", within, Glass::Thin);
   }
 
@@ -256,14 +259,14 @@ class Refiner {
     report_["moved_voxels"] = {{"median", rounded(motion.median / voxel)}, {"p95", rounded(motion.p95 / voxel)}};
     if (motion.p95 > kMostMotionVoxels * voxel)
       context_.warning("MESH_OUTDATED",
-                       fmt::format("fine-tuning moved glass by up to {:.1f} voxels away from the mesh: smaller rates "
-                                   "(fine_tune.glass_factor, fine_tune.rate_factor) keep it there",
+                       fmt::format("fine-tuning moved glass by up to {:.1f} voxels away from the mesh: fewer steps "
+                                   "(fine_tune.iterations) keep it there",
                                    motion.p95 / voxel));
   }
 
   bool is_better(const Candidate& c) const {
     if (forced()) return bends(c.scene);
-    return c.heldout.glass >= before_.glass + config_.min_gain && c.heldout.all >= before_.all - kMostLoss;
+    return c.heldout.glass >= before_.glass + kLeastGain && c.heldout.all >= before_.all - kMostLoss;
   }
   // nullptr: the scene as it was.
   const Candidate* best() const {

@@ -12,20 +12,14 @@
 
 namespace vitrine {
 
-struct PruneConfig {
-  int min_votes = 2;
-  double share = 0.25;
-  double inside_share = 0.5;
-};
+enum class ExteriorSet { Auto, Transmittance, Diffuse };
+enum class GlassKind { Auto, Thin, Thick };
 
 struct RefineConfig {
   int max_side = 0;
-  std::string exterior_set = "auto";
-  std::string glass = "auto";
+  ExteriorSet exterior_set = ExteriorSet::Auto;
+  GlassKind glass = GlassKind::Auto;
   double ior = 1.5;
-  double min_gain = 0.01;
-  double min_agreement = 0.8;
-  PruneConfig prune;
   FineTuneConfig fine_tune;
 };
 void describe(Describer& d, RefineConfig& c);

@@ -99,7 +99,7 @@ void layered_training_step(benchmark::State& state) {
   config.resolution.quarter_until = config.resolution.half_until = 0;
   config.sh_from = 0;
   config.iterations = 1000000000;
-  config.densify.strategy = "none";
+  config.densify.strategy = DensifyStrategy::None;
   config.shading.ray_budget = static_cast<int>(state.range(0));
   PhasesConfig& p = config.phases;
   p.reflection.from = p.transmittance.from = p.reflection.ramp = p.transmittance.ramp = p.reflection.surface_from = 0;

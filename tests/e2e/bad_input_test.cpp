@@ -84,19 +84,6 @@ TEST_F(TinyRoom, AGreyCardThatIsNotThereEndsTheRunBeforeItBegins) {
   EXPECT_EQ(room(true_poses(), {"--grey-card", "img_0003.png:1,2,3,4", "--dry-run"}).exit, 0);
 }
 
-TEST_F(TinyRoom, OptionsOfTheVersionBeforeAreAcceptedWithAWarning) {
-  write_file(folder.path() / "old.yaml",
-             "decompose:\n  points: 600\noptimize:\n  phases:\n    reflection:\n      beside_rate: 1e-4\n");
-  const std::string file = (folder.path() / "old.yaml").string();
-  const Outcome o = room(true_poses(), {"-c", file, "--only", "decompose", "--dry-run"});
-  EXPECT_EQ(o.exit, 2) << "nothing to start from, and no other complaint: " << o.text;
-  EXPECT_TRUE(o.has("there is no finished 'ingest' to start from")) << o.text;
-  EXPECT_TRUE(o.has(file + ":6:7: warning: 'optimize.phases.reflection.beside_rate' has no effect any more")) << o.text;
-  const Outcome whole = room(true_poses(), {"-c", file, "--to", "decompose", "--dry-run"});
-  EXPECT_EQ(whole.exit, 0) << whole.text;
-  EXPECT_TRUE(whole.has("run   decompose")) << whole.text;
-}
-
 TEST_F(TinyRoom, WithoutColmapTheFirstStageIsKept) {
   setenv("VITRINE_COLMAP", "/nonexistent", 1);
   const Outcome o = call({"run", photos().string(), "-o", out().string()});

@@ -42,12 +42,12 @@ TEST_F(TinyRoom, TrainingThatDivergesKeepsItsCheckpointAndAllBeforeIt) {
   const auto sane = digests();
   fs::remove_all(out());
   const std::vector<std::string> wild =
-      training({"--set", "optimize.iterations=150", "--set", "optimize.rates.opacity=1", "--set",
-                "optimize.loss.opacity.weight=1000", "--set", "optimize.checkpoint_every=1"});
+      training({"--set", "optimize.iterations=150", "--set", "optimize.rate_factor=20", "--set",
+                "optimize.loss.opacity=1000", "--set", "optimize.checkpoint_every=1"});
   const Outcome first = room(true_poses(), wild);  // opacities fall until no surfel is left
   EXPECT_EQ(first.exit, 10) << first.text;
   EXPECT_TRUE(first.has("optimize   FAILED  GRADIENTS_NOT_FINITE")) << first.text;
-  EXPECT_TRUE(first.has("\n  try    lower the rates (--set optimize.rates.mean=")) << first.text;
+  EXPECT_TRUE(first.has("\n  try    lower the rates (--set optimize.rate_factor=")) << first.text;
   EXPECT_FALSE(fs::exists(out() / "gaussians")) << "nothing looks finished";
   // The same again takes up the last good checkpoint, and comes to the same end.
   const Outcome again = room(true_poses(), wild);

@@ -25,7 +25,7 @@ TEST(SeedList, RefusesWhatIsNoNumberAndRangesThatEndBeforeTheyBegin) {
 }
 
 TEST(ArmList, KnowsThreeNamesAndTakesOptions) {
-  const auto arms = arm_list("diffuse,full,auto,soft:optimize.layers=full;optimize.loss.l1.weight=0.5");
+  const auto arms = arm_list("diffuse,full,auto,soft:optimize.layers=full;optimize.loss.l1=0.5");
   ASSERT_EQ(arms.size(), 4u);
   EXPECT_EQ(arms[0].options.at("optimize.layers"), "diffuse");
   EXPECT_EQ(arms[1].options.at("optimize.layers"), "auto");
@@ -34,7 +34,7 @@ TEST(ArmList, KnowsThreeNamesAndTakesOptions) {
   EXPECT_EQ(arms[2].source("masks"), "none");
   EXPECT_EQ(arms[2].source("poses"), "truth");
   EXPECT_EQ(arms[3].name, "soft");
-  EXPECT_EQ(arms[3].options.at("optimize.loss.l1.weight"), "0.5");
+  EXPECT_EQ(arms[3].options.at("optimize.loss.l1"), "0.5");
 }
 
 TEST(ArmList, OptionsJoinThoseOfAKnownName) {

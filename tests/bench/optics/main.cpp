@@ -29,7 +29,7 @@ constexpr const char* kTail =
     "\nexamples:\n"
     "  vitrine-optics --seeds 1-12 --work DIR\n"
     "  vitrine-optics --seeds 1-12 --work DIR --arms "
-    "'diffuse,full,soft:optimize.layers=full;optimize.loss.specular_mask.weight=0'\n"
+    "'diffuse,full,soft:optimize.layers=full;optimize.loss.specular_mask=0'\n"
     "  vitrine-optics --scenes sample_data/cabinet --work DIR --training-seeds 1 --steps 300\n"
     "\narms: diffuse (one opaque layer), full (the layers that the masks ask for), layers (without the\n"
     "opaque twin), auto (no masks), or\n"

@@ -30,7 +30,7 @@ std::vector<std::string> common_options(const ProgramsDesc& desc) {
                                     fmt::format("optimize.iterations={}", desc.steps),
                                     fmt::format("optimize.max_gaussians={}", desc.surfels),
                                     fmt::format("optimize.initial.frustum_points={}", desc.surfels / kSurfelsPerFirstPoint),
-                                    fmt::format("optimize.resolution.max_side={}", desc.max_side),
+                                    fmt::format("optimize.max_side={}", desc.max_side),
                                     "evaluate.score_train_views=false",
                                     "evaluate.write_layers=false"};
   if (!desc.relit) words.emplace_back("evaluate.relit_samples=0");

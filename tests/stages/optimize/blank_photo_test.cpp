@@ -4,7 +4,7 @@
 #include "core/model/image_model.h"
 #include "core/scene/scene_io.h"
 #include "core/train/capture.h"
-#include "core/train/photo_order.h"
+#include "core/train/training.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

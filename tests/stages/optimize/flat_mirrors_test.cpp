@@ -18,7 +18,7 @@ class MirrorOnAWall : public ::testing::Test {
  protected:
   MirrorOnAWall() : folder_("flat-mirrors-test") {
     testing::write_tiny_sfm(folder_.path() / "sfm", 18, 48, 36);
-    capture_ = load_capture(folder_.path() / "sfm", config_.resolution.max_side, config_.holdout_every);
+    capture_ = load_capture(folder_.path() / "sfm", config_.max_side, config_.holdout_every);
     for (double x = -0.8; x < 0.81; x += 0.1)
       for (double z = -0.3; z < 0.5; z += 0.1) testing::add_surfel(scene_, {-0.85, x, z}, {1, 0, 0}, 0.06, {0.3f, 0.5f, 0.2f});
     real_ = scene_.size();

@@ -24,7 +24,7 @@ class GlassAlone : public ::testing::Test {
       for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
       write_ldr(masks / "masks/transparent" / (view.stem() + ".png"), mask);
     }
-    capture_ = load_capture(sfm, config_.resolution.max_side, config_.holdout_every);
+    capture_ = load_capture(sfm, config_.max_side, config_.holdout_every);
     ObjectSet set = test::one_object(box, ObjectRole::ThinGlass, 0.02, false);  // as a visual hull
     glass_ = set.shapes;
     test::write_objects_artifact(masks, masks, capture_.view_set.views, std::move(set));
@@ -107,7 +107,7 @@ class PaintedBall : public ::testing::Test {
       for (size_t i = 0; i < inside.size(); ++i) mask.data()[i] = inside[i] ? 255 : 0;
       write_ldr(masks / "masks/specular" / (view.stem() + ".png"), mask);
     }
-    capture_ = load_capture(sfm, config_.resolution.max_side, config_.holdout_every);
+    capture_ = load_capture(sfm, config_.max_side, config_.holdout_every);
     scene_.reflection = SplatLayer(LayerKind::Reflection, 0, 0);
   }
   fs::path found() const { return folder_.path() / "found"; }

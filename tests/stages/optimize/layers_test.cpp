@@ -84,7 +84,7 @@ TemporaryFolder* LayeredRun::folder_ = nullptr;
 
 TEST_F(LayeredRun, KilledAtAnyStepOrOnOtherThreadsItEndsWithTheSameBytes) {
   OptimizeConfig config = layered_config(60);
-  config.layers = "full";
+  config.layers = WantedLayers::Full;
   config.phases.reflection.from = 0.3;
   config.phases.transmittance.from = 0.5;
   TestContext whole = context("whole");
@@ -106,7 +106,7 @@ TEST_F(LayeredRun, ACaseOfGlassSurvivesBeingKilled) {
       test::write_objects_artifact(folder_->path() / "case objects", masks, load_view_set(folder_->path() / "sfm").views,
                                    test::one_object(box, ObjectRole::ThinGlass, 0.02));
   OptimizeConfig config = layered_config(60);
-  config.layers = "full";
+  config.layers = WantedLayers::Full;
   const auto context_of = [&](const std::string& name, int threads) {
     TestContext c = context(name);
     c.objects = objects;
@@ -137,7 +137,7 @@ TEST_F(LayeredRun, ABlockOfGlassBendsRaysAndSurvivesBeingKilled) {
       test::write_objects_artifact(folder_->path() / "block objects", masks, load_view_set(folder_->path() / "sfm").views,
                                    test::one_object(ball, ObjectRole::SolidGlass, 0.02));
   OptimizeConfig config = layered_config(60);
-  config.layers = "full";
+  config.layers = WantedLayers::Full;
   TestContext whole = context("whole block"), killed = context("killed block");
   whole.objects = killed.objects = objects;
   whole.thread_count = 1, killed.thread_count = 3;
@@ -175,22 +175,22 @@ TEST_F(LayeredRun, ACoatSurvivesBeingKilled) {
 
 TEST_F(LayeredRun, GuessedObjectsAskForNoLayers) {
   const fs::path sfm = folder_->path() / "sfm";
-  const auto has_reflection = [&](ObjectTrust trust, const std::string& layers) {
+  const auto has_reflection = [&](ObjectTrust trust, WantedLayers layers = WantedLayers::Auto) {
     const std::string word(name(trust));
     const ObjectSet set{.objects = {{.id = 1, .name = "ball", .role = ObjectRole::Mirror, .trust = trust}}, .shapes = {}};
     OptimizeConfig config = layered_config(8);
     config.layers = layers;
     config.fill_unseen = false;
-    TestContext c = context(word + " " + layers);
+    TestContext c = context(fmt::format("{} {}", word, int(layers)));
     c.objects = test::write_objects_artifact(folder_->path() / (word + " objects"), sfm, load_view_set(sfm).views, set);
     run_optimize(config, c);
     return fs::exists(c.output() / "gaussians/reflection.ply");
   };
-  EXPECT_TRUE(has_reflection(ObjectTrust::Given, "auto"));
-  EXPECT_TRUE(has_reflection(ObjectTrust::Marked, "auto"));
-  EXPECT_TRUE(has_reflection(ObjectTrust::Detected, "auto"));
-  EXPECT_FALSE(has_reflection(ObjectTrust::Guessed, "auto"));
-  EXPECT_TRUE(has_reflection(ObjectTrust::Guessed, "full")) << "everything may reflect";
+  EXPECT_TRUE(has_reflection(ObjectTrust::Given));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Marked));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Detected));
+  EXPECT_FALSE(has_reflection(ObjectTrust::Guessed));
+  EXPECT_TRUE(has_reflection(ObjectTrust::Guessed, WantedLayers::Full)) << "everything may reflect";
 }
 
 // What is guessed changes nothing: the same bytes as without objects.

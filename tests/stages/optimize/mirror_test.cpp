@@ -71,11 +71,11 @@ TEST(MirrorRun, AReflectionLayerShowsWhatAMirrorShows) {
   for (int seed : {1, 2, 3}) {
     const fs::path work = folder.path() / std::to_string(seed);
     config.seed = seed;
-    config.layers = "diffuse";
+    config.layers = WantedLayers::Diffuse;
     TestContext alone(sfm, work / "alone");
     run_optimize(config, alone);
     EXPECT_FALSE(fs::exists(alone.output() / "gaussians/reflection.ply"));
-    config.layers = "auto";
+    config.layers = WantedLayers::Auto;
     TestContext layered(sfm, work / "layered");
     layered.objects = objects;
     run_optimize(config, layered);

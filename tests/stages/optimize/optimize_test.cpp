@@ -221,14 +221,15 @@ TEST_F(OptimizeStage, WithoutTrainingPhotosItSaysSo) {
 }
 
 TEST_F(OptimizeStage, ClassicAndFixedLayersLearnToo) {
-  for (const char* strategy : {"classic", "none"}) {
+  for (const DensifyStrategy strategy : {DensifyStrategy::Classic, DensifyStrategy::None}) {
+    const char* name = strategy == DensifyStrategy::Classic ? "classic" : "none";
     OptimizeConfig config;
     shorten(config, 150);
     config.initial.stereo_side = kAllPixels;
     config.densify.strategy = strategy;
-    TestContext context(sfm(), work(strategy));
+    TestContext context(sfm(), work(name));
     run_optimize(config, context);
-    EXPECT_GT(context.metrics.at("heldout_psnr"), 17) << strategy;
+    EXPECT_GT(context.metrics.at("heldout_psnr"), 17) << name;
   }
 }
 
@@ -308,14 +309,10 @@ TEST(PerceptualTerm, LooksElsewhereEverySoManySteps) {
   shorten(config, 10);
   config.holdout_every = 2;
   config.resolution.quarter_until = config.resolution.half_until = 0;
-  config.densify.strategy = "none";
+  config.densify.strategy = DensifyStrategy::None;
   config.rates.rate.fill(0);
   for (LossTerm& term : config.loss.terms()) term.schedule = {.weight = term.factory->name == "perceptual" ? 1.f : 0.f};
-  OptionTable table;
-  Describer describer(table);
-  config.loss.term("perceptual").loss->describe_options(describer);
-  for (const auto& [option, value] : {std::pair<const char*, std::string>{"weights", weights}, {"crop", "24"}, {"every", "3"}})
-    table.find(option)->assign(value, "test");
+  config.loss.term("perceptual").loss = make_perceptual_loss(weights, 24, 3);
 
   const Capture capture = load_capture(folder.path(), 0, config.holdout_every);
   ASSERT_EQ(capture.train.size(), 1u);

@@ -49,10 +49,13 @@ TEST(ObjectAlone, SightingsOfSparsePointsLieOutsideItsMasks) {
 TEST(ObjectAlone, IsAskedOfNoPhotoWhereTheUserSaysIt) {
   Ball ball;
   const auto no_depth = []() -> const DenseDepth& { throw std::logic_error("no depth is needed"); };
-  EXPECT_EQ(surroundings_to_train("train", {}, ball.capture, no_depth, ball.targets).trained, Trained::Everything);
-  EXPECT_EQ(surroundings_to_train("ignore", {}, ball.capture, no_depth, ball.targets).trained, Trained::ObjectAlone);
+  EXPECT_EQ(surroundings_to_train(WantedSurroundings::Train, {}, ball.capture, no_depth, ball.targets).trained,
+            Trained::Everything);
+  EXPECT_EQ(surroundings_to_train(WantedSurroundings::Ignore, {}, ball.capture, no_depth, ball.targets).trained,
+            Trained::ObjectAlone);
   ball.targets.forget(MaskClass::Object);
-  EXPECT_EQ(surroundings_to_train("ignore", {}, ball.capture, no_depth, ball.targets).trained, Trained::Everything);
+  EXPECT_EQ(surroundings_to_train(WantedSurroundings::Ignore, {}, ball.capture, no_depth, ball.targets).trained,
+            Trained::Everything);
 }
 
 TEST(ObjectAlone, IsTrainedWhereItWasMovedBetweenPasses) {
@@ -64,7 +67,7 @@ TEST(ObjectAlone, IsTrainedWhereItWasMovedBetweenPasses) {
   }
   ball.capture.heldout = {0, 11};
   const auto no_depth = []() -> const DenseDepth& { throw std::logic_error("no depth is needed"); };
-  const Surroundings surroundings = surroundings_to_train("auto", passes, ball.capture, no_depth, ball.targets);
+  const Surroundings surroundings = surroundings_to_train(WantedSurroundings::Auto, passes, ball.capture, no_depth, ball.targets);
   EXPECT_EQ(surroundings.trained, Trained::ObjectAlone);
   EXPECT_NE(surroundings.why.find("2 passes: 7 and 5 photos"), std::string::npos) << surroundings.why;
   // With its surroundings it is trained from the photos of one pass.
@@ -91,13 +94,14 @@ TEST(ObjectAlone, IsAllThatARunTrains) {
   OptimizeConfig config = testing::tiny_config(60);
   config.max_gaussians = 1000;
   config.initial.frustum_points = 800;
-  for (const char* surroundings : {"train", "ignore"}) {
+  for (const WantedSurroundings surroundings : {WantedSurroundings::Train, WantedSurroundings::Ignore}) {
+    const bool ignored = surroundings == WantedSurroundings::Ignore;
     config.surroundings = surroundings;
-    testing::TestContext context(sfm, folder.path() / surroundings);
+    testing::TestContext context(sfm, folder.path() / (ignored ? "ignore" : "train"));
     context.masks = masks;
     run_optimize(config, context);
     const auto views = nlohmann::json::parse(read_file(context.output() / "optimize/views.json"));
-    EXPECT_EQ(views.value("object_alone", false), config.surroundings == "ignore");
+    EXPECT_EQ(views.value("object_alone", false), ignored);
     const Capture capture = load_capture(sfm, 48, 6);
     const Targets targets = load_targets(capture, masks, {}, std::nullopt);
     const SplatLayer layer = read_layer(context.output() / "gaussians/diffuse.ply");
@@ -107,7 +111,7 @@ TEST(ObjectAlone, IsAllThatARunTrains) {
       on += on_object(capture, targets, {m[0], m[1], m[2]});
     }
     ASSERT_GT(layer.size(), 20u);
-    if (config.surroundings == "ignore")
+    if (ignored)
       EXPECT_GT(double(on), 0.7 * double(layer.size()));  // measured 0.79: rims, with masks of 48x36 pixels
     else
       EXPECT_LT(double(on), 0.6 * double(layer.size()));

@@ -29,7 +29,7 @@ struct Decided {
     targets = load_targets(capture, masks(), {}, std::nullopt);
     const DenseDepth dense = dense_depth(capture, kSide, 5, 1);
     const auto get = [&]() -> const DenseDepth& { return dense; };
-    surroundings = surroundings_to_train("auto", {}, capture, get, targets);
+    surroundings = surroundings_to_train(WantedSurroundings::Auto, {}, capture, get, targets);
   }
   fs::path sfm() const { return folder.path() / "sfm"; }
   fs::path masks() const { return folder.path() / "masks"; }
@@ -148,13 +148,12 @@ TEST(TurntableRun, IsClearerThanWithTheRoom) {
   for (const uint64_t seed : training_seeds) {
     config.seed = seed;
     std::map<std::string, double> psnr;
-    for (const char* surroundings : {"train", "auto"}) {
-      config.surroundings = surroundings;
-      TestContext context(sfm, folder.path() / (surroundings + std::to_string(seed)));
+    for (const bool part : {false, true}) {
+      config.surroundings = part ? WantedSurroundings::Auto : WantedSurroundings::Train;
+      TestContext context(sfm, folder.path() / ((part ? "auto" : "train") + std::to_string(seed)));
       context.masks = masks;
       run_optimize(config, context);
-      psnr[surroundings] = psnr_of_what_turns(desc, sfm, context.output());
-      const bool part = config.surroundings == "auto";
+      psnr[part ? "auto" : "train"] = psnr_of_what_turns(desc, sfm, context.output());
       const auto views = nlohmann::json::parse(read_file(context.output() / "optimize/views.json"));
       EXPECT_EQ(views.value("object_alone", false), part);
       const auto mask = read_view_mask(context.output() / "optimize/trained", MaskClass::Object, desc.view(0));

@@ -42,7 +42,7 @@ class PaintedRoom : public ::testing::Test {
       write_exr_rgb(linear_image_path(capture.sfm(), v), photo, ExrPrecision::Float);
     }
   }
-  Report run(test::RecordingContext& context, const std::string& glass, int iterations = 0) {
+  Report run(test::RecordingContext& context, GlassKind glass, int iterations = 0) {
     write_layer(capture.optimize() / "gaussians/diffuse.ply", scene.surfels.diffuse);
     write_layer(capture.optimize() / "gaussians/transmittance.ply", scene.surfels.transmittance);
     write_image_options(capture.optimize() / "optimize/model.json", scene.image);
@@ -72,10 +72,10 @@ class PaintedRoom : public ::testing::Test {
 TEST_F(PaintedRoom, SolidGlassIsFoundAndItsRaysAreBent) {
   photograph(true);
   test::RecordingContext context(inputs());
-  const Report report = run(context, "auto");
+  const Report report = run(context, GlassKind::Auto);
   ASSERT_EQ(report.at("glass").at("regions").size(), 1u);
   const Report& region = report.at("glass").at("regions").at(0);
-  EXPECT_EQ(region.at("verdict"), "thick") << report.dump(1);
+  EXPECT_EQ(region.at("verdict"), GlassKind::Thick) << report.dump(1);
   EXPECT_GT(region.at("pixels"), 300);
   EXPECT_LT(region.at("no_exit"), 0.02);
   EXPECT_GT(figure(report, "bent"), figure(report, "straight") + 8) << report.dump(1);
@@ -104,7 +104,7 @@ TEST_F(PaintedRoom, SolidGlassIsFoundAndItsRaysAreBent) {
   // The same bytes on one thread.
   set_thread_limit(1);
   test::RecordingContext alone(inputs());
-  EXPECT_EQ(run(alone, "auto"), report);
+  EXPECT_EQ(run(alone, GlassKind::Auto), report);
   set_thread_limit(0);
   for (const char* file : {"refine/thick_glass.ply", "refine/model.json"})
     EXPECT_EQ(read_file(alone.output() / file), read_file(context.output() / file)) << file;
@@ -113,14 +113,14 @@ TEST_F(PaintedRoom, SolidGlassIsFoundAndItsRaysAreBent) {
 TEST_F(PaintedRoom, ThinGlassStaysThinUnlessOneInsists) {
   photograph(false);
   test::RecordingContext context(inputs());
-  const Report report = run(context, "auto");
-  EXPECT_EQ(report.at("glass").at("regions").at(0).at("verdict"), "thin") << report.dump(1);
+  const Report report = run(context, GlassKind::Auto);
+  EXPECT_EQ(report.at("glass").at("regions").at(0).at("verdict"), GlassKind::Thin) << report.dump(1);
   EXPECT_GT(figure(report, "straight"), figure(report, "bent") + 8) << report.dump(1);
   EXPECT_EQ(report.at("state"), "kept");
   EXPECT_FALSE(fs::exists(context.output() / "refine/thick_glass.ply"));
 
   test::RecordingContext insisting(inputs());
-  const Report forced = run(insisting, "thick");
+  const Report forced = run(insisting, GlassKind::Thick);
   EXPECT_EQ(forced.at("state"), "refined");
   EXPECT_TRUE(forced.at("glass").at("bent").get<bool>());
   EXPECT_LT(glass_db(forced, "after"), glass_db(forced, "before"));
@@ -133,7 +133,7 @@ TEST_F(PaintedRoom, AnObjectOfSolidGlassIsThickWhateverItLooksLike) {
   fs::remove_all(masks() / "objects");
   test::write_objects_artifact(masks(), masks(), capture.views, set);
   test::RecordingContext context(inputs());
-  const Report report = run(context, "auto");
+  const Report report = run(context, GlassKind::Auto);
   EXPECT_EQ(report.at("state"), "refined");
   EXPECT_TRUE(report.at("glass").at("bent").get<bool>());
 }
@@ -147,14 +147,14 @@ TEST_F(PaintedRoom, WhatStraightRaysPaintedIntoSolidGlassGoes) {
     std::ranges::copy(grey.values(a), painted.values(a).begin());
   photograph(true);
   test::RecordingContext context(inputs());
-  const Report report = run(context, "auto");
-  EXPECT_EQ(report.at("glass").at("regions").at(0).at("verdict"), "thick") << report.dump(1);
+  const Report report = run(context, GlassKind::Auto);
+  EXPECT_EQ(report.at("glass").at("regions").at(0).at("verdict"), GlassKind::Thick) << report.dump(1);
   EXPECT_GT(figure(report, "bent_without_layer"), figure(report, "bent") + 3);
   EXPECT_EQ(report.at("chosen"), "thick_glass_clear");
   EXPECT_EQ(read_trained_scene(capture.optimize(), context.output()).surfels.transmittance.size(), 1u);
 
   test::RecordingContext unasked(inputs());
-  EXPECT_FALSE(run(unasked, "thin").at("glass").contains("regions"));
+  EXPECT_FALSE(run(unasked, GlassKind::Thin).at("glass").contains("regions"));
   EXPECT_FALSE(fs::exists(unasked.output() / "refine/thick_glass.ply"));
 }
 
@@ -162,7 +162,7 @@ TEST_F(PaintedRoom, FineTuningLearnsAlongBentRays) {
   photograph(true);
   for (float& v : scene.surfels.diffuse.values(Attribute::ShDc)) v -= 0.2f;
   test::RecordingContext context(inputs());
-  const Report report = run(context, "auto", 21);
+  const Report report = run(context, GlassKind::Auto, 21);
   EXPECT_EQ(report.at("chosen"), "fine_tuned") << report.dump(1);
   EXPECT_TRUE(report.at("glass").at("bent").get<bool>());
   EXPECT_GT(glass_db(report, "after"), report.at("candidates").at(0).at("psnr").at("glass").get<double>() + 0.1)
@@ -173,7 +173,7 @@ TEST_F(PaintedRoom, InsistingOnThickGlassWithoutAnyIsToldSo) {
   write_mesh_ply(capture.mesh() / "mesh/mesh.ply", TriMesh{});
   photograph(true);
   test::RecordingContext context(inputs());
-  EXPECT_EQ(run(context, "thick").at("state"), "kept");
+  EXPECT_EQ(run(context, GlassKind::Thick).at("state"), "kept");
   EXPECT_TRUE(context.warnings.contains("NO_CLOSED_GLASS"));
 }
 
