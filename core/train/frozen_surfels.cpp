@@ -48,10 +48,10 @@ void freeze_mirrors(const SplatLayer& diffuse, const KnownSurface& known, float 
 KnownSurface::KnownSurface(std::vector<Vec3f> points, float reach) : reach_(reach) {
   if (points.empty() || !(reach > 0)) return;
   points_ = std::make_shared<const std::vector<Vec3f>>(std::move(points));
-  grid_ = std::make_shared<const PointGrid>(*points_, reach);
+  tree_ = std::make_shared<const KdTreef>(*points_);
 }
 
-bool KnownSurface::near(const Vec3f& place) const { return grid_ && grid_->any(place, reach_); }
+bool KnownSurface::near(const Vec3f& place) const { return tree_ && tree_->any(place, reach_); }
 
 void KnownSurface::transfer(Archive& archive) {
   std::vector<Vec3f> points = points_ ? *points_ : std::vector<Vec3f>();

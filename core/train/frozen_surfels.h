@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/optim/archive.h"
 #include "core/scene/layers.h"
 
@@ -24,8 +24,8 @@ class KnownSurface {
   void transfer(Archive& archive);
 
  private:
-  std::shared_ptr<const std::vector<Vec3f>> points_;  // grid_ looks at them
-  std::shared_ptr<const PointGrid> grid_;
+  std::shared_ptr<const std::vector<Vec3f>> points_;  // of the tree
+  std::shared_ptr<const KdTreef> tree_;
   float reach_ = 0;
 };
 

@@ -5,7 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rng.h"
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 
 namespace vitrine {
 
@@ -78,18 +78,18 @@ Affinity affinity(std::span<const Vec3f> positions, std::span<const Vec3f> radia
   std::vector<Vec2f> chroma(count);
   for (size_t i = 0; i < count; ++i) chroma[i] = chromaticity(radiance[i]);
   const Clusters clusters = k_means(chroma, desc.clusters, desc.seed);
-  const PointGrid grid(positions, desc.radius / 2);
+  const KdTreef tree(positions);
   const float inverse = 1 / (2 * desc.chroma_sigma * desc.chroma_sigma);
   std::vector<std::vector<Affinity::Partner>> found(count);
   parallel_for(count, 64, [&](size_t i) {
     constexpr float kLeast = 0.05f;
-    std::vector<PointGrid::Near> near;
-    grid.nearest(positions[i], desc.near + 1, desc.radius, near);
+    std::vector<KdTreef::Near> near;
+    tree.nearest(positions[i], desc.near + 1, desc.radius, near);
     const auto add = [&](uint32_t j, float factor) {
       const float w = factor * std::exp(-inverse * squared_distance(chroma[i], chroma[j]));
       if (j != i && w > kLeast) found[i].push_back({j, w});
     };
-    for (const PointGrid::Near& n : near) add(n.index, 1.f);
+    for (const KdTreef::Near& n : near) add(n.index, 1.f);
     const std::vector<uint32_t>& same = clusters.members[clusters.of[i]];
     Rng rng(desc.seed, mix64(1, i));
     for (size_t n = 0; n < desc.far; ++n) add(same[rng.below(uint32_t(same.size()))], desc.far_weight);

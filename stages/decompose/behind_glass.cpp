@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/model/opened_scene.h"
 
 namespace vitrine {
@@ -31,9 +31,9 @@ std::vector<LitPoint> points_behind_glass(const BehindGlassDesc& desc, const std
     surfels[i] = {m[0], m[1], m[2]};
   }
   const auto voxel = static_cast<float>(desc.points.voxel), outer = voxel * static_cast<float>(desc.points.outer_factor);
-  const PointGrid grid(surfels, 2 * voxel);
+  const KdTreef tree(surfels);
   std::vector<LitPoint> points = lit_points(opened_layer(desc.scene), desc.views, desc.points, progress);
-  std::erase_if(points, [&](const LitPoint& p) { return !grid.any(p.position, kOnSurfel * (p.inner ? voxel : outer)); });
+  std::erase_if(points, [&](const LitPoint& p) { return !tree.any(p.position, kOnSurfel * (p.inner ? voxel : outer)); });
   return points;
 }
 
@@ -49,10 +49,10 @@ TriMesh with_content(const BehindGlassDesc& desc, const std::vector<LitPoint>& p
   const auto first = static_cast<uint32_t>(mesh.positions.size());
   const std::vector<Vec3f> positions = positions_of(points);
   const auto voxel = static_cast<float>(desc.points.voxel);
-  const PointGrid grid(positions, 2 * voxel);
-  std::vector<PointGrid::Near> near;
+  const KdTreef tree(positions);
+  std::vector<KdTreef::Near> near;
   for (const Vec3f& p : desc.content.positions) {
-    grid.nearest(p, 1, kContentReach * voxel, near);
+    tree.nearest(p, 1, kContentReach * voxel, near);
     mesh.positions.push_back(p);
     mesh.colors.push_back(near.empty() ? Vec3f{} : points[near[0].index].radiance);
   }

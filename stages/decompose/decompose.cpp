@@ -16,7 +16,7 @@
 #include "core/camera/view_split.h"
 #include "core/image/exr.h"
 #include "core/light/environment.h"
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/mesh/mesh_io.h"
 #include "core/picture/decomposed_materials.h"
 #include "core/picture/surfel_colors.h"
@@ -242,12 +242,12 @@ class Decomposition {
     if (!marked) return;
     std::vector<Vec3f> positions;
     for (const LitPoint& p : points_) positions.push_back(p.position);
-    const PointGrid grid(positions, float(2 * voxel_));
-    std::vector<PointGrid::Near> near;
+    const KdTreef tree(positions);
+    std::vector<KdTreef::Near> near;
     for (size_t i = 0; i < materials_.size(); ++i) {
       if (materials_.specular_weight[i] >= kTrainedGloss || materials_.transmission[i] > kMaxSpecular) continue;
       const float* p = layer().at(Attribute::Mean, i);
-      grid.nearest({p[0], p[1], p[2]}, 1, float(2 * outer_voxel_), near);
+      tree.nearest({p[0], p[1], p[2]}, 1, float(2 * outer_voxel_), near);
       if (near.empty() || points_[near[0].index].masked <= kLeastMasked) materials_.specular_weight[i] = 0;
     }
   }

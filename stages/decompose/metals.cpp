@@ -6,8 +6,8 @@
 #include "core/camera/view_set.h"
 #include "core/image/exr.h"
 #include "core/image/resample.h"
+#include "core/math/kd_tree.h"
 #include "core/math/median.h"
-#include "core/math/point_grid.h"
 #include "core/math/spherical_harmonics.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/scene/activation.h"
@@ -229,15 +229,15 @@ class PolishedFinder {
     std::vector<Vec3f> centres;
     for (const auto& f : d_.mesh.faces)
       centres.push_back((d_.mesh.positions[f[0]] + d_.mesh.positions[f[1]] + d_.mesh.positions[f[2]]) / 3.f);
-    const PointGrid grid(centres, d_.reach / 4);
+    const KdTreef tree(centres);
     const std::span<const uint16_t> objects = d_.scene.surfels.diffuse.object_ids();
-    std::vector<PointGrid::Near> near;
+    std::vector<KdTreef::Near> near;
     for (size_t i = 0; i < objects.size(); ++i) {
       const int thing = thing_of(objects[i]);
       if (thing < 0 || out.things[size_t(thing)].pixels == 0) continue;
       out.of_surfel[i] = thing;
       const float* m = d_.scene.surfels.diffuse.at(Attribute::Mean, i);
-      grid.nearest({m[0], m[1], m[2]}, kNearFaces, d_.reach, near);
+      tree.nearest({m[0], m[1], m[2]}, kNearFaces, d_.reach, near);
       float faces = 0;
       for (const auto& n : near)
         if (thing_[n.index] == thing && shown[n.index].views > 0) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/scene/activation.h"
 
 namespace vitrine {
@@ -25,13 +25,13 @@ TriMesh painted_shell(const ExtendedWalls& walls, const SplatLayer& layer, std::
     positions.push_back({p[0], p[1], p[2]});
     index.push_back(uint32_t(i));
   }
-  const PointGrid grid(positions, reach / 2);
-  std::vector<PointGrid::Near> near;
+  const KdTreef tree(positions);
+  std::vector<KdTreef::Near> near;
   constexpr float pi = std::numbers::pi_v<float>;
   for (size_t v = 0; v < shell.positions.size(); ++v) {
-    grid.nearest(shown[v], 6, reach, near);
+    tree.nearest(shown[v], 6, reach, near);
     Vec3f sum{};
-    for (const PointGrid::Near& n : near) sum += irradiance[index[n.index]];
+    for (const KdTreef::Near& n : near) sum += irradiance[index[n.index]];
     for (size_t c = 0; c < 3; ++c) {
       const float e = near.empty() ? pi : sum[c] / float(near.size());
       shell.colors[v][c] = std::clamp(pi * shell.colors[v][c] / std::max(1e-4f, e), 0.f, kMaxAlbedo);

@@ -2,7 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/mesh/mesh_io.h"
 
 namespace vitrine {
@@ -32,11 +32,11 @@ TriMesh read_shadow_mesh(const fs::path& folder) {
 std::vector<float> transmission_of(const TriMesh& mesh, const std::vector<LitPoint>& points, double voxel) {
   std::vector<Vec3f> positions;
   for (const LitPoint& p : points) positions.push_back(p.position);
-  const PointGrid grid(positions, float(2 * voxel));
+  const KdTreef tree(positions);
   std::vector<float> out(mesh.positions.size(), 0.f);
-  std::vector<PointGrid::Near> near;
+  std::vector<KdTreef::Near> near;
   for (size_t v = 0; v < out.size(); ++v) {
-    grid.nearest(mesh.positions[v], 1, float(6 * voxel), near);
+    tree.nearest(mesh.positions[v], 1, float(6 * voxel), near);
     if (!near.empty()) out[v] = points[near[0].index].transmission;
   }
   return out;

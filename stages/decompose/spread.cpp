@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/math/rigid.h"
 #include "core/math/spherical_harmonics.h"
 
@@ -48,25 +48,25 @@ std::vector<Vec3f> spread_irradiance(const SplatLayer& layer, const Bounds3& inn
   }
   const Vec3f mean = count > 0 ? cast<float>(sum / count) : Vec3f{1, 1, 1};
   const float radius[2] = {desc.outer_radius, desc.inner_radius};
-  const PointGrid grids[2] = {PointGrid(sets[0].positions, 2 * radius[0]), PointGrid(sets[1].positions, 2 * radius[1])};
+  const KdTreef trees[2] = {KdTreef(sets[0].positions), KdTreef(sets[1].positions)};
   std::vector<Vec3f> out(layer.size());
   parallel_for(layer.size(), 256, [&](size_t i) {
     const Vec3f p = at3(layer, Attribute::Mean, i), n = normal_of(layer, i);
     const size_t which = inner.contains(p);
-    std::vector<PointGrid::Near> near;
-    grids[which].nearest(p, desc.neighbours, kReach * radius[which], near);
+    std::vector<KdTreef::Near> near;
+    trees[which].nearest(p, desc.neighbours, kReach * radius[which], near);
     const float inverse = 1 / (2 * radius[which] * radius[which]);
     // Relative to the nearest: a surfel that lies off still gets its neighbours' light.
-    const auto closeness = [&](const PointGrid::Near& q) {
+    const auto closeness = [&](const KdTreef::Near& q) {
       return std::exp(-inverse * (q.squared_distance - near.front().squared_distance));
     };
-    const auto facing_of = [&](const PointGrid::Near& q) { return dot(n, points[sets[which].index[q.index]].normal); };
+    const auto facing_of = [&](const KdTreef::Near& q) { return dot(n, points[sets[which].index[q.index]].normal); };
     // A surfel does not know its front, its neighbours do: the points of the other side of a thin thing stand farther off.
     float front = 0;
-    for (const PointGrid::Near& q : near) front += closeness(q) * facing_of(q);
+    for (const KdTreef::Near& q : near) front += closeness(q) * facing_of(q);
     Vec3f total{};
     float weight = 0;
-    for (const PointGrid::Near& q : near) {
+    for (const KdTreef::Near& q : near) {
       const float facing = std::copysign(1.f, front) * facing_of(q), square = facing * facing;
       if (facing < -kAcross) continue;
       const float w = closeness(q) * (facing > 0 ? std::max(kLeastFacing, square * square) : kLeastFacing);

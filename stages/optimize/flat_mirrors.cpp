@@ -9,7 +9,7 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/camera/projection.h"
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/math/quantile.h"
 #include "core/math/rigid.h"
 #include "core/model/opened_scene.h"
@@ -23,7 +23,6 @@ constexpr float kInMirror = 0.9f;        // share of a surfel's pixels that the 
 constexpr float kBesideMirror = 0.5f;    // less: it stands before it
 constexpr float kSurfaceOpacity = 0.5f;  // opacity of surfels that tell a surface
 constexpr size_t kMostPairs = 1500;      // surfels that are registered
-constexpr float kCell = 0.04f;           // scene units
 constexpr float kReaches[] = {0.2f, 0.2f, 0.1f, 0.1f, 0.05f, 0.05f, 0.03f, 0.03f, 0.02f, 0.02f};  // scene units, of the rounds
 constexpr float kLikeColor = 0.3f;  // mean difference of diffuse colours of a pair
 constexpr size_t kCandidates = 4;   // nearest surfels, the first of which with a like colour is the pair
@@ -145,7 +144,7 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   Vec3d eye{};
   for (const uint32_t photo : desc_.capture.train)
     eye += desc_.capture.photos[photo].levels[0].view.centre_in_world() / double(desc_.capture.train.size());
-  const PointGrid grid(scenery.places, kCell);
+  const KdTreef tree(scenery.places);
 
   struct Pair {
     bool found = false;
@@ -157,11 +156,11 @@ Plane FlatMirrors::registered(const Mirror& mirror) const {
   double off = 0;  // median
   for (const float reach : kReaches) {
     parallel_for(sample.size(), 32, [&](size_t k) {
-      thread_local std::vector<PointGrid::Near> near;
+      thread_local std::vector<KdTreef::Near> near;
       const Vec3d behind = place_of(diffuse_, sample[k]), before = reflected(behind, plane);
       pairs[k] = {};
-      grid.nearest(cast<float>(before), kCandidates, reach, near);
-      for (const PointGrid::Near& n : near) {
+      tree.nearest(cast<float>(before), kCandidates, reach, near);
+      for (const KdTreef::Near& n : near) {
         if (color_difference(diffuse_, sample[k], scenery.surfels[n.index]) > kLikeColor) continue;
         const Vec3d& normal = scenery.normals[n.index];
         pairs[k] = {true, behind, normal, dot(normal, before - cast<double>(scenery.places[n.index]))};

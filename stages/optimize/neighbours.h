@@ -1,4 +1,4 @@
-// Distances to nearest neighbours in a point cloud, by a balanced k-d tree.
+// Distances to nearest neighbours in a point cloud.
 #pragma once
 
 #include <span>

@@ -4,81 +4,22 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/camera/compacted.h"
+#include "core/math/kd_tree.h"
 #include "core/math/median.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
 
-namespace {
-
-// Static k-d tree over indices: the median of a range sits in its middle.
-class KdTree {
- public:
-  explicit KdTree(std::span<const Vec3d> points) : points_(points), order_(points.size()), axis_(points.size()) {
-    std::iota(order_.begin(), order_.end(), uint32_t{0});
-    build(0, order_.size());
-  }
-
-  // The k nearest other points, ascending: squared distance, index.
-  using Near = std::pair<double, uint32_t>;
-  std::vector<Near> nearest(uint32_t query, size_t k) const {
-    std::vector<Near> heap;
-    search(0, order_.size(), query, k, heap);
-    std::sort_heap(heap.begin(), heap.end());
-    return heap;
-  }
-
- private:
-  void build(size_t begin, size_t end) {
-    if (end - begin < 2) return;
-    Bounds3 box;
-    for (size_t i = begin; i < end; ++i) box.extend(points_[order_[i]]);
-    const Vec3d size = box.high - box.low;
-    const uint8_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const size_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + long(begin), order_.begin() + long(middle), order_.begin() + long(end),
-                     [&](uint32_t a, uint32_t b) { return std::pair(points_[a][axis], a) < std::pair(points_[b][axis], b); });
-    axis_[middle] = axis;
-    build(begin, middle);
-    build(middle + 1, end);
-  }
-
-  void search(size_t begin, size_t end, uint32_t query, size_t k, std::vector<Near>& heap) const {
-    if (begin >= end) return;
-    const size_t middle = begin + (end - begin) / 2;
-    const uint32_t here = order_[middle];
-    if (here != query) {
-      heap.push_back({squared_length(points_[here] - points_[query]), here});
-      std::push_heap(heap.begin(), heap.end());
-      if (heap.size() > k) {
-        std::pop_heap(heap.begin(), heap.end());
-        heap.pop_back();
-      }
-    }
-    const double side = points_[query][axis_[middle]] - points_[here][axis_[middle]];
-    const bool low = side < 0;
-    search(low ? begin : middle + 1, low ? middle : end, query, k, heap);
-    if (heap.size() < k || side * side <= heap.front().first)
-      search(low ? middle + 1 : begin, low ? end : middle, query, k, heap);
-  }
-
-  std::span<const Vec3d> points_;
-  std::vector<uint32_t> order_;
-  std::vector<uint8_t> axis_;
-};
-
-}  // namespace
-
 std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k) {
   std::vector<double> out(points.size(), 0);
-  const KdTree tree(points);
+  const KdTreed tree(points);
   parallel_for(points.size(), 256, [&](size_t i) {
-    const std::vector<KdTree::Near> near = tree.nearest(static_cast<uint32_t>(i), k);
+    std::vector<KdTreed::Near> near;
+    tree.nearest_others(static_cast<uint32_t>(i), k, near);
     for (const auto& [squared, index] : near) out[i] += std::sqrt(squared) / double(near.size());
   });
   return out;
@@ -86,9 +27,11 @@ std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k)
 
 std::vector<std::vector<uint32_t>> neighbours(std::span<const Vec3d> points, size_t k) {
   std::vector<std::vector<uint32_t>> out(points.size());
-  const KdTree tree(points);
+  const KdTreed tree(points);
   parallel_for(points.size(), 256, [&](size_t i) {
-    for (const auto& [squared, index] : tree.nearest(static_cast<uint32_t>(i), k)) out[i].push_back(index);
+    std::vector<KdTreed::Near> near;
+    tree.nearest_others(static_cast<uint32_t>(i), k, near);
+    for (const auto& [squared, index] : near) out[i].push_back(index);
   });
   return out;
 }

@@ -54,8 +54,9 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/math/",
        R"(nth_element)",
        "std::nth_element(values.begin(), middle, values.end());",
-       {"core/mesh/mesh_distance.cpp", "stages/optimize/neighbours.cpp", "stages/sfm/point_filter.cpp",  // split nodes of trees
-        "core/photo/measures.cpp"}},  // use the part on one side
+       {"core/mesh/mesh_distance.cpp",  // splits nodes of a tree of triangles
+        "core/photo/measures.cpp"}},    // uses the part on one side
+      {"KdTree of core/math/kd_tree.h", "core/math/", R"(class \w*(Kd|Point)(Tree|Grid)\b)", "class PointTree {", {}},
       {"connected_components() of core/math/connected_components.h, or DisjointSets",
        "core/math/",
        R"(open\.back\(\)|stack\.back\(\)|(\w+)\[(\w+)\] = \1\[\1\[\2\]\])",

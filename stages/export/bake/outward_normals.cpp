@@ -1,13 +1,13 @@
 #include "stages/export/bake/outward_normals.h"
 
-#include "core/math/point_grid.h"
+#include "core/math/kd_tree.h"
 #include "core/math/rigid.h"
 
 namespace vitrine {
 
 std::vector<Vec3f> outward_normals(const SplatLayer& layer, const TriMesh& mesh, float reach) {
-  const PointGrid vertices(mesh.positions, reach);
-  std::vector<PointGrid::Near> near;
+  const KdTreef vertices(mesh.positions);
+  std::vector<KdTreef::Near> near;
   std::vector<Vec3f> out(layer.size());
   for (size_t i = 0; i < layer.size(); ++i) {
     const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i);

@@ -18,7 +18,9 @@ TEST(OrthonormalBasis, IsOrthonormalAndRightHandedForEveryDirectionAndAxis) {
       EXPECT_NEAR(dot(v, n), 0, 1e-12);
       EXPECT_NEAR(dot(u, v), 0, 1e-12);
       EXPECT_NEAR(dot(cross(u, v), n), 1, 1e-12);
-      if (std::abs(n[axis]) < 0.9) EXPECT_EQ(u[axis], 0);
+      if (std::abs(n[axis]) < 0.9) {
+        EXPECT_EQ(u[axis], 0);
+      }
     }
 }
 
