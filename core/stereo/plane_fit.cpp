@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/math/pattern_search.h"
 #include "core/stereo/box_fit.h"
 #include "core/stereo/box_search.h"
 #include "core/stereo/plane_candidates.h"
@@ -108,11 +109,9 @@ std::optional<PlaneFit> refined_plane(std::span<const Silhouette> masks, const P
       return moved_plane(plane, i, step, eye);
     };
     if (look == 0 && score(best.plane) < kLeastStart) return std::nullopt;
-    if (look + 1 < kLookAgain) {
-      best.agreement = climb(score, move, kWideStep, kMiddleStep, best.plane, kPlaneNumbers);
-    } else {
-      best.agreement = climb(score, move, kMiddleStep, kFineStep, best.plane, kPlaneNumbers);
-    }
+    const PatternSteps steps =
+        look + 1 < kLookAgain ? PatternSteps{kWideStep, kMiddleStep} : PatternSteps{kMiddleStep, kFineStep};
+    best.agreement = pattern_search(score, move, steps, kPlaneNumbers, best.plane);
     if (best.agreement < (look + 1 < kLookAgain ? 0.8 * least : least)) return std::nullopt;
   }
   return best;

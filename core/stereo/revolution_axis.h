@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 
+#include "core/math/pattern_search.h"
 #include "core/math/rigid.h"
 
 namespace vitrine {
@@ -19,21 +22,16 @@ inline TurningAxis turning_axis(const Vec3d& origin, double tilt_x, double tilt_
 
 using AxisPlace = std::array<double, 4>;  // x and y of its origin, tilt towards x and y in radians
 
-// Moves the axis, its origin alone or, if all four `numbers` are free, its tilt, too, while `score` falls. Moves are of `size`
+// Moves the axis, its origin alone or, if all four `numbers` are free, its tilt, too, while `score` grows. Moves are of `size`
 // and of radians, `first_move` of them at first.
 template <class Score>
 void improve_axis(double size, double first_move, double last_move, size_t numbers, const Score& score, AxisPlace& place) {
-  double best = score(place);
-  for (double step = first_move; step >= last_move; step *= 0.5)
-    for (bool better = true; better;) {
-      better = false;
-      for (size_t i = 0; i < numbers; ++i)
-        for (double sign : {1.0, -1.0}) {
-          AxisPlace trial = place;
-          trial[i] += sign * step * (i < 2 ? size : 1.0);
-          if (const double s = score(trial); s < best - 1e-9 * std::abs(best)) best = s, place = trial, better = true;
-        }
-    }
+  static constexpr std::array<size_t, 4> kAll{0, 1, 2, 3};
+  const auto move = [size](AxisPlace p, size_t i, double step) {
+    p[i] += step * (i < 2 ? size : 1.0);
+    return std::optional(p);
+  };
+  pattern_search(score, move, {first_move, last_move, true}, std::span(kAll).first(numbers), place);
 }
 
 }  // namespace vitrine

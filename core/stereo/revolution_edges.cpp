@@ -141,7 +141,7 @@ SurfaceOfRevolution drawn_to_edges(const SurfaceOfRevolution& start, std::span<c
         largest, kEdgeFirstMove / (1 << round), kEdgeLastMove, 4,
         [&](const AxisPlace& p) {
           EdgeRadii trial;
-          return -edges.best(axis(p), trial);
+          return edges.best(axis(p), trial);
         },
         place);
     edges.best(axis(place), radii);

@@ -163,14 +163,14 @@ std::optional<SurfaceOfRevolution> surface_for(std::span<const Silhouette> masks
   AxisPlace place{about.centre().x, about.centre().y, 0, 0};
   const auto axis = [&](const AxisPlace& p) { return turning_axis({p[0], p[1], about.centre().z}, p[2], p[3]); };
   improve_axis(
-      size, kFirstMove, kLastMove, 2, [&](const AxisPlace& p) { return -volume(rims.widest(axis(p))); }, place);
+      size, kFirstMove, kLastMove, 2, [&](const AxisPlace& p) { return volume(rims.widest(axis(p))); }, place);
   Profile profile = rims.widest(axis(place));
   rims.fit(axis(place), profile);
   improve_axis(
       size, kFirstMove / 2, kLastMove, 4,
       [&](const AxisPlace& p) {
         Profile trial = profile;
-        return rims.fit(axis(p), trial);
+        return -rims.fit(axis(p), trial);
       },
       place);
   for (int i = 0; i < kRounds; ++i) rims.fit(axis(place), profile);
