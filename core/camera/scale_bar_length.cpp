@@ -24,7 +24,7 @@ struct Sighting {
   const View* view = nullptr;
   double x = 0, y = 0;
 
-  Vec3d direction() const { return normalized(transposed_times(view->cam_from_world.rotation, view->intrinsics.ray(x, y))); }
+  Vec3d direction() const { return normalized(view->ray(x, y)); }
 };
 
 double largest_angle(std::span<const Sighting> sightings) {

@@ -2,6 +2,7 @@
 // by the sfm stage, which keeps the principal point where it is).
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,6 +17,9 @@ struct Intrinsics {  // PINHOLE, pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;
 
   int longest_side() const { return width > height ? width : height; }
+  size_t pixel_count() const { return size_t(width) * size_t(height); }
+  // Of pixel (x, y), row by row.
+  size_t index(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
   Intrinsics scaled_to(int new_width, int new_height) const {
     const double sx = double(new_width) / width, sy = double(new_height) / height;
     return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
@@ -32,14 +36,16 @@ struct Intrinsics {  // PINHOLE, pixels
 };
 
 struct View {
-  std::string name;  // file name relative to images/, e.g. "IMG_0001.png"
-  Intrinsics intrinsics;
-  Rigid cam_from_world;
+  std::string name = {};  // file name relative to images/, e.g. "IMG_0001.png"
+  Intrinsics intrinsics = {};
+  Rigid cam_from_world = {};
   // Linear photo = gain * scene radiance, per channel (exposure and white balance; mean over views = 1 in log).
   Vec3d gain{1, 1, 1};
 
   std::string stem() const { return std::filesystem::path(name).replace_extension().generic_string(); }
   Vec3d centre_in_world() const { return inverse(cam_from_world).translation; }
+  // Direction in the world through pixel coordinates (px, py); z = 1 in the camera frame.
+  Vec3d ray(double px, double py) const { return transposed_times(cam_from_world.rotation, intrinsics.ray(px, py)); }
 };
 
 struct ScenePoint {  // a triangulated SfM point

@@ -25,6 +25,11 @@ class Image {
   size_t pixel_count() const { return static_cast<size_t>(width_) * static_cast<size_t>(height_); }
   bool empty() const { return data_.empty(); }
 
+  // Of channel c of pixel (x, y) in data().
+  size_t index(int x, int y, int c = 0) const {
+    return (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)) * static_cast<size_t>(channels_) +
+           static_cast<size_t>(c);
+  }
   T& at(int x, int y, int c = 0) { return data_[index(x, y, c)]; }
   const T& at(int x, int y, int c = 0) const { return data_[index(x, y, c)]; }
   T* pixel(int x, int y) { return &data_[index(x, y, 0)]; }
@@ -34,10 +39,6 @@ class Image {
   bool operator==(const Image&) const = default;
 
  private:
-  size_t index(int x, int y, int c) const {
-    return (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)) * static_cast<size_t>(channels_) +
-           static_cast<size_t>(c);
-  }
   int width_ = 0, height_ = 0, channels_ = 0;
   std::vector<T> data_;
 };

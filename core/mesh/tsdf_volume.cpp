@@ -46,7 +46,7 @@ class FarTiles {
 };
 
 void check_view(const DepthView& v) {
-  const size_t pixels = size_t(v.intrinsics.width) * size_t(v.intrinsics.height);
+  const size_t pixels = v.intrinsics.pixel_count();
   VITRINE_CHECK(v.zdepth.size() == pixels && v.weight.size() == pixels, "depth map of {} pixels for {}", v.zdepth.size(), pixels);
   VITRINE_CHECK(v.color.empty() || v.color.size() == 3 * pixels, "colour plane of {} values for {} pixels", v.color.size(),
                 pixels);

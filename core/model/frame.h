@@ -120,9 +120,7 @@ struct Frame {
   std::vector<float> error_image;  // [h,w] or empty: what the surfels are to be blamed for (densification)
   SurfelStatistics statistics;     // of the diffuse layer: sums over all passes that show surfels of it, in reverse
 
-  size_t pixel_count() const {
-    return static_cast<size_t>(view->intrinsics.width) * static_cast<size_t>(view->intrinsics.height);
-  }
+  size_t pixel_count() const { return view->intrinsics.pixel_count(); }
 };
 
 }  // namespace vitrine

@@ -38,7 +38,7 @@ class SheetRays {
   }
   // Along (x, y) of the picture, before what the surfels show.
   std::optional<ShapeSet::Hit> first(double x, double y, const Shown& shown) const {
-    const Vec3d per_z = transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(x, y));
+    const Vec3d per_z = view_.ray(x, y);
     const Ray ray{eye_, per_z};
     if (!may_meet(all_, ray)) return std::nullopt;
     const double speed = length(per_z);

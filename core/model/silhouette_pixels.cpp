@@ -84,9 +84,7 @@ class WindowSilhouette {
   };
   size_t at(int x, int y) const { return static_cast<size_t>(y * window_.width() + x); }
   // A ray through window coordinates, the pixels' centres at .5.
-  Vec3d ray(double x, double y) const {
-    return transposed_times(view_.cam_from_world.rotation, view_.intrinsics.ray(window_.left + x, window_.top + y));
-  }
+  Vec3d ray(double x, double y) const { return view_.ray(window_.left + x, window_.top + y); }
   std::optional<Met> met(double x, double y) const { return set_.first_hit({eye_, ray(x, y)}, ShapeRole::Mirror); }
   std::optional<End> end_along(double x, double y, const Vec2d& out) const;
   bool hit(int x, int y) const { return met_[at(x, y)].has_value(); }

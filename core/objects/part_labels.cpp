@@ -258,7 +258,7 @@ Image16 rendered_objects(const SplatLayer& diffuse, float near_z, const View& vi
   const auto rest = std::ranges::unique(labels);
   labels.erase(rest.begin(), rest.end());
   std::erase(labels, uint16_t(0));
-  const size_t pixels = size_t(view.intrinsics.width) * size_t(view.intrinsics.height);
+  const size_t pixels = view.intrinsics.pixel_count();
   Image16 out(view.intrinsics.width, view.intrinsics.height, 1);
   std::vector<float> most(pixels, 0.f), left(pixels, 1.f);
   SplatLayer flat = grey_surfels(diffuse);

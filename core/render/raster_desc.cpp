@@ -19,7 +19,7 @@ bool produces(const RasterDesc& desc, Aov aov) {
 }
 
 void check_wanted(const RasterDesc& desc) {
-  const size_t pixels = static_cast<size_t>(desc.intrinsics.width) * static_cast<size_t>(desc.intrinsics.height);
+  const size_t pixels = desc.intrinsics.pixel_count();
   VITRINE_CHECK(desc.wanted.empty() || desc.wanted.size() == pixels, "{} wanted pixels of {}", desc.wanted.size(), pixels);
 }
 

@@ -230,7 +230,7 @@ class Behind {
 }  // namespace
 
 HullDepths hull_depths(const VisualHull& hull, const View& view) {
-  const size_t pixels = size_t(view.intrinsics.width) * size_t(view.intrinsics.height);
+  const size_t pixels = view.intrinsics.pixel_count();
   HullDepths depths{std::vector<float>(pixels, 0.f), std::vector<float>(pixels, 0.f)};
   const VoxelGrid<uint8_t>& grid = hull.carved();
   const Bounds3& box = hull.bounds();

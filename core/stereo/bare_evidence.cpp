@@ -74,8 +74,7 @@ void BareEvidence::add_samples(uint32_t photo, int step) {
   for (int y = step / 2; y < map.height; y += step)
     for (int x = step / 2; x < map.width; x += step)
       if (const size_t i = map.index(x, y); !map.reliable(i))
-        samples_.push_back({photo, region[i], blurred_[photo].at(x, y),
-                            transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5))});
+        samples_.push_back({photo, region[i], blurred_[photo].at(x, y), view.ray(x + 0.5, y + 0.5)});
 }
 
 std::vector<float> BareEvidence::by_region(const std::vector<float>& values) const {

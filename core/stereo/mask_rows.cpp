@@ -27,7 +27,7 @@ void add_segment(Vec2d a, Vec2d b, RowSpans& spans) {
 
 std::vector<uint8_t> pixels_of(const RowSpans& spans, const View& view) {
   const Intrinsics& k = view.intrinsics;
-  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
+  std::vector<uint8_t> inside(k.pixel_count(), 0);
   for (size_t y = 0; y < spans.size(); ++y) {
     const int first = int(std::ceil(std::clamp(spans[y][0] - 0.5, 0.0, double(k.width))));
     for (int x = first; x < k.width && x + 0.5 <= spans[y][1]; ++x) inside[y * size_t(k.width) + size_t(x)] = 1;

@@ -85,8 +85,7 @@ std::vector<Contact> contacts(const TriMesh& mesh, const MeshHits& hits, const S
     const double pixels = std::hypot(outwards.x, outwards.y);
     if (!(pixels > 0.5)) continue;
     outwards = (1 / pixels) * outwards;
-    const Vec3d way = transposed_times(s.view.cam_from_world.rotation,
-                                       s.view.intrinsics.ray(at->x + kBeside * outwards.x, at->y + kBeside * outwards.y));
+    const Vec3d way = s.view.ray(at->x + kBeside * outwards.x, at->y + kBeside * outwards.y);
     if (hits.first_face(cast<float>(eye), cast<float>(way))) continue;
     const auto edge = edge_along(s.value, {at->x, at->y}, outwards, std::max(kLeastReach, reach / pixel));
     if (edge) out.push_back({v, *edge / pixels * pixel});

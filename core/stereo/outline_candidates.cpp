@@ -31,9 +31,7 @@ std::vector<Outline> largest_outlines(std::span<const Silhouette> masks, double 
   for (const Silhouette& mask : masks)
     for (const Quadrilateral& shape : quadrilaterals(mask, least_share)) {
       Outline outline{&mask.view, shape, {}, mask.view.centre_in_world()};
-      for (size_t i = 0; i < 4; ++i)
-        outline.rays[i] = normalized(transposed_times(mask.view.cam_from_world.rotation,
-                                                      mask.view.intrinsics.ray(shape.corners[i].x, shape.corners[i].y)));
+      for (size_t i = 0; i < 4; ++i) outline.rays[i] = normalized(mask.view.ray(shape.corners[i].x, shape.corners[i].y));
       out.push_back(outline);
     }
   std::stable_sort(out.begin(), out.end(), [](const Outline& a, const Outline& b) {

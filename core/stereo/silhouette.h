@@ -24,12 +24,12 @@ float coverage_at(const ImageF& value, double x, double y);
 template <class Meets>
 std::vector<uint8_t> mask_of_rays(const View& view, const Meets& meets) {
   const Intrinsics& k = view.intrinsics;
-  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
+  std::vector<uint8_t> inside(k.pixel_count(), 0);
   const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
-      inside[pixel] = meets(pixel, eye, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+      const size_t pixel = k.index(x, y);
+      inside[pixel] = meets(pixel, eye, view.ray(x + 0.5, y + 0.5));
     }
   return inside;
 }

@@ -60,7 +60,7 @@ std::optional<double> view_dependence(std::span<const ShapePoint> surface, const
     for (size_t v = 0; v < desc.photos.size(); ++v) {
       const LuminancePhoto& photo = desc.photos[v];
       const auto at = image_point(place.position, photo.view, 1e-6);
-      if (!at || !photo.inside[size_t(at->y) * size_t(photo.luminance.width()) + size_t(at->x)]) continue;
+      if (!at || !photo.inside[photo.luminance.index(int(at->x), int(at->y))]) continue;
       if (dot(place.normal, normalized(photo.view.centre_in_world() - place.position)) < kLeastCosine) continue;
       if (desc.hidden(v, place.position)) continue;
       float value = 0;

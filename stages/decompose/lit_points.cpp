@@ -48,7 +48,7 @@ std::vector<LitPoint> lit_points(const SplatLayer& layer, const std::vector<View
     raster.near_z = desc.near_z;
     renderer->forward(layer, raster, images);
     const Intrinsics& k = raster.intrinsics;
-    const size_t pixels = size_t(k.width) * size_t(k.height);
+    const size_t pixels = k.pixel_count();
     const auto color = images.plane(Aov::Color), normals = images.plane(Aov::Normal), zsum = images.plane(Aov::ZDepth);
     const auto alpha = images.plane(Aov::Alpha), median = images.plane(Aov::MedianZ);
     const auto specular = images.plane(Aov::SpecularWeight), transmission = images.plane(Aov::Transmission);

@@ -93,7 +93,7 @@ void put_objects(const GeometricDesc& desc, const View& view, const View& photo,
     for (int x = 0; x < k.width; ++x) {
       const Object* object = set.find(labels.at(x, y));
       if (object == nullptr) continue;
-      const Ray ray{eye, transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5))};
+      const Ray ray{eye, view.ray(x + 0.5, y + 0.5)};
       const auto hit = set.shapes.first_hit(ray, shape_role(object->role), [&](const ShapeSet::Hit& h) {
         return set.shapes.entries[h.entry].object == object->id;
       });

@@ -29,7 +29,7 @@ void draw_silhouettes(const ObjectSet& set, const View& view, Image8& picture) {
   const ShapeSet& shapes = set.shapes;
   const Intrinsics& k = view.intrinsics;
   constexpr int kNone = -1;
-  std::vector<int> shown(size_t(k.width) * size_t(k.height), kNone);
+  std::vector<int> shown(k.pixel_count(), kNone);
   mask_of_rays(view, [&](size_t pixel, const Vec3d& eye, const Vec3d& direction) {
     double t = 1e300;
     for (size_t i = 0; i < shapes.entries.size(); ++i)

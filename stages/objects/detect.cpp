@@ -105,7 +105,7 @@ MaskAgreement mask_agreement(const ShapeSet& shapes, const std::vector<Silhouett
       for (int x = 0; x < k.width; ++x) {
         const float value = s.value.at(x * s.value.width() / k.width, y * s.value.height() / k.height);
         if (value < 0) continue;
-        const bool on_shape = shown[size_t(y) * size_t(k.width) + size_t(x)] != 0, marked = value >= 0.5f;
+        const bool on_shape = shown[k.index(x, y)] != 0, marked = value >= 0.5f;
         counts[v].both += on_shape && marked, counts[v].shape += on_shape, counts[v].mask += marked;
       }
   });

@@ -21,7 +21,7 @@ class Owners {
       : photo_(photo), small_(photo.intrinsics.limited_to(kOwnerSide)), eye_(photo.centre_in_world()) {
     for (const ShapeSet::Entry& e : set.shapes.entries)
       if (is_glass(e.role) == glass) shapes_.push_back(&e);
-    owner_.assign(size_t(small_.width) * size_t(small_.height), 0);
+    owner_.assign(small_.pixel_count(), 0);
     if (shapes_.empty()) return;
     for (int y = 0; y < small_.height; ++y)
       for (int x = 0; x < small_.width; ++x)
@@ -42,7 +42,7 @@ class Owners {
   }
 
  private:
-  size_t at(int x, int y) const { return size_t(y) * size_t(small_.width) + size_t(x); }
+  size_t at(int x, int y) const { return small_.index(x, y); }
 
   bool any_marked(const std::vector<uint8_t>& marked, int x, int y) const {
     const Intrinsics& k = photo_.intrinsics;

@@ -19,7 +19,7 @@ constexpr int kLeastReach = 3;
 // [h,w] 1 where the view shows one of the cells.
 std::vector<uint8_t> footprint(const VoxelGrid<uint8_t>& grid, const std::vector<size_t>& cells, const View& view) {
   const Intrinsics& k = view.intrinsics;
-  std::vector<uint8_t> out(size_t(k.width) * size_t(k.height), 0);
+  std::vector<uint8_t> out(k.pixel_count(), 0);
   for (const size_t cell : cells) {
     const auto [x, y, z] = grid.cell_at(cell);
     const auto p = projection(grid.centre(x, y, z), view, grid.cell);

@@ -32,7 +32,7 @@ void explain(const Shape& shape, Silhouette& silhouette) {
   const Vec3d eye = silhouette.view.centre_in_world();
   for (int y = top; y < bottom; ++y)
     for (int x = left; x < right; ++x) {
-      const Vec3d direction = transposed_times(silhouette.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+      const Vec3d direction = silhouette.view.ray(x + 0.5, y + 0.5);
       if (!intersect(shape, {eye, direction})) continue;
       for (int v = std::max(0, y - reach); v <= std::min(k.height - 1, y + reach); ++v)
         for (int u = std::max(0, x - reach); u <= std::min(k.width - 1, x + reach); ++u) silhouette.value.at(u, v) = -1;

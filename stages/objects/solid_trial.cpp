@@ -8,6 +8,7 @@
 #include "core/base/process.h"
 #include "core/camera/projection.h"
 #include "core/image/exr.h"
+#include "core/image/ldr.h"
 #include "core/image/metrics.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"
@@ -143,7 +144,7 @@ std::vector<std::vector<uint8_t>> marked_pixels(const Shape& shape, std::span<co
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x)
         if (own->value.at(x * own->value.width() / k.width, y * own->value.height() / k.height) < 0.5f)
-          marked[v][size_t(y) * size_t(k.width) + size_t(x)] = 0;
+          marked[v][k.index(x, y)] = 0;
   });
   return marked;
 }
@@ -177,15 +178,13 @@ std::optional<GlassTrial> trial(const SmallStereo& stereo, const Shape& shape, s
         const size_t i = y * size_t(k.width) + x;
         const float* shown = photo.srgb.data().data() + 3 * i;
         if (!marked[v][i] || std::min({shown[0], shown[1], shown[2]}) > kLamp) continue;
-        const Vec3d middle =
-            normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(double(x) + 0.5, double(y) + 0.5)));
+        const Vec3d middle = normalized(photo.view.ray(double(x) + 0.5, double(y) + 0.5));
         if (const auto front = intersect(shape, {eye, middle}); !front || -dot(front->normal, middle) < kFacing) continue;
         std::array<Vec3f, 2> sum{};
         std::array<int, 2> count{};
         for (const double dy : kJitter)
           for (const double dx : kJitter) {
-            const Vec3d d =
-                normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(double(x) + dx, double(y) + dy)));
+            const Vec3d d = normalized(photo.view.ray(double(x) + dx, double(y) + dy));
             const std::array ways{straight_way(shape, box, {eye, d}), bent_way(*glass, {eye, d})};
             for (size_t way = 0; way < 2; ++way)
               if (ways[way])

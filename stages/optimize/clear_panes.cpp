@@ -27,8 +27,7 @@ ShapeSet::Entry with_clear_panes(ShapeSet::Entry sheet, const Capture& capture, 
     for (size_t i = 0; i < mask.size(); ++i) {
       if (mask[i] < 128) continue;
       const auto width = static_cast<size_t>(view.intrinsics.width);
-      const Vec3d per_z =
-          transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(double(i % width) + 0.5, double(i / width) + 0.5));
+      const Vec3d per_z = view.ray(double(i % width) + 0.5, double(i / width) + 0.5);
       const auto crossing = box.crossing(eye, per_z);
       if (!crossing) continue;
       const size_t face = crossing->left.index();

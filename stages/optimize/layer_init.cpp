@@ -239,7 +239,7 @@ GlossPixels gloss_pixels(const LayerInitDesc& desc) {
   GlossPixels out;
   for (uint32_t photo : desc.capture.train) {
     const Intrinsics& k = desc.capture.photos[photo].levels[kEvidenceLevel].view.intrinsics;
-    out.all += size_t(k.width) * size_t(k.height);
+    out.all += k.pixel_count();
     const auto& masks = desc.targets.photos[photo][kEvidenceLevel].masks;
     const auto &specular = masks[size_t(MaskClass::Specular)], &transparent = masks[size_t(MaskClass::Transparent)];
     for (size_t i = 0; i < specular.size(); ++i) out.gloss += specular[i] >= 128 && (transparent.empty() || transparent[i] < 128);

@@ -27,7 +27,7 @@ size_t bytes_before_surfels(const ViewSet& views, int max_side, const std::optio
   size_t largest = 0;
   for (const View& view : views.views) {
     const Intrinsics k = view.intrinsics.limited_to(max_side);
-    largest = std::max(largest, static_cast<size_t>(k.width) * static_cast<size_t>(k.height));
+    largest = std::max(largest, k.pixel_count());
   }
   const size_t photos = pyramid_bytes(views, max_side), pixels = photos / kPhotoBytes;
   size_t bytes = kBytesOfProgram + photos + kBytesPerPixel * largest;

@@ -69,7 +69,7 @@ struct EvidenceSurvey {
     size_t alike = 0, seen = 0;
     for (uint32_t other : others) {
       const ImageF& luma = dense.photos[other].luma;
-      if (inside(other, size_t(y) * size_t(luma.width()) + size_t(x))) continue;
+      if (inside(other, luma.index(x, y))) continue;
       const float difference = patch_difference(patch, luma, same, kNoPlane, x + 0.5, y + 0.5);
       if (difference < 0) continue;
       ++seen;

@@ -48,7 +48,7 @@ void write_preview(const std::filesystem::path& path, const Trainer& trainer, co
   const std::vector<float>* parts[] = {&frame.layers.diffuse, &frame.layers.reflection, &frame.layers.transmission};
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+      const size_t i = k.index(x, y);
       for (size_t c = 0; c < 3; ++c) {
         image.at(x, y, int(c)) = byte_of(target[c * pixels + i]);
         image.at(k.width + x, y, int(c)) = byte_of(frame.srgb[c * pixels + i]);

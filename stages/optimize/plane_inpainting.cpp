@@ -93,7 +93,7 @@ struct PlanePart {
     const Rigid world_from_cam = inverse(seen.photo->view.cam_from_world);
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
-        const double z = double(seen.zdepth[size_t(y) * size_t(k.width) + size_t(x)]);
+        const double z = double(seen.zdepth[k.index(x, y)]);
         if (!(z > 0) || z > farthest) continue;
         const Vec3d p = world_from_cam * (z * k.ray(x + 0.5, y + 0.5));
         if (std::abs(dot(p - origin, normal)) < kOnPlane * z) visit(p);

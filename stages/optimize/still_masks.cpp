@@ -184,7 +184,7 @@ std::vector<StillPoint> still_points(const Capture& capture, const DenseDepth& d
 std::vector<uint8_t> shown(const View& view, std::span<const StillPoint> points, std::span<const uint8_t> object,
                            const PhotoEvidence& evidence) {
   const Intrinsics& k = view.intrinsics;
-  std::vector<uint8_t> hit(size_t(k.width) * size_t(k.height), 0);
+  std::vector<uint8_t> hit(k.pixel_count(), 0);
   for (const StillPoint& point : points) {
     const auto p = projection(point.position, view);
     if (!p) continue;

@@ -20,7 +20,7 @@ std::string relit_sample(const RelitScene& scene, const View& view) {
   Lighting lighting;
   lighting.environment = scene.captured.rotated(kTurned_deg);
   painter.set_lighting(lighting);
-  const size_t pixels = static_cast<size_t>(view.intrinsics.width) * static_cast<size_t>(view.intrinsics.height);
+  const size_t pixels = view.intrinsics.pixel_count();
   const auto samples = static_cast<int>(std::clamp(kRays / std::max<size_t>(pixels, 1), kLeastSamples, kMostSamples));
   const RelitPicture picture = painter.picture(view, {.samples = samples});
   return jpeg_bytes(developed(picture.radiance, exposure_of_scene(painter.lit())), kSampleQuality);

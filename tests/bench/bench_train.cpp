@@ -76,13 +76,12 @@ Targets ball_targets(const Capture& capture) {
       const Intrinsics& k = view.intrinsics;
       const Vec3d eye = view.centre_in_world();
       auto& masks = levels[l].masks;
-      for (MaskClass kind : {MaskClass::Transparent, MaskClass::Specular})
-        masks[size_t(kind)].assign(size_t(k.width) * size_t(k.height), 0);
+      for (MaskClass kind : {MaskClass::Transparent, MaskClass::Specular}) masks[size_t(kind)].assign(k.pixel_count(), 0);
       for (int y = 0; y < k.height; ++y)
         for (int x = 0; x < k.width; ++x) {
-          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+          const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
           if (length(eye - dot(eye, d) * d) > 0.205) continue;
-          const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+          const size_t i = k.index(x, y);
           masks[size_t(MaskClass::Specular)][i] = 255;
           if (2 * y < k.height) masks[size_t(MaskClass::Transparent)][i] = 255;
         }

@@ -29,7 +29,7 @@ constexpr double kSticksOut = 0.2;        // of a solid's radius: nearer to it i
 
 // Even-odd rule at pixel centres.
 std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& full, const Intrinsics& k) {
-  std::vector<uint8_t> inside(size_t(k.width) * size_t(k.height), 0);
+  std::vector<uint8_t> inside(k.pixel_count(), 0);
   const double sx = double(k.width) / full.width, sy = double(k.height) / full.height;
   std::vector<double> crossings;
   for (int y = 0; y < k.height; ++y) {
@@ -43,13 +43,13 @@ std::vector<uint8_t> filled(std::span<const Vec2d> outline, const Intrinsics& fu
     std::sort(crossings.begin(), crossings.end());
     for (size_t c = 0; c + 1 < crossings.size(); c += 2)
       for (int x = std::max(0, int(std::ceil(crossings[c] - 0.5))); x < k.width && x + 0.5 <= crossings[c + 1]; ++x)
-        inside[size_t(y) * size_t(k.width) + size_t(x)] = 1;
+        inside[k.index(x, y)] = 1;
   }
   return inside;
 }
 
 bool touches_border(const std::vector<uint8_t>& inside, const Intrinsics& k) {
-  const auto at = [&](int x, int y) { return inside[size_t(y) * size_t(k.width) + size_t(x)] != 0; };
+  const auto at = [&](int x, int y) { return inside[k.index(x, y)] != 0; };
   for (int x = 0; x < k.width; ++x)
     if (at(x, 0) || at(x, k.height - 1)) return true;
   for (int y = 0; y < k.height; ++y)

@@ -48,7 +48,7 @@ std::vector<uint8_t> opened(const std::vector<uint8_t>& mask, const Intrinsics& 
           const uint8_t near = from[size_t(v) * size_t(k.width) + size_t(u)];
           value = shrink ? value & near : value | near;
         }
-        to[size_t(y) * size_t(k.width) + size_t(x)] = value;
+        to[k.index(x, y)] = value;
       }
     std::swap(from, to);
   };

@@ -29,8 +29,8 @@ void for_each_pixel(const Box& box, const View& view, const DepthMap& map, const
   const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Vec3d ray = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
-      const size_t pixel = size_t(y) * size_t(k.width) + size_t(x);
+      const Vec3d ray = view.ray(x + 0.5, y + 0.5);
+      const size_t pixel = k.index(x, y);
       const bool known = !map.trusted.empty() && map.reliable(pixel);
       visit(pixel, known ? double(map.zdepth[pixel]) : 0.0, box.crossing(eye, ray), eye, ray);
     }
@@ -127,7 +127,7 @@ std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::spa
 }
 
 std::vector<uint8_t> case_mask(const DisplayCase& glass, const View& view, const DepthMap& map) {
-  std::vector<uint8_t> mask(size_t(view.intrinsics.width) * size_t(view.intrinsics.height), 0);
+  std::vector<uint8_t> mask(view.intrinsics.pixel_count(), 0);
   for_each_pixel(glass.box, view, map, [&](size_t pixel, double z, const auto& crossing, const Vec3d&, const Vec3d&) {
     mask[pixel] = crossing && !(z > 0 && z < (1 - kOnSurface) * crossing->in);
   });

@@ -73,7 +73,7 @@ PieceSeen seen_in(std::span<const View> views, const UnexplainedPiece& piece) {
   PieceSeen out{std::vector<std::vector<uint8_t>>(views.size()), std::vector<HullDepths>(views.size())};
   parallel_for(views.size(), 1, [&](size_t v) {
     const Intrinsics& k = views[v].intrinsics;
-    const size_t pixels = size_t(k.width) * size_t(k.height);
+    const size_t pixels = k.pixel_count();
     out.inside[v].assign(pixels, 0);
     std::vector<float>&entry = out.passed[v].entry, &exit = out.passed[v].exit;
     entry.assign(pixels, 0.f), exit.assign(pixels, 0.f);
@@ -84,7 +84,7 @@ PieceSeen seen_in(std::span<const View> views, const UnexplainedPiece& piece) {
       const auto pixel = [](double at, int size) { return int(std::floor(std::clamp(at, -1.0, double(size)))); };
       for (int y = std::max(0, pixel(p->y - half, k.height)); y <= std::min(k.height - 1, pixel(p->y + half, k.height)); ++y)
         for (int x = std::max(0, pixel(p->x - half, k.width)); x <= std::min(k.width - 1, pixel(p->x + half, k.width)); ++x) {
-          const size_t i = size_t(y) * size_t(k.width) + size_t(x);
+          const size_t i = k.index(x, y);
           const auto z = float(p->z);
           entry[i] = out.inside[v][i] ? std::min(entry[i], z) : z;
           exit[i] = std::max(exit[i], z);

@@ -30,7 +30,7 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Boxe
   const std::vector<View> views = small_views(capture, boxes.max_side);
   for (const View& view : views) {
     proposal->sizes.push_back(view.intrinsics);
-    const size_t pixels = size_t(view.intrinsics.width) * size_t(view.intrinsics.height);
+    const size_t pixels = view.intrinsics.pixel_count();
     for (auto* planes : {&proposal->in_case, &proposal->mirrored, &proposal->doubted}) planes->emplace_back(pixels, uint8_t(0));
   }
   proposal->unsure = views.size() < kFewestPhotos;

@@ -49,7 +49,7 @@ inline Map map(const View& view, const std::function<std::optional<Hit>(const Ve
   Map m{view, std::vector<float>(w * h, 0.f), std::vector<float>(w * h, 0.f), std::vector<float>(3 * w * h, 0.f)};
   for (size_t y = 0; y < h; ++y)
     for (size_t x = 0; x < w; ++x) {
-      const Vec3d d = transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(double(x) + 0.5, double(y) + 0.5));
+      const Vec3d d = view.ray(double(x) + 0.5, double(y) + 0.5);
       const auto found = hit(view.centre_in_world(), d);
       if (!found) continue;
       const size_t p = y * w + x;

@@ -50,7 +50,7 @@ struct Room {
     const Vec3d eye = view.centre_in_world();
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
-        const Vec3d ray = transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)), d = normalized(ray);
+        const Vec3d ray = view.ray(x + 0.5, y + 0.5), d = normalized(ray);
         const Vec3d from = eye - kMirrorCentre;
         const double b = dot(from, d), inside = b * b - dot(from, from) + kMirrorRadius * kMirrorRadius;
         const auto [distance, brightness] = wall(eye, d);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "core/base/parallel.h"
@@ -36,7 +38,7 @@ struct BareRoom {
     const Vec3d eye = photo.view.centre_in_world();
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
-        const Vec3d d = transposed_times(photo.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5));
+        const Vec3d d = photo.view.ray(x + 0.5, y + 0.5);
         const double table = -eye.z / d.z;
         const Vec3d on_table = eye + table * d;
         const bool is_table = table > 0 && std::max(std::abs(on_table.x), std::abs(on_table.y)) < kHalfTable;

@@ -39,7 +39,7 @@ std::vector<EdgePhoto> photos_of(const SurfaceOfRevolution& vase, int count) {
     };
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
-        Vec3d direction = normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+        Vec3d direction = normalized(photo.view.ray(x + 0.5, y + 0.5));
         const auto hit = vase.intersect({eye, direction});
         if (hit) {
           const Vec3d n = vase.nearest(eye + hit->t * direction).normal;

@@ -23,7 +23,7 @@ std::vector<Silhouette> silhouettes_of_rays(int count, double span_rad, const Me
     m.value = ImageF(96, 80, 1);
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 96; ++x) {
-        const Vec3d ray = transposed_times(m.view.cam_from_world.rotation, m.view.intrinsics.ray(x + 0.5, y + 0.5));
+        const Vec3d ray = m.view.ray(x + 0.5, y + 0.5);
         m.value.at(x, y) = meets(eye, normalized(ray)) ? 1.f : 0.f;
       }
     masks.push_back(std::move(m));

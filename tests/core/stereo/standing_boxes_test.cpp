@@ -48,7 +48,7 @@ std::vector<EdgePhoto> photos_with(Thing thing, int count = 14) {
     photo.srgb = ImageF(k.width, k.height, 3);
     for (int y = 0; y < k.height; ++y)
       for (int x = 0; x < k.width; ++x) {
-        const Vec3d ray = normalized(transposed_times(photo.view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+        const Vec3d ray = normalized(photo.view.ray(x + 0.5, y + 0.5));
         const bool glass = thing == Thing::Glass && meets_box(kGlassHalf, kGlassTurn, eye, ray);
         bool wire = false;
         for (size_t i = 0; thing == Thing::TwoWires && i < 2; ++i)

@@ -29,7 +29,7 @@ struct Scene {
       Explanation seen;
       for (int y = 0; y < 72; ++y)
         for (int x = 0; x < 96; ++x) {
-          const Vec3d ray = transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5));
+          const Vec3d ray = view.ray(x + 0.5, y + 0.5);
           bool ball = false;
           for (const Vec3d& centre : balls) {
             const Vec3d d = normalized(ray), to = centre - eye;

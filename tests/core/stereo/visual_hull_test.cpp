@@ -31,7 +31,7 @@ TEST(VisualHull, OfABallHasTheBallsNormals) {
   const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < 80; y += 2)
     for (int x = 0; x < 96; x += 2) {
-      const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+      const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
       const auto hit = hull.first_hit(eye, d);
       const Vec3d to = kCentre - eye;
       const double off = length(to - dot(to, d) * d);

@@ -31,7 +31,7 @@ class PolishedBall {
       const Vec3d eye = v.centre_in_world();
       for (int y = 0; y < k.height; ++y)
         for (int x = 0; x < k.width; ++x) {
-          const Vec3d d = normalized(transposed_times(v.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+          const Vec3d d = normalized(v.ray(x + 0.5, y + 0.5));
           const double along = -dot(eye, d), off = length(eye + along * d), r = test::TinyCapture::kRadius;
           if (off >= r) continue;
           const Vec3d n = normalized(eye + (along - std::sqrt(r * r - off * off)) * d);

@@ -12,11 +12,11 @@ namespace {
 TEST(Marks, WhatSticksOutIsThereUpToItsRootAndNothingBesideIt) {
   Intrinsics k;
   k.width = 120, k.height = 80;
-  const size_t pixels = size_t(k.width) * size_t(k.height);
+  const size_t pixels = k.pixel_count();
   std::vector<uint8_t> solid(pixels), off(pixels), far(pixels), bar(pixels), hump(pixels);
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const size_t p = size_t(y) * size_t(k.width) + size_t(x);
+      const size_t p = k.index(x, y);
       const double r = std::hypot(x - 40, y - 40);
       solid[p] = r < 30;
       bar[p] = !solid[p] && x > 40 && x < 100 && std::abs(y - 40) < 5;

@@ -27,7 +27,7 @@ struct BallCapture {
       truth.emplace_back(kWidth, kHeight, 1);
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+          const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
           truth.back().at(x, y) = length(eye - dot(eye, d) * d) < kBall ? 255 : 0;
         }
       write_photo(size_t(i), truth.back());

@@ -154,7 +154,7 @@ TEST_F(Marked, AKettleIsASolidOfRevolutionAndWhatSticksOutOfIt) {
     ImageF photo(kWidth, kHeight, 3);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
-        const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+        const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
         const bool body = truth[v].at(x, y) != 0, lid = body && (eye - dot(eye, d) * d).z > 0.2;
         // The spout: balls in a row towards +x.
         for (double along = 0.3; along < 0.46; along += 0.02) {

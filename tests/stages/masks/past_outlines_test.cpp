@@ -52,8 +52,7 @@ class BallInARoom : public testing::Test, public BallCapture {
           double sum = 0;  // of four rays
           for (const double dx : {0.25, 0.75})
             for (const double dy : {0.25, 0.75}) {
-              const Vec3d d =
-                  normalized(transposed_times(views[v].cam_from_world.rotation, views[v].intrinsics.ray(x + dx, y + dy)));
+              const Vec3d d = normalized(views[v].ray(x + dx, y + dy));
               const double b = dot(eye, d), inside = b * b - dot(eye, eye) + kBall * kBall;
               sum += inside > 0 ? ball(kind, eye + (-b - std::sqrt(inside)) * d, d) : room(eye, d);
             }

@@ -49,7 +49,7 @@ void stand(FloorCapture& c, const Box& box) {
     const View& view = c.views[v];
     for (int y = 0; y < kPhotoHeight; ++y)
       for (int x = 0; x < kPhotoWidth; ++x) {
-        const Vec3d ray = transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5));
+        const Vec3d ray = view.ray(x + 0.5, y + 0.5);
         if (const auto crossing = box.crossing(view.centre_in_world(), ray))
           c.maps[v].zdepth[size_t(y * kPhotoWidth + x)] = float(crossing->in);
       }

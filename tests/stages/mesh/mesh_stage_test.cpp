@@ -190,7 +190,7 @@ class MirrorOnTable : public BallOnTable {
       Image8 mask(k.width, k.height, 1);
       for (int y = 0; y < k.height; ++y)
         for (int x = 0; x < k.width; ++x) {
-          const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+          const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
           mask.at(x, y) = length(eye - dot(eye, d) * d) < 0.3 ? 255 : 0;
         }
       make_folders(masks / "masks" / "specular");

@@ -54,11 +54,10 @@ class PolishedVase : public testing::Test {
   static void each_ray(const View& view, const F& f) {
     const Vec3d eye = view.centre_in_world();
     for (int y = 0; y < view.intrinsics.height; ++y)
-      for (int x = 0; x < view.intrinsics.width; ++x)
-        f(x, y, eye, transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5)));
+      for (int x = 0; x < view.intrinsics.width; ++x) f(x, y, eye, view.ray(x + 0.5, y + 0.5));
   }
   static RgbdFrame nothing_learnt(const View& view) {
-    const size_t pixels = size_t(view.intrinsics.width) * size_t(view.intrinsics.height);
+    const size_t pixels = view.intrinsics.pixel_count();
     return {view.intrinsics, view.cam_from_world, std::vector<float>(pixels), std::vector<float>(pixels), {}};
   }
 

@@ -49,8 +49,7 @@ TEST(OpenPlanes, PixelsOfFoundShapesAreUnknown) {
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 96; ++x) {
         const View& view = rest[v].view;
-        const Ray ray{view.centre_in_world(),
-                      transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(x + 0.5, y + 0.5))};
+        const Ray ray{view.centre_in_world(), view.ray(x + 0.5, y + 0.5)};
         if (kMirror.intersect(ray)) {
           EXPECT_LT(rest[v].value.at(x, y), 0);
           ++unknown;

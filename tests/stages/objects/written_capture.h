@@ -23,7 +23,7 @@ ImageF photo_of(const View& view, const Radiance& radiance) {
   const Vec3d eye = view.centre_in_world();
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Vec3d d = normalized(transposed_times(view.cam_from_world.rotation, k.ray(x + 0.5, y + 0.5)));
+      const Vec3d d = normalized(view.ray(x + 0.5, y + 0.5));
       if constexpr (requires(Vec3f colour) { colour = radiance(eye, d); }) {
         const Vec3f colour = radiance(eye, d);
         for (int c = 0; c < 3; ++c) out.at(x, y, c) = colour[size_t(c)];

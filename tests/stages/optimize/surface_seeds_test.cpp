@@ -50,8 +50,7 @@ TEST(ClearPanes, StandsOnAFloorThatIsNoPane) {
     const Vec3d eye = view.centre_in_world();
     const int width = view.intrinsics.width;
     for (size_t i = 0; i < photos.depths[photo].size(); ++i) {
-      const Vec3d per_z =
-          transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(int(i) % width + 0.5, int(i) / width + 0.5));
+      const Vec3d per_z = view.ray(int(i) % width + 0.5, int(i) / width + 0.5);
       const auto c = box.crossing(eye, per_z);
       const double to_floor = (-0.29 - eye.z) / per_z.z;
       double z = c && c->left == Box::Face{2, false} ? to_floor : 4;
