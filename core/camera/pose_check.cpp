@@ -19,10 +19,10 @@ namespace {
 //   own points   right 1
 struct Scale {
   const char* tests;    // what is counted, for messages
-  double hardly, weak;  // below: refused (matches: of what is left above chance); a warning
+  double hardly, weak;  // below: refused; a warning
   double fits;          // what another reading has to reach to be believed
 };
-constexpr Scale kMatches{"verified matches", 0.2, 0.5, 0.5};
+constexpr Scale kMatches{"verified matches", 0.3, 0.5, 0.5};
 constexpr Scale kPictures{"comparisons of the photos at the model's points", 0.65, 0.8, 0.8};
 constexpr Scale kOwnPoints{"observations of the model's own points", 0.5, 0.9, 0.8};
 
@@ -32,8 +32,7 @@ constexpr double kSuspicious = 0.85;       // of matches: below this other readi
 constexpr double kPhotoDisagrees = 0.3;    // matches
 constexpr double kPhotoLooksOther = 0.65;  // pictures
 constexpr size_t kNamed = 4;
-constexpr double kMostChance = 0.5;  // of matches: of three photos a deal may be the right one, turned
-constexpr double kClearly = 0.03;    // of a share: less is no reason to prefer another reading
+constexpr double kClearly = 0.03;  // of a share: less is no reason to prefer another reading
 
 struct Fit {
   std::string what, hint;
@@ -48,18 +47,6 @@ void keep_best(const std::vector<PoseVariant>& variants, const Measure& measure,
     const double share = measure(v.model).share();
     if (!best || share > best->share + kClearly) best = {v.what, v.hint, share};
   }
-}
-
-// Focal lengths near the right one have equal shares: the offset tells which is nearest.
-std::optional<FocalVariant> best_focal(const ColmapModel& model, const Measure& measure) {
-  std::vector<FocalVariant> variants = focal_variants(model);
-  std::vector<Agreement> found;
-  double share = 0;
-  for (const PoseVariant& v : variants) found.push_back(measure(v.model)), share = std::max(share, found.back().share());
-  size_t best = variants.size();
-  for (size_t i = 0; i < variants.size(); ++i)
-    if (found[i].share() > share - kClearly && (best == variants.size() || found[i].offset < found[best].offset)) best = i;
-  return best < variants.size() ? std::optional(std::move(variants[best])) : std::nullopt;
 }
 
 // Another reading is right when it fits, and leaves a third of the disagreement at most.
@@ -153,20 +140,21 @@ void note_accuracy(const Agreement& a, const ColmapModel& model, CheckedPoses& o
                    a.offset, 100 * a.share())});
 }
 
-void check_focal(const FocalVariant& focal, const Measure& measure, const PosePixels& pixels, const std::filesystem::path& where,
-                 CheckedPoses& out) {
-  // A focal length that is far off belongs to another picture size; a little off, to a rough calibration.
-  constexpr double kVisiblePx = 0.5, kMuchBetter = 0.4, kFarOff = 1.39;
-  const Agreement& given = out.agreement;
+// A focal length of another picture size may leave most matches within the tolerance; with the right one they lie much nearer.
+void check_focal(const CheckedPoses& checked, const Measure& measure, const PosePixels& pixels,
+                 const std::filesystem::path& where) {
+  constexpr double kVisiblePx = 0.5, kMuchBetter = 0.4;
+  const Agreement& given = checked.agreement;
   if (given.offset < kVisiblePx) return;
-  const Agreement a = measure(focal.model);
-  if (a.share() < given.share() || a.offset > kMuchBetter * given.offset) return;
-  if (std::max(focal.factor, 1 / focal.factor) > kFarOff) {
-    const Fit fit{fmt::format("{} ({:.2f} instead of {:.2f} px off)", focal.what, a.offset, given.offset), focal.hint, a.share()};
-    throw_disagree(given, &fit, kMatches, pixels, "", where);
+  Fit best;
+  double offset = kMuchBetter * given.offset;
+  for (const PoseVariant& focal : focal_variants(checked.model)) {
+    const Agreement a = measure(focal.model);
+    if (a.share() < given.share() || a.offset > offset) continue;
+    offset = a.offset;
+    best = {fmt::format("{} ({:.2f} instead of {:.2f} px off)", focal.what, a.offset, given.offset), focal.hint, a.share()};
   }
-  out.notes.push_back({"POSES_FOCAL", fmt::format("the photos fit the poses better ({:.2f} instead of {:.2f} px) if {}", a.offset,
-                                                  given.offset, focal.what)});
+  if (best.share > 0) throw_disagree(given, &best, kMatches, pixels, "", where);
 }
 
 // Cameras for another size: of the same pictures resized, or of their middle?
@@ -210,22 +198,18 @@ CheckedPoses checked_with_matches(ColmapModel model, PosePixels& pixels, std::sp
   out.checked = true;
   settle_open(out, pixels, measure);
   const double share = out.agreement.share();
-  const std::optional<FocalVariant> focal = best_focal(out.model, measure);
   if (share < kSuspicious) {
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), measure, best);
     keep_best(order_variants(out.model), measure, best);
-    if (focal) keep_best({*focal}, measure, best);
-    double chance = kMostChance;
-    for (const ColmapModel& dealt : dealt_at_random(out.model)) chance = std::min(chance, measure(dealt).share());
+    keep_best(focal_variants(out.model), measure, best);
     const Fit* const fit = convinces(best, share, kMatches) ? &*best : nullptr;
-    if (fit != nullptr || share < chance + kMatches.hardly * (1 - chance)) {
+    if (fit != nullptr || share < kMatches.hardly) {
       if (fit == nullptr && best) log_debug("poses: at most {:.0f} % agree, if {}", 100 * best->share, best->what);
-      const std::string by_chance = fmt::format("; dealt to the photos at random they agree to {:.0f} %", 100 * chance);
-      throw_disagree(out.agreement, fit, kMatches, pixels, one_place(out.model) + (fit == nullptr ? by_chance : ""), where);
+      throw_disagree(out.agreement, fit, kMatches, pixels, one_place(out.model), where);
     }
   }
-  if (focal) check_focal(*focal, measure, pixels, where, out);
+  check_focal(out, measure, pixels, where);
   log_info("sfm: {} of {} verified matches agree with the given poses, {:.2f} px", out.agreement.all.agree,
            out.agreement.all.tests, out.agreement.offset);
   settle_resize(out, pixels, measure, where);
@@ -241,7 +225,7 @@ CheckedPoses checked_with_pictures(ColmapModel model, PosePixels& pixels,
   if (own.all.tests >= kFewestTests && own.share() < kOwnPoints.weak) {
     std::optional<Fit> best;
     keep_best(convention_variants(out.model, pixels), own_points_agreement, best);
-    if (const auto focal = best_focal(out.model, own_points_agreement)) keep_best({*focal}, own_points_agreement, best);
+    keep_best(focal_variants(out.model), own_points_agreement, best);
     const Fit* const fit = convinces(best, own.share(), kOwnPoints) ? &*best : nullptr;
     if (fit != nullptr || own.share() < kOwnPoints.hardly)
       throw_disagree(own, fit, kOwnPoints, pixels, one_place(out.model), where);

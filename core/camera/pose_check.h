@@ -1,8 +1,7 @@
 // The check that given poses agree with the photos, before anything is computed from them. Right poses, even noisy ones, agree
-// with most of what the photos say (pose_agreement.h); poses in another convention or of other photos agree with hardly more than
-// chance. Then other readings are tried (pose_variants.h), and Error{Input, POSES_DISAGREE} names the one that fits. What the
-// files left open (are the poses for stored or upright pixels? of resized or cropped pictures?) is decided here by the same
-// measure.
+// with most of what the photos say (pose_agreement.h); poses in another convention or of other photos agree with hardly any of
+// it. Then other readings are tried (pose_variants.h), and Error{Input, POSES_DISAGREE} names the one that fits. What the files
+// left open (are the poses for stored or upright pixels? of resized or cropped pictures?) is decided here by the same measure.
 #pragma once
 
 #include <filesystem>

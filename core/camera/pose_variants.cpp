@@ -1,57 +1,27 @@
 #include "core/camera/pose_variants.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <fmt/format.h>
-
-#include "core/base/rng.h"
 
 namespace vitrine {
 
 namespace {
 
-const Mat3d kOpenGlAxes{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
-const Mat3d kMirror{{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+// Columns: where x, y and z of the file's camera frame point in ours.
+struct CameraAxes {
+  const char* text;
+  Mat3d ours_from_file;
+};
+const CameraAxes kOpenCv{"x right, y down, z forward (OpenCV's)", Mat3d::identity()};
+const CameraAxes kOpenGl{"x right, y up, z backward (OpenGL's)", {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+const CameraAxes kRobots{"x forward, y left, z up (ROS's)", {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}}};
+const CameraAxes kUnity{"x right, y up, z forward (left-handed)", {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+const CameraAxes kUnreal{"x forward, y right, z up (left-handed)", {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}};
 
 int inverse_orientation(int orientation) { return orientation == 6 ? 8 : orientation == 8 ? 6 : orientation; }
-
-// All signed permutations: OpenCV's axes and OpenGL's first, then those that turn about the optical axis, then the others;
-// rotations before mirrors.
-std::vector<Mat3d> camera_axes() {
-  std::vector<Mat3d> all;
-  std::array<size_t, 3> order{0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Mat3d m{};
-      for (size_t i = 0; i < 3; ++i) m(order[i], i) = (signs >> i & 1) != 0 ? -1 : 1;
-      all.push_back(m);
-    }
-  } while (std::next_permutation(order.begin(), order.end()));
-  const auto rank = [](const Mat3d& m) {
-    if (m == Mat3d::identity()) return 0;
-    if (m == kOpenGlAxes) return 1;
-    return (determinant(m) < 0 ? 10 : 0) + (m(2, 2) == 1 ? 2 : m(2, 2) == -1 ? 3 : 4);
-  };
-  std::stable_sort(all.begin(), all.end(), [&](const Mat3d& a, const Mat3d& b) { return rank(a) < rank(b); });
-  return all;
-}
-
-std::string axes_text(const Mat3d& axes) {
-  constexpr const char* kWays[3][2] = {{"right", "left"}, {"down", "up"}, {"forward", "backward"}};
-  std::array<std::string, 3> way;
-  for (size_t i = 0; i < 3; ++i)
-    for (size_t row = 0; row < 3; ++row)
-      if (axes(row, i) != 0) way[i] = kWays[row][axes(row, i) < 0];
-  std::string text = fmt::format("x {}, y {}, z {}", way[0], way[1], way[2]);
-  if (axes == Mat3d::identity()) text += " (OpenCV's)";
-  if (axes == kOpenGlAxes) text += " (OpenGL's)";
-  if (determinant(axes) < 0) text += " (left-handed)";
-  return text;
-}
 
 // The pose before it was turned with its photo, changed, and turned again.
 class Unturned {
@@ -117,16 +87,16 @@ std::string rule_of(PoseSource source) {
 namespace {
 
 // The commonest mistakes have a recipe, the others the rule.
-std::string fix_of(PoseSource source, const Mat3d& axes, bool inverted) {
+std::string fix_of(PoseSource source, const CameraAxes& axes, bool inverted) {
   const bool transforms = source == PoseSource::Transforms;
-  const Mat3d format = transforms ? kOpenGlAxes : Mat3d::identity();
+  const CameraAxes &format = transforms ? kOpenGl : kOpenCv, &other = transforms ? kOpenCv : kOpenGl;
   std::string fix;
   if (inverted) fix = transforms ? "invert every transform_matrix" : "invert every pose";
-  if (axes == (transforms ? Mat3d::identity() : kOpenGlAxes))
+  if (&axes == &other)
     fix +=
         std::string(fix.empty() ? "" : ", then ") + (transforms ? "negate the second and third column of every transform_matrix"
                                                                 : "negate the second and third row of every [R | t]");
-  else if (axes != format)
+  else if (&axes != &format)
     fix.clear();
   const std::string rule = rule_of(source);
   return fix.empty() ? "change the poses: " + rule : fix + ": " + rule;
@@ -137,56 +107,43 @@ std::string fix_of(PoseSource source, const Mat3d& axes, bool inverted) {
 std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels) {
   std::vector<PoseVariant> out;
   const bool transforms = pixels.source == PoseSource::Transforms;
-  const Mat3d format = transforms ? kOpenGlAxes : Mat3d::identity();
+  const CameraAxes& format = transforms ? kOpenGl : kOpenCv;
   const Unturned unturned(pixels);
   const char* const inverse_text =
       transforms ? "they are camera-from-world, not world-from-camera" : "they are world-from-camera, not camera-from-world";
-  const std::vector<Mat3d> all_axes = camera_axes();
+  const auto add = [&](const CameraAxes& axes, bool inverted) {
+    const bool mirrors = determinant(axes.ours_from_file) < 0;
+    const Mat3d turn = inverted ? axes.ours_from_file : axes.ours_from_file * transposed(format.ours_from_file);
+    PoseVariant& v = out.emplace_back();
+    v.hint = fix_of(pixels.source, axes, inverted);
+    if (inverted) v.what = inverse_text;
+    if (&axes != &format)
+      v.what += fmt::format("{}their camera axes are {}, not {}", inverted ? ", and " : "", axes.text, format.text);
+    v.model = unturned.changed(model, [&](const Rigid& as_read) {
+      const Rigid pose = inverted ? inverse(as_read) : as_read;
+      Rigid turned{turn * pose.rotation, turn * pose.translation};
+      if (mirrors) turned.rotation = turned.rotation * kUnity.ours_from_file;  // the world is mirrored with the camera
+      return turned;
+    });
+  };
+  add(transforms ? kOpenCv : kOpenGl, false);
+  add(kRobots, false);
+  for (const CameraAxes* axes : {&kOpenCv, &kOpenGl, &kRobots}) add(*axes, true);
   for (const bool inverted : {false, true})
-    for (const Mat3d& axes : all_axes) {
-      if (axes == format && !inverted) continue;
-      const bool mirrors = determinant(axes) < 0;
-      const Mat3d turn = inverted ? axes : axes * transposed(format);
-      PoseVariant& v = out.emplace_back();
-      v.hint = fix_of(pixels.source, axes, inverted);
-      if (inverted) v.what = inverse_text;
-      if (axes != format || mirrors)
-        v.what += fmt::format("{}their camera axes are {}, not {}", inverted ? ", and " : "", axes_text(axes), axes_text(format));
-      v.model = unturned.changed(model, [&](const Rigid& as_read) {
-        const Rigid pose = inverted ? inverse(as_read) : as_read;
-        Rigid turned{turn * pose.rotation, turn * pose.translation};
-        if (mirrors) turned.rotation = turned.rotation * kMirror;
-        return turned;
-      });
-    }
-  // Simplest first: both kinds of rotations before all mirrors.
-  std::stable_partition(out.begin(), out.end(),
-                        [](const PoseVariant& v) { return v.what.find("left-handed") == std::string::npos; });
-  if (pixels.source == PoseSource::Colmap) {
-    for (const bool inverted : {false, true})
-      for (const bool opengl : {false, true}) {
-        const std::string more = std::string(inverted ? ", they are world-from-camera" : "") +
-                                 (opengl ? ", and their camera axes are " + axes_text(kOpenGlAxes) : "");
-        const auto finished = [&](Rigid pose) {
-          if (inverted) pose = inverse(pose);
-          if (opengl) pose = {kOpenGlAxes * pose.rotation, kOpenGlAxes * pose.translation};
-          return pose;
-        };
-        out.push_back({"their quaternions are in the order x y z w, not w x y z" + more, rule_of(pixels.source),
-                       unturned.changed(model, [&](Rigid pose) {
-                         const Quatd q = quaternion(pose.rotation);
-                         pose.rotation = rotation_matrix(normalized(Quatd{q.z, q.w, q.x, q.y}));
-                         return finished(pose);
-                       })});
-        out.push_back({"their translations are the camera centres, not -R C" + more, rule_of(pixels.source),
-                       unturned.changed(model, [&](const Rigid& pose) {
-                         const Mat3d rotation = inverted ? transposed(pose.rotation) : pose.rotation;
-                         Rigid centred{rotation, -(rotation * pose.translation)};
-                         if (opengl) centred = {kOpenGlAxes * centred.rotation, kOpenGlAxes * centred.translation};
-                         return centred;
-                       })});
-      }
-  }
+    for (const CameraAxes* axes : {&kUnity, &kUnreal}) add(*axes, inverted);
+  if (pixels.source != PoseSource::Colmap) return out;
+  for (const bool inverted : {false, true})
+    out.push_back({std::string("their quaternions are in the order x y z w, not w x y z") +
+                       (inverted ? ", they are world-from-camera" : ""),
+                   rule_of(pixels.source), unturned.changed(model, [&](Rigid pose) {
+                     const Quatd q = quaternion(pose.rotation);
+                     pose.rotation = rotation_matrix(normalized(Quatd{q.z, q.w, q.x, q.y}));
+                     return inverted ? inverse(pose) : pose;
+                   })});
+  out.push_back({"their translations are the camera centres, not -R C", rule_of(pixels.source),
+                 unturned.changed(model, [](const Rigid& pose) {
+                   return Rigid{pose.rotation, -(pose.rotation * pose.translation)};
+                 })});
   return out;
 }
 
@@ -221,12 +178,10 @@ std::vector<PoseVariant> order_variants(const ColmapModel& model) {
   return out;
 }
 
-std::vector<FocalVariant> focal_variants(const ColmapModel& model) {
-  constexpr double kFactors[] = {1.1, 0.9, 1.25, 0.8,     1.4, 0.7,  1.6, 0.6,     2, 0.5,
-                                 2.5, 0.4, 3,    1.0 / 3, 4,   0.25, 6,   1.0 / 6, 8, 0.125};
-  std::vector<FocalVariant> out;
-  for (const double factor : kFactors) {
-    FocalVariant v{{{}, {}, model}, factor};
+std::vector<PoseVariant> focal_variants(const ColmapModel& model) {
+  std::vector<PoseVariant> out;
+  for (const double factor : {2.0, 0.5, 4.0, 0.25, 8.0, 0.125}) {
+    PoseVariant v{{}, {}, model};
     double before = 0;
     for (ColmapCamera& camera : v.model.cameras) {
       before = camera.params[0];
@@ -239,17 +194,6 @@ std::vector<FocalVariant> focal_variants(const ColmapModel& model) {
     v.hint = fmt::format("give the focal length in pixels of a picture of {} x {}, like width and height", model.cameras[0].width,
                          model.cameras[0].height);
     out.push_back(std::move(v));
-  }
-  return out;
-}
-
-std::vector<ColmapModel> dealt_at_random(const ColmapModel& model) {
-  constexpr uint64_t kDeals = 7;
-  std::vector<ColmapModel> out;
-  for (uint64_t deal = 0; deal < kDeals; ++deal) {
-    ColmapModel& m = out.emplace_back(model);
-    Rng rng(deal);
-    for (size_t i = m.images.size(); i > 1; --i) std::swap(m.images[i - 1].name, m.images[rng.below(uint32_t(i))].name);
   }
   return out;
 }

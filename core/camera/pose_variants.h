@@ -3,8 +3,8 @@
 //
 // With A the axes of the format (camera frame from the file's camera frame: diag(1, -1, -1) for transforms.json, else identity)
 // and G = cam_from_world as read, a file whose camera axes are L instead of A has the pose L A^-1 G, and L G^-1 if it was written
-// the other way round. L is one of 48 signed permutations; half of them mirror, as left-handed frames do: then the world is
-// mirrored too. A rigid motion of the world changes no picture, so no variant is about the world's axes.
+// the other way round. Left-handed frames mirror: then the world is mirrored too. A rigid motion of the world changes no picture,
+// so no variant is about the world's axes.
 #pragma once
 
 #include <string>
@@ -20,17 +20,13 @@ struct PoseVariant {
   ColmapModel model;
 };
 
-// Other axes, the inverse, other orders of the quaternion, the camera's centre as translation; the simplest first.
+// The usual camera axes, each also inverted; of a COLMAP model the other order of the quaternion and the camera's centre as
+// translation, too. The simplest first.
 std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels);
 // The poses of other photos: shifted by one or two, in reverse, sorted as words where the photos count as numbers.
 std::vector<PoseVariant> order_variants(const ColmapModel& model);
-// Other focal lengths: of a sensor or picture of another size. `factor` to the given one.
-struct FocalVariant : PoseVariant {
-  double factor = 1;
-};
-std::vector<FocalVariant> focal_variants(const ColmapModel& model);
-// The same poses dealt to the photos at random, always in the same way: what agreement is worth by chance.
-std::vector<ColmapModel> dealt_at_random(const ColmapModel& model);
+// The focal lengths of pictures of half, a quarter or an eighth of the size, and of as much larger ones.
+std::vector<PoseVariant> focal_variants(const ColmapModel& model);
 
 // Photos whose orientation is not settled, turned the other way. `pixels` follows.
 ColmapModel turned_other_way(ColmapModel model, PosePixels& pixels);
