@@ -19,6 +19,7 @@
 #include "pipeline/project.h"
 #include "pipeline/rehearsal.h"
 #include "pipeline/tool.h"
+#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
@@ -364,12 +365,9 @@ int inspect_command(const Words& words) {
     std::cout << cli.help();
     return 0;
   }
-  if (rest.size() != 1)
-    throw Error(ErrorKind::Usage,
-                rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
-                {.hint = "vitrine inspect PHOTOS", .code = "USAGE"});
+  const std::string& given = only_argument(rest, "which photos?", "vitrine inspect PHOTOS");
   const Graph graph = load_graph(stage_folder());
-  const Subject subject = subject_of(rest[0], a, graph);
+  const Subject subject = subject_of(given, a, graph);
   Json report = photos_report(subject, a);
   if (report.contains("exit")) return report["exit"];
   const int threads = a.threads > 0 ? a.threads : hardware_threads();
@@ -388,7 +386,7 @@ int inspect_command(const Words& words) {
   say_costs(costs, threads, subject.has_masks());
   if (!subject.has_masks())
     say("masks", "Glass, polished metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
-                     join_command({"vitrine", "mark", rest[0]}));
+                     join_command({"vitrine", "mark", given}));
   return 0;
 }
 

@@ -98,10 +98,7 @@ int mark_command(const Words& words) {
     std::cout << cli.help();
     return 0;
   }
-  if (rest.size() != 1)
-    throw Error(ErrorKind::Usage,
-                rest.empty() ? std::string("which photos?") : fmt::format("unexpected argument \"{}\"", rest[1]),
-                {.hint = "vitrine mark PHOTOS", .code = "USAGE"});
+  const std::string& given = only_argument(rest, "which photos?", "vitrine mark PHOTOS");
   if (!marks.empty() && !called_marks(marks))
     throw Error(ErrorKind::Usage, "this is no file of marks",
                 {.where = marks,
@@ -111,7 +108,7 @@ int mark_command(const Words& words) {
   if (std::error_code ec; !marks.empty() && !fs::is_regular_file(marks, ec))
     throw Error(ErrorKind::Input, "there is no such file of marks",
                 {.where = marks, .hint = "leave out --masks to begin without marks", .code = "MISSING_INPUT"});
-  const MarkSubject subject = subject_of(rest[0], marks);
+  const MarkSubject subject = subject_of(given, marks);
   const TemporaryFolder folder("vitrine-mark");
   const fs::path made = folder.path() / "page";
   Words call = {tool_program("mark").string(), "--input", "photos=" + subject.photos.string(), "--output", made.string(), "--set",

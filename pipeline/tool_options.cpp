@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/error.h"
+
 namespace vitrine {
 
 void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool) {
@@ -13,6 +15,13 @@ void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view result
   cli.flag("no-progress", 0, o.no_progress, "No progress bar, no progress lines.");
   cli.flag("quiet", 'q', o.quiet, "Warnings and errors only.");
   cli.flag("help", 'h', o.help, "Print this text.");
+}
+
+const std::string& only_argument(const Words& rest, const char* question, const char* usage) {
+  if (rest.size() != 1)
+    throw Error(ErrorKind::Usage, rest.empty() ? std::string(question) : fmt::format("unexpected argument \"{}\"", rest[1]),
+                {.hint = usage, .code = "USAGE"});
+  return rest[0];
 }
 
 Words work_words(const ToolOptions& o) {

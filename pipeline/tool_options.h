@@ -21,6 +21,9 @@ void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool);
 // threads.
 void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view results);
 
+// The one argument of a command. Throws Error{Usage} with `question` where there is none.
+const std::string& only_argument(const Words& rest, const char* question, const char* usage);
+
 // What the program is given of them: how it works, and what it prints.
 Words work_words(const ToolOptions& o);
 Words quietness(const ToolOptions& o);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/render/cpu/buffer.h"
+#include "core/base/plain_array.h"
 #include "core/render/cpu/raster_pass.h"
 #include "core/render/cpu/wanted_pixels.h"
 
@@ -40,7 +40,7 @@ class TileBinning {
   std::vector<uint32_t> order_, keys_, other_order_, other_keys_;
   std::vector<Chunk> chunks_;
   std::vector<uint32_t> tile_begin_, surfel_begin_;
-  Buffer<uint32_t> instances_, instance_of_surfel_, rank_;
+  PlainArray<uint32_t> instances_, instance_of_surfel_, rank_;
 };
 
 }  // namespace vitrine::cpu

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "core/base/parallel.h"
+#include "core/base/plain_array.h"
 #include "core/render/cpu/binning.h"
-#include "core/render/cpu/buffer.h"
 #include "core/render/cpu/raster_pass.h"
 #include "core/render/cpu/wanted_pixels.h"
 #include "core/render/kernels/blend.h"
@@ -24,10 +24,10 @@ constexpr size_t kProjectChunk = 512;    // surfels
 constexpr size_t kGradientBatches = 16;  // SIMD batches to a task
 
 struct ThreadScratch {
-  Buffer<RasterSplat> local;
-  Buffer<uint32_t> list, sorted;
-  Buffer<float> z_min, sorted_z, pixels;
-  Buffer<unsigned char> slots;
+  PlainArray<RasterSplat> local;
+  PlainArray<uint32_t> list, sorted;
+  PlainArray<float> z_min, sorted_z, pixels;
+  PlainArray<unsigned char> slots;
 };
 
 struct TileLists {  // what forward keeps of a tile
@@ -115,12 +115,12 @@ class CpuRenderer final : public Renderer {
   RasterDesc desc_;
   PassView view_{};
   WantedPixels wanted_;
-  Buffer<RasterSplat> splats_;
-  Buffer<SplatBounds> bounds_;
+  PlainArray<RasterSplat> splats_;
+  PlainArray<SplatBounds> bounds_;
   std::vector<uint32_t> chunk_size_, visible_;
   TileBinning binning_;
   std::vector<TileLists> lists_;
-  Buffer<float> kept_, records_;
+  PlainArray<float> kept_, records_;
 };
 
 ThreadScratch& thread_scratch() {

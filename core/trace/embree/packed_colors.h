@@ -8,9 +8,9 @@
 #include <span>
 
 #include "core/base/parallel.h"
+#include "core/base/plain_array.h"
 #include "core/render/kernels/shade.h"
 #include "core/scene/layers.h"
-#include "core/trace/embree/huge_array.h"
 
 namespace vitrine::embree {
 
@@ -78,7 +78,7 @@ class PackedColors {
  private:
   static constexpr size_t kChunk = 4096;  // surfels
   size_t stride_ = 0;                     // fours per channel
-  HugeArray<F4> data_;
+  PlainArray<F4, Pages::Huge> data_;
 };
 
 }  // namespace vitrine::embree

@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "core/base/plain_array.h"
 #include "core/scene/layers.h"
 #include "core/trace/embree/embree_device.h"
-#include "core/trace/embree/huge_array.h"
 #include "core/trace/embree/packed_colors.h"
 #include "core/trace/embree/space_order.h"
 #include "core/trace/kernels/ray_splat.h"
@@ -46,7 +46,7 @@ class SurfelTree {
   static void intersect(const RTCIntersectFunctionNArguments* args);
 
   SpaceOrder order_;
-  HugeArray<PackedSurfel> surfels_;
+  PlainArray<PackedSurfel, Pages::Huge> surfels_;
   PackedColors colors_;
   Scene scene_;
 };

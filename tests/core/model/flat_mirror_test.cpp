@@ -24,6 +24,18 @@ void hang_mirror(Showcase& s, double before = 0) {
     }
 }
 
+// The two pictures of one view show the same in the mirror, wherever both show something.
+void expect_same_near_colors(const Frame& a, const Frame& b) {
+  size_t both = 0;
+  const size_t pixels = a.pixel_count();
+  for (size_t i = 0; i < pixels; ++i) {
+    if (a.panes.shown[i] == 0 || b.panes.shown[i] == 0) continue;
+    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(a.panes.near_color[c * pixels + i], b.panes.near_color[c * pixels + i]);
+    ++both;
+  }
+  EXPECT_GT(both, 100u);
+}
+
 // A flat mirror shows what a sheet at its place mirrors, and nothing stands behind it.
 TEST(FlatMirror, ShowsTheScene) {
   Showcase s;
@@ -58,14 +70,7 @@ TEST(FlatMirror, ShowsTheSceneWithoutSilhouettes) {
   LayeredModel(options).forward(s.scene, s.view, without);
   EXPECT_TRUE(without.silhouette.pixels.empty());
   ASSERT_FALSE(without.panes.empty());
-  size_t both = 0;
-  const size_t pixels = with.pixel_count();
-  for (size_t i = 0; i < pixels; ++i) {
-    if (with.panes.shown[i] == 0 || without.panes.shown[i] == 0) continue;
-    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(with.panes.near_color[c * pixels + i], without.panes.near_color[c * pixels + i]);
-    ++both;
-  }
-  EXPECT_GT(both, 100u);
+  expect_same_near_colors(with, without);
 
   // The middle of the mirror fills the picture.
   View view = s.view;
@@ -73,7 +78,7 @@ TEST(FlatMirror, ShowsTheSceneWithoutSilhouettes) {
   LayeredModel(s.options()).forward(s.scene, view, close);
   EXPECT_TRUE(close.silhouette.pixels.empty());
   ASSERT_FALSE(close.panes.empty());
-  EXPECT_GT(std::ranges::count(close.panes.teaches, 1), int(pixels) / 2);
+  EXPECT_GT(std::ranges::count(close.panes.teaches, 1), int(with.pixel_count()) / 2);
 }
 
 // Training moves the surfels of a mirror a little before it: they do not hide the scene from the camera behind it.
@@ -86,14 +91,7 @@ TEST(FlatMirror, IsNotHiddenByItsOwnSurfels) {
   LayeredModel(before.options()).forward(before.scene, before.view, b);
   ASSERT_FALSE(a.panes.empty());
   ASSERT_FALSE(b.panes.empty());
-  size_t both = 0;
-  const size_t pixels = a.pixel_count();
-  for (size_t i = 0; i < pixels; ++i) {
-    if (a.panes.shown[i] == 0 || b.panes.shown[i] == 0) continue;
-    for (size_t c = 0; c < 3; ++c) EXPECT_EQ(a.panes.near_color[c * pixels + i], b.panes.near_color[c * pixels + i]);
-    ++both;
-  }
-  EXPECT_GT(both, 100u);
+  expect_same_near_colors(a, b);
 }
 
 // A flat mirror is one more camera: what it shows learns through it, colour and place.

@@ -4,7 +4,6 @@
 
 #include "tests/core/model/exact_model.h"
 #include "tests/core/model/tiny_rooms.h"
-#include "tests/support/gradcheck.h"
 
 namespace vitrine {
 namespace {
@@ -25,9 +24,7 @@ TEST_P(WholeChain, MatchesFiniteDifferences) {
   Frame frame;
   const auto loss = [&] {
     model.forward(r.scene, r.view, frame);
-    double sum = 0;
-    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(frame);
   };
   loss();
   ASSERT_EQ(frame.shaded.groups(), frame.pixel_count());
@@ -36,14 +33,9 @@ TEST_P(WholeChain, MatchesFiniteDifferences) {
   model.backward(r.scene, frame, grad);
   for (LayerKind kind : kAllLayers)
     for (Attribute a : kAll) {
-      auto values = r.scene.layer(kind).values(a);
-      if (values.empty() || (a == Attribute::Roughness && options.reflection.lobe == Lobe::Mirror)) continue;
-      const std::vector<double> differences = extrapolated_differences(values, loss);
-      const auto actual = grad.layer(kind).values(a);
-      // Worst seen: 6e-3 (scales of the sheets).
-      expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
-                        {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05},
-                        std::string(name(kind)) + " " + std::string(row(a).name));
+      if (r.scene.layer(kind).values(a).empty() || (a == Attribute::Roughness && options.reflection.lobe == Lobe::Mirror))
+        continue;
+      expect_differences(r.scene, grad, kind, a, loss);  // worst seen: 6e-3 (scales of the sheets)
     }
 }
 

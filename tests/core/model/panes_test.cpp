@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
 #include "core/math/dual.h"
 #include "core/model/gbuffer.h"
 #include "core/model/kernels/pane_blend.h"
@@ -11,8 +10,8 @@
 #include "core/model/opened_scene.h"
 #include "core/model/pane_pass.h"
 #include "core/trace/tracer.h"
+#include "tests/core/model/exact_model.h"
 #include "tests/core/model/showcase.h"
-#include "tests/support/gradcheck.h"
 
 namespace vitrine {
 namespace {
@@ -71,8 +70,7 @@ Compared compared_with_rays(const Showcase& s, const Frame& frame, const Facet& 
   std::vector<size_t> of;
   for (size_t i = 0; i < pixels; ++i) {
     if (!panes.shown[i] || (of_far && panes.far_cosine[i] == 0)) continue;
-    const Vec3d d = normalized(transposed_times(s.view.cam_from_world.rotation,
-                                                s.view.intrinsics.ray(double(i % width) + 0.5, double(i / width) + 0.5)));
+    const Vec3d d = normalized(s.view.ray(double(i % width) + 0.5, double(i / width) + 0.5));
     const std::optional<double> t = meets(i, eye, d);
     if (!t) continue;
     origins.push_back(cast<float>(eye + *t * d));
@@ -251,39 +249,21 @@ TEST(Panes, GradientsMatchFiniteDifferences) {
   Frame frame;
   const auto loss = [&] {
     model.forward(s.scene, s.view, frame);
-    double sum = 0;
-    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(frame);
   };
   loss();
-  frame.grad_srgb.resize(frame.srgb.size());
   start_gradient(frame);
   SplatScene grad = s.scene.zeros_like();
   model.backward(s.scene, frame, grad);
-  const auto check = [&](LayerKind kind, Attribute a) {
-    const std::vector<double> differences = extrapolated_differences(s.scene.layer(kind).values(a), loss);
-    const auto actual = grad.layer(kind).values(a);
-    expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
-                      {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05}, std::string(row(a).name));
-  };
-  check(LayerKind::Reflection, Attribute::ShDc);
-  check(LayerKind::Reflection, Attribute::Opacity);
+  for (const Attribute a : {Attribute::ShDc, Attribute::Opacity})
+    expect_differences(s.scene, grad, LayerKind::Reflection, a, loss);
 }
 
 TEST(Panes, BytesDoNotDependOnThreads) {
   const Showcase s;
-  std::vector<std::vector<float>> pictures;
-  for (int threads : {1, 3}) {
-    set_thread_limit(threads);
-    ImageOptions options = s.options();
-    options.diffuse.backend = Backend::Cpu;
-    LayeredModel model(options);
-    Frame frame;
-    model.forward(s.scene, s.view, frame);
-    pictures.push_back(frame.srgb);
-  }
-  set_thread_limit(0);
-  EXPECT_EQ(pictures[0], pictures[1]);
+  ImageOptions options = s.options();
+  options.diffuse.backend = Backend::Cpu;
+  expect_same_for_threads(options, s.scene, s.view);
 }
 
 TEST(PaneBlend, MatchesDualNumbers) {

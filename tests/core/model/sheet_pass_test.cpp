@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
 #include "core/mesh/tri_mesh.h"
 #include "core/model/kernels/refraction.h"
 #include "core/model/layered_model.h"
@@ -81,8 +80,7 @@ struct Terrarium {
   }
   Vec3d ray(size_t pixel) const {
     const auto width = static_cast<size_t>(view.intrinsics.width);
-    return normalized(transposed_times(view.cam_from_world.rotation,
-                                       view.intrinsics.ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5)));
+    return normalized(view.ray(double(pixel % width) + 0.5, double(pixel / width) + 0.5));
   }
 };
 
@@ -107,8 +105,7 @@ TEST(Sheets, ShowPlaceNormalAndCoverageOfTheShape) {
     const int x = int(i) % f.view->intrinsics.width, y = int(i) / f.view->intrinsics.width;
     for (int v = 0; v < kFine; ++v)
       for (int u = 0; u < kFine; ++u) {
-        const Vec3d d = normalized(transposed_times(t.view.cam_from_world.rotation,
-                                                    t.view.intrinsics.ray(x + (u + 0.5) / kFine, y + (v + 0.5) / kFine)));
+        const Vec3d d = normalized(t.view.ray(x + (u + 0.5) / kFine, y + (v + 0.5) / kFine));
         exact += through_ball(eye, d, kBall).has_value() / double(kFine * kFine);
       }
     crossed += f.sheets.coverage[i] > 0 && f.sheets.coverage[i] < 1;
@@ -225,27 +222,16 @@ TEST(Sheets, GradientsMatchFiniteDifferences) {
   Frame f;
   const auto loss = [&] {
     model.forward(t.scene, t.view, f);
-    double sum = 0;
-    for (float v : f.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(f);
   };
   loss();
-  f.grad_srgb.resize(f.srgb.size());
   start_gradient(f);
   SplatScene grad = t.scene.zeros_like();
   model.backward(t.scene, f, grad);
   // What walls mirror carries no gradient: the small thing in the ball is seen in none of them here.
-  const auto check = [&](LayerKind kind, Attribute a, size_t first) {
-    const std::vector<double> all = extrapolated_differences(t.scene.layer(kind).values(a), loss);
-    const size_t width = t.scene.layer(kind).width(a);
-    const auto actual = grad.layer(kind).values(a);
-    const auto from = static_cast<ptrdiff_t>(first * width);
-    expect_grad_close(std::vector<float>(actual.begin() + from, actual.end()), std::vector<double>(all.begin() + from, all.end()),
-                      {.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.05}, std::string(row(a).name));
-  };
-  const size_t inner = t.scene.diffuse.size() - 1;
-  check(LayerKind::Diffuse, Attribute::ShDc, inner);
-  check(LayerKind::Reflection, Attribute::ShDc, 0);
+  const GradTolerance tolerance{.relative_l2 = 3e-2, .bias = 3e-2, .row_floor = 0.05};
+  expect_differences(t.scene, grad, LayerKind::Diffuse, Attribute::ShDc, loss, tolerance, t.scene.diffuse.size() - 1);
+  expect_differences(t.scene, grad, LayerKind::Reflection, Attribute::ShDc, loss, tolerance);
 }
 
 // The same ball, of solid glass.
@@ -301,38 +287,24 @@ TEST(SolidGlass, GradientsMatchFiniteDifferences) {
   Frame f;
   const auto loss = [&] {
     model.forward(t.scene, t.view, f);
-    double sum = 0;
-    for (float v : f.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(f);
   };
   loss();
   EXPECT_GT(std::ranges::count(f.behind.path, GlassPath::Bent), 50);
-  f.grad_srgb.resize(f.srgb.size());
   start_gradient(f);
   SplatScene grad = t.scene.zeros_like();
   model.backward(t.scene, f, grad);
   // What the walls mirror carries no gradient: the small thing in the ball is seen in none of them here.
-  const size_t inner = t.scene.diffuse.size() - 1;
-  for (const Attribute a : {Attribute::Mean, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc}) {
-    const std::vector<double> all = extrapolated_differences(t.scene.diffuse.values(a), loss);
-    const auto from = static_cast<ptrdiff_t>(inner * t.scene.diffuse.width(a));
-    const auto actual = grad.diffuse.values(a);
-    expect_grad_close(std::vector<float>(actual.begin() + from, actual.end()), std::vector<double>(all.begin() + from, all.end()),
-                      {.relative_l2 = 5e-2, .bias = 3e-2, .row_floor = 0.05}, std::string(row(a).name));
-  }
+  for (const Attribute a : {Attribute::Mean, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc})
+    expect_differences(t.scene, grad, LayerKind::Diffuse, a, loss, {.relative_l2 = 5e-2, .bias = 3e-2, .row_floor = 0.05},
+                       t.scene.diffuse.size() - 1);
 }
 
 TEST(Shells, BytesDoNotDependOnThreads) {
   const Terrarium t;
-  std::vector<std::vector<float>> pictures;
-  for (int threads : {1, 3}) {
-    set_thread_limit(threads);
-    ImageOptions o = t.options();
-    o.diffuse.backend = Backend::Cpu;
-    pictures.push_back(t.frame(o).srgb);
-  }
-  set_thread_limit(0);
-  EXPECT_EQ(pictures[0], pictures[1]);
+  ImageOptions o = t.options();
+  o.diffuse.backend = Backend::Cpu;
+  expect_same_for_threads(o, t.scene, t.view);
 }
 
 }  // namespace

@@ -59,10 +59,7 @@ double counted(const Shape& s, const View& v, uint32_t pixel) {
   int inside = 0;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i)
-      inside +=
-          intersect(s, {v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
-                                                              v.intrinsics.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide))})
-              .has_value();
+      inside += intersect(s, {v.centre_in_world(), v.ray(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide)}).has_value();
   return double(inside) / (kSide * kSide);
 }
 
@@ -72,7 +69,7 @@ TEST(Silhouettes, PixelsAreCoveredAsCountingRaysSays) {
   const auto pixels = silhouette_pixels(set_of({s}), v);
   size_t crossed = 0;
   double squares = 0;
-  std::vector<uint8_t> in_band(size_t(v.intrinsics.width) * size_t(v.intrinsics.height), 0);
+  std::vector<uint8_t> in_band(v.intrinsics.pixel_count(), 0);
   for (const SilhouettePixel& p : pixels) {
     in_band[p.pixel] = 1;
     const double truth = counted(s, v, p.pixel);
@@ -124,8 +121,7 @@ TEST(Silhouettes, ShapesThatOverlapAreHitWhereTheyAreNearest) {
       continue;
     }
     const double x = p.pixel % uint32_t(v.intrinsics.width) + 0.5, y = p.pixel / uint32_t(v.intrinsics.width) + 0.5;
-    const auto hit = set.first_hit({v.centre_in_world(), transposed_times(v.cam_from_world.rotation, v.intrinsics.ray(x, y))},
-                                   ShapeRole::Mirror);
+    const auto hit = set.first_hit({v.centre_in_world(), v.ray(x, y)}, ShapeRole::Mirror);
     ASSERT_TRUE(hit);
     EXPECT_EQ(p.entry, hit->entry);
   }
@@ -195,10 +191,7 @@ TEST(Silhouettes, GradientsMatchDifferences) {
     for (const SilhouettePixel& p : silhouette_pixels(set_of({s}), v)) covered[p.pixel] = double(p.covered);
     double out = 0;
     for (uint32_t i = 0; i < covered.size(); ++i) {
-      if (covered[i] < 0)
-        covered[i] = s.intersect({v.centre_in_world(), transposed_times(v.cam_from_world.rotation,
-                                                                        v.intrinsics.ray(i % kSide + 0.5, i / kSide + 0.5))})
-                         .has_value();
+      if (covered[i] < 0) covered[i] = s.intersect({v.centre_in_world(), v.ray(i % kSide + 0.5, i / kSide + 0.5)}).has_value();
       out += weight(i) * covered[i];
     }
     return out;
@@ -278,9 +271,7 @@ TEST(SilhouettePass, GradientsMatchDifferences) {
   Frame frame;
   const auto loss = [&] {
     model.forward(b.room.scene, b.room.view, frame);
-    double sum = 0;
-    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(frame);
   };
   loss();
   start_gradient(frame);

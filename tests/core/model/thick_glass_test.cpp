@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/parallel.h"
 #include "core/base/rng.h"
 #include "core/model/layered_model.h"
 #include "tests/core/mesh/shapes.h"
+#include "tests/core/model/exact_model.h"
 #include "tests/core/model/snell_ball.h"
 #include "tests/core/model/tiny_rooms.h"
-#include "tests/support/gradcheck.h"
 
 namespace vitrine {
 namespace {
@@ -192,8 +191,7 @@ TEST(ThickGlass, PicturesTakeTheMeanOfFourRaysAPixel) {
     if (!middle || middle->offset > 0.85 || frame.behind.path[i] != GlassPath::Bent) continue;
     pixels.push_back(i);
     for (const auto& [dx, dy] : {std::pair{0.25, 0.25}, {0.75, 0.25}, {0.25, 0.75}, {0.75, 0.75}}) {
-      const Vec3d d = normalized(
-          transposed_times(view.cam_from_world.rotation, view.intrinsics.ray(double(i % width) + dx, double(i / width) + dy)));
+      const Vec3d d = normalized(view.ray(double(i % width) + dx, double(i / width) + dy));
       const auto way = test::through_ball(view.centre_in_world(), d, {}, ball.kBall, ball.kIor);
       origins.push_back(cast<float>(way->exit));
       directions.push_back(cast<float>(way->direction));
@@ -234,14 +232,11 @@ TEST(ThickGlass, GradientsMatchFiniteDifferences) {
   Frame frame_of;
   const auto loss = [&] {
     model.forward(r.scene, r.view, frame_of);
-    double sum = 0;
-    for (float value : frame_of.srgb) sum += 0.5 * std::pow(double(value) - 0.3, 2);
-    return sum;
+    return loss_of(frame_of);
   };
   loss();
   EXPECT_EQ(std::ranges::count(frame_of.behind.path, GlassPath::Bent), ptrdiff_t(frame_of.pixel_count()));
-  frame_of.grad_srgb.resize(frame_of.srgb.size());
-  for (size_t i = 0; i < frame_of.srgb.size(); ++i) frame_of.grad_srgb[i] = frame_of.srgb[i] - 0.3f;
+  start_gradient(frame_of);
   frame_of.error_image.assign(frame_of.pixel_count(), 1.f);
   SplatScene grad = r.scene.zeros_like();
   model.backward(r.scene, frame_of, grad);
@@ -249,36 +244,15 @@ TEST(ThickGlass, GradientsMatchFiniteDifferences) {
   for (float error : frame_of.transmission.statistics.error) EXPECT_GT(error, 0.1f);
   for (LayerKind kind : {LayerKind::Diffuse, LayerKind::Transmittance})
     for (Attribute a :
-         {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest}) {
-      const std::vector<double> differences = extrapolated_differences(r.scene.layer(kind).values(a), loss);
-      const auto actual = grad.layer(kind).values(a);
-      expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
-                        {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05},
-                        std::string(name(kind)) + " " + std::string(row(a).name));
-    }
+         {Attribute::Mean, Attribute::Rotation, Attribute::LogScale, Attribute::Opacity, Attribute::ShDc, Attribute::ShRest})
+      expect_differences(r.scene, grad, kind, a, loss);
 }
 
 TEST(ThickGlass, BytesDoNotDependOnThreads) {
   const test::GlassBallScene ball;
   ImageOptions options = test::GlassBallScene::image();
   options.transmission.thick = std::make_shared<ThickGlass>(shapes::sphere({}, ball.kBall, 40, 60), kGlassIor, 0.02f);
-  std::vector<std::vector<float>> pictures, gradients;
-  for (int threads : {1, 3}) {
-    set_thread_limit(threads);
-    LayeredModel model(options);
-    Frame frame;
-    const View view = ball.view(0.5);
-    model.forward(ball.scene, view, frame);
-    frame.grad_srgb.assign(frame.srgb.size(), 1.f);
-    SplatScene grad = ball.scene.zeros_like();
-    model.backward(ball.scene, frame, grad);
-    pictures.push_back(frame.srgb);
-    const auto means = grad.diffuse.values(Attribute::Mean);
-    gradients.emplace_back(means.begin(), means.end());
-  }
-  set_thread_limit(0);
-  EXPECT_EQ(pictures[0], pictures[1]);
-  EXPECT_EQ(gradients[0], gradients[1]);
+  expect_same_for_threads(options, ball.scene, ball.view(0.5));
 }
 
 }  // namespace

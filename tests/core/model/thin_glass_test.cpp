@@ -1,10 +1,9 @@
 // What stands behind thin glass: the picture of the scene without the glass, and its gradients.
 #include <gtest/gtest.h>
 
-#include "core/base/parallel.h"
 #include "core/model/layered_model.h"
+#include "tests/core/model/exact_model.h"
 #include "tests/core/model/tiny_rooms.h"
-#include "tests/support/gradcheck.h"
 
 namespace vitrine {
 namespace {
@@ -104,13 +103,10 @@ TEST(ThinGlass, GradientsMatchFiniteDifferences) {
   Frame frame;
   const auto loss = [&] {
     model.forward(r.scene, r.view, frame);
-    double sum = 0;
-    for (float v : frame.srgb) sum += 0.5 * std::pow(double(v) - 0.3, 2);
-    return sum;
+    return loss_of(frame);
   };
   loss();
-  frame.grad_srgb.resize(frame.srgb.size());
-  for (size_t i = 0; i < frame.srgb.size(); ++i) frame.grad_srgb[i] = frame.srgb[i] - 0.3f;
+  start_gradient(frame);
   frame.error_image.assign(frame.pixel_count(), 1.f);
   SplatScene grad = r.scene.zeros_like();
   model.backward(r.scene, frame, grad);
@@ -119,37 +115,15 @@ TEST(ThinGlass, GradientsMatchFiniteDifferences) {
   ASSERT_EQ(frame.transmission.statistics.error.size(), r.scene.transmittance.size());
   for (size_t i = 4; i < r.scene.diffuse.size(); ++i) EXPECT_GT(frame.statistics.error[i], 0.5f);
   for (float error : frame.transmission.statistics.error) EXPECT_GT(error, 0.5f);
-  for (LayerKind kind : {LayerKind::Diffuse, LayerKind::Transmittance}) {
-    for (Attribute a : kShapeAndColor) {
-      const std::vector<double> differences = extrapolated_differences(r.scene.layer(kind).values(a), loss);
-      const auto actual = grad.layer(kind).values(a);
-      expect_grad_close(std::vector<float>(actual.begin(), actual.end()), differences,
-                        {.relative_l2 = 2e-2, .bias = 2e-2, .row_floor = 0.05},
-                        std::string(name(kind)) + " " + std::string(row(a).name));
-    }
-  }
+  for (LayerKind kind : {LayerKind::Diffuse, LayerKind::Transmittance})
+    for (Attribute a : kShapeAndColor) expect_differences(r.scene, grad, kind, a, loss);
 }
 
 TEST(ThinGlass, BytesDoNotDependOnThreads) {
   const LayeredRoom r = shop_window(7);
-  std::vector<std::vector<float>> pictures, gradients;
-  for (int threads : {1, 3}) {
-    set_thread_limit(threads);
-    ImageOptions options = thin_glass();
-    options.diffuse.backend = Backend::Cpu;
-    LayeredModel model(options);
-    Frame frame;
-    model.forward(r.scene, r.view, frame);
-    frame.grad_srgb.assign(frame.srgb.size(), 1.f);
-    SplatScene grad = r.scene.zeros_like();
-    model.backward(r.scene, frame, grad);
-    pictures.push_back(frame.srgb);
-    const auto means = grad.diffuse.values(Attribute::Mean);
-    gradients.emplace_back(means.begin(), means.end());
-  }
-  set_thread_limit(0);
-  EXPECT_EQ(pictures[0], pictures[1]);
-  EXPECT_EQ(gradients[0], gradients[1]);
+  ImageOptions options = thin_glass();
+  options.diffuse.backend = Backend::Cpu;
+  expect_same_for_threads(options, r.scene, r.view);
 }
 
 }  // namespace

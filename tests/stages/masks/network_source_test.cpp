@@ -6,11 +6,11 @@
 #include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/sha256.h"
-#include "core/config/apply.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/ball_capture.h"
 #include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/error_of.h"
+#include "tests/support/settings_files.h"
 
 namespace vitrine {
 namespace {
@@ -190,21 +190,7 @@ TEST_F(Networked, AClassThatItNeverFindsIsSaid) {
   EXPECT_FALSE(fs::exists(context->output() / "masks/specular"));
 }
 
-TEST(SegmenterSettings, AreAllUnderstood) {
-  size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(fs::path(VITRINE_SOURCE_DIR) / "configs/masks")) {
-    const YamlFile file = read_yaml(entry.path().string());
-    Stage stage = masks_stage();
-    const YamlNode* section = file.root.find("masks");
-    ASSERT_NE(section, nullptr) << entry.path();
-    ConfigErrors errors;
-    apply_yaml(file, *section, stage.options, {.shown = "masks"}, errors);
-    errors.throw_if_any("");
-    EXPECT_EQ(stage.problem(), "") << entry.path();
-    ++files;
-  }
-  EXPECT_GE(files, 2u);
-}
+TEST(SegmenterSettings, AreAllUnderstood) { EXPECT_GE(expect_settings_understood("masks", masks_stage), 2u); }
 
 }  // namespace
 }  // namespace vitrine
