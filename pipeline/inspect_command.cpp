@@ -4,7 +4,7 @@
 #include <iostream>
 #include <set>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/base/parallel.h"

@@ -3,7 +3,7 @@
 // beside the stages but not in their graph.
 #include <iostream>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"
 #include "core/base/log.h"

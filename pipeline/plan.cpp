@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/config/text.h"

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/inside.h"

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <map>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/json.h"
 #include "core/base/terminal.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <iostream>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/inside.h"
 #include "core/base/log.h"

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include "core/artifact/current.h"
 #include "core/artifact/publish.h"
 #include "pipeline/export_folder.h"
 

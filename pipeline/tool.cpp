@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/artifact/current.h"
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include "core/artifact/current.h"
 #include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/error.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/process.h"
@@ -27,8 +27,7 @@ const StageInput& declared(const StageInfo& info, const std::string& name) {
 }
 
 ResolvedInput resolve_artifact(const StageInfo& info, const std::string& name, fs::path path, DigestCache& digests) {
-  if (const auto key = current_key(path, name))
-    path = store_of(path) / name / *key;
+  if (const auto key = current_key(path, name)) path = store_of(path) / name / *key;
   const fs::path manifest_file = path / kManifestName;
   if (!fs::exists(manifest_file)) return {path, digests.digest_tree(path)};
   const Manifest manifest = manifest_from_json(read_file(manifest_file), manifest_file.string());

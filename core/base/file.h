@@ -12,6 +12,8 @@ namespace vitrine {
 namespace fs = std::filesystem;
 
 std::string read_file(const fs::path& path);
+// A text as people's editors leave it, without its UTF-8 byte order mark. Throws Error{Input} for UTF-16 and UTF-32, too.
+std::string read_text_file(const fs::path& path);
 // Writes beside the target, fsyncs, renames over it.
 void write_file(const fs::path& path, std::string_view bytes);
 // For writers that need a path (OpenEXR, OpenCV): `write` gets a temporary path beside `path` with the same extension.
@@ -28,7 +30,7 @@ size_t free_disk_bytes(const fs::path& path);
 // A folder that is removed with all its contents at the end of the scope.
 class TemporaryFolder {
  public:
-  explicit TemporaryFolder(std::string_view prefix = "vitrine");   // below $TMPDIR or /tmp
+  explicit TemporaryFolder(std::string_view prefix = "vitrine");  // below $TMPDIR or /tmp
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

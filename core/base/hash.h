@@ -13,8 +13,8 @@ namespace vitrine {
 
 struct Digest {
   uint64_t high = 0, low = 0;
-  std::string hex() const;                 // 32 lower-case hex digits
-  std::string short_hex() const;           // the first 12, for people
+  std::string hex() const;        // 32 lower-case hex digits
+  std::string short_hex() const;  // the first 12, for people
   bool operator==(const Digest&) const = default;
 };
 
@@ -36,8 +36,12 @@ class Hasher {
 };
 
 Digest digest_bytes(std::string_view bytes);
-Digest digest_file(const std::filesystem::path& path);        // throws Error{Input} when unreadable
+Digest digest_file(const std::filesystem::path& path);  // throws Error{Input} when unreadable
 // Names (relative, sorted by bytes) and contents of every regular file below `folder`.
 Digest digest_folder(const std::filesystem::path& folder);
+
+// SHA-256 (FIPS 180-4), 64 lower-case hex digits: the digest that people publish beside files for download, as `sha256sum` prints
+// it. For cache keys the others are far quicker.
+std::string sha256_hex(std::string_view bytes);
 
 }  // namespace vitrine

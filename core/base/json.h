@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -22,5 +23,13 @@ namespace vitrine {
 
 // Indented by two, and a newline at the end; arrays of plain values stand on one line, for people who edit numbers.
 std::string readable(const nlohmann::ordered_json& document);
+
+// What nlohmann's JSON says, without its "[json.exception.type_error.302]".
+inline std::string cause_of(const nlohmann::json::exception& error) {
+  std::string_view text = error.what();
+  if (const size_t end = text.find("] "); text.starts_with("[json.exception.") && end != std::string_view::npos)
+    text.remove_prefix(end + 2);
+  return std::string(text);
+}
 
 }  // namespace vitrine

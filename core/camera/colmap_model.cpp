@@ -8,7 +8,6 @@
 #include "core/base/file.h"
 #include "core/base/inside.h"
 #include "core/base/log.h"
-#include "core/base/text_file.h"
 #include "core/camera/colmap_files.h"
 
 namespace vitrine {

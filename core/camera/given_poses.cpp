@@ -10,7 +10,6 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
-#include "core/base/text_file.h"
 #include "core/camera/compacted.h"
 #include "core/camera/named_poses.h"
 #include "core/camera/photo_finder.h"

@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "core/base/error.h"
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 #include "core/config/text.h"
 
 namespace vitrine {

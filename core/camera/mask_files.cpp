@@ -8,7 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/folder_files.h"
 #include "core/base/inside.h"
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 #include "core/camera/json_file.h"
 #include "core/camera/mask_classes.h"
 #include "core/config/photo_name_finder.h"

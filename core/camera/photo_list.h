@@ -16,7 +16,7 @@ struct Photo {
   std::string source;                           // path below the user's photo folder
   int width = 0, height = 0;                    // upright, as ingested
   int original_width = 0, original_height = 0;  // upright, before the limit on the longest side
-  int orientation = 1;                // EXIF 1..8: how the stored pixels were turned to be upright (core/image/upright.h)
+  int orientation = 1;                // EXIF 1..8: how the stored pixels were turned to be upright (core/image/resample.h)
   std::optional<double> focal_px;     // at the ingested size
   std::string focal_source;           // "exif FocalLengthIn35mmFilm", "exif FocalLength and FocalPlaneXResolution", or empty
   std::optional<double> exposure_ev;  // log2(N^2 / (t S/100)): the scene luminance this photo was exposed for

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/base/lower_case.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/base/utf8.h"
 
 namespace vitrine {
 

@@ -16,7 +16,7 @@ PixelSize stored_size(const Photo& photo) {
 }
 
 Mat3d upright_from_stored(int orientation) {
-  // The same two flags as in core/image/upright.cpp: which way the upright x and y run along the stored sides.
+  // The same two flags as in core/image/resample.cpp: which way the upright x and y run along the stored sides.
   const double x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7 ? -1 : 1;
   const double y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8 ? -1 : 1;
   if (swaps_sides(orientation)) return {{0, y, 0}, {x, 0, 0}, {0, 0, 1}};

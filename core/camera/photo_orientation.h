@@ -1,6 +1,6 @@
-// Cameras of turned photos. A file holds a photo's *stored* pixels and an EXIF orientation (1..8, core/image/upright.h) that says
-// how to turn them *upright*. Everything after ingest sees upright photos; poses are for the stored pixels when the program that
-// made them ignored EXIF. Here is what turning a picture does to its pixels, its camera and its pose:
+// Cameras of turned photos. A file holds a photo's *stored* pixels and an EXIF orientation (1..8, core/image/resample.h) that
+// says how to turn them *upright*. Everything after ingest sees upright photos; poses are for the stored pixels when the program
+// that made them ignored EXIF. Here is what turning a picture does to its pixels, its camera and its pose:
 //
 //   pixel  = S pixel_stored + offset         S: 2x2, signed permutation, the same for pixels and for camera x, y
 //   camera = diag(S, 1) camera_stored        so R = diag(S, 1) R_stored, t = diag(S, 1) t_stored

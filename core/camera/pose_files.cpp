@@ -11,8 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/lower_case.h"
-#include "core/base/text_file.h"
+#include "core/base/utf8.h"
 #include "core/camera/colmap_model.h"
 
 namespace vitrine {

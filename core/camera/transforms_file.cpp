@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/camera/opengl_pose.h"
 #include "core/camera/transforms_format.h"
 
 namespace vitrine {

@@ -5,7 +5,6 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/inside.h"
-#include "core/camera/opengl_pose.h"
 #include "core/camera/transforms_file.h"
 #include "core/camera/transforms_format.h"
 #include "core/camera/view_set.h"

@@ -1,6 +1,8 @@
 #include "core/camera/view_masks.h"
 
 #include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/camera/json_file.h"
 #include "core/image/ldr.h"
 
 namespace vitrine {
@@ -29,6 +31,47 @@ std::optional<ImageF> read_view_mask(const fs::path& artifact, MaskClass kind, c
   ImageF grey(file.width(), file.height(), 1);
   for (size_t i = 0; i < grey.pixel_count(); ++i) grey.data()[i] = file.data()[i * size_t(file.channels())];
   return grey;
+}
+
+namespace {
+
+fs::path origin_path(const fs::path& artifact) { return artifact / "masks" / "origin.json"; }
+
+}  // namespace
+
+MaskOrigin mask_origin(const fs::path& artifact, MaskClass kind) {
+  MaskOrigin out;
+  if (!fs::exists(origin_path(artifact))) return out;
+  read_json_file(origin_path(artifact), "list of the origins of masks", [&](const nlohmann::json& j) {
+    const JsonAt root(j);
+    const std::string word(name(kind));
+    if (!root.has(word.c_str())) return;
+    const JsonAt row = root.at(word.c_str());
+    out = {row.at("source").text(), row.at("trust").text(), row.at("propagated").value().get<bool>()};
+  });
+  return out;
+}
+
+std::vector<std::string> marked_things(const fs::path& artifact) {
+  std::vector<std::string> out;
+  if (!fs::exists(origin_path(artifact))) return out;
+  read_json_file(origin_path(artifact), "list of the origins of masks",
+                 [&](const nlohmann::json& j) { out = j.value("things", out); });
+  return out;
+}
+
+fs::path marked_things_path(const fs::path& artifact, const View& view) {
+  return artifact / "masks" / "marked" / (view.stem() + ".png");
+}
+
+void write_mask_origins(const fs::path& artifact, const std::map<MaskClass, MaskOrigin>& origins,
+                        const std::vector<std::string>& things) {
+  nlohmann::json j = nlohmann::json::object();
+  for (const auto& [kind, origin] : origins)
+    j[std::string(name(kind))] = {{"source", origin.source}, {"trust", origin.trust}, {"propagated", origin.propagated}};
+  if (!things.empty()) j["things"] = things;
+  make_folders(origin_path(artifact).parent_path());
+  write_json_file(origin_path(artifact), j);
 }
 
 }  // namespace vitrine

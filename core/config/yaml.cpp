@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/text_file.h"
 #include "core/config/text.h"
 
 namespace vitrine {

@@ -9,8 +9,8 @@
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
 #include "core/model/thick_glass.h"
-#include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
+#include "core/scene/splat_scene.h"
 #include "core/shape/shape_set.h"
 
 namespace vitrine {

@@ -20,7 +20,7 @@
 #include "core/image/image.h"
 #include "core/mesh/mesh_distance.h"
 #include "core/mesh/mesh_topology.h"
-#include "core/objects/class_pixels.h"
+#include "core/objects/object_labels.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-#include "core/image/cicp.h"
+#include "core/image/color_profile.h"
 
 #include <algorithm>
 #include <cmath>

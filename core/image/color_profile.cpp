@@ -1,11 +1,13 @@
 #include "core/image/color_profile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/base/parallel.h"
+#include "core/image/segments.h"
 #include "core/math/color.h"
 
 namespace vitrine {
@@ -228,6 +230,22 @@ ColorProfilePtr primaries_profile(std::string name, const Chromaticities& primar
     if (!(std::abs(m(i / 3, i % 3)) < kLargest)) return nullptr;
   if (!(std::abs(determinant(m)) > 1 / kLargest)) return nullptr;
   return std::make_shared<ColorProfile>(std::move(name), curve ? std::vector{curve} : std::vector<ColorProfile::Curve>{}, m);
+}
+
+ExrPrimaries exr_primaries(std::string_view bytes) {
+  ExrPrimaries out;
+  const std::string_view raw = exr_attribute(bytes, "chromaticities", "chromaticities");
+  if (raw.size() != 32) return out;
+  double v[8];
+  for (size_t i = 0; i < 8; ++i) v[i] = std::bit_cast<float>(static_cast<uint32_t>(number_at(raw, 4 * i, 4, false)));
+  const Chromaticities c{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
+  if (ColorProfilePtr profile = primaries_profile("linear " + primaries_name(c), c)) {
+    out.profile = std::move(profile);
+    out.stated = true;
+  } else {
+    out.problem = "its chromaticities are impossible";
+  }
+  return out;
 }
 
 }  // namespace vitrine

@@ -1,8 +1,8 @@
 // The colours of a file as linear Rec. 709 (D65), the space of every picture inside:
 //   linear = M curve(encoded)
 // with one curve per channel and one matrix M (primaries; Bradford adaptation when the white is another), or, for profiles that
-// are tables, a function from Little CMS (core/image/icc.h). Values outside of 0..1 are kept: a saturated red of Display P3 has a
-// negative green in Rec. 709.
+// are tables, a function from Little CMS. Values outside of 0..1 are kept: a saturated red of Display P3 has a negative green in
+// Rec. 709.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/image/image.h"
@@ -70,5 +71,39 @@ ColorProfilePtr linear_rec709_profile();
 ColorProfilePtr adobe_rgb_profile();  // Adobe RGB (1998): gamma 563 / 256
 // The matrix is checked: nullptr for primaries that no light has.
 ColorProfilePtr primaries_profile(std::string name, const Chromaticities& primaries, const ColorProfile::Curve& curve = {});
+
+// Coding-independent code points (ITU-T H.273): four numbers that name the primaries and the curve of a picture. PNG files have
+// them in their cICP chunk, HDR pictures in their ICC profile.
+struct Cicp {
+  unsigned primaries = 2, transfer = 2, matrix = 0;  // 2 = not said
+  bool full_range = true;
+  bool is_hdr() const { return transfer == 16 || transfer == 18; }  // PQ, HLG
+};
+
+// nullptr for code points that name no colours of a still picture. HDR: 1 is the diffuse white of ITU-R BT.2408 (203 cd/m2 of PQ,
+// 75 % of HLG).
+ColorProfilePtr cicp_profile(const Cicp& cicp);
+
+// ICC profiles (versions 2 and 4; matrices, grey curves, tables) through Little CMS; its headers stay in icc.cpp. Relative
+// colorimetric, without black point compensation, in floating point without bounds.
+struct IccProfile {
+  ColorProfilePtr profile;  // nullptr: it cannot be used
+  std::string problem;      // why not
+  bool grey = false;        // of pictures of one channel
+  bool cmyk = false;        // of print: there is no profile then
+};
+
+// Never throws for damaged bytes. One profile that many photos carry is read once.
+IccProfile icc_profile(std::string_view bytes);
+
+// What an EXR says of its colours: linear values of the primaries in its attribute "chromaticities", of Rec. 709 without one.
+struct ExrPrimaries {
+  ColorProfilePtr profile = linear_rec709_profile();
+  bool stated = false;  // by the file
+  std::string problem;  // why what it states is not used
+};
+
+// `bytes`: the file, or as much of its beginning as holds the header.
+ExrPrimaries exr_primaries(std::string_view bytes);
 
 }  // namespace vitrine

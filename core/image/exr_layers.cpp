@@ -1,5 +1,5 @@
 #include "core/image/exr_layers.h"
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 
 #include <algorithm>
 #include <map>

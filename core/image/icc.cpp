@@ -1,4 +1,4 @@
-#include "core/image/icc.h"
+#include "core/image/color_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include <lcms2.h>
 
 #include "core/base/hash.h"
-#include "core/image/cicp.h"
 #include "core/math/color.h"
 
 namespace vitrine {

@@ -12,11 +12,9 @@
 #include "core/base/file.h"
 #include "core/image/codecs.h"
 #include "core/image/file_kind.h"
-#include "core/image/jpeg.h"
 #include "core/image/picture_file.h"
-#include "core/image/png.h"
+#include "core/image/resample.h"
 #include "core/image/tiff.h"
-#include "core/image/upright.h"
 #include "core/math/color.h"
 
 namespace vitrine {

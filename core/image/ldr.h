@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "core/image/image.h"
 
@@ -23,6 +24,9 @@ ImageF read_as_oriented(const std::filesystem::path& path);
 // Format by extension: .png .jpg .tif. `jpeg_quality` for .jpg only. 1 or 3 channels.
 void write_ldr(const std::filesystem::path& path, const Image8& image, int jpeg_quality = 95);
 void write_png16(const std::filesystem::path& path, const Image16& image);
+// The bytes of such a file, for documents and formats that carry pictures inside (report.html, GLB).
+std::string jpeg_bytes(const Image8& image, int quality);
+std::string png_bytes(const Image8& image);
 
 ImageF floats_of(const Image8& image);           // 255 is 1
 Image8 srgb8_from_linear(const ImageF& linear);  // clamp, encode, round

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 #include "core/image/tiff_directory.h"
 
 namespace vitrine {

@@ -5,7 +5,7 @@
 #include <opencv2/dnn.hpp>
 
 #include "core/base/error.h"
-#include "core/base/sha256.h"
+#include "core/base/hash.h"
 #include "core/network/onnx_graph.h"
 
 namespace vitrine {

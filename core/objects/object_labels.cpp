@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 
@@ -58,6 +59,31 @@ ImageF LabelledObjects::coverage(const View& photo, const Intrinsics& size,
 
 bool LabelledObjects::any(const std::function<bool(const Object&)>& counts) const {
   return std::ranges::any_of(objects_.objects, counts);
+}
+
+namespace {
+
+bool is_of(MaskClass kind, const Object& object) {
+  return kind == MaskClass::Transparent ? is_glass(object.role) : is_specular(object.role);
+}
+bool is_labelled(MaskClass kind) { return kind == MaskClass::Transparent || kind == MaskClass::Specular; }
+
+}  // namespace
+
+ClassPixels::ClassPixels(std::optional<std::filesystem::path> masks, LabelledObjects objects)
+    : masks_(std::move(masks)), objects_(std::move(objects)) {}
+
+bool ClassPixels::has(MaskClass kind) const {
+  if (is_labelled(kind)) return objects_.any([&](const Object& o) { return is_of(kind, o); });
+  std::error_code ec;
+  return masks_ && std::filesystem::is_directory(*masks_ / "masks" / name(kind), ec);
+}
+
+std::optional<ImageF> ClassPixels::of(MaskClass kind, const View& photo) const {
+  if (!has(kind)) return std::nullopt;
+  if (!is_labelled(kind)) return read_view_mask(*masks_, kind, photo);
+  ImageF out = objects_.coverage(photo, photo.intrinsics, [&](const Object& o) { return is_of(kind, o); });
+  return out.empty() ? std::nullopt : std::optional(std::move(out));
 }
 
 }  // namespace vitrine

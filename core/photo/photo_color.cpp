@@ -8,9 +8,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "core/image/cicp.h"
-#include "core/image/exr_primaries.h"
-#include "core/image/icc.h"
+#include "core/image/color_profile.h"
 #include "core/image/segments.h"
 #include "core/image/tiff_pages.h"
 #include "core/math/color.h"

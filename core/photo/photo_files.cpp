@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/lower_case.h"
 #include "core/base/utf8.h"
 #include "core/image/exr.h"
 #include "core/image/picture_file.h"

@@ -11,7 +11,7 @@
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/probe.h"
-#include "core/image/upright.h"
+#include "core/image/resample.h"
 #include "core/photo/exif.h"
 #include "core/photo/measures.h"
 

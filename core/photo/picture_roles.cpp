@@ -1,5 +1,5 @@
 #include "core/photo/picture_roles.h"
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 
 #include <algorithm>
 #include <cctype>

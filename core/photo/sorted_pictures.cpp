@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
-#include "core/base/lower_case.h"
 #include "core/base/parallel.h"
+#include "core/base/utf8.h"
 #include "core/photo/picture_content.h"
 
 namespace vitrine {

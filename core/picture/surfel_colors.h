@@ -3,10 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/camera/view.h"
 #include "core/image/image.h"
+#include "core/picture/decomposed_materials.h"
+#include "core/picture/trained_scene.h"
 #include "core/render/renderer.h"
 #include "core/scene/layers.h"
 
@@ -27,6 +30,20 @@ class SurfelColors {
   float near_z_;
   std::unique_ptr<Renderer> renderer_;
   RasterImages images_;
+};
+
+// The albedo that a trained scene shows, as a picture: of the diffuse layer, and in pixels of clear glass of what stands behind
+// it (core/model/opened_scene.h), as far as they are clear.
+class AlbedoPainter {
+ public:
+  // `materials`: of this scene. Without an albedo of what stands behind glass, its glass is as opaque as anything.
+  AlbedoPainter(const SplatScene& scene, const ImageOptions& image, const DecomposedMaterials& materials);
+  // [h, w, 3] at the size of the view's intrinsics, linear; 0 where there is no surface.
+  ImageF picture(const View& view);
+
+ private:
+  std::optional<SurfelColors> first_, clear_;  // of the first surfaces: albedo, transmission in all channels
+  std::optional<SurfelColors> behind_;         // everything but the glass
 };
 
 }  // namespace vitrine

@@ -10,7 +10,6 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/base/json_cause.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/thick_glass.h"
 #include "core/scene/scene_io.h"

@@ -2,6 +2,9 @@
 // of the scene has the same type.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "core/scene/layers.h"
 
 namespace vitrine {
@@ -20,5 +23,15 @@ struct SplatScene {
   const SplatLayer& layer(LayerKind kind) const { return const_cast<SplatScene*>(this)->layer(kind); }
   SplatScene zeros_like() const { return {diffuse.zeros_like(), reflection.zeros_like(), transmittance.zeros_like(), {}}; }
 };
+
+// The surfels with keep[i] != 0, in the old order.
+inline SplatLayer kept_surfels(const SplatLayer& layer, std::span<const uint8_t> keep) {
+  SplatLayer out = layer;
+  size_t n = 0;
+  for (size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) out.copy_surfel(i, n++);
+  out.resize(n);
+  return out;
+}
 
 }  // namespace vitrine

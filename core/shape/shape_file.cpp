@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "core/base/json.h"
-#include "core/base/json_cause.h"
 #include "core/mesh/mesh_io.h"
 #include "core/shape/registry.h"
 

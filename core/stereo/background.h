@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 #include "core/stereo/scene_planes.h"
 #include "core/stereo/stereo_photos.h"
 #include "core/stereo/visual_hull.h"

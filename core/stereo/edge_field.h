@@ -6,9 +6,16 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/edge_photo.h"
+#include "core/camera/view.h"
+#include "core/image/image.h"
 
 namespace vitrine {
+
+// A photo whose edges are looked at.
+struct EdgePhoto {
+  View view;    // intrinsics of the size of `srgb`
+  ImageF srgb;  // [h,w,3] display-referred
+};
 
 class EdgeField {
  public:

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/camera/projection.h"
-#include "core/stereo/inverse_plane.h"
 #include "core/stereo/patch_score.h"
+#include "core/stereo/scene_planes.h"
 
 namespace vitrine {
 

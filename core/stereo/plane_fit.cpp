@@ -6,7 +6,6 @@
 #include "core/base/parallel.h"
 #include "core/math/pattern_search.h"
 #include "core/stereo/box_fit.h"
-#include "core/stereo/box_search.h"
 #include "core/stereo/plane_candidates.h"
 #include "core/stereo/plane_silhouette.h"
 

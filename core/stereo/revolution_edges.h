@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 #include "core/stereo/revolution_fit.h"
 
 namespace vitrine {

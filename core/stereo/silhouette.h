@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <vector>
 
+#include "core/camera/mask_files.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
 
@@ -33,5 +36,14 @@ std::vector<uint8_t> mask_of_rays(const View& view, const Meets& meets) {
     }
   return inside;
 }
+
+// That of a class of masks, as the masks stage leaves them (core/camera/view_masks.h), in one photo, `size` pixels large;
+// nullopt: the class has no mask of it. Pixels of glass are unknown in the silhouettes of other classes: what they mark is seen
+// through it.
+std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo,
+                                          const Intrinsics& size);
+
+// Some pixel shows an object.
+bool marks_something(const Silhouette& silhouette);
 
 }  // namespace vitrine

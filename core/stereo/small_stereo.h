@@ -6,7 +6,7 @@
 
 #include "core/camera/view_set.h"
 #include "core/stereo/background.h"
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 
 namespace vitrine {
 

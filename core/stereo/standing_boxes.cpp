@@ -7,7 +7,7 @@
 
 #include "core/base/parallel.h"
 #include "core/math/median.h"
-#include "core/stereo/box_search.h"
+#include "core/stereo/box_fit.h"
 #include "core/stereo/upright_edges.h"
 
 namespace vitrine {

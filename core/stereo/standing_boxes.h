@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/shape/box.h"
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/inside.h"
 #include "pipeline/report_page/facts.h"
 

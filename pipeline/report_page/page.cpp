@@ -7,7 +7,6 @@
 #include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/base/hash.h"
-#include "core/base/sha256.h"
 #include "core/camera/view_set.h"
 #include "pipeline/report_page/assets.h"
 #include "pipeline/report_page/facts.h"

@@ -6,7 +6,6 @@
 #include "core/base/base64.h"
 #include "core/base/error.h"
 #include "core/image/exr.h"
-#include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/quantile.h"

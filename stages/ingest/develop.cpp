@@ -6,7 +6,6 @@
 #include "core/base/file.h"
 #include "core/camera/view.h"
 #include "core/image/resample.h"
-#include "core/image/upright.h"
 #include "core/photo/linear_photo.h"
 
 namespace vitrine::ingest {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "core/base/lower_case.h"
+#include "core/base/utf8.h"
 #include "core/math/median.h"
 
 namespace vitrine {

@@ -6,7 +6,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/photo/linear_photo.h"
-#include "core/photo/reduced_photo.h"
 
 namespace vitrine {
 

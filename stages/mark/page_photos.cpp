@@ -8,11 +8,9 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
-#include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/photo/linear_photo.h"
-#include "core/photo/reduced_photo.h"
 
 namespace vitrine {
 

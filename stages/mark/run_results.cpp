@@ -8,7 +8,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
-#include "core/camera/mask_origin.h"
 #include "core/camera/photo_lenses.h"
 #include "core/camera/view_masks.h"
 

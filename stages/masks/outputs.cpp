@@ -11,7 +11,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
-#include "core/camera/mask_origin.h"
 #include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"

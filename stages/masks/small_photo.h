@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {

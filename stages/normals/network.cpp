@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/base/sha256.h"
+#include "core/base/hash.h"
 #include "core/network/photo_network.h"
 
 // The file itself, as the compiler's assembler takes it in; the build names it.

@@ -8,7 +8,7 @@
 #include "core/base/process.h"
 #include "core/camera/projection.h"
 #include "core/model/layered_model.h"
-#include "core/scene/kept_surfels.h"
+#include "core/scene/splat_scene.h"
 #include "stages/refine/segment_report.h"
 
 namespace vitrine {

@@ -6,7 +6,7 @@
 
 #include "core/base/json.h"
 #include "core/edit/edit_scene.h"
-#include "core/objects/class_pixels.h"
+#include "core/objects/object_labels.h"
 #include "stages/view/page_surfels.h"
 
 namespace vitrine {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/image/jpeg.h"
+#include "core/image/ldr.h"
 #include "core/relight/exposure.h"
 #include "core/relight/relit_painter.h"
 

@@ -10,7 +10,6 @@
 #include "core/camera/view_split.h"
 #include "core/camera/viewing_axes.h"
 #include "core/image/exr.h"
-#include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/math/color.h"

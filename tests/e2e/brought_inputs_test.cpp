@@ -5,7 +5,6 @@
 #include "core/camera/colmap_model.h"
 #include "core/camera/view_set.h"
 #include "core/image/ldr.h"
-#include "core/image/png.h"
 #include "core/image/resample.h"
 #include "tests/support/tiny_photos.h"
 #include "tests/support/vitrine_process.h"

@@ -12,7 +12,6 @@
 
 #include "core/camera/mask_files.h"
 #include "core/image/exr.h"
-#include "core/image/jpeg.h"
 #include "core/image/ldr.h"
 #include "core/light/environment.h"
 #include "core/loss/feature_network.h"

@@ -71,8 +71,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
        "core/objects/",
        R"(\b(read_view_mask|view_mask_path|mask_silhouette)\()",
        "auto mask = read_view_mask(artifact, MaskClass::Transparent, view);",
-       {"core/camera/view_masks.cpp", "core/camera/view_masks.h", "core/stereo/mask_silhouette.cpp",
-        "core/stereo/mask_silhouette.h",
+       {"core/camera/view_masks.cpp", "core/camera/view_masks.h", "core/stereo/silhouette.cpp", "core/stereo/silhouette.h",
         "core/train/targets.cpp",       // object and ignore
         "stages/evaluate/regions.cpp",  // object and ignore
         "stages/optimize/outputs.cpp",  // writes those of the object that was trained

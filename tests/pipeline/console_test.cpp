@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "core/base/events.h"
-#include "core/base/sha256.h"
+#include "core/base/hash.h"
 #include "tests/pipeline/sandbox.h"
 #include "tests/support/json_schema.h"
 

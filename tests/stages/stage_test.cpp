@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/events.h"
 #include "core/base/json.h"

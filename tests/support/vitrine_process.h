@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "core/base/json.h"
 #include "core/base/process.h"

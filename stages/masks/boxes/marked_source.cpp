@@ -10,7 +10,7 @@
 #include "core/base/json.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"
-#include "core/camera/mask_origin.h"
+#include "core/camera/view_masks.h"
 #include "core/image/ldr.h"
 #include "stages/masks/small_photo.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/edge_photo.h"
+#include "core/stereo/edge_field.h"
 
 namespace vitrine {
 

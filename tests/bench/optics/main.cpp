@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/parallel.h"

@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/camera/json_text.h"
 #include "core/camera/transforms_file.h"
 #include "core/config/yaml.h"
 #include "tests/support/error_of.h"

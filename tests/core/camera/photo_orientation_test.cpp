@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/rng.h"
-#include "core/image/upright.h"
+#include "core/image/resample.h"
 
 namespace vitrine {
 namespace {

@@ -4,7 +4,6 @@
 #include "core/base/file.h"
 #include "core/base/rng.h"
 #include "core/image/file_kind.h"
-#include "core/image/jpeg.h"
 #include "core/image/jpeg_structure.h"
 #include "core/image/ldr.h"
 #include "core/image/picture_file.h"

@@ -9,7 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/json.h"
 #include "core/image/ldr.h"
-#include "core/objects/class_pixels.h"
+#include "core/objects/object_labels.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

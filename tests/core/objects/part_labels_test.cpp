@@ -7,8 +7,8 @@
 #include "core/base/parallel.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_topology.h"
-#include "core/scene/kept_surfels.h"
 #include "core/scene/scene_io.h"
+#include "core/scene/splat_scene.h"
 #include "tests/support/spheres.h"
 
 namespace vitrine {

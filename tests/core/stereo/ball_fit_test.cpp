@@ -1,5 +1,5 @@
 // Balls among surfaces of revolution.
-#include "core/stereo/ball_fit.h"
+#include "core/stereo/shape_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ SurfaceOfRevolution with_cones() {
 }
 
 TEST(BallFit, FindsTheSphereBetweenTheCones) {
-  const auto masks = silhouettes_of_rays(
-      24, 2 * std::numbers::pi, [](const Vec3d& eye, const Vec3d& d) { return meets_ball(kMiddle, kSphere, eye, d); });
+  const auto masks = silhouettes_of_rays(24, 2 * std::numbers::pi,
+                                         [](const Vec3d& eye, const Vec3d& d) { return meets_ball(kMiddle, kSphere, eye, d); });
   const auto ball = ball_of(masks, with_cones());
   ASSERT_TRUE(ball);
   for (const Vec2d& p : ball->profile) EXPECT_NEAR(std::hypot(p.x, p.y - kMiddle.z), kSphere, 0.002);

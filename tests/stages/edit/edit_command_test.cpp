@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/artifact/current.h"
+#include "core/artifact/publish.h"
 #include "core/artifact/store.h"
 #include "pipeline/commands.h"
 #include "tests/stages/edit/two_balls.h"

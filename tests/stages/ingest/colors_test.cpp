@@ -6,8 +6,8 @@
 
 #include "core/base/rng.h"
 #include "core/camera/photo_list.h"
+#include "core/image/color_profile.h"
 #include "core/image/exr.h"
-#include "core/image/icc.h"
 #include "core/image/segments.h"
 #include "core/math/color.h"
 #include "core/photo/linear_photo.h"

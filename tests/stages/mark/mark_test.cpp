@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "core/base/json.h"
-#include "core/camera/mask_origin.h"
 #include "core/camera/photo_lenses.h"
 #include "core/camera/photo_marks.h"
 #include "core/camera/view_masks.h"

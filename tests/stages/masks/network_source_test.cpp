@@ -5,7 +5,6 @@
 #include "core/base/hash.h"
 #include "core/base/json.h"
 #include "core/base/parallel.h"
-#include "core/base/sha256.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/ball_capture.h"
 #include "tests/stages/normals/tiny_onnx.h"

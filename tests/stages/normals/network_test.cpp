@@ -8,7 +8,6 @@
 
 #include "core/base/hash.h"
 #include "core/base/json.h"
-#include "core/base/sha256.h"
 #include "core/network/onnx_graph.h"
 #include "tests/stages/normals/still_life.h"
 #include "tests/stages/normals/tiny_onnx.h"

@@ -5,7 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/json.h"
-#include "core/camera/mask_origin.h"
+#include "core/camera/view_masks.h"
 #include "core/mesh/mesh_io.h"
 #include "core/objects/object_labels.h"
 #include "tests/core/stereo/silhouettes_of_rays.h"
