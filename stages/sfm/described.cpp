@@ -1,7 +1,9 @@
-// Cost estimate and report figures of the sfm stage.
+// Options, cost estimate and report figures of the sfm stage.
 #include <algorithm>
 #include <cmath>
 
+#include "core/config/describe.h"
+#include "stages/sfm/pairs.h"
 #include "stages/sfm/sfm.h"
 #include "stages/training_cost.h"
 
@@ -19,10 +21,33 @@ double features_of(const CostTerms& t, double mpx) {
 
 }  // namespace
 
+void describe(Describer& d, SfmConfig& c) {
+  d.option("max_image_size", c.max_image_size, "Longest side at which features are found; 0 = as ingested.").range(0, 20000);
+  d.option("max_features", c.max_features, "Most features of a photo.").range(100, 100000);
+  d.option("camera_model", c.camera_model, "Lens model to solve for.")
+      .choices({"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"});
+  d.option("exhaustive_limit", c.exhaustive_limit, "Up to this many photos all pairs are compared.").range(0, 2000);
+  d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
+  d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
+  d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
+  d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
+      .choices({"auto", "level", "ring", "mean", "nadir"});
+  d.option("principal_point", c.principal_point,
+           "Where the lens's axis meets the picture: in its middle, or (auto) elsewhere if the photos then fit clearly better.")
+      .choices({"auto", "middle"});
+  d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
+      .range(0, 100);
+  d.option("turntable", c.turntable,
+           "Does the object turn before a camera that stands still? Then features outside its masks are not used; auto: shown by "
+           "matches that stand still around an object that moves.")
+      .choices({"auto", "yes", "no"});
+  d.group("masks", c.masks, "Which masks keep features out.");
+}
+
 StageCost sfm_cost(const CostTerms& t) {
   const double n = t.photos(), mpx = t.mpx(t.limited("sfm.max_image_size", ingested_side(t))), f = features_of(t, mpx);
   const double out = ingested_mpx(t), all = n * (n - 1) / 2;
-  const double some = n * (t.number("sfm.window") + t.number("sfm.retrieved") + std::log2(std::max(n, 2.0)));
+  const double some = n * (PairRules{}.window + PairRules{}.retrieved + std::log2(std::max(n, 2.0)));
   const double pairs = n <= t.number("sfm.exhaustive_limit") ? all : std::min(all, some);
   constexpr double kMatchedShare = 0.8, kVerify = 0.033, kMatch = 0.014, kMatchFeatures = 4300;
   const double extract = n * (0.90 * mpx + 54e-6 * f);

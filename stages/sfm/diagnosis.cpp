@@ -77,12 +77,12 @@ std::string sizes_text(const std::vector<size_t>& groups) {
   return sizes + (groups.size() > kShown ? ", ..." : "");
 }
 
-std::string left_out_list(const Reconstruction& r, const SfmConfig& config) {
+std::string left_out_list(const Reconstruction& r) {
   constexpr size_t kListed = 6;
   std::string out;
   size_t n = 0;
   for (const PhotoReport& p : r.photos) {
-    const std::string reason = reason_left_out(p, config);
+    const std::string reason = reason_left_out(p);
     if (reason.empty()) continue;
     if (++n <= kListed) out += fmt::format("\n{} ({})", p.name, reason);
   }
@@ -92,7 +92,7 @@ std::string left_out_list(const Reconstruction& r, const SfmConfig& config) {
 
 }  // namespace
 
-std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
+std::string reason_left_out(const PhotoReport& p) {
   if (p.registered) return {};
   if (p.pose_missing) return "no pose was given for it";
   if (p.other_pass) return "taken in another pass, which shares too little of the object with the largest one";
@@ -100,20 +100,20 @@ std::string reason_left_out(const PhotoReport& p, const SfmConfig& config) {
   if (p.masked > 0 && p.features - p.masked < kFewFeatures)
     return fmt::format("{} features, {} of them masked", p.features, p.masked);
   if (p.features < kFewFeatures) return fmt::format("{} features: blurred, dark or without texture", p.features);
-  if (p.matches < size_t(config.min_matches)) return fmt::format("{} features, nothing like them in other photos", p.features);
+  if (p.matches < kMinMatches) return fmt::format("{} features, nothing like them in other photos", p.features);
   if (p.neighbours == 0) return fmt::format("{} matches, none agree on a camera motion", p.matches);
   return fmt::format("{} verified matches with {} photos, too few with known points", p.verified, p.neighbours);
 }
 
-std::string cause_left_out(const PhotoReport& p, const Reconstruction& r, const SfmConfig& config) {
+std::string cause_left_out(const PhotoReport& p, const Reconstruction& r) {
   if (p.registered || p.pose_missing || p.other_pass) return {};
   const std::optional<double> typical = median_brightness(r);
-  const bool few = p.features - p.masked < kFewFeatures, alone = p.matches < size_t(config.min_matches) || p.neighbours == 0;
+  const bool few = p.features - p.masked < kFewFeatures, alone = p.matches < kMinMatches || p.neighbours == 0;
   if ((few || alone) && otherwise_exposed(p, typical)) return "mixed_exposure";
   if ((few || alone) && blurred(p)) return "motion_blur";
   if (few) return "too_few_features";
   if (p.group > 0 && p.group < r.groups.size() && double(r.groups[p.group]) >= kGroupPhotos) return "split_models";
-  if (p.matches >= size_t(config.min_matches) && p.neighbours == 0) return "reflections_dominate";
+  if (p.matches >= kMinMatches && p.neighbours == 0) return "reflections_dominate";
   return "no_overlap";
 }
 
@@ -128,7 +128,7 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   const std::string of_found = found > median ? fmt::format(" ({} before masks)", found) : "";
   const std::string figures =
       fmt::format("median {} features a photo{}; of {} pairs compared {} had at least {} matches and {} agree on a camera motion",
-                  median, of_found, r.pairs_compared, r.pairs_matched, config.min_matches, r.pairs_verified);
+                  median, of_found, r.pairs_compared, r.pairs_matched, kMinMatches, r.pairs_verified);
   const double survive = r.pairs_matched > 0 ? double(r.pairs_verified) / double(r.pairs_matched) : 0;
   const double needed = std::max(double(kSmallestModel), config.min_registered * double(n));
   const bool connected = double(largest) >= needed;
@@ -234,7 +234,7 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
   if (turned && have > 0)
     d.message = fmt::format("the poses of {} photos cannot be trusted: they were all taken from one place", have);
   if (r.attempts.size() > 1) d.why += fmt::format("; {} attempts were made", r.attempts.size());
-  d.why += left_out_list(r, config);
+  d.why += left_out_list(r);
   return d;
 }
 

@@ -11,10 +11,10 @@ namespace vitrine {
 struct SfmConfig;
 
 // Why this photo is not in the model: "few features (37)", "no photo matches it", ...; empty when it is registered.
-std::string reason_left_out(const PhotoReport& photo, const SfmConfig& config);
+std::string reason_left_out(const PhotoReport& photo);
 // The same in a word: too_few_features, motion_blur, mixed_exposure, split_models, reflections_dominate, no_overlap; empty when
 // it is registered, or when poses were given.
-std::string cause_left_out(const PhotoReport& photo, const Reconstruction& r, const SfmConfig& config);
+std::string cause_left_out(const PhotoReport& photo, const Reconstruction& r);
 struct Diagnosis {
   std::string code, message, why, hint;
 };

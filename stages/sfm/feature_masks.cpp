@@ -133,7 +133,7 @@ std::vector<uint8_t> FeatureMasks::on_object(size_t photo, std::span<const float
   return on;
 }
 
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used,
                                                      std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
                                                      MaskEffect& effect) {
   const size_t n = features.size();
@@ -181,7 +181,7 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
       if (!masks.has_mask(MaskClass::Object, photo_of[i])) continue;
       for (uint32_t k : kept[i]) inside[i].push_back((classes[i][k] & bit(MaskClass::Object)) != 0);
     }
-    effect.evidence = turntable_evidence({.photos = features, .inside = inside, .sides = sides, .rules = rules});
+    effect.evidence = turntable_evidence({.photos = features, .inside = inside, .sides = sides});
     effect.object_applied = effect.evidence->turntable;
   }
   for (size_t i = 0; i < n; ++i) {

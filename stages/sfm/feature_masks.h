@@ -13,7 +13,6 @@
 
 #include "core/camera/photo_masks.h"
 #include "stages/sfm/database.h"
-#include "stages/sfm/matcher.h"
 #include "stages/sfm/turntable.h"
 
 namespace vitrine {
@@ -70,7 +69,7 @@ struct MaskEffect {
 
 // Takes the features out of `features`; returns for every photo what the features that stay were called before.
 // `photo_of[i]`: index of the photo that features[i] belongs to.
-std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used, const MatchRules& rules,
+std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, UsedFeatures used,
                                                      std::span<const size_t> photo_of, std::vector<PhotoFeatures>& features,
                                                      MaskEffect& effect);
 

@@ -14,7 +14,6 @@
 #include "core/base/timer.h"
 #include "stages/sfm/matcher.h"
 #include "stages/sfm/sfm.h"
-#include "stages/sfm/verify_chunks.h"
 
 namespace vitrine {
 
@@ -89,8 +88,8 @@ class ObjectFeatures {
   bool between_passes(size_t photo_a, size_t photo_b) const {
     return !pass_of_.empty() && pass_of_[photo_a] != pass_of_[photo_b];
   }
-  std::vector<Match> matches(size_t a, size_t b, const MatchRules& rules) const {
-    std::vector<Match> found = match(packed_[a], packed_[b], rules);
+  std::vector<Match> matches(size_t a, size_t b) const {
+    std::vector<Match> found = match(packed_[a], packed_[b]);
     for (Match& m : found) m = {.a = index_[a][m.a], .b = index_[b][m.b]};
     return found;
   }
@@ -190,7 +189,6 @@ void extract_features(Colmap& colmap, const SfmConfig& config, const Reconstruct
 
 MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const ReconstructDesc& desc, const fs::path& database) {
   std::vector<PhotoFeatures> features = ColmapDatabase(database).features();
-  const MatchRules rules{.max_ratio = config.max_ratio, .max_distance = config.max_distance};
   Timer timer;
   // Index in `features` and index of the photo differ when a picture could not be read.
   std::vector<size_t> photo_of;
@@ -202,25 +200,22 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   std::optional<MaskEffect> effect;
   std::vector<std::vector<uint32_t>> kept_features;
   if (desc.masks != nullptr) {
-    kept_features = suppress_features(*desc.masks, desc.used, rules, photo_of, features, effect.emplace());
+    kept_features = suppress_features(*desc.masks, desc.used, photo_of, features, effect.emplace());
     if (desc.timing) desc.timing("masks", timer.seconds());
     timer.restart();
   }
   std::vector<PackedDescriptors> packed(features.size());
   parallel_for(features.size(), 1, [&](size_t i) { packed[i] = PackedDescriptors(features[i].descriptors); });
   const ObjectFeatures object(desc, photo_of, features);
-  const std::vector<PhotoPair> pairs = candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit,
-                                                                  .window = config.window,
-                                                                  .retrieved = config.retrieved,
-                                                                  .seed = static_cast<uint64_t>(config.seed)});
+  const std::vector<PhotoPair> pairs =
+      candidate_pairs(features, {.exhaustive_limit = config.exhaustive_limit, .seed = static_cast<uint64_t>(config.seed)});
   std::vector<std::vector<Match>> matches(pairs.size());
   std::atomic<size_t> done{0};
   std::mutex reporting;
   parallel_for(pairs.size(), 1, [&](size_t i) {
     throw_if_interrupted();
     const auto [a, b] = pairs[i];
-    matches[i] =
-        object.between_passes(photo_of[a], photo_of[b]) ? object.matches(a, b, rules) : match(packed[a], packed[b], rules);
+    matches[i] = object.between_passes(photo_of[a], photo_of[b]) ? object.matches(a, b) : match(packed[a], packed[b]);
     if (!kept_features.empty())
       for (Match& m : matches[i]) m = {.a = kept_features[pairs[i].first][m.a], .b = kept_features[pairs[i].second][m.b]};
     const size_t n = ++done;
@@ -239,7 +234,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
     const size_t a = photo_of[pairs[i].first], b = photo_of[pairs[i].second];
     counts.per_photo[a] += matches[i].size();
     counts.per_photo[b] += matches[i].size();
-    if (matches[i].size() < static_cast<size_t>(config.min_matches)) continue;
+    if (matches[i].size() < kMinMatches) continue;
     kept_pairs.push_back({static_cast<uint32_t>(a), static_cast<uint32_t>(b)});
     kept.push_back(std::move(matches[i]));
   }
@@ -249,7 +244,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
   timer.restart();
   std::vector<size_t> sizes;
   for (const std::vector<Match>& m : kept) sizes.push_back(m.size());
-  const std::vector<VerifyChunk> chunks = verify_chunks(sizes, static_cast<size_t>(config.min_matches));
+  const std::vector<VerifyChunk> chunks = verify_chunks(sizes, kMinMatches);
   const fs::path slim = desc.work_folder / "verify.db";
   fs::copy_file(database, slim, fs::copy_options::overwrite_existing);
   ColmapDatabase(slim).drop_descriptors();
@@ -274,7 +269,7 @@ MatchCounts match_and_verify(Colmap& colmap, const SfmConfig& config, const Reco
                               {"match_type", "raw"},
                               {"match_gpu", "0"},
                               {"match_threads", "1"},
-                              {"verify_min_inliers", std::to_string(config.min_matches), false},
+                              {"verify_min_inliers", std::to_string(kMinMatches), false},
                               {"verify_inlier_ratio", fmt::format("{:.4f}", chunks[c].inlier_ratio), false},
                               {"seed", std::to_string(config.seed), false}},
                  .working_folder = desc.work_folder,

@@ -13,7 +13,7 @@ std::optional<size_t> index_of_safe_name(const std::string& name);
 
 struct FeatureEffort {
   int max_features = 8192;
-  double peak_threshold = 0.02 / 3;
+  double peak_threshold = 0.02 / 3;  // contrast threshold of SIFT; lower finds more and weaker features
 };
 
 struct MatchCounts {

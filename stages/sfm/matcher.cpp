@@ -203,25 +203,25 @@ double angle(int32_t product) {
 }
 
 // Index of the accepted neighbour, or -1.
-int32_t accepted(const Candidate& c, const MatchRules& rules) {
+int32_t accepted(const Candidate& c) {
   if (c.index < 0) return -1;
   const double first = angle(c.best);
-  if (first > rules.max_distance || first >= rules.max_ratio * angle(c.second)) return -1;
+  if (first > kMaxMatchAngle || first >= kMaxMatchRatio * angle(c.second)) return -1;
   return c.index;
 }
 
 template <size_t Lanes>
-std::vector<Match> matches_of(const Tables<Lanes>& t, size_t rows, size_t columns, const MatchRules& rules) {
+std::vector<Match> matches_of(const Tables<Lanes>& t, size_t rows, size_t columns) {
   std::vector<int32_t> back(columns, -1);
   for (size_t c = 0; c < columns; ++c) {
     const TopTwo<Lanes>& group = t.columns[c / Lanes];
     const size_t l = c % Lanes;
-    back[c] = accepted({group.best[l], group.second[l], group.index[l]}, rules);
+    back[c] = accepted({group.best[l], group.second[l], group.index[l]});
   }
   std::vector<Match> out;
   for (size_t r = 0; r < rows; ++r) {
-    const int32_t c = accepted(reduced(t.rows[r]), rules);
-    if (c < 0 || (rules.cross_check && back[static_cast<size_t>(c)] != static_cast<int32_t>(r))) continue;
+    const int32_t c = accepted(reduced(t.rows[r]));
+    if (c < 0 || back[static_cast<size_t>(c)] != static_cast<int32_t>(r)) continue;
     out.push_back({static_cast<uint32_t>(r), static_cast<uint32_t>(c)});
   }
   return out;
@@ -264,7 +264,7 @@ PackedDescriptors::PackedDescriptors(std::span<const uint8_t> descriptors, Match
   }
 }
 
-std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b, const MatchRules& rules) {
+std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b) {
   if (a.size() == 0 || b.size() == 0) return {};
   VITRINE_CHECK(a.kernel_ == b.kernel_, "descriptors packed for two different kernels");
   KernelDesc d{.rows = a.count_, .columns = b.count_, .padded_columns = b.padded_};
@@ -277,7 +277,7 @@ std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b,
     reset(t.rows, d.padded_rows);
     reset(t.columns, d.padded_columns / 16);
     run_vnni(d, t);
-    return matches_of(t, d.rows, d.columns, rules);
+    return matches_of(t, d.rows, d.columns);
   }
   d.padded_rows = a.rows16_.size() / kDescriptorBytes;
   d.row_data = a.rows16_.data();
@@ -286,7 +286,7 @@ std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b,
   reset(t.rows, d.padded_rows);
   reset(t.columns, d.padded_columns / 8);
   run_avx2(d, t);
-  return matches_of(t, d.rows, d.columns, rules);
+  return matches_of(t, d.rows, d.columns);
 }
 
 }  // namespace vitrine

@@ -2,9 +2,9 @@
 // the n1 x n2 inner products are formed block by block, and only the best two of every row and column survive a block.
 //
 // Rules as in COLMAP's brute-force matcher, so that its thresholds keep their meaning: descriptors have length 512, the
-// distance is the angle  d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= max_distance, d1 < max_ratio * d2 (d2 =
-// second best, pi/2 when there is none), for the row and for the column, and both name each other (cross-check). Ties go to the
-// lower index. All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give the same matches, bit by bit.
+// distance is the angle  d = acos(min(1, <a, b> / 512^2)); a match is kept when d1 <= kMaxMatchAngle, d1 < kMaxMatchRatio * d2
+// (d2 = second best, pi/2 when there is none), for the row and for the column, and both name each other (cross-check). Ties go to
+// the lower index. All sums are integers: AVX2, AVX-512 VNNI and the scalar rule give the same matches, bit by bit.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,8 @@ struct Match {
   bool operator==(const Match&) const = default;
 };
 
-struct MatchRules {
-  double max_ratio = 0.8;     // of angles: best / second best
-  double max_distance = 0.7;  // radians
-  bool cross_check = true;
-};
+inline constexpr double kMaxMatchRatio = 0.8;  // of angles, best over second best; lower is stricter
+inline constexpr double kMaxMatchAngle = 0.7;  // between two matching descriptors, radians
 
 enum class MatchKernel { Automatic, Avx2, Avx512Vnni };
 bool available(MatchKernel kernel);  // on this machine
@@ -37,7 +34,7 @@ class PackedDescriptors {
   size_t size() const { return count_; }
 
  private:
-  friend std::vector<Match> match(const PackedDescriptors&, const PackedDescriptors&, const MatchRules&);
+  friend std::vector<Match> match(const PackedDescriptors&, const PackedDescriptors&);
   size_t count_ = 0, padded_ = 0;  // padded to whole panels with zero descriptors
   MatchKernel kernel_ = MatchKernel::Avx2;
   std::vector<int8_t> signed_rows_;         // VNNI: descriptor - 128, row by row
@@ -47,6 +44,6 @@ class PackedDescriptors {
 };
 
 // Matches in the order of `a`. Both must have been packed for the same kernel.
-std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b, const MatchRules& rules = {});
+std::vector<Match> match(const PackedDescriptors& a, const PackedDescriptors& b);
 
 }  // namespace vitrine

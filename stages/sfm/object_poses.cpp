@@ -1,16 +1,115 @@
 #include "stages/sfm/object_poses.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
 #include <set>
 
 #include "core/base/log.h"
+#include "core/base/parallel.h"
 #include "core/camera/compacted.h"
-#include "stages/sfm/moved_region.h"
+#include "core/camera/projection.h"
+#include "core/math/quantile.h"
+#include "stages/sfm/normalize.h"
+#include "stages/sfm/point_filter.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
 
 namespace {
+
+constexpr double kSameDirection = 0.966;                    // cosine of 15 degrees
+constexpr double kSameDistance = 1.4;                       // ratio
+constexpr size_t kFewestCameras = 2;                        // on each side
+constexpr size_t kNeighbourhood = 16;                       // points
+constexpr double kFreely = 0.3;                             // of the tracks around a point span the place
+constexpr size_t kFewestMoved = 100, kFewestStanding = 50;  // points
+constexpr double kLeastMoved = 0.1;                         // of the points that cameras on both sides look at
+constexpr double kStepOfMatches = 2.0 / 3;                  // of the angle below which nine of ten matching pairs are apart
+
+// Of each point the photos, in name order: which see it, and which look at it as one of these does.
+struct Visibility {
+  std::vector<std::vector<uint8_t>> sees, looks;  // [point][photo]
+};
+
+Visibility visibility_of(const ColmapModel& model) {
+  const size_t photos = model.images.size();
+  std::vector<View> views;  // without distortion, which moves nothing by a tenth of the picture
+  std::vector<Vec3d> centres;
+  std::map<uint32_t, size_t> index;
+  for (const ColmapImage& image : model.images) {
+    index[image.id] = views.size();
+    View& view = views.emplace_back();
+    view.cam_from_world = image.cam_from_world();
+    view.intrinsics = pinhole_part(*model.find_camera(image.camera_id));
+    centres.push_back(view.centre_in_world());
+  }
+  Visibility v;
+  v.sees.resize(model.points.size()), v.looks.resize(model.points.size());
+  parallel_for(model.points.size(), 64, [&](size_t i) {
+    const ColmapPoint3D& point = model.points[i];
+    std::vector<uint8_t>&sees = v.sees[i], &looks = v.looks[i];
+    sees.assign(photos, 0);
+    for (const ColmapTrackElement& t : point.track) sees[index.at(t.image_id)] = 1;
+    looks = sees;
+    for (size_t p = 0; p < photos; ++p) {
+      if (sees[p]) continue;
+      if (!image_point(point.position, views[p])) continue;
+      const Vec3d to = point.position - centres[p];
+      for (size_t seen = 0; seen < photos && !looks[p]; ++seen) {
+        if (!sees[seen]) continue;
+        const Vec3d other = point.position - centres[seen];
+        const double a = length(to), b = length(other);
+        looks[p] = dot(to, other) > kSameDirection * a * b && a < kSameDistance * b && b < kSameDistance * a;
+      }
+    }
+  });
+  return v;
+}
+
+// Without masks of the object: which points of a model belong to something that was moved between the photos before and after
+// some place in name order?
+//
+// Cameras before and after that place look at a point from nearly the same direction. What stands still is found on both sides:
+// tracks of its points span the place. What was moved looks different from the same direction: no track of its points does. The
+// place at which most points are surrounded by points without such tracks is taken; all other points around must span it freely.
+// [model.points] 1: of the moved region. Empty: nothing was moved.
+std::vector<uint8_t> moved_region(const ColmapModel& model) {
+  const size_t photos = model.images.size(), points = model.points.size();
+  if (photos < 2 * kSmallestPass || points < kFewestMoved + kFewestStanding) return {};
+  const Visibility visibility = visibility_of(model);
+  std::vector<Vec3d> positions;
+  for (const ColmapPoint3D& p : model.points) positions.push_back(p.position);
+  const std::vector<std::vector<uint32_t>> around = neighbours(positions, kNeighbourhood);
+  std::vector<uint8_t> best;
+  size_t most = 0;
+  for (size_t place = kSmallestPass; place + kSmallestPass <= photos; ++place) {
+    std::vector<uint8_t> looked_at(points), spans(points), moved(points, 0);
+    for (size_t i = 0; i < points; ++i) {
+      const auto count = [&](const std::vector<uint8_t>& of, size_t from, size_t to) {
+        return size_t(std::count(of.begin() + long(from), of.begin() + long(to), 1));
+      };
+      looked_at[i] = std::min(count(visibility.looks[i], 0, place), count(visibility.looks[i], place, photos)) >= kFewestCameras;
+      spans[i] = std::min(count(visibility.sees[i], 0, place), count(visibility.sees[i], place, photos)) > 0;
+    }
+    size_t all = 0, gone = 0, standing = 0;
+    for (size_t i = 0; i < points; ++i) {
+      if (!looked_at[i]) continue;
+      size_t of = 1, spanning = spans[i];
+      for (uint32_t n : around[i]) of += looked_at[n], spanning += looked_at[n] && spans[n];
+      ++all;
+      if (of > kNeighbourhood / 2 && spanning == 0)
+        moved[i] = 1, ++gone;
+      else if (double(spanning) > kFreely * double(of))
+        ++standing;
+    }
+    if (gone <= most || gone < kFewestMoved || double(gone) < kLeastMoved * double(all) || standing < kFewestStanding) continue;
+    most = gone;
+    best = std::move(moved);
+  }
+  return best;
+}
 
 size_t passes_in(const Passes& passes, const ColmapModel& model) {
   return size_t(std::count_if(passes.begin(), passes.end(), [&](const std::vector<std::string>& photos) {
@@ -65,6 +164,17 @@ std::vector<ColmapModel> models_of_surroundings(Colmap& colmap, const SfmConfig&
   std::vector<ColmapModel> models = std::move(r.smaller_models);
   models.insert(models.begin(), std::move(r.model));
   return models;
+}
+
+// Photos between the lowest ones of two passes, in steps that still match; by how far the object's features match, and as if it
+// was turned upside down.
+size_t photos_between(const ColmapModel& model, const Vec3d& up, double furthest_match) {
+  std::vector<double> elevations;
+  for (const ColmapImage& image : model.images)
+    elevations.push_back(
+        std::asin(std::clamp(-dot(transposed_times(image.cam_from_world().rotation, Vec3d{0, 0, 1}), up), -1.0, 1.0)));
+  const double lowest = quantile_of(elevations, 0.1) * 180 / std::numbers::pi;
+  return size_t(std::clamp(std::ceil(2 * lowest / std::max(kStepOfMatches * furthest_match, 5.0)) - 1, 1.0, 20.0));
 }
 
 }  // namespace
@@ -151,6 +261,35 @@ ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> ph
   return compacted(model, [&](const ColmapPoint3D& p) {
     return 2 * inside[size_t(model.find_point(p.id) - model.points.data())] > p.track.size();
   });
+}
+
+void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
+  context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
+  if (passes.passes.empty()) return;
+  make_folders(context.output() / "sfm");
+  write_passes(context.output(), passes.passes, passes.poses);
+  switch (passes.poses) {
+    case PosesOf::Object:
+      log_info(
+          "sfm: {}: the object was moved between them, its own features join them; what surrounds it is no part of the scene",
+          passes_text(passes.passes));
+      return;
+    case PosesOf::LargestPass:
+      context.warning(
+          "SFM_PASSES_NOT_JOINED",
+          fmt::format("{} that share too little of the object: the largest pass is reconstructed. About {} photos are "
+                      "missing in between: from lower down, or of the object on its side, in steps of {:.0f} degrees",
+                      passes_text(passes.passes), photos_between(model, scene_up(model, up).up, passes.furthest_match),
+                      kStepOfMatches * passes.furthest_match));
+      return;
+    case PosesOf::Surroundings:
+      context.warning(
+          "SFM_OBJECT_TURNED",
+          fmt::format("{}: something that they show was moved between them against the rest, and no poses fit both; it "
+                      "will stand in the scene more than once. Masks of the object let its own features decide: a folder "
+                      "with one for each photo (--masks DIR, DIR/object)",
+                      passes_text(passes.passes)));
+  }
 }
 
 }  // namespace vitrine

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stages/sfm/passes.h"
+#include "stages/stage.h"
 
 namespace vitrine {
 
@@ -24,5 +25,8 @@ ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruct
 
 // Without the points that most of their photos show outside the object: what surrounds it stands elsewhere in each pass.
 ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> photos, const FeatureMasks& masks);
+
+// What the stage says of the passes, and sfm/passes.json. `up`: the option, for the elevation of the cameras of `model`.
+void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context);
 
 }  // namespace vitrine

@@ -12,16 +12,18 @@
 #include "core/base/json.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/camera/compacted.h"
 #include "core/camera/json_file.h"
 #include "core/config/text.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "stages/sfm/diagnosis.h"
-#include "stages/sfm/sfm.h"
 
 namespace vitrine {
 
 namespace {
+
+constexpr int kJpegQuality = 97;  // of undistorted photos with JPEG names
 
 bool is_png(const std::string& name) { return lower_extension(name) == ".png"; }
 
@@ -37,7 +39,7 @@ void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion&
       link_or_copy(ldr_from, ldr_to);
       return;
     }
-    write_ldr(ldr_to, srgb8_from_linear(read_exr_rgb(linear_from)), desc.jpeg_quality);
+    write_ldr(ldr_to, srgb8_from_linear(read_exr_rgb(linear_from)), kJpegQuality);
     return;
   }
   const ImageF linear = read_exr_rgb(linear_from);
@@ -50,7 +52,7 @@ void write_one(const PicturesDesc& desc, const Photo& photo, const Undistortion&
                  .code = "SFM_PHOTO_SIZE"});
   const ImageF straight = undistorted(linear, u);
   write_exr_rgb(linear_to, straight);
-  write_ldr(ldr_to, srgb8_from_linear(straight), desc.jpeg_quality);
+  write_ldr(ldr_to, srgb8_from_linear(straight), kJpegQuality);
 }
 
 nlohmann::json camera_json(const ColmapCamera& c) {
@@ -95,6 +97,29 @@ nlohmann::json passes_json(const ObjectPasses& passes) {
 }
 
 }  // namespace
+
+ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera) {
+  VITRINE_CHECK(per_camera.size() == model.cameras.size(), "{} undistortions for {} cameras", per_camera.size(),
+                model.cameras.size());
+  ColmapModel out = model;
+  for (size_t c = 0; c < out.cameras.size(); ++c) out.cameras[c] = colmap_pinhole(model.cameras[c].id, per_camera[c].target);
+  for (ColmapImage& image : out.images) {
+    const auto camera =
+        std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) { return c.id == image.camera_id; });
+    const Undistortion& u = per_camera[static_cast<size_t>(camera - model.cameras.begin())];
+    for (ColmapPoint2D& p : image.points) {
+      if (p.point3d_id == kNoPoint3D) continue;
+      const std::optional<Vec2d> moved = undistorted({p.x, p.y}, u);
+      if (moved) {
+        p.x = moved->x;
+        p.y = moved->y;
+      } else {
+        p.point3d_id = kNoPoint3D;
+      }
+    }
+  }
+  return compacted(std::move(out), [](const ColmapPoint3D& p) { return p.track.size() >= 2; });
+}
 
 void write_pictures(const PicturesDesc& desc) {
   std::map<std::string, const Photo*> photo_of;
@@ -164,8 +189,8 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
     if (p.blur_px) row["blur_px"] = *p.blur_px;
     if (p.brightness_ev) row["brightness_ev"] = *p.brightness_ev;
     if (!p.registered) {
-      row["reason"] = reason_left_out(p, *desc.config);
-      row["cause"] = cause_left_out(p, r, *desc.config);
+      row["reason"] = reason_left_out(p);
+      row["cause"] = cause_left_out(p, r);
     }
     j["photos"].push_back(std::move(row));
   }

@@ -1,35 +1,35 @@
-// What the stage leaves for the others: undistorted pictures, and the report.
+// What the stage leaves for the others: undistorted pictures and cameras, and the report.
 #pragma once
 
 #include <functional>
 #include <span>
 
 #include "core/camera/photo_list.h"
+#include "core/camera/undistort.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/reconstruct.h"
-#include "stages/sfm/undistort.h"
 
 namespace vitrine {
-
-struct SfmConfig;
 
 struct PicturesDesc {
   std::filesystem::path ingest, output;
   std::span<const Photo> photos;                // of the capture
   const ColmapModel* model = nullptr;           // before undistortion: which photos, which camera
   std::span<const Undistortion> undistortions;  // per camera of the model
-  int jpeg_quality = 97;
   std::function<void(size_t done)> progress;
 };
+
+// The model without lens distortion. Cameras become PINHOLE, observations follow, 2D points without a 3D point leave. Points seen
+// less than twice leave, too.
+ColmapModel undistorted(const ColmapModel& model, const std::vector<Undistortion>& per_camera);
 
 // linear/<stem>.exr and images/<name> for every photo of the model.
 void write_pictures(const PicturesDesc& desc);
 
 struct SfmReportDesc {
   const Reconstruction* reconstruction = nullptr;
-  const SfmConfig* config = nullptr;
   std::string colmap;                        // version, or "none" when the poses were complete
   const ColmapModel* final_model = nullptr;  // null for a failed run
   std::span<const Undistortion> undistortions = {};

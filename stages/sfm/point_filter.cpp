@@ -10,9 +10,17 @@
 #include "core/camera/compacted.h"
 #include "core/math/kd_tree.h"
 #include "core/math/median.h"
-#include "stages/sfm/sfm.h"
 
 namespace vitrine {
+
+namespace {
+
+constexpr double kMaxErrorPx = 2;                           // mean reprojection error of a point
+constexpr double kMinAngle = 1.5 * std::numbers::pi / 180;  // between two rays to a point
+constexpr size_t kMinViews = 2;                             // photos that see a point
+constexpr double kOutlierSigma = 3;                         // deviations of its distance to its neighbours
+
+}  // namespace
 
 std::vector<double> neighbour_distances(std::span<const Vec3d> points, size_t k) {
   std::vector<double> out(points.size(), 0);
@@ -46,12 +54,11 @@ double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>&
   return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
 }
 
-ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, FilterCounts& counts) {
+ColmapModel filtered(const ColmapModel& model, FilterCounts& counts) {
   counts = {.before = model.points.size()};
   std::map<uint32_t, Rigid> pose;
   for (const ColmapImage& image : model.images) pose[image.id] = image.cam_from_world();
   std::map<uint64_t, bool> good;
-  const double min_angle = config.min_angle_deg * std::numbers::pi / 180;
   for (const ColmapPoint3D& p : model.points) {
     std::vector<Vec3d> centres;
     bool behind = false;
@@ -60,8 +67,8 @@ ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, Fi
       behind |= (cam_from_world * p.position).z <= 0;
       centres.push_back(inverse(cam_from_world).translation);
     }
-    const bool large_error = p.error_px > config.max_error_px, few = p.track.size() < size_t(config.min_views);
-    const bool small = triangulation_angle(p, centres) < min_angle;
+    const bool large_error = p.error_px > kMaxErrorPx, few = p.track.size() < kMinViews;
+    const bool small = triangulation_angle(p, centres) < kMinAngle;
     counts.large_error += large_error;
     counts.few_views += !large_error && few;
     counts.behind += !large_error && !few && behind;
@@ -75,14 +82,14 @@ ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, Fi
   std::vector<uint64_t> ids;
   for (const ColmapPoint3D& p : model.points)
     if (good[p.id]) positions.push_back(p.position), ids.push_back(p.id);
-  if (positions.size() > 4 * kNeighbours && config.outlier_sigma > 0) {
+  if (positions.size() > 4 * kNeighbours) {
     const std::vector<double> distances = neighbour_distances(positions, kNeighbours);
     std::vector<double> logs(distances.size());
     for (size_t i = 0; i < logs.size(); ++i) logs[i] = std::log(std::max(distances[i], 1e-300));
     const double centre = upper_median(logs);
     std::vector<double> deviations(logs.size());
     for (size_t i = 0; i < logs.size(); ++i) deviations[i] = std::abs(logs[i] - centre);
-    const double limit = centre + config.outlier_sigma * kSigmaPerDeviation * upper_median(deviations);
+    const double limit = centre + kOutlierSigma * kSigmaPerDeviation * upper_median(deviations);
     for (size_t i = 0; i < logs.size(); ++i)
       if (logs[i] > limit) good[ids[i]] = false, ++counts.lonely;
   }

@@ -9,13 +9,11 @@
 
 namespace vitrine {
 
-struct SfmFilterConfig;
-
 struct FilterCounts {
   size_t before = 0, large_error = 0, few_views = 0, small_angle = 0, behind = 0, lonely = 0, after = 0;
 };
 
-ColmapModel filtered(const ColmapModel& model, const SfmFilterConfig& config, FilterCounts& counts);
+ColmapModel filtered(const ColmapModel& model, FilterCounts& counts);
 
 // Largest angle between two viewing rays of the track, radians.
 double triangulation_angle(const ColmapPoint3D& point, const std::vector<Vec3d>& centres_of_track);

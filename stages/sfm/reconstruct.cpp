@@ -36,6 +36,8 @@ const Rung kPassesLadder[] = {
 
 // Focal length over longest side: 0.3 is 118 degrees across. Wider "lenses" are how a wrong pose explains away its errors.
 constexpr double kMinFocalRatio = 0.3;
+constexpr double kRetryBelow = 0.8;      // share of registered photos below which the ladder is climbed
+constexpr size_t kMinObservations = 40;  // a pose that hangs on fewer points does not count (twice as many after a retry)
 
 std::vector<ColmapSetting> mapper_settings(const SfmConfig& config, const Rung& rung) {
   std::vector<ColmapSetting> s{{"map_threads", "1"},
@@ -257,7 +259,7 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     if (r == 0 || (rung.more_features && !ladder[r - 1].more_features)) {
       database = desc.work_folder / fmt::format("attempt_{}.db", r);
       const FeatureEffort effort{.max_features = config.max_features * (rung.more_features ? 2 : 1),
-                                 .peak_threshold = config.peak_threshold / (rung.more_features ? 3 : 1)};
+                                 .peak_threshold = FeatureEffort{}.peak_threshold / (rung.more_features ? 3 : 1)};
       counts = prepare_database(colmap, config, desc, effort, database, nullptr);
     }
     Reconstruction now;
@@ -293,7 +295,7 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
         (m == 0 ? now.model : now.smaller_models.emplace_back()) = with_photo_names(std::move(found[m]), desc.photos);
     }
     // A mapper that starts from less has to end with more.
-    drop_weak_photos(now, static_cast<size_t>(config.min_observations) * (rung.relaxed_mapper ? 2 : 1));
+    drop_weak_photos(now, kMinObservations * (rung.relaxed_mapper ? 2 : 1));
     attempt.registered = now.model.images.size();
     now.attempts.push_back(attempt);
     mark_registered(now);
@@ -303,7 +305,7 @@ Reconstruction reconstruct(Colmap& colmap, const SfmConfig& config, const Recons
     } else {
       best.attempts = now.attempts;
     }
-    if (double(best.model.images.size()) >= config.retry_below * double(desc.photos.size())) break;
+    if (double(best.model.images.size()) >= std::max(kRetryBelow, config.min_registered) * double(desc.photos.size())) break;
   }
   return best;
 }
@@ -312,7 +314,7 @@ Reconstruction triangulate(Colmap& colmap, const SfmConfig& config, const Recons
                            const PoseCheck& checked) {
   const ReconstructDesc desc = fresh(given);
   const fs::path database = desc.work_folder / "given.db";
-  const FeatureEffort effort{.max_features = config.max_features, .peak_threshold = config.peak_threshold};
+  const FeatureEffort effort{.max_features = config.max_features};
   const MatchCounts counts = prepare_database(colmap, config, desc, effort, database, &given_poses);
   Reconstruction out;
   survey(desc, database, counts, out);

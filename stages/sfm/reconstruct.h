@@ -25,6 +25,8 @@ namespace vitrine {
 
 struct SfmConfig;
 
+inline constexpr size_t kMinMatches = 15;  // pairs of photos with fewer are left out
+
 struct SfmPhoto {
   std::string name;  // what the model calls it
   fs::path picture;  // 8-bit file for feature extraction

@@ -23,7 +23,6 @@
 #include "stages/sfm/gains/principal_point.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/outputs.h"
-#include "stages/sfm/pass_messages.h"
 
 namespace vitrine {
 
@@ -252,7 +251,6 @@ void run(const SfmConfig& config, StageContext& context) {
     const fs::path evidence = context.scratch() / "report.json";
     SfmReportDesc report;
     report.reconstruction = &r;
-    report.config = &config;
     report.colmap = s.colmap;
     report.code = diagnosis.code;
     report.passes = &s.passes;
@@ -262,15 +260,14 @@ void run(const SfmConfig& config, StageContext& context) {
   }
   report_passes(s.passes, r.model, config.up, context);
   for (const PhotoReport& p : r.photos)
-    if (!p.registered && !p.other_pass)
-      context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p, config)));
+    if (!p.registered && !p.other_pass) context.warning("SFM_PHOTO_LEFT_OUT", fmt::format("{}: {}", p.name, reason_left_out(p)));
   if (s.passes.poses != PosesOf::LargestPass && !r.attempts.empty() && r.attempts.back().model_sizes.size() > 1)
     context.warning("SFM_SPLIT_MODEL", fmt::format("the photos fall into {} models; the largest has {}",
                                                    r.attempts.back().model_sizes.size(), r.model.images.size()));
 
   if (!context.optional_input("poses")) compare_focal(photos, r.model, context);
   FilterCounts counts;
-  const ColmapModel kept = filtered(r.model, config.points, counts);
+  const ColmapModel kept = filtered(r.model, counts);
   std::vector<Undistortion> undistortions;
   for (const ColmapCamera& camera : kept.cameras) undistortions.push_back(undistortion(camera));
   Timer timer;
@@ -279,7 +276,6 @@ void run(const SfmConfig& config, StageContext& context) {
                   .photos = photos,
                   .model = &kept,
                   .undistortions = undistortions,
-                  .jpeg_quality = config.jpeg_quality,
                   .progress = [&](size_t done) {
                     context.progress(
                         {.fraction = kReconstructShare + (1 - kReconstructShare) * double(done) / double(kept.images.size()),
@@ -313,7 +309,6 @@ void run(const SfmConfig& config, StageContext& context) {
   write_transforms_json(output / "transforms.json", load_view_set(output).views, "images");
   write_lenses(output / "sfm" / "lenses.json", undistortions, model, r);
   write_sfm_report(output / "sfm" / "report.json", {.reconstruction = &r,
-                                                    .config = &config,
                                                     .colmap = s.colmap,
                                                     .final_model = &model,
                                                     .undistortions = undistortions,
@@ -333,11 +328,6 @@ void run(const SfmConfig& config, StageContext& context) {
   context.summary(fmt::format("registered {}/{}, {} points{}{}", model.images.size(), photos.size(), model.points.size(),
                               observations > 0 ? fmt::format(", {:.2f} px", error / observations) : "",
                               s.passes.joined() ? ", " + passes_text(s.passes.passes) : ""));
-}
-
-std::string problem(const SfmConfig& c) {
-  if (c.retry_below < c.min_registered) return "sfm.retry_below must not be below sfm.min_registered";
-  return {};
 }
 
 }  // namespace
@@ -360,12 +350,9 @@ Stage sfm_stage() {
                  .doing = "finding the camera poses",
                  .cost = sfm_cost,
                  .report = sfm_report()};
-  return make_stage<SfmConfig>(
-      std::move(info), run,
-      [] {
-        return std::map<std::string, std::string>{{"colmap", colmap_fingerprint()}};
-      },
-      problem);
+  return make_stage<SfmConfig>(std::move(info), run, [] {
+    return std::map<std::string, std::string>{{"colmap", colmap_fingerprint()}};
+  });
 }
 
 }  // namespace vitrine

@@ -56,7 +56,7 @@ TurntableEvidence turntable_evidence(const TurntableDesc& desc) {
   parallel_for(pairs.size(), 1, [&](size_t p) {
     throw_if_interrupted();
     const auto [a, b] = pairs[p];
-    counts[p] = counted(desc, a, b, match(packed[a], packed[b], desc.rules));
+    counts[p] = counted(desc, a, b, match(packed[a], packed[b]));
   });
   TurntableEvidence e{.pairs = pairs.size(), .why = {}};
   for (const PairCounts& c : counts) {

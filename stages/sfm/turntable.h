@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "stages/sfm/database.h"
-#include "stages/sfm/matcher.h"
 
 namespace vitrine {
 
@@ -30,7 +29,6 @@ struct TurntableDesc {
   std::span<const PhotoFeatures> photos;         // in name order
   std::span<const std::vector<uint8_t>> inside;  // [photo][feature] 1 = on the object; empty: this photo has no mask
   std::span<const double> sides;                 // [photo] longest side of the picture, pixels
-  MatchRules rules = {};
 };
 
 TurntableEvidence turntable_evidence(const TurntableDesc& desc);

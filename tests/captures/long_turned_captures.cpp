@@ -36,7 +36,7 @@ TEST_F(TurnedObject, ThreePassesAreJoinedByTheObjectWhereverTheChartLies) {
 
 TEST_F(TurnedObject, PassesThatShareNoSideAreNotJoined) {
   NEED_COLMAP();
-  // Four fifths of the photos in one pass: sfm does not climb its ladder of retries (sfm.retry_below), which would only take
+  // Four fifths of the photos in one pass: sfm does not climb its ladder of retries (kRetryBelow), which would only take
   // time.
   const TakenPhotos top = test::photos_of_pass({.photos = 20, .cameras = PassCameras::Above});
   const TakenPhotos underside = test::photos_of_pass({.lying = Lying::TurnedOver, .photos = 5, .cameras = PassCameras::Above});

@@ -44,10 +44,10 @@ TEST(Diagnosis, NamesTheCause) {
   r = capture(10, 100, 0, {10});
   for (PhotoReport& p : r.photos) p.blur_px = 4;
   EXPECT_EQ(diagnosed(r, {}).code, "SFM_MOTION_BLUR");
-  EXPECT_EQ(cause_left_out(r.photos[3], r, {}), "motion_blur");
+  EXPECT_EQ(cause_left_out(r.photos[3], r), "motion_blur");
   for (size_t i = 0; i < 10; ++i) r.photos[i].brightness_ev = i < 4 ? -7 : -2;
   EXPECT_EQ(diagnosed(r, {}).code, "SFM_MIXED_EXPOSURE");
-  EXPECT_EQ(cause_left_out(r.photos[3], r, {}), "mixed_exposure");
+  EXPECT_EQ(cause_left_out(r.photos[3], r), "mixed_exposure");
   EXPECT_EQ(diagnosed(capture(10, 3000, 0, {10}), {}).code, "SFM_NO_MODEL");
 }
 

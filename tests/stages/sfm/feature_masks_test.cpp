@@ -65,7 +65,7 @@ TEST(FeatureMasks, FeaturesOnMirrorsGlassAndPassersByAreTakenOutAndCounted) {
     for (int x : {5, 15, 30, 50, 95}) append_feature(features[p], x, 40, 100 * p + size_t(x));
   const std::vector<uint8_t> blank_before = features[0].descriptors;
   MaskEffect effect;
-  const auto kept = suppress_features(masks, UsedFeatures::ByTurntable, {}, one_to_one(2), features, effect);
+  const auto kept = suppress_features(masks, UsedFeatures::ByTurntable, one_to_one(2), features, effect);
   EXPECT_EQ(kept[0], (std::vector<uint32_t>{3, 4}));  // 5 mirrors, 15 both, 30 glass
   EXPECT_EQ(kept[1], (std::vector<uint32_t>{0, 1, 2, 3}));
   EXPECT_EQ(features[0].xy, (std::vector<float>{50, 40, 95, 40}));
@@ -88,7 +88,7 @@ TEST(FeatureMasks, ADeclaredTurntableKeepsTheObjectAlone) {
   for (size_t p = 0; p < 2; ++p)
     for (int x : {5, 30, 95}) append_feature(features[p], x, 40, size_t(x));
   MaskEffect effect;
-  const auto kept = suppress_features(masks, UsedFeatures::ByTurntable, {}, one_to_one(2), features, effect);
+  const auto kept = suppress_features(masks, UsedFeatures::ByTurntable, one_to_one(2), features, effect);
   EXPECT_EQ(kept[0], (std::vector<uint32_t>{1}));
   EXPECT_EQ(kept[1].size(), 3u);  // a photo without a mask is not emptied
   EXPECT_TRUE(effect.object_applied);
@@ -139,7 +139,7 @@ MaskEffect capture(double outside_step, double inside_step, int outside_features
     for (int k = 0; k < 12; ++k) append_feature(features[p], 32 + inside_step * double(p), 3 + 6 * k, uint64_t(1000 + k));
   }
   MaskEffect effect;
-  suppress_features(masks, UsedFeatures::ByTurntable, {}, one_to_one(n), features, effect);
+  suppress_features(masks, UsedFeatures::ByTurntable, one_to_one(n), features, effect);
   return effect;
 }
 
@@ -160,7 +160,7 @@ TEST(FeatureMasks, WhatOtherMasksTakeHasNoVoteOnTheTurntable) {
       append_feature(features[p], 97, 3 + 6 * k, uint64_t(3000 + k));
     }
   MaskEffect effect;
-  const auto kept = suppress_features(FeatureMasks(folder.path(), {}, "auto", photos(n)), UsedFeatures::ByTurntable, {},
+  const auto kept = suppress_features(FeatureMasks(folder.path(), {}, "auto", photos(n)), UsedFeatures::ByTurntable,
                                       one_to_one(n), features, effect);
   EXPECT_FALSE(effect.object_applied) << effect.evidence->why;
   EXPECT_EQ(effect.evidence->outside_still, 0u);

@@ -44,7 +44,7 @@ std::vector<uint8_t> noisy_copy(const std::vector<uint8_t>& a, size_t n, uint64_
   return out;
 }
 
-std::vector<int> best_neighbours(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, const MatchRules& rules) {
+std::vector<int> best_neighbours(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   const size_t na = a.size() / kDescriptorBytes, nb = b.size() / kDescriptorBytes;
   std::vector<int> out(na, -1);
   for (size_t i = 0; i < na; ++i) {
@@ -62,16 +62,16 @@ std::vector<int> best_neighbours(const std::vector<uint8_t>& a, const std::vecto
         second = j == 1 ? angle : std::min(second, angle);
       }
     }
-    if (best > rules.max_distance || best >= rules.max_ratio * second) out[i] = -1;
+    if (best > kMaxMatchAngle || best >= kMaxMatchRatio * second) out[i] = -1;
   }
   return out;
 }
 
-std::vector<Match> brute_force(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, const MatchRules& rules) {
-  const std::vector<int> forth = best_neighbours(a, b, rules), back = best_neighbours(b, a, rules);
+std::vector<Match> brute_force(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  const std::vector<int> forth = best_neighbours(a, b), back = best_neighbours(b, a);
   std::vector<Match> out;
   for (size_t i = 0; i < forth.size(); ++i) {
-    if (forth[i] < 0 || (rules.cross_check && back[size_t(forth[i])] != int(i))) continue;
+    if (forth[i] < 0 || back[size_t(forth[i])] != int(i)) continue;
     out.push_back({uint32_t(i), uint32_t(forth[i])});
   }
   return out;
@@ -89,13 +89,10 @@ TEST(Matcher, FindsWhatTheRuleInDoublesFinds) {
   size_t found = 0;
   for (const auto& [na, nb] : sizes) {
     const std::vector<uint8_t> a = random_descriptors(na, na * 1000 + nb), b = noisy_copy(a, nb, na + nb);
-    for (const bool cross_check : {true, false}) {
-      const MatchRules rules{.cross_check = cross_check};
-      const std::vector<Match> expected = brute_force(a, b, rules);
-      found += expected.size();
-      for (const MatchKernel kernel : kernels())
-        EXPECT_EQ(match(PackedDescriptors(a, kernel), PackedDescriptors(b, kernel), rules), expected) << na << " x " << nb;
-    }
+    const std::vector<Match> expected = brute_force(a, b);
+    found += expected.size();
+    for (const MatchKernel kernel : kernels())
+      EXPECT_EQ(match(PackedDescriptors(a, kernel), PackedDescriptors(b, kernel)), expected) << na << " x " << nb;
   }
   EXPECT_GT(found, 200u);  // the sets do hold matches
 }
@@ -106,7 +103,7 @@ TEST(Matcher, ExtremeBytesDoNotOverflow) {
   std::fill_n(b.begin(), kDescriptorBytes, uint8_t(255));
   a[kDescriptorBytes] = 255;
   for (const MatchKernel kernel : kernels())
-    EXPECT_EQ(match(PackedDescriptors(a, kernel), PackedDescriptors(b, kernel)), brute_force(a, b, {}));
+    EXPECT_EQ(match(PackedDescriptors(a, kernel), PackedDescriptors(b, kernel)), brute_force(a, b));
 }
 
 TEST(Matcher, EqualDescriptorsFailTheRatioTest) {

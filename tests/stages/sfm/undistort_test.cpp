@@ -1,5 +1,5 @@
 // Undistortion against pictures whose every pixel is a known function of the viewing direction.
-#include "stages/sfm/undistort.h"
+#include "stages/sfm/outputs.h"
 
 #include <gtest/gtest.h>
 

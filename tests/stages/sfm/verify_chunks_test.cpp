@@ -1,4 +1,4 @@
-#include "stages/sfm/verify_chunks.h"
+#include "stages/sfm/pairs.h"
 
 #include <gtest/gtest.h>
 
