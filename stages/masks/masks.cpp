@@ -7,10 +7,9 @@
 #include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/base/timer.h"
+#include "core/camera/photo_lenses.h"
 #include "core/config/yaml.h"
-#include "stages/masks/contact_sheet.h"
 #include "stages/masks/file_source.h"
-#include "stages/masks/onnx/network_source.h"
 #include "stages/masks/outputs.h"
 
 namespace vitrine {
@@ -82,7 +81,7 @@ void sources_of_network(const MasksConfig& config, const MaskCapture& capture, c
     const NetworkMasks::Class& c = masks->classes[size_t(kind)];
     if (!c.found)
       context.warning("MASKS_EMPTY", fmt::format("the network finds no pixel of the class '{}' in any photo", name(kind)));
-    else if (config.onnx.vote && !c.voted && kind != MaskClass::Ignore)
+    else if (!c.voted && kind != MaskClass::Ignore)
       context.warning("MASKS_NOT_VOTED",
                       fmt::format("what the network finds of the class '{}' does not meet in space: every photo "
                                   "keeps its own mask",
@@ -104,7 +103,6 @@ void tell_unused_network(const MasksConfig& config, const fs::path& file, StageC
 }
 
 std::string problem(const MasksConfig& c) {
-  if (c.bit_depth != 8 && c.bit_depth != 16) return "masks.bit_depth must be 8 or 16";
   for (MaskClass kind : {MaskClass::Object, MaskClass::Ignore})
     if (c.of(kind).source == "proposed")
       return fmt::format("masks.{}.source cannot be proposed: only glass and mirrors can be", name(kind));
@@ -116,25 +114,23 @@ std::string problem(const MasksConfig& c) {
 
 }  // namespace
 
+MaskCapture read_mask_capture(const std::filesystem::path& sfm_folder) {
+  MaskCapture capture{.sfm_folder = sfm_folder, .set = load_view_set(sfm_folder), .undistortions = {}};
+  PhotoLenses lenses = read_photo_lenses(sfm_folder, capture.set);
+  capture.undistortions = std::move(lenses.undistortions);
+  capture.without_camera = std::move(lenses.without_camera);
+  return capture;
+}
+
 const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
-  switch (kind) {
-    case MaskClass::Object:
-      return object;
-    case MaskClass::Transparent:
-      return transparent;
-    case MaskClass::Specular:
-      return specular;
-    case MaskClass::Ignore:
-      return ignore;
-  }
-  return object;
+  const MaskClassConfig* all[] = {&object, &transparent, &specular, &ignore};
+  return *all[size_t(kind)];
 }
 
 void describe(Describer& d, MaskClassConfig& c) {
   d.option("source", c.source,
            "Where its masks come from; auto: files, boxes or onnx where masks, marks or a network of the class are given; "
-           "without any, a "
-           "proposal for glass and mirrors.")
+           "without any, a proposal for glass and mirrors.")
       .choices({"auto", "files", "boxes", "onnx", "proposed", "none"});
   d.option("polarity", c.polarity,
            "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
@@ -152,8 +148,6 @@ void describe(Describer& d, MasksConfig& c) {
        "frame", c.frame,
        "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).")
       .choices({"auto", "photo", "undistorted"});
-  d.option("bit_depth", c.bit_depth, "Bits of the masks that are written, 8 or 16.").range(8, 16);
-  d.group("boxes", c.boxes, "Masks from a few marks of the user's, carried to all photos.");
   d.group("onnx", c.onnx, "The segmentation network given as input.mask_network: what goes in, what comes out.");
   d.group("proposed", c.proposed, "Masks that nobody drew: display cases, and mirrors.");
 }
@@ -207,7 +201,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
             ErrorKind::Usage, fmt::format("masks.{}.source is 'boxes', and nothing is marked", name(kind)),
             {.hint = "--masks MARKS.yaml (vitrine run), --input masks=MARKS.yaml (vitrine-masks)", .code = "MASKS_MISSING"});
       if (!carried)
-        carried = carry_marks(config.boxes, capture, marked, [&](double f) {
+        carried = carry_marks(capture, marked, config.hull_voxels, [&](double f) {
           context.progress({.fraction = 0.8 * f, .text = "carries the marks to all photos", .values = {}});
         });
       sources[size_t(kind)] = std::make_unique<MarkedSource>(carried, kind);
@@ -215,7 +209,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
     if (source != "proposed") continue;
     if (!proposal) {
       const Timer timer;
-      proposal = propose(config.proposed, config.boxes, capture, [&](double f) {
+      proposal = propose(config.proposed, capture, [&](double f) {
         context.progress({.fraction = 0.8 * f, .text = "looks for cases, and for what changes from view to view", .values = {}});
       });
       context.timing("proposed", timer.seconds());
@@ -228,7 +222,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   }
 
   make_folders(context.output() / "masks");
-  const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output(), .bit_depth = config.bit_depth};
+  const MaskOutputDesc desc{.capture = capture, .sources = sources, .output = context.output()};
   const MaskResults results = write_masks(desc, context);
   std::vector<std::string> things;
   if (carried) {

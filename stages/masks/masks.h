@@ -8,7 +8,7 @@
 
 #include "core/camera/mask_files.h"
 #include "stages/masks/boxes/marked_source.h"
-#include "stages/masks/onnx/class_values.h"
+#include "stages/masks/onnx/network_source.h"
 #include "stages/masks/proposed/proposed_source.h"
 #include "stages/stage.h"
 
@@ -24,8 +24,7 @@ struct MasksConfig {
   MaskClassConfig object, transparent, specular, ignore;
   std::string flat = "object";
   std::string frame = "auto";
-  int bit_depth = 8;
-  BoxesConfig boxes;
+  int hull_voxels = kHullVoxels;  // no option: a test with small photos takes fewer
   NetworkMasksConfig onnx;
   ProposedConfig proposed;
 

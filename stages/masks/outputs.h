@@ -29,7 +29,6 @@ struct MaskOutputDesc {
   const MaskCapture& capture;
   const MaskSources& sources;
   std::filesystem::path output;
-  int bit_depth = 8;
 };
 
 // What a photo without a mask gets, with confidence 0: nothing of the class, except that all of it may be the object.
@@ -38,5 +37,9 @@ float value_without_mask(MaskClass kind);
 MaskResults write_masks(const MaskOutputDesc& desc, StageContext& context);
 // `things`: what marks call what they outline.
 void write_mask_report(const MaskOutputDesc& desc, const MaskResults& results, const std::vector<std::string>& things = {});
+
+// For a person to judge: masks/contact_sheet.png shows some photos as they are, with the classes painted in, and the confidence.
+// Nothing when no class was kept. Reads the masks back from the output.
+void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results);
 
 }  // namespace vitrine

@@ -10,6 +10,8 @@
 
 namespace vitrine {
 
+inline constexpr int kSmallSide = 320;  // longest side in pixels
+
 struct SmallPhoto {
   View view;                // intrinsics at this size; gain 1, as the photo's is taken out
   std::vector<float> srgb;  // [3,h,w] display-referred, in [0,1]: a surface is as bright in all photos

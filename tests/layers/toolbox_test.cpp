@@ -75,7 +75,7 @@ TEST(Toolbox, IsUsedInsteadOfHandwrittenCopies) {
         "core/train/targets.cpp",       // object and ignore
         "stages/evaluate/regions.cpp",  // object and ignore
         "stages/optimize/outputs.cpp",  // writes those of the object that was trained
-        "stages/masks/contact_sheet.cpp", "stages/masks/outputs.cpp", "stages/mark/run_results.cpp",  // make and show masks
+        "stages/masks/outputs.cpp", "stages/mark/run_results.cpp",  // make and show masks
         "stages/objects/labels.cpp", "stages/objects/objects.cpp"}},
       {"CarvingRule of core/stereo/carving.h, which has the thresholds of carving",
        "core/stereo/carving",

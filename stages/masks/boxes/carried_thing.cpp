@@ -15,8 +15,7 @@
 #include "core/stereo/standing_boxes.h"
 #include "core/stereo/visual_hull.h"
 #include "stages/masks/boxes/appendage_pixels.h"
-#include "stages/masks/boxes/grab_cut.h"
-#include "stages/masks/boxes/past_outlines.h"
+#include "stages/masks/boxes/outlines.h"
 
 namespace vitrine {
 
@@ -122,8 +121,7 @@ bool is_tight(const MarkedThing& thing) {
 class Carrier {
  public:
   Carrier(const CarryDesc& desc, const MarkedThing& thing)
-      : config_(desc.config),
-        capture_(desc.capture),
+      : capture_(desc.capture),
         views_(desc.views),
         photos_(desc.photos),
         thing_(thing),
@@ -139,7 +137,7 @@ class Carrier {
       cones_.push_back(silhouette(views_[mark.view], drawn_[mark.view]));
       whole += !touches_border(drawn_[mark.view], k);
     }
-    hull_desc_ = {.resolution = config_.resolution,
+    hull_desc_ = {.resolution = desc.hull_voxels,
                   .rule = {.fewest_views = std::max<size_t>(whole, 2)},
                   .one_piece = true,
                   .most_one_sided = kMostOneSided};
@@ -197,7 +195,7 @@ class Carrier {
   void take_box_of_marks(CarriedThing& out) const {
     const std::optional<BoxFit> fit = fit_box(cones_, marked_.bounds());
     if (!fit) return;
-    Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * config_.max_side));
+    Box box = drawn_to_edges(fit->box, edge_photos(capture_, 2 * kSmallSide));
     if (agreement(cones_, box) < fit->agreement - kEdgesMayDiffer) box = fit->box;  // those are edges of something else
     for (size_t v = 0; v < views_.size(); ++v) out.inside[v] = silhouette_mask(box, views_[v]);
     out.summary.box_agreement = fit->agreement;
@@ -245,7 +243,7 @@ class Carrier {
     if (fits.solids.empty()) return;
     std::vector<SurfaceOfRevolution> solids = tight_ ? solids_of_hull(marked_, views_) : std::vector<SurfaceOfRevolution>{};
     if (solids.empty()) solids = fits.solids;
-    const std::vector<EdgePhoto> edges = edge_photos(capture_, 2 * config_.max_side);
+    const std::vector<EdgePhoto> edges = edge_photos(capture_, 2 * kSmallSide);
     for (SurfaceOfRevolution& solid : solids) solid = drawn_to_edges(solid, edges);
     turn(solids, found.hull, tight_ ? &marked_ : nullptr, views_, out.inside);
   }
@@ -262,7 +260,6 @@ class Carrier {
     }
   }
 
-  const BoxesConfig& config_;
   const MaskCapture& capture_;
   const std::vector<View>& views_;
   const std::vector<SmallPhoto>& photos_;

@@ -9,17 +9,14 @@
 
 namespace vitrine {
 
-struct BoxesConfig {
-  int max_side = 320;   // of the photos that outlines are looked for in
-  int resolution = 96;  // voxels along a hull's longest side
-};
+inline constexpr int kHullVoxels = 96;  // along the longest side of a marked thing
 
 struct CarryDesc {
-  const BoxesConfig& config;
   const MaskCapture& capture;
   const std::vector<View>& views;         // of the capture, at the small size
   const std::vector<SmallPhoto>& photos;  // the same with their colours; may be empty where all things are glass
   const SmallStereo* stereo = nullptr;    // looks past the hulls of mirrors in boxes
+  int hull_voxels = kHullVoxels;
 };
 
 struct CarriedThing {

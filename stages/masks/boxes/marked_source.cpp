@@ -30,18 +30,12 @@ bool marks_class(MaskClass kind, MaskClass of) {
   return kind == of || (kind == MaskClass::Transparent && of == MaskClass::Specular);
 }
 
-void describe(Describer& d, BoxesConfig& c) {
-  d.option("max_side", c.max_side, "Longest side of the photos that outlines are looked for in, pixels.").range(64, 4096);
-  d.option("resolution", c.resolution, "Voxels along the longest side of a marked thing.").range(16, 512);
-}
-
-std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,
-                                               const std::vector<MarkedThing>& things,
-                                               const std::function<void(double)>& progress) {
+std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedThing>& things,
+                                               int hull_voxels, const std::function<void(double)>& progress) {
   auto masks = std::make_shared<MarkedMasks>();
-  const std::vector<View> views = small_views(capture, config.max_side);
+  const std::vector<View> views = small_views(capture, kSmallSide);
   const bool looks = std::ranges::any_of(things, wants_outlines);
-  const std::vector<SmallPhoto> photos = looks ? small_photos(capture, config.max_side) : std::vector<SmallPhoto>{};
+  const std::vector<SmallPhoto> photos = looks ? small_photos(capture, kSmallSide) : std::vector<SmallPhoto>{};
   std::optional<SmallStereo> stereo;
   if (std::ranges::any_of(things, mirror_in_boxes)) {
     stereo.emplace(edge_photos(photos), capture.set);
@@ -49,7 +43,7 @@ std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const 
   }
   const double begun = stereo ? kPastShare : 0;
   if (stereo && stereo->blind()) stereo.reset();
-  const CarryDesc desc{config, capture, views, photos, stereo ? &*stereo : nullptr};
+  const CarryDesc desc{capture, views, photos, stereo ? &*stereo : nullptr, hull_voxels};
   masks->inside.resize(views.size());
   masks->doubted.resize(views.size());
   for (size_t v = 0; v < views.size(); ++v) {

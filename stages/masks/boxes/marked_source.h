@@ -1,7 +1,7 @@
 // Masks from a few marks of the user's. A mark cuts a cone out of space; where the cones of all marked photos meet is the thing's
 // visual hull, and the hull is seen by every camera:
 //   glass    its outline in the other photos is the hull's
-//   mirrors  in boxes have no colour of their own: photos tell what is seen past the hull (past_outlines.h)
+//   mirrors  in boxes have no colour of their own: photos tell what is seen past the hull (outlines.h)
 //   others   GrabCut (Rother et al. 2004) looks for the outline near the hull's
 // A second hull lets the outlines of all photos vote and gives the masks.
 // A polygon is believed where it was drawn. Glass mirrors: what is marked transparent is specular, too.
@@ -10,12 +10,9 @@
 #include <functional>
 #include <memory>
 
-#include "core/config/describe.h"
 #include "stages/masks/boxes/carried_thing.h"
 
 namespace vitrine {
-
-void describe(Describer& d, BoxesConfig& c);
 
 struct MarkedMasks {
   std::vector<CarriedThing::Summary> things;
@@ -25,9 +22,8 @@ struct MarkedMasks {
   std::vector<std::vector<uint16_t>> shown;                                // [view][h,w] 1 + the nearest thing; 0: none
 };
 // Throws Error{Input} when no point of space lies inside all marks of a thing.
-std::shared_ptr<const MarkedMasks> carry_marks(const BoxesConfig& config, const MaskCapture& capture,
-                                               const std::vector<MarkedThing>& things,
-                                               const std::function<void(double)>& progress);
+std::shared_ptr<const MarkedMasks> carry_marks(const MaskCapture& capture, const std::vector<MarkedThing>& things,
+                                               int hull_voxels, const std::function<void(double)>& progress);
 
 class MarkedSource final : public MaskSource {
  public:

@@ -8,6 +8,7 @@
 #include "core/base/json.h"
 #include "core/base/log.h"
 #include "core/base/process.h"
+#include "core/config/describe.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -21,6 +22,33 @@ constexpr double kNetworkShare = 0.8;    // of the work
 constexpr double kLeastAgreement = 0.3;  // a hull that has less to do with the photos' masks than this decides nothing
 constexpr float kOverruled = 0.3f;       // confidence where photo and hull disagree
 constexpr size_t kFewestVoters = 4;
+constexpr float kNetworkConfidence = 0.8f;  // factor on the confidence, which is 0 at the threshold
+constexpr int kVoteVoxels = 96;             // along the longest side of what is voted on
+
+// Of one pixel, before the threshold.
+double belonging(const NetworkOutput& out, size_t pixel, const std::string& activation, std::span<const double> channels) {
+  const auto listed = [&](int number) { return std::find(channels.begin(), channels.end(), double(number)) != channels.end(); };
+  if (activation == "labels") return listed(int(std::lround(std::clamp(out.at(pixel, 0), -1.f, 1e6f)))) ? 1 : 0;
+  if (activation == "argmax") {
+    int best = 0;
+    for (int c = 1; c < out.channels; ++c)
+      if (out.at(pixel, c) > out.at(pixel, best)) best = c;
+    return listed(best) ? 1 : 0;
+  }
+  if (activation == "softmax") {
+    double top = -INFINITY, all = 0, ours = 0;
+    for (int c = 0; c < out.channels; ++c) top = std::max(top, double(out.at(pixel, c)));
+    for (int c = 0; c < out.channels; ++c) {
+      const double weight = std::exp(double(out.at(pixel, c)) - top);
+      all += weight;
+      if (listed(c)) ours += weight;
+    }
+    return ours / all;
+  }
+  double largest = -INFINITY;
+  for (double c : channels) largest = std::max(largest, double(out.at(pixel, int(c))));
+  return activation == "sigmoid" ? 1 / (1 + std::exp(-largest)) : std::clamp(largest, 0.0, 1.0);
+}
 
 // The photo as the network wants it, and its camera at that size.
 ImageF photo_of(const MaskCapture& capture, const View& view, int width, int height) {
@@ -64,7 +92,7 @@ void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
     own.push_back(inside_of(c.value[v]));
     photos.push_back(silhouette(masks.views[v], own[v]));
   }
-  const VisualHull hull(photos, {.resolution = masks.config.resolution, .rule = kOutlineVote});
+  const VisualHull hull(photos, {.resolution = kVoteVoxels, .rule = kOutlineVote});
   if (hull.empty()) return;
   const std::vector<std::vector<uint8_t>> carried = silhouettes_of(hull, masks.views);
   double sum = 0;
@@ -82,13 +110,64 @@ void vote(NetworkMasks& masks, NetworkMasks::Class& c) {
     for (size_t i = 0; i < apart.size(); ++i) apart[i] = own[v][i] != carried[v][i];
     // An outline is the photo's own: the hull's is no finer than its voxels.
     const Intrinsics& k = masks.views[v].intrinsics;
-    c.doubted.push_back(opened(apart, k, std::max(1, k.longest_side() / masks.config.resolution)));
+    c.doubted.push_back(opened(apart, k, std::max(1, k.longest_side() / kVoteVoxels)));
     for (size_t i = 0; i < apart.size(); ++i)
       if (c.doubted[v][i]) c.value[v][i] = carried[v][i];
   }
 }
 
 }  // namespace
+
+const std::vector<double>& NetworkMasksConfig::channels_of(MaskClass kind) const {
+  const std::vector<double>* all[] = {&object, &transparent, &specular, &ignore};
+  return *all[size_t(kind)];
+}
+
+std::string NetworkMasksConfig::problem() const {
+  if (std::string p = input.problem("masks.onnx."); !p.empty()) return p;
+  if (activation == "labels" && outputs != 1)
+    return "masks.onnx.activation is labels: one number a pixel, so masks.onnx.outputs is 1";
+  if ((activation == "softmax" || activation == "argmax") && outputs < 2)
+    return fmt::format("masks.onnx.activation {} compares channels, so masks.onnx.outputs is 2 or more", activation);
+  for (MaskClass kind : kMaskClasses)
+    for (double c : channels_of(kind))
+      if (c < 0 || c != std::floor(c) || c > 1e6 || (activation != "labels" && c >= outputs))
+        return fmt::format("masks.onnx.{} names {}, which is no channel of 0 to {}", name(kind), c, outputs - 1);
+  return {};
+}
+
+void describe(Describer& d, NetworkMasksConfig& c) {
+  describe_input(d, c.input);
+  d.option("outputs", c.outputs, "Channels of its output, that of the background included.").range(1, 4096);
+  d.option("activation", c.activation,
+           "What its output is: logits (sigmoid: classes of their own, softmax: one of them), probabilities, logits of which the "
+           "largest counts (argmax), or one label a pixel.")
+      .choices({"sigmoid", "softmax", "probability", "argmax", "labels"});
+  d.option("object", c.object, "Channels (labels) that mean the object; empty = none.");
+  d.option("transparent", c.transparent, "Channels (labels) that mean glass; empty = none.");
+  d.option("specular", c.specular, "Channels (labels) that mean what mirrors, glass included; empty = none.");
+  d.option("ignore", c.ignore, "Channels (labels) that mean what no photo should be held to; empty = none.");
+  d.option("threshold", c.threshold, "Probability from which on a pixel belongs; it is written as one half.").range(0.01, 0.99);
+}
+
+std::vector<float> class_values(const NetworkOutput& out, const NetworkMasksConfig& config, std::span<const double> channels,
+                                const std::string& where) {
+  if (!std::all_of(out.values.begin(), out.values.end(), [](float v) { return std::isfinite(v); }))
+    throw Error(ErrorKind::Input, "the network gives what is no number",
+                {.where = where,
+                 .why = fmt::format("in its output of {}", out.shape),
+                 .hint = "masks.onnx.mean and deviation must be what it was trained with",
+                 .code = "BAD_NETWORK_OUTPUT"});
+  std::vector<float> values(out.pixel_count());
+  const double t = config.threshold;
+  const bool graded = config.activation != "labels" && config.activation != "argmax";
+  for (size_t i = 0; i < values.size(); ++i) {
+    double v = belonging(out, i, config.activation, channels);
+    if (graded) v = std::clamp(v < t ? v / t - 0.5 : (v - t) / (1 - t) + 0.5, 0.0, 1.0);
+    values[i] = float(v);
+  }
+  return values;
+}
 
 std::shared_ptr<const NetworkMasks> network_masks(const NetworkMasksConfig& config, const MaskCapture& capture,
                                                   const std::filesystem::path& file, std::span<const MaskClass> classes,
@@ -122,7 +201,7 @@ std::shared_ptr<const NetworkMasks> network_masks(const NetworkMasksConfig& conf
   for (MaskClass kind : classes) {
     NetworkMasks::Class& c = masks->classes[size_t(kind)];
     // Who walks through the photos is in another place in each.
-    if (!config.vote || !c.found || kind == MaskClass::Ignore || views.size() < kFewestVoters) continue;
+    if (!c.found || kind == MaskClass::Ignore || views.size() < kFewestVoters) continue;
     vote(*masks, c);
     log_info("masks: {}: photos and their hull overlap by {:.2f}{}", name(kind), c.agreement,
              c.voted ? "" : ", too little for a vote");
@@ -140,7 +219,7 @@ std::optional<SoftMask> NetworkSource::at(size_t view) const {
   for (size_t i = 0; i < c.value[view].size(); ++i) {
     const bool doubted = c.voted && c.doubted[view][i] != 0;
     const float sure = doubted ? kOverruled : std::abs(2 * c.value[view][i] - 1);
-    soft.confidence.data()[i] = float(masks_->config.confidence) * sure;
+    soft.confidence.data()[i] = kNetworkConfidence * sure;
   }
   return soft;
 }

@@ -21,6 +21,8 @@ constexpr double kShrunk = 0.8;            // of the plan: beside a case other t
 constexpr double kBelow = 0.5;             // of the height: how far below where edges begin to show its foot may be
 constexpr size_t kFewestCasePixels = 300;  // of all photos: fewer say nothing of a side, or of a foot
 constexpr size_t kMostAsked = 12;          // boxes
+constexpr double kLeastRim = 5.5;          // standard deviations: how far its rim stands out of other heights
+constexpr double kLeastSeenThrough = 0.6;  // of each side: what must show what lies behind it
 
 // visit(pixel, reliable z-depth or 0, crossing of the pixel's ray with the box, eye, ray)
 template <class Visit>
@@ -83,14 +85,6 @@ double seen_through(const Box& box, std::span<const View> views, std::span<const
 
 }  // namespace
 
-void describe(Describer& d, DisplayCaseConfig& c) {
-  d.option("look", c.look, "Look for display cases: boxes of glass that stand upright.");
-  d.option("least_posts", c.least_posts, "How far its upright edges must stand out of what is around them, in all.")
-      .range(0, 1000);
-  d.option("least_rim", c.least_rim, "How far its rim must stand out of other heights, standard deviations.").range(0, 1000);
-  d.option("least_seen_through", c.least_seen_through, "Share of each side that must show what lies behind it.").range(0, 1);
-}
-
 Bounds3 about_standing_boxes(const ViewSet& set) {
   std::vector<double> heights;
   for (const ScenePoint& p : set.points)
@@ -100,18 +94,18 @@ Bounds3 about_standing_boxes(const ViewSet& set) {
   return {{-kCaseReach, -kCaseReach, low}, {kCaseReach, kCaseReach, std::max(high, kAboveCameras)}};
 }
 
-std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::span<const StandingBox> boxes,
-                                       std::span<const View> views, std::span<const DepthMap> maps) {
+std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::span<const View> views,
+                                       std::span<const DepthMap> maps) {
   std::vector<DisplayCase> found;
   size_t asked = 0;
   for (const StandingBox& standing : boxes) {
-    if (standing.rim < config.least_rim) continue;
+    if (standing.rim < kLeastRim) continue;
     if (std::ranges::any_of(found, [&](const DisplayCase& f) { return same_place(f.box, standing.box); })) continue;
     if (++asked > kMostAsked) break;
     DisplayCase glass{standing.box, standing.posts, standing.rim, 0};
     glass.box.low.z = foot(glass.box, views, maps);
     if (glass.box.high.z > glass.box.low.z) glass.seen_through = seen_through(glass.box, views, maps);
-    const bool is_glass = glass.seen_through >= config.least_seen_through;
+    const bool is_glass = glass.seen_through >= kLeastSeenThrough;
     const Vec3d c = glass.box.axes * (0.5 * (glass.box.low + glass.box.high)), e = glass.box.high - glass.box.low;
     const std::string place = fmt::format("{:.2f} x {:.2f} x {:.2f} at ({:.2f} {:.2f} {:.2f})", e.x, e.y, e.z, c.x, c.y, c.z);
     if (is_glass)

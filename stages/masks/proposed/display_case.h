@@ -5,18 +5,10 @@
 #include <span>
 
 #include "core/camera/view_set.h"
-#include "core/config/describe.h"
 #include "core/stereo/patch_match.h"
 #include "core/stereo/standing_boxes.h"
 
 namespace vitrine {
-
-struct DisplayCaseConfig {
-  bool look = true;
-  double least_posts = 24, least_rim = 5.5;
-  double least_seen_through = 0.6;
-};
-void describe(Describer& d, DisplayCaseConfig& c);
 
 struct DisplayCase {
   Box box;                    // its foot where the photos have what it stands on
@@ -27,8 +19,8 @@ struct DisplayCase {
 // Where to look: around what was walked around. Empty without sparse points.
 Bounds3 about_standing_boxes(const ViewSet& set);
 // Those of the boxes (best first) that are of glass, none in another. `maps`: of each view, of its size.
-std::vector<DisplayCase> display_cases(const DisplayCaseConfig& config, std::span<const StandingBox> boxes,
-                                       std::span<const View> views, std::span<const DepthMap> maps);
+std::vector<DisplayCase> display_cases(std::span<const StandingBox> boxes, std::span<const View> views,
+                                       std::span<const DepthMap> maps);
 
 // 1 where the case is seen and nothing known stands before it, [h,w] of the view.
 std::vector<uint8_t> case_mask(const DisplayCase& glass, const View& view, const DepthMap& map);

@@ -17,17 +17,22 @@ constexpr int kEdgeSide = 640;                               // pixels of photos
 constexpr double kStereoShare = 0.3, kExplainedShare = 0.5;  // of the work, done then
 constexpr float kFound = 0.9f, kDoubted = 0.4f;              // confidence; doubted: a photo and the hull disagree
 constexpr size_t kFewestPhotos = 8;                          // fewer cannot vote
+constexpr double kLeastPosts = 24;  // how far the upright edges of a case stand out of what is around them, in all
 
 }  // namespace
+
+void describe(Describer& d, DisplayCaseConfig& c) {
+  d.option("look", c.look, "Look for display cases: boxes of glass that stand upright.");
+}
 
 void describe(Describer& d, ProposedConfig& c) {
   d.group("display_case", c.display_case, "Display cases, which are told by their edges.");
 }
 
-std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const BoxesConfig& boxes, const MaskCapture& capture,
+std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
                                         const std::function<void(double)>& progress) {
   auto proposal = std::make_shared<Proposal>();
-  const std::vector<View> views = small_views(capture, boxes.max_side);
+  const std::vector<View> views = small_views(capture, kSmallSide);
   for (const View& view : views) {
     proposal->sizes.push_back(view.intrinsics);
     const size_t pixels = view.intrinsics.pixel_count();
@@ -35,7 +40,7 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Boxe
   }
   proposal->unsure = views.size() < kFewestPhotos;
   if (proposal->unsure) return proposal;
-  const std::vector<SmallPhoto> photos = small_photos(capture, boxes.max_side);
+  const std::vector<SmallPhoto> photos = small_photos(capture, kSmallSide);
   const SmallStereo stereo(edge_photos(photos), capture.set);
   proposal->unsure = stereo.blind();
   if (proposal->unsure) return proposal;
@@ -49,16 +54,14 @@ std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const Boxe
   progress(kExplainedShare);
   if (config.display_case.look)
     proposal->cases = display_cases(
-        config.display_case,
-        standing_boxes(edge_photos(capture, kEdgeSide), about_standing_boxes(capture.set), config.display_case.least_posts),
-        views, scene.maps);
+        standing_boxes(edge_photos(capture, kEdgeSide), about_standing_boxes(capture.set), kLeastPosts), views, scene.maps);
   for (const DisplayCase& glass : proposal->cases)
     parallel_for(views.size(), 1, [&](size_t v) {
       const std::vector<uint8_t> seen = case_mask(glass, views[v], scene.maps[v]);
       for (size_t i = 0; i < seen.size(); ++i) proposal->in_case[v][i] |= seen[i];
     });
-  proposal->mirrors = found_mirrors({.config = boxes, .capture = capture, .views = views, .photos = photos, .stereo = &stereo},
-                                    explained, [&](double f) { progress(kExplainedShare + (1 - kExplainedShare) * f); });
+  proposal->mirrors = found_mirrors({.capture = capture, .views = views, .photos = photos, .stereo = &stereo}, explained,
+                                    [&](double f) { progress(kExplainedShare + (1 - kExplainedShare) * f); });
   for (const FoundMirror& mirror : proposal->mirrors) {
     log_info(
         "masks: a mirror {:.2f} across, told by how it changes with the view (masks/contact_sheet.png shows it; if it is none, "

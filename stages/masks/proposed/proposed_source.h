@@ -4,14 +4,19 @@
 #include <functional>
 #include <memory>
 
+#include "core/config/describe.h"
 #include "stages/masks/proposed/display_case.h"
 #include "stages/masks/proposed/found_mirrors.h"
 
 namespace vitrine {
 
+struct DisplayCaseConfig {
+  bool look = true;
+};
 struct ProposedConfig {
   DisplayCaseConfig display_case;
 };
+void describe(Describer& d, DisplayCaseConfig& c);
 void describe(Describer& d, ProposedConfig& c);
 
 // One analysis serves both classes.
@@ -22,7 +27,7 @@ struct Proposal {
   std::vector<std::vector<uint8_t>> in_case, mirrored, doubted;  // [view][h,w]
   bool unsure = false;                                           // too few photos, or stereo finds too little
 };
-std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const BoxesConfig& boxes, const MaskCapture& capture,
+std::shared_ptr<const Proposal> propose(const ProposedConfig& config, const MaskCapture& capture,
                                         const std::function<void(double)>& progress);
 
 class ProposedSource final : public MaskSource {

@@ -167,7 +167,7 @@ TEST_F(Marked, AKettleIsASolidOfRevolutionAndWhatSticksOutOfIt) {
     write_exr_rgb(linear_image_path(sfm(), view), photo);
   }
   MasksConfig config;
-  config.boxes.resolution = 40;  // a voxel is a pixel
+  config.hull_voxels = 40;  // a voxel is a pixel
   const auto context = run(head() + outline(0) + outline(3) + outline(5) + outline(8), "marks.yaml", config);
   EXPECT_GT(worst_overlap(*context, "specular"), 0.88);  // of votes alone 0.78
   const auto report = nlohmann::json::parse(read_file(context->output() / "masks/report.json"));
@@ -281,7 +281,7 @@ TEST_F(Marked, TheReportCountsWhatWasFoundAndMeasuresTheThing) {
   write_file(folder.path() / "marks.yaml", head() + disk(0, "object") + disk(1, "object") + disk(3, "object") +
                                                disk(5, "object") + disk(8, "object") + mark(6, "object", 8));
   const MaskCapture capture = read_mask_capture(sfm());
-  const auto masks = carry_marks({}, capture, read_marks(folder.path() / "marks.yaml", capture).things, [](double) {});
+  const auto masks = carry_marks(capture, read_marks(folder.path() / "marks.yaml", capture).things, kHullVoxels, [](double) {});
   ASSERT_EQ(masks->things.size(), 1u);
   EXPECT_EQ(masks->things[0].marks, 6u);
   EXPECT_EQ(masks->things[0].refined, size_t(kViews - 5));  // GrabCut is not asked where polygons say it
@@ -293,7 +293,7 @@ TEST_F(Marked, GlassNeedsNoColours) {
   const MaskCapture capture = read_mask_capture(sfm());
   const std::vector<MarkedThing> things = read_marks(folder.path() / "marks.yaml", capture).things;
   fs::remove_all(sfm() / "linear");
-  const auto masks = carry_marks({}, capture, things, [](double) {});
+  const auto masks = carry_marks(capture, things, kHullVoxels, [](double) {});
   const std::vector<uint8_t>& inside = masks->inside[5][size_t(MaskClass::Transparent)];
   EXPECT_NE(std::count(inside.begin(), inside.end(), 1), 0);
 }

@@ -22,8 +22,8 @@ NetworkOutput answer(std::vector<float> values, bool planes = true) {
 }
 
 std::vector<float> values_of(const NetworkOutput& out, const std::string& activation, std::vector<double> channels,
-                             double threshold = 0.5, bool soft = true) {
-  NetworkMasksConfig config{.outputs = out.channels, .activation = activation, .threshold = threshold, .soft = soft};
+                             double threshold = 0.5) {
+  NetworkMasksConfig config{.outputs = out.channels, .activation = activation, .threshold = threshold};
   return class_values(out, config, channels, "net.onnx");
 }
 
@@ -54,7 +54,6 @@ TEST(ClassValues, ThresholdBecomesOneHalf) {
   EXPECT_NEAR(soft[0], 0.5, 1e-6);
   EXPECT_NEAR(soft[1], 0.75, 1e-6);
   EXPECT_EQ(values_of(out, "probability", {1}, 0.3), (std::vector<float>{0, 1}));  // 0.1 and 0.9 are decided
-  EXPECT_EQ(values_of(out, "probability", {0}, 0.4, false), (std::vector<float>{0, 1}));
   EXPECT_EQ(error_of([] { values_of(answer({0, NAN, 0, 0, 0, 0}), "sigmoid", {0}); }).detail().code, "BAD_NETWORK_OUTPUT");
 }
 
@@ -97,7 +96,6 @@ TEST_F(Networked, MasksAreWhatItFindsWithoutFurtherWord) {
   EXPECT_EQ(report["classes"]["specular"]["network"]["sha256"], sha256_hex(read_file(file())));
   EXPECT_TRUE(report["classes"]["specular"]["voted"].get<bool>());
   EXPECT_EQ(report["classes"]["transparent"]["source"], "none");  // nothing is proposed beside a network
-  EXPECT_EQ(worst_overlap(*run({{"onnx.vote", "false"}}), "specular"), 1);
 }
 
 TEST_F(Networked, PhotosOverruleOneThatIsWrong) {
@@ -107,14 +105,12 @@ TEST_F(Networked, PhotosOverruleOneThatIsWrong) {
   for (int y = 4; y < 20; ++y)
     for (int x = 4; x < 20; ++x) more.at(x, y) = 255;
   write_photo(6, more);
-  const auto alone = run({{"onnx.vote", "false"}}), voted = run({{"onnx.soft", "false"}});
-  EXPECT_EQ(overlap_of(*alone, "specular", 2), 0);
-  EXPECT_LT(overlap_of(*alone, "specular", 6), 0.9);
+  const auto voted = run();
   EXPECT_GT(overlap_of(*voted, "specular", 6), 0.95);  // measured 0.968, 0.893 alone
   EXPECT_GT(worst_overlap(*voted, "specular"), 0.88);
   const Image8 sure = read_grey8(voted->output() / "masks/confidence/v6.png");
   EXPECT_LT(sure.at(10, 10), 80);   // overruled
-  EXPECT_GT(sure.at(90, 60), 130);  // agreed
+  EXPECT_GT(sure.at(90, 60), 110);  // agreed
 }
 
 TEST_F(Networked, MasksThatMeetNowhereStayAsTheyAre) {

@@ -1,4 +1,4 @@
-#include "stages/masks/boxes/outline_cut.h"
+#include "stages/masks/boxes/outlines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,20 @@
 
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 #include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/parallel.h"
+#include "core/base/process.h"
 
 namespace vitrine {
 
 namespace {
+
+constexpr int kIterations = 4;
+constexpr size_t kFewestPixels = 40;
+constexpr double kMargin = 0.12;  // of the silhouette's width: background beyond, perhaps thing up to there
+constexpr double kLeast = 0.2;    // of the silhouette that must be found
 
 constexpr float kThing = 1;  // cost of a pixel of the thing; of the background: its squared error
 constexpr float kMostSquared = 4;
@@ -75,8 +85,12 @@ class FlowNetwork {
   std::vector<Arc> arcs_;
 };
 
-}  // namespace
-
+// The outline of a thing in a photo that a background was predicted for: a cut of least cost through the pixels of a hull's
+// silhouette, which pays where the pixels' errors speak against it, and less for an outline along edges of the photo (Boykov,
+// Jolly, "Interactive Graph Cuts for Optimal Boundary and Region Segmentation", 2001; minimum cut of Boost.Graph).
+//
+// [h,w] 1 = thing. `error`: unexplained() of core/stereo/background.h; unknown ones follow their neighbours. `about`: the
+// silhouette, outside of which nothing belongs to the thing.
 std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> error, std::span<const uint8_t> about) {
   const int width = photo.srgb.width(), height = photo.srgb.height();
   constexpr size_t kNone = size_t(-1);
@@ -118,6 +132,70 @@ std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> 
   const std::vector<uint8_t> cut = network.cut();
   for (size_t i = 0; i < about.size(); ++i) inside[i] = node[i] != kNone && cut[node[i]];
   return inside;
+}
+
+}  // namespace
+
+std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t>& about, bool tight) {
+  const Intrinsics& k = photo.view.intrinsics;
+  const size_t pixels = about.size(), inside = size_t(std::count(about.begin(), about.end(), 1));
+  if (inside < kFewestPixels) return {};
+  cv::Mat bgr(k.height, k.width, CV_8UC3), hull(k.height, k.width, CV_8UC1), wide, core;
+  for (size_t i = 0; i < pixels; ++i) {
+    for (size_t c = 0; c < 3; ++c)
+      bgr.data[3 * i + c] = uint8_t(std::lround(255 * std::clamp(photo.srgb[(2 - c) * pixels + i], 0.f, 1.f)));
+    hull.data[i] = about[i];
+  }
+  const int reach = std::max(2, int(std::lround(kMargin * std::sqrt(double(inside)))));
+  cv::dilate(hull, wide, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
+  if (tight) cv::erode(hull, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * reach + 1, 2 * reach + 1}));
+  cv::Mat labels(k.height, k.width, CV_8UC1);
+  for (size_t i = 0; i < pixels; ++i)
+    labels.data[i] = uint8_t(tight && core.data[i] ? cv::GC_FGD
+                             : about[i]            ? cv::GC_PR_FGD
+                             : wide.data[i]        ? cv::GC_PR_BGD
+                                                   : cv::GC_BGD);
+  if (size_t(cv::countNonZero(wide)) + kFewestPixels > pixels) return {};  // nothing is surely background
+  cv::setRNGSeed(1);  // its k-means draws; the generator is this thread's own
+  cv::Mat background, foreground;
+  cv::grabCut(bgr, labels, {}, background, foreground, kIterations, cv::GC_INIT_WITH_MASK);
+  std::vector<uint8_t> found(pixels);
+  size_t kept = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    found[i] = labels.data[i] == cv::GC_PR_FGD || labels.data[i] == cv::GC_FGD;
+    kept += found[i] && about[i];
+  }
+  if (double(kept) < kLeast * double(inside)) return {};
+  return found;
+}
+
+std::vector<HalfSpace> PastOutlines::sides(const VisualHull& hull) const {
+  return sides_of_cameras(stereo_.surroundings().planes, stereo_.views(), hull.bounds());
+}
+
+std::vector<std::vector<uint8_t>> PastOutlines::hidden(const VisualHull& around) const {
+  const Surroundings scene = stereo_.surroundings();
+  const std::span<const View> views = stereo_.views();
+  std::vector<std::vector<uint8_t>> hidden(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) { hidden[v] = hidden_pixels(scene.maps[v], hull_depths(around, views[v])); });
+  return hidden;
+}
+
+std::vector<Silhouette> PastOutlines::outlines(const VisualHull& hull, std::span<const std::vector<uint8_t>> hidden) const {
+  const Surroundings scene = stereo_.surroundings();
+  const std::span<const View> views = stereo_.views();
+  const std::vector<std::vector<uint8_t>> about = silhouettes_of(hull, views);
+  std::vector<HullDepths> passed(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) { passed[v] = hull_depths(hull, views[v]); });
+  std::vector<Silhouette> found(views.size());
+  parallel_for(views.size(), 1, [&](size_t v) {
+    if (interrupt_signal() != 0) return;
+    found[v] = silhouette(views[v], outline_cut(scene.photos[v], unexplained(scene, hull, passed, v), about[v]));
+    for (size_t i = 0; i < hidden[v].size(); ++i)
+      if (hidden[v][i]) found[v].value.data()[i] = -1;
+  });
+  throw_if_interrupted();
+  return found;
 }
 
 }  // namespace vitrine
