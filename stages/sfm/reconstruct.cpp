@@ -9,9 +9,9 @@
 #include "core/base/timer.h"
 #include "core/camera/compacted.h"
 #include "core/math/disjoint_sets.h"
+#include "stages/sfm/diagnosis.h"
 #include "stages/sfm/features.h"
 #include "stages/sfm/point_filter.h"
-#include "stages/sfm/rotation_pairs.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
