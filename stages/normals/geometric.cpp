@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/base/process.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
 #include "core/image/resample.h"
 #include "core/stereo/stereo_photos.h"
 #include "stages/normals/plane_fit.h"
@@ -13,42 +17,43 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kFullAgreement = 3;       // neighbours that see the same surface make a depth as sure as it gets
-constexpr float kConvincingAlone = 0.9f;  // NCC of a depth that nobody was asked to confirm
-constexpr float kOnMirror = 0.3f;         // stereo on an object whose surface it probably does not see
+constexpr size_t kNeighbours = 6;          // photos that each photo is matched with
+constexpr double kFarFactor = 3;           // how far beyond the farthest sparse points surfaces are looked for
+constexpr float kObjectConfidence = 0.5f;  // of the normals of glass, mirrors and coats
+constexpr float kFullAgreement = 3;        // neighbours that see the same surface make a depth as sure as it gets
+constexpr float kConvincingAlone = 0.9f;   // NCC of a depth that nobody was asked to confirm
+constexpr float kOnMirror = 0.3f;          // stereo on an object whose surface it probably does not see
 
 std::vector<StereoPhoto> stereo_photos(const GeometricDesc& desc) {
   const ViewSet& set = desc.capture.set;
   std::vector<bool> wanted(set.views.size(), false), loaded(set.views.size(), false);
   for (uint32_t v : desc.views) wanted[v] = loaded[v] = true;
   std::vector<StereoPhoto> photos(set.views.size());
-  const size_t count = size_t(desc.config.neighbours);
-  const auto partners = stereo_neighbours(set, desc.capture.helpers, count);
+  const auto partners = stereo_neighbours(set, desc.capture.helpers, kNeighbours);
   for (uint32_t v = 0; v < photos.size(); ++v) {
     if (!wanted[v]) continue;
     photos[v].neighbours = partners[v];
     if (photos[v].neighbours.empty()) {  // kept for the evaluation: it helps nobody, but may be helped
       std::vector<uint32_t> with_it = desc.capture.helpers;
       with_it.insert(std::upper_bound(with_it.begin(), with_it.end(), v), v);
-      photos[v].neighbours = stereo_neighbours(set, with_it, count)[v];
+      photos[v].neighbours = stereo_neighbours(set, with_it, kNeighbours)[v];
     }
     for (uint32_t n : photos[v].neighbours) loaded[n] = true;
   }
   parallel_for(photos.size(), 1, [&](size_t v) {
     if (!loaded[v] || interrupt_signal() != 0) return;
     photos[v].view = set.views[v];
-    photos[v].view.intrinsics = set.views[v].intrinsics.limited_to(desc.config.max_side);
+    photos[v].view.intrinsics = set.views[v].intrinsics.limited_to(desc.max_side);
     const Intrinsics& k = photos[v].view.intrinsics;
     photos[v].luma = luma_of_srgb(desc.capture.photo(v, k.width, k.height));
   });
   throw_if_interrupted();
-  find_depth_ranges(set, desc.config.far_factor, photos);
+  find_depth_ranges(set, kFarFactor, photos);
   return photos;
 }
 
 // A few photos at a time, so that a run can be followed and stopped.
-std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, uint64_t seed,
-                                     const std::function<void(double)>& progress) {
+std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, const std::function<void(double)>& progress) {
   const size_t batch = 4 * size_t(thread_limit());  // results do not depend on it
   std::vector<std::vector<uint32_t>> partners(photos.size());
   for (size_t v = 0; v < photos.size(); ++v) partners[v].swap(photos[v].neighbours);
@@ -56,7 +61,7 @@ std::vector<DepthMap> matched_depths(std::vector<StereoPhoto>& photos, uint64_t 
   for (size_t begin = 0; begin < photos.size(); begin += batch) {
     const size_t end = std::min(begin + batch, photos.size());
     for (size_t v = begin; v < end; ++v) photos[v].neighbours = partners[v];
-    std::vector<DepthMap> some = patch_match(photos, {.seed = seed});
+    std::vector<DepthMap> some = patch_match(photos, {});
     for (size_t v = begin; v < end; ++v) {
       depths[v] = std::move(some[v]);
       photos[v].neighbours.clear();
@@ -99,7 +104,7 @@ void put_objects(const GeometricDesc& desc, const View& view, const View& photo,
       });
       if (hit && object->role == ObjectRole::Coat && !set.shapes.entries[hit->entry].exact) continue;
       if (hit)
-        map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), float(desc.config.object_confidence));
+        map.set(x, y, cast<float>(view.cam_from_world.rotation * hit->normal), kObjectConfidence);
       else if (is_glass(object->role))
         map.forget(x, y);
       else
@@ -109,13 +114,32 @@ void put_objects(const GeometricDesc& desc, const View& view, const View& photo,
 
 }  // namespace
 
-std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress,
-                                         GeometricReport* report) {
-  GeometricReport own_report;
-  GeometricReport& r = report != nullptr ? *report : own_report;
+ImageF NormalCapture::photo(size_t view, int width, int height) const {
+  const View& v = set.views[view];
+  const fs::path path = linear_image_path(sfm, v);
+  const ImageF linear = read_exr_rgb(path);
+  if (linear.width() != v.intrinsics.width || linear.height() != v.intrinsics.height)
+    throw Error(ErrorKind::Input, "a photo and its camera have different sizes",
+                {.where = path.string(),
+                 .why = fmt::format("the file has {} x {} pixels, the camera model {} x {}", linear.width(), linear.height(),
+                                    v.intrinsics.width, v.intrinsics.height),
+                 .hint = "run the sfm stage again",
+                 .code = "SIZE_MISMATCH"});
+  return srgb_from_linear_image(resized(linear, width, height));
+}
+
+NormalCapture load_normal_capture(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& objects,
+                                  int holdout_every) {
+  NormalCapture capture{.sfm = sfm, .objects = LabelledObjects::trusted(objects), .set = load_view_set(sfm), .helpers = {}};
+  for (uint32_t v = 0; v < capture.set.views.size(); ++v)
+    if (!is_heldout(v, holdout_every)) capture.helpers.push_back(v);
+  return capture;
+}
+
+std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::function<void(double)>& progress, size_t* alone) {
   std::vector<StereoPhoto> photos = stereo_photos(desc);
   progress(0.1);
-  std::vector<DepthMap> depths = matched_depths(photos, desc.seed, [&](double f) { progress(0.1 + 0.65 * f); });
+  std::vector<DepthMap> depths = matched_depths(photos, [&](double f) { progress(0.1 + 0.65 * f); });
   // With every helper's own depths at hand they confirm each other.
   const bool confirmed = std::all_of(desc.capture.helpers.begin(), desc.capture.helpers.end(),
                                      [&](uint32_t v) { return !depths[v].zdepth.empty(); });
@@ -137,7 +161,7 @@ std::vector<NormalMap> geometric_normals(const GeometricDesc& desc, const std::f
     if (objects) put_objects(desc, photos[v].view, desc.capture.set.views[v], normals[i]);
   });
   throw_if_interrupted();
-  for (uint32_t v : desc.views) r.without_partners += depths[v].zdepth.empty();
+  if (alone != nullptr) *alone = size_t(std::ranges::count_if(desc.views, [&](uint32_t v) { return depths[v].zdepth.empty(); }));
   progress(1);
   return normals;
 }

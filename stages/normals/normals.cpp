@@ -10,8 +10,6 @@
 #include "core/base/parallel.h"
 #include "core/base/process.h"
 #include "core/base/timer.h"
-#include "stages/normals/capture.h"
-#include "stages/normals/files.h"
 #include "stages/normals/geometric.h"
 #include "stages/normals/network.h"
 #include "stages/normals/space.h"
@@ -22,9 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kSpaceViews = 4;      // photos that the detection of the frame looks at
-constexpr double kSuspectAway = 0.05;  // share of normals away from the camera that is worth a word
-constexpr double kWrongAway = 0.5;     // ... and that no mistake but the frame's explains
+constexpr size_t kSpaceViews = 4;           // photos that the detection of the frame looks at
+constexpr double kSuspectAway = 0.05;       // share of normals away from the camera that is worth a word
+constexpr double kWrongAway = 0.5;          // ... and that no mistake but the frame's explains
+constexpr float kNetworkConfidence = 0.7f;  // factor on the confidence of a network
+constexpr float kGlassConfidence = 0.5f;    // factor on that on glass
 
 class NormalsRun {
  public:
@@ -52,15 +52,14 @@ class NormalsRun {
   }
 
   void geometric() {
-    GeometricReport g;
+    size_t alone = 0;
     const auto views = all_views();
     std::vector<NormalMap> maps = geometric_normals(
-        {.capture = capture_, .config = config_.geometric, .seed = uint64_t(config_.seed), .views = views},
-        [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &g);
+        {.capture = capture_, .max_side = config_.geometric.max_side, .views = views},
+        [&](double f) { context_.progress({.fraction = 0.95 * f, .text = "normals from stereo", .values = {}}); }, &alone);
     for (uint32_t v : views)
       if (!maps[v].empty()) write(v, std::move(maps[v]));
-    if (g.without_partners > 0)
-      context_.warning("NO_STEREO", fmt::format("{} photos share no view with others", g.without_partners));
+    if (alone > 0) context_.warning("NO_STEREO", fmt::format("{} photos share no view with others", alone));
   }
 
   void files() {
@@ -84,15 +83,11 @@ class NormalsRun {
                        fmt::format("{} of {} photos have no normal map", found.size() - views.size(), found.size()));
     const auto map_of = [&](uint32_t v) { return read_normal_file(*found[v], capture_.set.views[v]); };
     const NormalSpace space = chosen_space(config_.files.space, views, map_of, folder_->string());
-    given_maps(views, map_of, space, config_.files.confidence, folder_->string());
+    given_maps(views, map_of, space, 1, folder_->string());
   }
 
   void onnx() {
-    OnnxConfig config = config_.onnx;
-    if (!network_) {  // its input and output are known; trust in it is yours
-      config = built_in_network_config();
-      config.confidence = config_.onnx.confidence, config.glass_confidence = config_.onnx.glass_confidence;
-    }
+    const OnnxConfig config = network_ ? config_.onnx : built_in_network_config();
     NormalNetwork network(network_, config);
     report_["network"] = {{"built_in", network.built_in()}, {"sha256", network.sha256()}};
     const auto map_of = [&](uint32_t v) {
@@ -103,13 +98,12 @@ class NormalsRun {
       const View& view = capture_.set.views[v];
       const ImageF glass = capture_.objects.coverage(view, view.intrinsics.scaled_to(map.normal.width(), map.normal.height()),
                                                      [](const Object& o) { return is_glass(o.role); });
-      for (size_t i = 0; i < glass.data().size(); ++i)
-        map.confidence.data()[i] *= 1 + glass.data()[i] * float(config.glass_confidence - 1);
+      for (size_t i = 0; i < glass.data().size(); ++i) map.confidence.data()[i] *= 1 + glass.data()[i] * (kGlassConfidence - 1);
       return map;
     };
     const std::string what = network_ ? network_->string() : "the network that is built in";
     const NormalSpace space = chosen_space(config.space, all_views(), map_of, what);
-    given_maps(all_views(), map_of, space, config.confidence, what);
+    given_maps(all_views(), map_of, space, kNetworkConfidence, what);
   }
 
   // The declared frame, or what the sign test finds on a few photos.
@@ -124,11 +118,7 @@ class NormalsRun {
     const size_t count = std::min(kSpaceViews, views.size());
     for (size_t i = 0; i < count; ++i) chosen.push_back(views[(2 * i + 1) * views.size() / (2 * count)]);
     const std::vector<NormalMap> geometric = geometric_normals(
-        {.capture = capture_,
-         .config = config_.geometric,
-         .seed = uint64_t(config_.seed),
-         .views = chosen,
-         .with_objects = false},
+        {.capture = capture_, .max_side = config_.geometric.max_side, .views = chosen, .with_objects = false},
         [&](double f) { context_.progress({.fraction = 0.3 * f, .text = "which frame the normals are in", .values = {}}); });
     std::vector<NormalMap> given;
     std::vector<View> sized;
@@ -151,13 +141,13 @@ class NormalsRun {
 
   // Maps from outside: turned into the camera's frame, checked, reduced, written.
   void given_maps(const std::vector<uint32_t>& views, const std::function<NormalMap(uint32_t)>& map_of, const NormalSpace& space,
-                  double confidence, const std::string& what) {
+                  float confidence, const std::string& what) {
     Facing facing;
     for (size_t i = 0; i < views.size(); ++i) {
       throw_if_interrupted();
       const View& view = capture_.set.views[views[i]];
       NormalMap map = map_of(views[i]);
-      for (float& c : map.confidence.data()) c *= float(confidence);
+      for (float& c : map.confidence.data()) c *= confidence;
       to_camera(map, space, view.cam_from_world);
       const Facing f = forget_hidden_sides(map, view.intrinsics.scaled_to(map.normal.width(), map.normal.height()));
       facing.known += f.known, facing.away += f.away;
@@ -221,34 +211,28 @@ class NormalsRun {
   double known_ = 0, sure_ = 0;
 };
 
+void describe_space(Describer& d, std::string& space) {
+  std::vector<std::string> names = normal_space_names();
+  names.insert(names.begin(), "auto");
+  d.option("space", space, "Frame of the normals; auto = found by comparing with the photos' geometry.").choices(names);
+}
+
+std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem("onnx."); }
+
 }  // namespace
 
 void describe(Describer& d, GeometricConfig& c) {
   d.option("max_side", c.max_side, "Longest side at which the photos are matched, pixels.").range(32, 4096);
-  d.option("neighbours", c.neighbours, "Photos that each photo is matched with.").range(2, 32);
-  d.option("far_factor", c.far_factor, "How far beyond the farthest sparse points surfaces are looked for.").range(1, 100);
-  d.option("object_confidence", c.object_confidence, "Confidence of the normals of glass, mirrors and coats.").range(0, 1);
 }
 
-void describe(Describer& d, NormalFilesConfig& c) {
-  std::vector<std::string> spaces = normal_space_names();
-  spaces.insert(spaces.begin(), "auto");
-  d.option("space", c.space, "Frame of the normals; auto = found by comparing with the photos' geometry.").choices(spaces);
-  d.option("confidence", c.confidence, "Factor on the confidence of the files, which is 1 without <stem>_confidence.png.")
-      .range(0, 1);
-}
+void describe(Describer& d, NormalFilesConfig& c) { describe_space(d, c.space); }
 
 void describe(Describer& d, OnnxConfig& c) {
-  std::vector<std::string> spaces = normal_space_names();
-  spaces.insert(spaces.begin(), "auto");
-  d.option("space", c.space, "Frame of the network's normals; auto = found by comparing with the photos' geometry.")
-      .choices(spaces);
+  describe_space(d, c.space);
   describe_input(d, c.input);
   d.option("output", c.output, "vector: the normal itself; rgb: (n + 1) / 2.").choices({"vector", "rgb"});
   d.option("doubt", c.doubt, "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.")
       .choices({"smoothness", "kappa"});
-  d.option("confidence", c.confidence, "Factor on the confidence.").range(0, 1);
-  d.option("glass_confidence", c.glass_confidence, "Factor on the confidence on glass.").range(0, 1);
 }
 
 void describe(Describer& d, NormalsConfig& c) {
@@ -259,19 +243,12 @@ void describe(Describer& d, NormalsConfig& c) {
   d.option("holdout_every", c.holdout_every,
            "Every how many photos one is kept for the evaluation and helps no other one; as optimize.holdout_every.")
       .range(0, 100000);
-  d.option("seed", c.seed, "Seed of all random numbers.").range(0, 2147483647);
   d.group("geometric", c.geometric, "Normals from stereo between the photos.");
   d.group("files", c.files, "Normal maps of your own.");
-  d.group("onnx", c.onnx, "The network given as input.network. The one that is built in needs only the confidences.");
+  d.group("onnx", c.onnx, "Input and output of the network given as input.network; those of the one that is built in are known.");
 }
 
 void run_normals(const NormalsConfig& config, StageContext& context) { NormalsRun(config, context).run(); }
-
-namespace {
-
-std::string config_problem(const NormalsConfig& c) { return c.onnx.input.problem("onnx."); }
-
-}  // namespace
 
 Stage normals_stage() {
   StageInfo info{.name = "normals",

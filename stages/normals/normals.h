@@ -6,22 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "core/network/network_input.h"
+#include "core/network/photo_network.h"
 #include "stages/stage.h"
 
 namespace vitrine {
 
 struct GeometricConfig {
   int max_side = 240;
-  int neighbours = 6;
-  double far_factor = 3;
-  double object_confidence = 0.5;
 };
 void describe(Describer& d, GeometricConfig& c);
 
 struct NormalFilesConfig {
   std::string space = "auto";
-  double confidence = 1;
 };
 void describe(Describer& d, NormalFilesConfig& c);
 
@@ -30,8 +26,6 @@ struct OnnxConfig {
   NetworkInput input{};
   std::string output = "vector";
   std::string doubt = "smoothness";
-  double confidence = 0.7;
-  double glass_confidence = 0.5;
 };
 void describe(Describer& d, OnnxConfig& c);
 
@@ -39,7 +33,6 @@ struct NormalsConfig {
   std::string source = "auto";
   int max_side = 480;
   int holdout_every = 8;
-  int seed = 0;
   GeometricConfig geometric;
   NormalFilesConfig files;
   OnnxConfig onnx;
