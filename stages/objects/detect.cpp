@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "core/base/log.h"
 #include "core/base/parallel.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/mesh_topology.h"
+#include "core/stereo/mesh_fit.h"
 #include "core/stereo/shape_fit.h"
 #include "stages/objects/appendages.h"
 #include "stages/objects/fine_hull.h"
-#include "stages/objects/free_form.h"
 
 namespace vitrine {
 
@@ -20,6 +21,10 @@ constexpr double kOnAppendage_voxels = 1.5;  // of the hull
 constexpr size_t kProfileSegments = 96;
 constexpr size_t kMostHullFaces = 8000;
 constexpr int kLookedAt = 240;  // pixels, longest side
+// Of a free form:
+constexpr size_t kFreeFormFaces = 6000;
+constexpr double kOnFreeForm_rel = 0.02;  // of the mesh's size: surfels that show it lie so near
+constexpr double kLeastInside = 0.85;     // of its pixels, that the masks mark
 
 // [face] the solid, by the mean distance of the connected piece that it belongs to.
 std::vector<uint32_t> nearest_solids(const TriMesh& mesh, const ShapeSet& solids) {
@@ -61,6 +66,24 @@ void add_hull(const VisualHull& hull, ShapeRole role, ShapeSet& set) {
                          .tolerance = kHullTolerance_voxels * hull.voxel(),
                          .clear = {},
                          .exact = false});
+}
+
+// An object that is no simple shape: a closed mesh fitted to its silhouettes (core/stereo/mesh_fit.h), from its visual hull.
+std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole role) {
+  TriMesh start = hull_mesh(object.hull);
+  if (start.faces.empty()) return std::nullopt;
+  if (start.faces.size() > kFreeFormFaces) start = decimated(start, {.target_faces = kFreeFormFaces});
+  if (start.faces.empty()) return std::nullopt;
+  const MeshFit fit = fit_mesh(object.silhouettes, std::move(start));
+  TriangleShape shape(fit.mesh);
+  const double size = shape.size();
+  ShapeSet set;
+  set.entries.push_back({.shape = std::move(shape), .role = role, .tolerance = kOnFreeForm_rel * size, .clear = {}});
+  const MaskAgreement agreement = mask_agreement(set, object.silhouettes);
+  log_info("a mesh of size {:.2f}: {:.3f} of it inside the masks, residual {:.5f}, {:.2f} of its vertices seen at silhouettes",
+           size, agreement.inside, fit.residual, fit.contacts);
+  if (agreement.inside < kLeastInside) return std::nullopt;
+  return std::move(set.entries.front());
 }
 
 }  // namespace

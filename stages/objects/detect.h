@@ -7,8 +7,9 @@
 namespace vitrine {
 
 // The shapes of an object, of role Sheet for glass, Mirror for the rest: a box; else a surface of revolution with its appendages
-// as meshes; else a mesh fitted to the silhouettes (free_form.h); else the visual hull, as a mesh that is not exact, whose
-// tolerance is kHullTolerance_voxels. None where the hull has no faces. `propagated`: the masks are not drawn to a pixel.
+// as meshes; else a mesh fitted to the silhouettes, where most of its pixels lie inside the masks; else the visual hull, as a
+// mesh that is not exact, whose tolerance is kHullTolerance_voxels. None where the hull has no faces. `propagated`: the masks are
+// not drawn to a pixel.
 ShapeSet detected_shapes(const MaskedObject& object, const CarvingRule& rule, bool propagated);
 inline constexpr double kHullTolerance_voxels = 3;  // a hull stands out of its object by so much
 

@@ -104,7 +104,7 @@ class ObjectsRun {
   }
 
   std::vector<Found> find(MaskClass kind) const {
-    const HullDesc hull{.resolution = config_.resolution};
+    const HullDesc hull{.resolution = config_.hull_voxels};
     const auto& silhouettes = silhouettes_[size_t(kind)];
     std::vector<Found> out;
     ShapeSet fitted;  // of all
@@ -362,7 +362,6 @@ void describe(Describer& d, ObjectsConfig& c) {
   d.option("source", c.source, "auto: the given table, else shapes fitted to the masks; none: masks alone, no shape is known.")
       .choices({"auto", "fitted", "none"});
   d.option("max_side", c.max_side, "Longest side of the masks that shapes are fitted to, pixels.").range(64, 4096);
-  d.option("resolution", c.resolution, "Voxels along the longest side of the visual hull.").range(16, 512);
   d.option("coat_below", c.coat_below,
            "An object of the specular masks whose view dependence is less has the role coat: it keeps its paint; 0: none has.")
       .range(0, 10);

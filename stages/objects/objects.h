@@ -13,7 +13,7 @@ namespace vitrine {
 struct ObjectsConfig {
   std::string source = "auto";
   int max_side = 480;
-  int resolution = 128;
+  int hull_voxels = 128;  // along the longest side of the visual hull; no option: tests with small masks take fewer
   double coat_below = 0.3;
   int holdout_every = 8;
 };

@@ -54,10 +54,10 @@ std::unique_ptr<RecordingContext> run(std::map<std::string, fs::path> more = {},
                                       const std::vector<std::pair<std::string, std::string>>& options = {}) {
   more.try_emplace("sfm", scene().sfm());
   auto context = std::make_unique<RecordingContext>(more);
-  Stage stage = objects_stage();
-  stage.options.find("resolution")->assign("64", "test");
-  for (const auto& [path, text] : options) stage.options.find(path)->assign(text, "test");
-  stage.run(*context);
+  ObjectsConfig config{.hull_voxels = 64};
+  OptionTable table = options_of(config);
+  for (const auto& [path, text] : options) table.find(path)->assign(text, "test");
+  run_objects(config, *context);
   return context;
 }
 std::unique_ptr<RecordingContext> fitted() { return run({{"masks", scene().masks()}}); }

@@ -70,13 +70,10 @@ struct GlossyScene {
         test::write_sfm(folder.path() / "sfm", marks, [&](const View& view) { return test::photo_of(view, radiance); });
     test::write_masks(folder.path() / "masks", MaskClass::Specular, views, marks);
   }
-  std::unique_ptr<RecordingContext> run(const char* coat_below = "0.25") const {
+  std::unique_ptr<RecordingContext> run(double coat_below = 0.25) const {
     auto context = std::make_unique<RecordingContext>(
         std::map<std::string, fs::path>{{"sfm", folder.path() / "sfm"}, {"masks", folder.path() / "masks"}});
-    Stage stage = objects_stage();
-    stage.options.find("resolution")->assign("64", "test");
-    stage.options.find("coat_below")->assign(coat_below, "test");
-    stage.run(*context);
+    run_objects({.hull_voxels = 64, .coat_below = coat_below}, *context);
     return context;
   }
 };
@@ -111,7 +108,7 @@ TEST(Coats, AGlazedBallKeepsItsPaintAndAPolishedOneMirrors) {
   EXPECT_EQ(balls, 2u);
   EXPECT_EQ(set.objects.size(), 2u);
   EXPECT_EQ(context->metrics.at("coats"), 1);
-  const auto none = two_balls().run("0");
+  const auto none = two_balls().run(0);
   EXPECT_FALSE(read_objects(none->output()).shapes.has(ShapeRole::Coat));
 }
 

@@ -49,9 +49,7 @@ struct GlassBallCapture {
   }
   ObjectSet found() const {
     test::RecordingContext context({{"sfm", folder.path() / "sfm"}, {"masks", folder.path() / "masks"}});
-    Stage stage = objects_stage();
-    stage.options.find("resolution")->assign("48", "test");
-    stage.run(context);
+    run_objects({.hull_voxels = 48}, context);
     return read_objects(context.output());
   }
 };
