@@ -27,14 +27,18 @@ ColmapModel mapped(const LensDesc& lens, bool middle_is_true = false) {
   if (middle_is_true) camera.params[at] = 320, camera.params[at + 1] = 240;
   const std::vector<double> truth = camera.params;
   for (uint64_t p = 1; p <= 400; ++p)
-    model.points.push_back({.id = p, .position = {rng.normal() * 0.4, rng.normal() * 0.4, rng.normal() * 0.25}});
+    model.points.push_back({.id = p, .position = {rng.normal() * 0.4, rng.normal() * 0.4, rng.normal() * 0.25}, .track = {}});
   for (uint32_t v = 1; v <= lens.views; ++v) {
     const double azimuth = 2 * std::numbers::pi * v / double(lens.views);
     const Vec3d eye{2 * std::cos(azimuth), 2 * std::sin(azimuth), v % 2 == 0 ? 0.5 : 1.2};
     const Vec3d forward = normalized(-1.0 * eye), right = normalized(cross(forward, Vec3d{0, 0, 1}));
     const Rigid pose = inverse(Rigid{Mat3d{right, cross(forward, right), forward}, eye});
-    ColmapImage image{.id = v, .rotation = quaternion(pose.rotation), .translation = pose.translation, .camera_id = 1};
-    image.name = fmt::format("{:02}.jpg", v);
+    ColmapImage image{.id = v,
+                      .rotation = quaternion(pose.rotation),
+                      .translation = pose.translation,
+                      .camera_id = 1,
+                      .name = fmt::format("{:02}.jpg", v),
+                      .points = {}};
     for (ColmapPoint3D& point : model.points) {
       const Vec3d q = pose * point.position;
       const double x = q.x / q.z, y = q.y / q.z, r = 1 + truth[at + 2] * (x * x + y * y);
