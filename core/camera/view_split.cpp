@@ -36,4 +36,13 @@ ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<V
   return split;
 }
 
+std::vector<View> at_trained_size(const std::vector<View>& views, const std::vector<size_t>& indices, const ViewSplit& split) {
+  std::vector<View> out;
+  for (size_t i : indices) {
+    out.push_back(views[i]);
+    out.back().intrinsics = out.back().intrinsics.limited_to(split.max_side);
+  }
+  return out;
+}
+
 }  // namespace vitrine

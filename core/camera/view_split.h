@@ -16,5 +16,7 @@ struct ViewSplit {
 };
 // Throws Error{Input} when the file is broken or names a view that the capture does not have.
 ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<View>& views);
+// Those of `views`, as large as they were in training.
+std::vector<View> at_trained_size(const std::vector<View>& views, const std::vector<size_t>& indices, const ViewSplit& split);
 
 }  // namespace vitrine

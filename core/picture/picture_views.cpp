@@ -15,17 +15,14 @@ std::vector<View> photo_views(const PictureViewsDesc& desc) {
   const std::vector<View> all = load_view_set(desc.sfm).views;
   const std::filesystem::path list = desc.optimize / "optimize" / "views.json";
   const ViewSplit split = read_view_split(list, all);
-  std::vector<View> views;
-  const auto take = [&](const std::vector<size_t>& indices) {
-    for (size_t i : indices) views.push_back(all[i]);
-  };
-  if (desc.which != "train") take(split.heldout);
-  if (desc.which != "heldout") take(split.train);
+  std::vector<size_t> chosen;
+  if (desc.which != "train") chosen = split.heldout;
+  if (desc.which != "heldout") chosen.insert(chosen.end(), split.train.begin(), split.train.end());
+  std::vector<View> views = at_trained_size(all, chosen, split);
   if (views.empty())
     throw Error(ErrorKind::Input, fmt::format("the scene has no {} views", desc.which == "train" ? "training" : "held-out"),
                 {.where = list.string(), .hint = "--views all", .code = "NO_VIEWS"});
   std::ranges::sort(views, {}, &View::name);
-  for (View& v : views) v.intrinsics = v.intrinsics.limited_to(split.max_side);
   return views;
 }
 

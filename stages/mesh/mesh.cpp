@@ -10,6 +10,7 @@
 #include "core/base/process.h"
 #include "core/base/timer.h"
 #include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
 #include "core/mesh/clean_openmesh.h"
 #include "core/mesh/iso_surface.h"
 #include "core/mesh/mesh_io.h"
@@ -24,7 +25,6 @@
 #include "stages/mesh/fusion.h"
 #include "stages/mesh/mirror_depth.h"
 #include "stages/mesh/rgbd_frame.h"
-#include "stages/mesh/training_views.h"
 
 namespace vitrine {
 
@@ -66,6 +66,16 @@ Json json_of(const RepairReport& r) {
           {"filled_faces", r.filled_faces}};
 }
 
+// At the size of training.
+std::vector<View> training_views(const ViewSet& set, const fs::path& optimize) {
+  const fs::path list = optimize / "optimize" / "views.json";
+  const ViewSplit split = read_view_split(list, set.views);
+  if (split.train.empty())
+    throw Error(ErrorKind::Input, "no view was trained on",
+                {.where = list.string(), .hint = "run the optimize stage again", .code = "BAD_VIEWS"});
+  return at_trained_size(set.views, split.train, split);
+}
+
 Error nothing_left(std::string why) {
   return Error(ErrorKind::Input, "there is no surface to mesh",
                {.why = std::move(why),
@@ -77,15 +87,12 @@ Error nothing_left(std::string why) {
 class RenderedDepth {
  public:
   RenderedDepth(const MeshConfig& config, const SplatLayer& layer, float near_z, const std::vector<View>& views)
-      : config_(config), layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(backend_of(config))) {}
+      : layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(backend_of(config))) {}
 
   RgbdFrame operator()(size_t i, double voxel) {
     const View& v = views_[i];
     render(i, FeatureSet::Surface);
-    return rgbd_frame(images_, v.intrinsics, v.cam_from_world,
-                      {.min_alpha = float(config_.fusion.min_alpha),
-                       .weight_alpha = float(config_.fusion.weight_alpha),
-                       .mean_median_tolerance = float(config_.fusion.mean_median_voxels * voxel)});
+    return rgbd_frame(images_, v.intrinsics, v.cam_from_world, voxel);
   }
 
   // [h,w] where the layer shows more glass than not.
@@ -93,7 +100,7 @@ class RenderedDepth {
     render(i, FeatureSet::Material);
     const std::span<const float> tau = images_.plane(Aov::Transmission), alpha = images_.plane(Aov::Alpha);
     std::vector<uint8_t> out(alpha.size());
-    for (size_t p = 0; p < out.size(); ++p) out[p] = alpha[p] >= config_.fusion.min_alpha && tau[p] > 0.5f * alpha[p];
+    for (size_t p = 0; p < out.size(); ++p) out[p] = alpha[p] >= kLeastDepthAlpha && tau[p] > 0.5f * alpha[p];
     return out;
   }
 
@@ -108,7 +115,6 @@ class RenderedDepth {
                         .near_z = near_z_},
                        images_);
   }
-  const MeshConfig& config_;
   const SplatLayer& layer_;
   float near_z_;
   const std::vector<View>& views_;
@@ -181,7 +187,7 @@ void write_behind_glass(const MeshConfig& config, const TrainedScene& scene, con
 void run_mesh(const MeshConfig& config, StageContext& context) {
   const Timer clock;
   const ViewSet set = load_view_set(context.input("sfm"));
-  const std::vector<View> views = training_views(set, context.input("optimize"), config.max_side);
+  const std::vector<View> views = training_views(set, context.input("optimize"));
   const TrainedScene scene = read_trained_scene(context.input("optimize"));
   const SplatLayer& layer = scene.surfels.diffuse;
   const Region region = scene_region(set, config.region, glass_and_gloss(layer));
@@ -201,14 +207,9 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
     return frame;
   };
   FusionReport fusion;
-  const FusionDesc fusion_desc{.volume = {.bounds = region.box,
-                                          .voxel = wanted_voxel,
-                                          .truncation_voxels = config.fusion.truncation_voxels,
-                                          .free_space_weight = config.fusion.free_space_weight,
-                                          .weight_cap = config.fusion.weight_cap,
-                                          .discontinuity_truncations = config.fusion.discontinuity},
-                               .max_bytes = static_cast<size_t>(config.fusion.memory_mb) << 20,
-                               .min_valid_fraction = config.fusion.min_valid};
+  const FusionDesc fusion_desc{
+      .volume = {.bounds = region.box, .voxel = wanted_voxel, .free_space_weight = config.fusion.free_space_weight},
+      .max_bytes = static_cast<size_t>(config.fusion.memory_mb) << 20};
   if (context.max_memory_bytes() > 0 && context.max_memory_bytes() < 2 * fusion_desc.max_bytes)
     throw Error(ErrorKind::Resource, "the memory limit is too low for the volume",
                 {.why = fmt::format("fusion.memory_mb {} needs about twice that", config.fusion.memory_mb),
@@ -243,7 +244,7 @@ void run_mesh(const MeshConfig& config, StageContext& context) {
                 {"sparse_points", region.points}}},
               {"voxel", fusion.voxel},
               {"voxels_along_region", region.extent() / fusion.voxel},
-              {"truncation", fusion.voxel * config.fusion.truncation_voxels},
+              {"truncation", fusion.voxel * fusion_desc.volume.truncation_voxels},
               {"views", views.size() - fusion.skipped_views.size()},
               {"skipped_views", skipped},
               {"blocks", fusion.blocks},
@@ -284,7 +285,6 @@ void describe(Describer& d, RegionDesc& c) {
            "Cameras that look at one place: sparse points, and surfels of glass and gloss, count up to this times the median "
            "camera distance from it.")
       .range(0.05, 100);
-  d.option("percentile", c.percentile, "Share of them that may lie outside on each side.").range(0, 0.4);
   d.option("margin", c.margin, "Added on each side, relative to the longest side.").range(0, 2);
   d.option(
       "box", c.box,
@@ -292,20 +292,9 @@ void describe(Describer& d, RegionDesc& c) {
 }
 
 void describe(Describer& d, MeshFusionConfig& c) {
-  d.option("truncation_voxels", c.truncation_voxels, "Half width of the band around the surface that is stored, in voxels.")
-      .range(1.5, 32);
   d.option("free_space_weight", c.free_space_weight,
            "Weight of a sample in front of the band, which carves what floats there; 0 = no carving.")
       .range(0, 10);
-  d.option("weight_cap", c.weight_cap, "Largest weight a voxel can gather.").range(0.1, 1e6);
-  d.option("discontinuity", c.discontinuity,
-           "A depth sample whose neighbours differ by more than so many truncations is no surface.")
-      .range(0.1, 1e6);
-  d.option("min_alpha", c.min_alpha, "Pixels below this alpha have no depth.").range(0.01, 1);
-  d.option("weight_alpha", c.weight_alpha, "Pixels below this alpha are not fused.").range(0.01, 1);
-  d.option("mean_median_voxels", c.mean_median_voxels, "Mean depth where it is this close to the median depth, else the median.")
-      .range(0, 1e6);
-  d.option("min_valid", c.min_valid, "Views with a smaller share of usable pixels are skipped.").range(0, 1);
   d.option("memory_mb", c.memory_mb, "Memory of the volume in MiB; the voxel grows when it would not fit.").range(1, 1 << 20);
 }
 
@@ -321,8 +310,6 @@ void describe(Describer& d, MeshConfig& c) {
   d.option("voxel", c.voxel, "Edge of a voxel in scene units (the cameras' ring has radius 1); 0 = from the resolution.")
       .range(0, 10);
   d.option("faces", c.faces, "mesh.ply has at most about so many triangles.").range(4, 100000000);
-  d.option("max_side", c.max_side, "Longest side of the rendered depth maps in pixels; 0 = as the layer was trained.")
-      .range(0, 16384);
   d.option("backend", c.backend, "Rasteriser that renders the depth maps.").choices({"cpu", "reference"});
   d.group("region", c.region, "Where the mesh is made.");
   d.group("fusion", c.fusion, "How depth maps become a distance field.");

@@ -11,14 +11,7 @@
 namespace vitrine {
 
 struct MeshFusionConfig {
-  double truncation_voxels = 4;
   double free_space_weight = 0.2;
-  double weight_cap = 64;
-  double discontinuity = 3;
-  double min_alpha = 0.5;
-  double weight_alpha = 0.7;
-  double mean_median_voxels = 2;
-  double min_valid = 0.05;
   int memory_mb = 1024;
 };
 void describe(Describer& d, MeshFusionConfig& c);
@@ -36,7 +29,6 @@ struct MeshConfig {
   int resolution = 384;
   double voxel = 0;
   int faces = 200000;
-  int max_side = 0;
   std::string backend = "cpu";
   RegionDesc region;
   MeshFusionConfig fusion;

@@ -16,7 +16,8 @@ namespace {
 constexpr double kMaxAimAngleDeg = 25;  // median angle between optical axis and the direction to the focus
 constexpr double kMinSpread = 0.02;
 constexpr size_t kMinPoints = 20;
-constexpr double kMostGrowth = 1;  // on each side, of the longest: by what has no sparse points
+constexpr double kOutliers = 0.003;  // share of the points that lie outside on each side of each axis
+constexpr double kMostGrowth = 1;    // on each side, of the longest: by what has no sparse points
 
 // false when the axes are (nearly) parallel.
 bool find_focus(const ViewSet& set, Region& region) {
@@ -33,12 +34,12 @@ bool find_focus(const ViewSet& set, Region& region) {
   return upper_median(angles) < kMaxAimAngleDeg;
 }
 
-// Grows `box` to hold `places` but for `percentile` of them on each side of each axis.
-void hold(const std::vector<Vec3d>& places, double percentile, Bounds3& box) {
+// Grows `box` to hold `places` but for the outliers.
+void hold(const std::vector<Vec3d>& places, Bounds3& box) {
   for (size_t axis = 0; axis < 3 && !places.empty(); ++axis) {
     std::vector<double> x;
     for (const Vec3d& p : places) x.push_back(p[axis]);
-    const size_t cut = static_cast<size_t>(percentile * static_cast<double>(x.size()));
+    const size_t cut = static_cast<size_t>(kOutliers * static_cast<double>(x.size()));
     box.low[axis] = std::min(box.low[axis], order_statistic_of(std::span(x), cut));
     box.high[axis] = std::max(box.high[axis], order_statistic_of(std::span(x), x.size() - 1 - cut));
   }
@@ -95,13 +96,13 @@ Region scene_region(const ViewSet& set, const RegionDesc& desc, std::span<const 
                  .hint = "give the region: --set mesh.region.box=[x0,y0,z0,x1,y1,z1]",
                  .code = "NO_REGION"});
   region.points = inside.size();
-  hold(inside, desc.percentile, region.box);
+  hold(inside, region.box);
   if (region.convergent) {
     std::vector<Vec3d> near;
     std::ranges::copy_if(unmarked, std::back_inserter(near), [&](const Vec3d& p) { return length(p - region.focus) < reach; });
     // Voxels grow with the region: pictures behind a flat mirror and stray surfels may not take all of the reach.
     Bounds3 grown = region.box;
-    if (near.size() >= kMinPoints) hold(near, desc.percentile, grown);
+    if (near.size() >= kMinPoints) hold(near, grown);
     const double most = kMostGrowth * region.extent();
     for (size_t axis = 0; axis < 3; ++axis) {
       region.box.low[axis] = std::max(grown.low[axis], region.box.low[axis] - most);

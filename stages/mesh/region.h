@@ -15,10 +15,9 @@
 namespace vitrine {
 
 struct RegionDesc {
-  double reach_rel = 1.0;     // convergent: points nearer to the focus than this times the median camera distance
-  double percentile = 0.003;  // of the points, left outside on each side
-  double margin = 0.1;        // added on each side, of the longest side
-  std::vector<double> box;    // x0 y0 z0 x1 y1 z1 in the scene frame; replaces all of the above when given
+  double reach_rel = 1.0;   // convergent: points nearer to the focus than this times the median camera distance
+  double margin = 0.1;      // added on each side, of the longest side
+  std::vector<double> box;  // x0 y0 z0 x1 y1 z1 in the scene frame; replaces all of the above when given
 };
 
 struct Region {

@@ -8,8 +8,14 @@
 
 namespace vitrine {
 
-RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
-                     const RgbdFrameDesc& desc) {
+namespace {
+
+constexpr float kFusedAlpha = 0.7f;      // pixels with no more have a depth, but are not fused
+constexpr double kMeanMedianVoxels = 2;  // the mean depth counts where it is this near to the median
+
+}  // namespace
+
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world, double voxel) {
   const size_t w = static_cast<size_t>(intrinsics.width), h = static_cast<size_t>(intrinsics.height), pixels = w * h;
   const auto color = images.plane(Aov::Color), normal = images.plane(Aov::Normal), zsum = images.plane(Aov::ZDepth);
   const auto alpha = images.plane(Aov::Alpha), median = images.plane(Aov::MedianZ);
@@ -22,19 +28,20 @@ RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, c
                 std::vector<float>(pixels, 0.f),
                 std::vector<float>(3 * pixels, 0.f),
                 0};
+  const float tolerance = float(kMeanMedianVoxels * voxel);
   const Mat3f rotation = cast<float>(cam_from_world.rotation);
   std::vector<size_t> valid(h, 0);
   parallel_for(h, 16, [&](size_t y) {
     for (size_t x = 0; x < w; ++x) {
       const size_t p = y * w + x;
       const float a = alpha[p];
-      if (!(a >= desc.min_alpha)) continue;
+      if (!(a >= kLeastDepthAlpha)) continue;
       const float mean = zsum[p] / a;
-      const float z = std::abs(mean - median[p]) < desc.mean_median_tolerance ? mean : median[p];
+      const float z = std::abs(mean - median[p]) < tolerance ? mean : median[p];
       if (!(z > 0.f) || !std::isfinite(z)) continue;
       map.zdepth[p] = z;
       for (size_t c = 0; c < 3; ++c) map.color[c * pixels + p] = color[c * pixels + p] / a;
-      if (!(a > desc.weight_alpha)) continue;
+      if (!(a > kFusedAlpha)) continue;
       const Vec3f n{normal[p], normal[pixels + p], normal[2 * pixels + p]};
       const float len = length(n);
       if (!(len > 0.f)) continue;

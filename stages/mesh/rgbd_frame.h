@@ -1,7 +1,7 @@
 // From a rendered view to what the volume fuses: one depth per pixel, its weight, its colour (algorithms 6.3).
-//   depth   blended mean where it agrees with the median (a smooth surface), else the median (an edge: the mean would float
-//           between two surfaces); none where alpha < min_alpha
-//   weight  alpha max(0, N.v)^2 / z^2 where alpha > weight_alpha: near and frontal views know best
+//   depth   blended mean within 2 voxels of the median (a smooth surface), else the median (an edge: the mean would float
+//           between two surfaces); none where alpha < 0.5
+//   weight  alpha max(0, N.v)^2 / z^2 where alpha > 0.7: near and frontal views know best
 #pragma once
 
 #include <vector>
@@ -11,11 +11,7 @@
 
 namespace vitrine {
 
-struct RgbdFrameDesc {
-  float min_alpha = 0.5f;
-  float weight_alpha = 0.7f;
-  float mean_median_tolerance = 0;  // scene units; 2 voxels
-};
+constexpr float kLeastDepthAlpha = 0.5f;  // pixels below have no depth
 
 struct RgbdFrame {
   Intrinsics intrinsics;
@@ -27,7 +23,6 @@ struct RgbdFrame {
 };
 
 // `images` must hold color, normal, zdepth, alpha and median_z of this view on a black background.
-RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world,
-                     const RgbdFrameDesc& desc);
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world, double voxel);
 
 }  // namespace vitrine

@@ -17,7 +17,6 @@
 #include "core/mesh/mesh_report.h"
 #include "core/scene/activation.h"
 #include "core/scene/scene_io.h"
-#include "stages/mesh/training_views.h"
 #include "tests/core/mesh/orbit.h"
 #include "tests/support/written_objects.h"
 
