@@ -11,7 +11,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kRounds = 12;  // of k-means
+constexpr int kRounds = 12;              // of k-means
+constexpr size_t kNear = 12, kFar = 24;  // partners of a point
+constexpr float kFarWeight = 0.5f;
+constexpr float kChromaSigma = 0.03f;  // r and g of r + g + b = 1 that differ by much more count as different paint
 
 Vec2f chromaticity(const Vec3f& c) {
   const float sum = std::max(1e-6f, c.x + c.y + c.z);
@@ -79,12 +82,12 @@ Affinity affinity(std::span<const Vec3f> positions, std::span<const Vec3f> radia
   for (size_t i = 0; i < count; ++i) chroma[i] = chromaticity(radiance[i]);
   const Clusters clusters = k_means(chroma, desc.clusters, desc.seed);
   const KdTreef tree(positions);
-  const float inverse = 1 / (2 * desc.chroma_sigma * desc.chroma_sigma);
+  const float inverse = 1 / (2 * kChromaSigma * kChromaSigma);
   std::vector<std::vector<Affinity::Partner>> found(count);
   parallel_for(count, 64, [&](size_t i) {
     constexpr float kLeast = 0.05f;
     std::vector<KdTreef::Near> near;
-    tree.nearest(positions[i], desc.near + 1, desc.radius, near);
+    tree.nearest(positions[i], kNear + 1, desc.radius, near);
     const auto add = [&](uint32_t j, float factor) {
       const float w = factor * std::exp(-inverse * squared_distance(chroma[i], chroma[j]));
       if (j != i && w > kLeast) found[i].push_back({j, w});
@@ -92,7 +95,7 @@ Affinity affinity(std::span<const Vec3f> positions, std::span<const Vec3f> radia
     for (const KdTreef::Near& n : near) add(n.index, 1.f);
     const std::vector<uint32_t>& same = clusters.members[clusters.of[i]];
     Rng rng(desc.seed, mix64(1, i));
-    for (size_t n = 0; n < desc.far; ++n) add(same[rng.below(uint32_t(same.size()))], desc.far_weight);
+    for (size_t n = 0; n < kFar; ++n) add(same[rng.below(uint32_t(same.size()))], kFarWeight);
   });
   Affinity out;
   out.begin.push_back(0);

@@ -11,10 +11,7 @@
 namespace vitrine {
 
 struct AffinityDesc {
-  size_t near = 12, far = 24;  // partners of a point
-  float radius = 0.1f;         // of the neighbourhood, scene units
-  float chroma_sigma = 0.03f;  // of r and g of r + g + b = 1
-  float far_weight = 0.5f;
+  float radius = 0.1f;  // of the neighbourhood, scene units
   int clusters = 16;
   uint64_t seed = 1;
 };

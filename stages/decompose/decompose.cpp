@@ -62,10 +62,7 @@ class Decomposition {
     for (const ScenePoint& p : set.points) sparse_.push_back(cast<float>(p.position));
     const ViewSplit split = read_view_split(context.input("optimize") / "optimize" / "views.json", set.views);
     object_alone_ = split.object_alone;
-    for (const size_t v : split.train.empty() ? split.heldout : split.train) {
-      views_.push_back(set.views[v]);
-      views_.back().intrinsics = views_.back().intrinsics.limited_to(split.max_side);
-    }
+    views_ = at_trained_size(set.views, split.train.empty() ? split.heldout : split.train, split);
     if (!config.grey_card.empty()) card_ = parse_grey_card(config.grey_card, all_views_);
     mesh_ = read_shadow_mesh(context.input("mesh"));
     const double area = area_of(mesh_);
@@ -159,20 +156,14 @@ class Decomposition {
       speaking.resize(points_.size());
       for (size_t i = 0; i < points_.size(); ++i) speaking[i] = uint32_t(i);
     }
-    const size_t wanted = std::min(speaking.size(), size_t(config_.solver.points));
+    const size_t wanted = std::min(speaking.size(), size_t(config_.solver_points));
     for (size_t i = 0; i < wanted; ++i) chosen_.push_back(speaking[i * speaking.size() / wanted]);
     std::vector<Vec3f> positions, radiance;
     for (const uint32_t i : chosen_) positions.push_back(points_[i].position), radiance.push_back(points_[i].radiance);
     const double spacing = std::sqrt(area_of(mesh_) / double(wanted));
-    const Affinity partners = affinity(
-        positions, radiance,
-        {.radius = float(4 * spacing), .chroma_sigma = float(config_.solver.chroma_sigma), .seed = uint64_t(config_.seed)});
+    const Affinity partners = affinity(positions, radiance, {.radius = float(4 * spacing), .seed = uint64_t(config_.seed)});
     solution_ = solve_light({.transport = transport_, .points = points_, .chosen = chosen_, .affinity = partners},
-                            {.rounds = config_.solver.rounds,
-                             .ridge = float(config_.solver.ridge),
-                             .smooth = float(config_.solver.smooth),
-                             .range_sigma = float(config_.solver.range_sigma),
-                             .white = float(config_.white_albedo)});
+                            {.rounds = config_.solver_rounds, .white = float(config_.white_albedo)});
     horizon_ = mirrored_horizon(scene_.surfels.reflection, points_);
     walls_ = extended_walls(around_, transport_.grid, solution_.light, solution_.free, horizon_.value_or(1.f));
     context_.timing("light", clock.seconds());
@@ -321,8 +312,7 @@ class Decomposition {
                                                                   .albedo = materials_.albedo,
                                                                   .irradiance = irradiance_,
                                                                   .views = views_,
-                                                                  .rows = config_.sheet_rows,
-                                                                  .cell_width = config_.sheet_cell_width});
+                                                                  .rows = config_.sheet_rows});
     nlohmann::ordered_json report = report_of({.config = config_,
                                                .points = points_,
                                                .usable = usable_,

@@ -10,29 +10,20 @@
 
 namespace vitrine {
 
-struct DecomposeSolverConfig {
-  int points = 5000;
-  int rounds = 20;
-  double ridge = 0.01;
-  double smooth = 0.02;
-  double range_sigma = 1;
-  double chroma_sigma = 0.03;
-};
-void describe(Describer& d, DecomposeSolverConfig& c);
-
 struct DecomposeConfig {
   int points = 60000;
-  int bands = 16;
-  int max_side = 320;
   int panorama_height = 64;
   double sky_distance = 0;
   double white_albedo = 0.8;
   std::string grey_card;
   double grey_albedo = 0.18;
-  int sheet_rows = 4;
-  int sheet_cell_width = 320;
   int seed = 1;
-  DecomposeSolverConfig solver;
+  // No options; tests set them.
+  int bands = 16;            // light cells from zenith to nadir; twice as many around
+  int max_side = 320;        // longest side of the pictures that surface points are taken from, pixels
+  int sheet_rows = 4;        // views on albedo.png and baked.png
+  int solver_points = 5000;  // surface points that the light is solved with
+  int solver_rounds = 20;    // turns of albedo and light
 };
 void describe(Describer& d, DecomposeConfig& c);
 

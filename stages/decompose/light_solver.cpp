@@ -20,6 +20,11 @@ constexpr int kSweeps = 40;           // of the coordinate descent
 constexpr double kPercentile = 0.95;  // of the albedos: what is called white
 constexpr float kLeastOpen = 1e-3f;   // mean of A below which a cell is not looked at by anybody
 
+// Of the normal matrix, relative to its mean diagonal.
+constexpr float kRidge = 0.01f;   // pull of every light cell towards the mean light
+constexpr float kSmooth = 0.02f;  // pull of neighbouring light cells towards each other
+constexpr float kRangeSigma = 1;  // log albedos that differ by much more count as different paint
+
 using Matrix = Eigen::MatrixXf;
 using Vector = Eigen::VectorXf;
 
@@ -87,7 +92,7 @@ class Solver {
       log_rho[c] = (kPi * radiance_[c].array() / e.array()).log().matrix();
       average_[c].resize(Eigen::Index(count_));
     }
-    const float inverse = 1 / (2 * d_.range_sigma * d_.range_sigma);
+    const float inverse = 1 / (2 * kRangeSigma * kRangeSigma);
     parallel_for(count_, 256, [&](size_t s) {
       const auto i = Eigen::Index(s);
       Vec3f sum{log_rho[0](i), log_rho[1](i), log_rho[2](i)};
@@ -118,7 +123,7 @@ class Solver {
     h.triangularView<Eigen::Upper>() = h.transpose();
     const Vector wanted = (1.f - q.array() * known_[c].array()).matrix();
     Vector b = scaled.transpose() * wanted / float(count_);
-    const float unit = h.diagonal().mean(), ridge = d_.ridge * unit, smooth = d_.smooth * unit;
+    const float unit = h.diagonal().mean(), ridge = kRidge * unit, smooth = kSmooth * unit;
     const float mean = light_[c].mean();
     for (Eigen::Index f = 0; f < cells; ++f) {
       h(f, f) += ridge;

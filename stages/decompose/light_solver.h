@@ -18,9 +18,6 @@ namespace vitrine {
 
 struct LightSolverDesc {
   int rounds = 20;
-  float ridge = 0.01f;  // relative to the mean diagonal of the normal matrix
-  float smooth = 0.02f;
-  float range_sigma = 1.f;  // log albedos that differ by more belong to different paint
   float white = 0.8f;
 };
 

@@ -28,7 +28,7 @@ using test::room, test::quick;
 TEST(Decompose, GreyCardSetsTheScale) {
   test::RecordingContext context(room().inputs());
   DecomposeConfig config = quick();
-  config.solver.rounds = 1;
+  config.solver_rounds = 1;
   config.grey_card = "view_0.png:50,60,6,6";
   config.grey_albedo = 0.3;
   run_decompose(config, context);
@@ -210,7 +210,7 @@ TEST(Decompose, APhotoWithoutTheObjectKeepsItsGain) {
 TEST(Decompose, AGreyCardThatTheObjectAloneShowsIsThatOfItsSurfels) {
   DecomposeConfig config = quick();
   config.sheet_rows = 0;
-  config.solver.rounds = 1;
+  config.solver_rounds = 1;
   config.grey_card = "view_0.png:50,60,6,6";
   const CardBeside scene;
   scene.photo([](int, int) { return Vec3f{0.1f, 0.2f, 0.4f}; });  // is not asked
@@ -232,7 +232,7 @@ TEST(Decompose, AGreyCardOfTheSecondPassLiesOnTheOtherSideOfTheObject) {
   scene.photo_of_room({2, 1, 1}, 56, 76, card);
   DecomposeConfig config = quick();
   config.sheet_rows = 0;
-  config.solver.rounds = 2;
+  config.solver_rounds = 2;
   config.grey_card = "view_0.png:56,76,6,6";  // the same place in the photo that is upside down
   config.grey_albedo = 0.5;
   test::RecordingContext context = scene.context();
@@ -294,7 +294,7 @@ TEST(Decompose, APhotoOfAGreyCardThatIsClippedOrBlackIsAnError) {
   const CardBeside scene;
   scene.photo([](int, int) { return Vec3f{1, 1, 1}; });
   DecomposeConfig config = quick();
-  config.solver.rounds = 1;
+  config.solver_rounds = 1;
   config.grey_card = kSkyBox;
   test::RecordingContext context = scene.context();
   EXPECT_EQ(error_of([&] { run_decompose(config, context); }).detail().why, "100 % of the box are overexposed");

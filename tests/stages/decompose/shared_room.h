@@ -20,8 +20,8 @@ inline DecomposeConfig quick() {
   config.max_side = 112;
   config.panorama_height = 16;
   config.sheet_rows = 1;
-  config.solver.points = 1200;
-  config.solver.rounds = 10;
+  config.solver_points = 1200;
+  config.solver_rounds = 10;
   return config;
 }
 
