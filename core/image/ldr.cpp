@@ -244,6 +244,13 @@ ImageF floats_of(const Image8& image) {
   return out;
 }
 
+Image8 bytes_of(const ImageF& image) {
+  Image8 out(image.width(), image.height(), image.channels());
+  std::transform(image.data().begin(), image.data().end(), out.data().begin(),
+                 [](float v) { return uint8_t(std::lround(std::clamp(double(v), 0.0, 1.0) * 255)); });
+  return out;
+}
+
 Image8 srgb8_from_linear(const ImageF& linear) {
   Image8 out(linear.width(), linear.height(), linear.channels());
   std::transform(linear.data().begin(), linear.data().end(), out.data().begin(),

@@ -29,6 +29,7 @@ std::string jpeg_bytes(const Image8& image, int quality);
 std::string png_bytes(const Image8& image);
 
 ImageF floats_of(const Image8& image);           // 255 is 1
+Image8 bytes_of(const ImageF& image);            // clamp, round
 Image8 srgb8_from_linear(const ImageF& linear);  // clamp, encode, round
 ImageF srgb_from_linear_image(const ImageF& linear);
 ImageF linear_from_srgb_image(const ImageF& srgb);

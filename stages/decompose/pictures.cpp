@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/camera/view_set.h"
-#include "core/image/bitmap_font.h"
+#include "core/image/contact_sheet.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -19,31 +19,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kGap = 4, kTitle = 12;
+constexpr int kSheetCell = 320;     // width of a picture, pixels
 constexpr float kTooDark = 0.004f;  // photos below say nothing about ratios
 constexpr float kRatioSpan = 2;     // doublings from grey to white or black
-
-// Rows of equal pictures with a line of text above each.
-Image8 sheet(const std::vector<std::vector<Image8>>& rows, const std::vector<std::string>& labels) {
-  int width = 0, height = kGap;
-  for (const auto& row : rows) {
-    width = std::max(width, kGap + int(row.size()) * (row[0].width() + kGap));
-    height += kTitle + row[0].height() + kGap;
-  }
-  Image8 out(width, height, 3, uint8_t(24));
-  int top = kGap;
-  for (size_t r = 0; r < rows.size(); ++r) {
-    draw_text(out, kGap, top + 2, labels[r]);
-    int left = kGap;
-    for (const Image8& picture : rows[r]) {
-      for (int y = 0; y < picture.height(); ++y)
-        std::copy_n(picture.pixel(0, y), 3 * size_t(picture.width()), out.pixel(left, top + kTitle + y));
-      left += picture.width() + kGap;
-    }
-    top += kTitle + rows[r][0].height() + kGap;
-  }
-  return out;
-}
 
 // Tone of the light: its own median becomes middle grey, whatever its unit.
 ImageF exposed(ImageF picture) {
@@ -60,13 +38,12 @@ ImageF exposed(ImageF picture) {
 
 std::optional<double> write_decompose_pictures(const DecomposePicturesDesc& desc) {
   SurfelColors albedo(desc.layer, desc.albedo, desc.near_z), irradiance(desc.layer, desc.irradiance, desc.near_z);
-  std::vector<std::vector<Image8>> albedo_rows, baked_rows;
-  std::vector<std::string> albedo_labels, baked_labels;
+  ContactSheet albedo_sheet(3, kSheetCell), baked_sheet(3, kSheetCell);
   double squares = 0, count = 0;
   const size_t rows = std::min(desc.views.size(), size_t(desc.rows));
   for (size_t r = 0; r < rows; ++r) {
     View view = desc.views[r * desc.views.size() / rows];
-    view.intrinsics = view.intrinsics.limited_to(desc.cell_width);
+    view.intrinsics = view.intrinsics.limited_to(kSheetCell);
     const int w = view.intrinsics.width, h = view.intrinsics.height;
     ImageF photo = resized(read_exr_rgb(linear_image_path(desc.sfm_folder, view)), w, h);
     for (size_t i = 0; i < photo.pixel_count(); ++i)
@@ -81,15 +58,17 @@ std::optional<double> write_decompose_pictures(const DecomposePicturesDesc& desc
       count += 1;
       ratio.data()[i] = linear_from_srgb(std::clamp(0.5f + doublings / (2 * kRatioSpan), 0.f, 1.f));
     }
-    albedo_rows.push_back({srgb8_from_linear(photo), srgb8_from_linear(rho), srgb8_from_linear(exposed(light))});
-    albedo_labels.push_back(fmt::format("{}   PHOTO, ALBEDO, LIGHT ON THE SURFACE", view.stem()));
-    baked_rows.push_back({srgb8_from_linear(photo), srgb8_from_linear(product), srgb8_from_linear(ratio)});
-    baked_labels.push_back(fmt::format("{}   PHOTO, ALBEDO X LIGHT, THEIR RATIO (GREY 1, WHITE X4)", view.stem()));
+    albedo_sheet.start_row(view.stem());
+    albedo_sheet.add("PHOTO", srgb8_from_linear(photo));
+    albedo_sheet.add("ALBEDO", srgb8_from_linear(rho));
+    albedo_sheet.add("LIGHT ON THE SURFACE", srgb8_from_linear(exposed(light)));
+    baked_sheet.start_row(view.stem());
+    baked_sheet.add("PHOTO", srgb8_from_linear(photo));
+    baked_sheet.add("ALBEDO X LIGHT", srgb8_from_linear(product));
+    baked_sheet.add("RATIO: GREY 1, WHITE X4", srgb8_from_linear(ratio));
   }
-  if (rows > 0) {
-    write_ldr(desc.output / "decompose" / "albedo.png", sheet(albedo_rows, albedo_labels));
-    write_ldr(desc.output / "decompose" / "baked.png", sheet(baked_rows, baked_labels));
-  }
+  albedo_sheet.write(desc.output / "decompose" / "albedo.png");
+  baked_sheet.write(desc.output / "decompose" / "baked.png");
   if (count == 0) return std::nullopt;
   return std::sqrt(squares / count) * std::numbers::ln2;
 }

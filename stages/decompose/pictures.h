@@ -19,7 +19,7 @@ struct DecomposePicturesDesc {
   float near_z = 0.01f;
   std::span<const Vec3f> albedo, irradiance;  // per surfel
   const std::vector<View>& views;
-  int rows = 4, cell_width = 320;
+  int rows = 4;
 };
 
 // Returns the rms of the logarithm of photo / (albedo x irradiance / pi), over the pixels shown; nothing where none is shown.

@@ -16,11 +16,10 @@
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "stages/evaluate/albedo_error.h"
-#include "stages/evaluate/contact_sheet.h"
-#include "stages/evaluate/layer_pictures.h"
 #include "stages/evaluate/neutral_shift.h"
 #include "stages/evaluate/object_agreement.h"
 #include "stages/evaluate/photo.h"
+#include "stages/evaluate/pictures.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_error.h"
 #include "stages/evaluate/report.h"
@@ -32,6 +31,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kMeshViewSide = 640;                       // visibility needs no more
+constexpr size_t kSheetRows = 4;                         // views on the contact sheet
 constexpr double kRenderShare = 0.7, kRelitShare = 0.2;  // of the progress bar
 
 Backend backend_of(const EvaluateConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
@@ -78,8 +78,7 @@ class Evaluator {
     result_.surfel_objects = agreement_.surfel_accuracy();
     write_file(context_.output() / "eval" / "metrics.json", metrics_json(result_));
     write_file(context_.output() / "eval" / "per_view.csv", per_view_csv(result_));
-    if (!sheet_.empty())
-      write_ldr(context_.output() / "eval" / "contact_sheet.jpg", contact_sheet(sheet_, config_.sheet_cell_width), 92);
+    sheet_.write(context_.output() / "eval" / "contact_sheet.jpg");
     report();
   }
 
@@ -152,7 +151,7 @@ class Evaluator {
         for (size_t v : result_.split.train) order.emplace_back(v, false);
     }
     const size_t sheet_candidates = heldout_exists ? result_.split.heldout.size() : order.size();
-    const std::vector<size_t> sheet_views = spread(sheet_candidates, size_t(config_.sheet_rows));
+    const std::vector<size_t> sheet_views = spread(sheet_candidates, kSheetRows);
     for (size_t i = 0; i < order.size(); ++i) {
       throw_if_interrupted();
       const bool on_sheet = std::find(sheet_views.begin(), sheet_views.end(), i) != sheet_views.end();
@@ -249,18 +248,16 @@ class Evaluator {
   }
 
   void show(const View& view, const ViewPicture& render, const ImageF& photo, const ViewScore& score) {
-    SheetRow row{.label = fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
-                                      score.heldout ? "" : "  (TRAINING VIEW)"),
-                 .cells = {{"PHOTO", image8(photo)},
-                           {"RENDER", image8(render.srgb)},
-                           {"ERROR", error_picture(render.srgb, photo, config_.error_white)},
-                           {"NORMALS", normal_picture(render.normal_in_world)},
-                           {"DEPTH", depth_picture(render.zdepth)}}};
-    if (layered_) {
-      for (SheetCell& cell : layer_cells(render, view.gain)) row.cells.push_back(std::move(cell));
-      if (config_.write_layers) write_layers(context_.output() / "eval", view, render);
-    }
-    sheet_.push_back(std::move(row));
+    sheet_.start_row(fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
+                                 score.heldout ? "" : "  (TRAINING VIEW)"));
+    sheet_.add("PHOTO", bytes_of(photo));
+    sheet_.add("RENDER", bytes_of(render.srgb));
+    sheet_.add("ERROR", error_picture(render.srgb, photo));
+    sheet_.add("NORMALS", normal_picture(render.normal_in_world));
+    sheet_.add("DEPTH", depth_picture(render.zdepth));
+    if (!layered_) return;
+    add_layers(render, view.gain, sheet_);
+    if (config_.write_layers) write_layers(context_.output() / "eval", view, render);
   }
 
   void score_surface(size_t index, const ViewPicture& render, const RegionMasks& masks, ViewScore& score) {
@@ -306,9 +303,9 @@ class Evaluator {
     const fs::path base = context_.output() / "eval" / view.stem();
     make_folders(base.parent_path());
     const auto path = [&](const char* suffix) { return fs::path(base.string() + suffix); };
-    write_ldr(path("_gt.png"), image8(photo));
-    write_ldr(path("_pred.png"), image8(srgb));
-    write_ldr(path("_err.png"), error_picture(srgb, photo, config_.error_white));
+    write_ldr(path("_gt.png"), bytes_of(photo));
+    write_ldr(path("_pred.png"), bytes_of(srgb));
+    write_ldr(path("_err.png"), error_picture(srgb, photo));
   }
 
   void finish_truth() {
@@ -442,7 +439,7 @@ class Evaluator {
   std::vector<double> transmitted_;
   std::optional<AlbedoPainter> albedo_;
   AlbedoError albedo_error_;
-  std::vector<SheetRow> sheet_;
+  ContactSheet sheet_{5};
   Evaluation result_;
 };
 

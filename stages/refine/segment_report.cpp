@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/image/ldr.h"
+#include "core/image/contact_sheet.h"
 
 namespace vitrine {
 
@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, kSegmentKinds> kNames{"none", "open", "closed", "no_mesh", "apart", "not_glass"};
 constexpr std::array<std::array<uint8_t, 3>, kSegmentKinds> kColors{
     {{0, 0, 0}, {60, 110, 255}, {40, 200, 80}, {230, 40, 40}, {230, 40, 40}, {240, 210, 40}}};
-constexpr size_t kPictures = 12, kColumns = 4;
+constexpr size_t kPictures = 12;
+constexpr int kColumns = 4, kSheetCell = 480;  // pixels
 constexpr float kTint = 0.55f;
 constexpr int kFrame = 3;
 
@@ -65,21 +66,15 @@ void write_segments_picture(const std::filesystem::path& path, std::span<const G
   std::vector<const GlassView*> shown;
   for (const GlassView& v : views)
     if (v.segments.glass() > 0) shown.push_back(&v);
-  if (shown.empty()) return;
-  const size_t count = std::min(kPictures, shown.size()), columns = std::min(kColumns, count);
-  int width = 0, height = 0;
-  for (const GlassView* v : shown) {
-    width = std::max(width, v->view->intrinsics.width);
-    height = std::max(height, v->view->intrinsics.height);
-  }
-  Image8 sheet(width * int(columns), height * int((count + columns - 1) / columns), 3);
+  const size_t count = std::min(kPictures, shown.size());
+  ContactSheet sheet(kColumns, kSheetCell);
   std::vector<float> photo;
   for (size_t n = 0; n < count; ++n) {
     const GlassView& v = *shown[n * shown.size() / count];  // spread over the capture
-    const int left = width * int(n % columns), top = height * int(n / columns);
     decode(capture.photos[v.photo].levels[level], photo);
     const int w = v.view->intrinsics.width, h = v.view->intrinsics.height;
     const size_t pixels = size_t(w) * size_t(h);
+    Image8 picture(w, h, 3);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         const size_t i = size_t(y) * size_t(w) + size_t(x);
@@ -90,11 +85,12 @@ void write_segments_picture(const std::filesystem::path& path, std::span<const G
           float value = grey;
           if (kind != SegmentKind::None) value += kTint * (float(kColors[static_cast<size_t>(kind)][c]) - grey);
           if (edge && !v.segments.trusted) value = kColors[static_cast<size_t>(SegmentKind::Apart)][c];
-          sheet.at(left + x, top + y, int(c)) = static_cast<uint8_t>(std::lround(value));
+          picture.at(x, y, int(c)) = static_cast<uint8_t>(std::lround(value));
         }
       }
+    sheet.add(capture.photos[v.photo].name(), picture);
   }
-  write_ldr(path, sheet);
+  sheet.write(path);
 }
 
 }  // namespace vitrine

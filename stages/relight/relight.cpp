@@ -9,10 +9,9 @@
 #include "core/base/process.h"
 #include "core/base/rng.h"
 #include "core/camera/view_set.h"
-#include "core/image/bitmap_font.h"
+#include "core/image/contact_sheet.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
-#include "core/image/resample.h"
 #include "core/picture/picture_views.h"
 #include "core/relight/exposure.h"
 #include "core/relight/relit_painter.h"
@@ -22,7 +21,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSheetCell = 320, kSheetColumns = 4, kMostSheetCells = 24, kGap = 4;
+constexpr size_t kSheetCells = 24;  // the first pictures
 
 // The folder of a light: the names of its files without what a file system or a shell might not like.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
@@ -61,38 +60,6 @@ std::vector<View> chosen_views(const RelightConfig& config, const StageContext& 
   desc.which = "all";
   return turntable_views(picture_views(desc), config.turntable);
 }
-
-// Small copies of pictures on one sheet, with their names.
-class ContactSheet {
- public:
-  void add(const Image8& picture, const std::string& name) {
-    if (cells_.size() == size_t(kMostSheetCells)) return;
-    const int width = std::min(kSheetCell, picture.width());
-    const int height = std::max(1, static_cast<int>(std::lround(double(picture.height()) * width / picture.width())));
-    const ImageF small = resized(floats_of(picture), width, height);
-    Image8 cell(width, height, 3);
-    std::ranges::transform(small.data(), cell.data().begin(), [](float v) { return uint8_t(std::lround(v * 255)); });
-    draw_text(cell, 4, 4, name);
-    cells_.push_back(std::move(cell));
-  }
-  void write(const fs::path& path) const {
-    int cell_width = 1, cell_height = 1;
-    for (const Image8& c : cells_) cell_width = std::max(cell_width, c.width()), cell_height = std::max(cell_height, c.height());
-    const int columns = std::min(kSheetColumns, static_cast<int>(cells_.size()));
-    const int rows = (static_cast<int>(cells_.size()) + columns - 1) / columns;
-    Image8 sheet(columns * (cell_width + kGap) + kGap, rows * (cell_height + kGap) + kGap, 3, uint8_t(24));
-    for (size_t i = 0; i < cells_.size(); ++i) {
-      const Image8& c = cells_[i];
-      const int left = kGap + static_cast<int>(i) % columns * (cell_width + kGap);
-      const int top = kGap + static_cast<int>(i) / columns * (cell_height + kGap);
-      for (int y = 0; y < c.height(); ++y) std::copy_n(c.pixel(0, y), 3 * c.width(), sheet.pixel(left, top + y));
-    }
-    write_ldr(path, sheet);
-  }
-
- private:
-  std::vector<Image8> cells_;
-};
 
 // A film of frame_0000.png on. Bytes depend on the frames and on ffmpeg alone.
 void write_film(const fs::path& ffmpeg, const fs::path& folder, const fs::path& film, double frame_rate) {
@@ -188,7 +155,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
   std::vector<View> views = all_views;
   const fs::path out = context.output() / "relit" / label_of(environment, context.optional_input("lights"));
   make_folders(out);
-  ContactSheet sheet;
+  ContactSheet sheet(4);
   for (size_t i = 0; i < views.size(); ++i) {
     throw_if_interrupted();
     const std::string text = fmt::format("view {}/{}", i + 1, views.size());
@@ -202,7 +169,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
     write_exr_rgb(fs::path(stem.string() + ".exr"), picture.radiance);
     const Image8 png = developed(picture.radiance, exposure);
     write_ldr(fs::path(stem.string() + ".png"), png);
-    sheet.add(png, views[i].stem());
+    if (i < kSheetCells) sheet.add(views[i].stem(), png);
     views[i].name = views[i].stem() + ".png";
   }
   sheet.write(out / "contact_sheet.png");

@@ -3,13 +3,12 @@
 
 #include "core/base/error.h"
 #include "core/camera/view_split.h"
-#include "core/image/bitmap_font.h"
 #include "core/math/color.h"
 #include "stages/evaluate/albedo_error.h"
-#include "stages/evaluate/contact_sheet.h"
 #include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/neutral_shift.h"
+#include "stages/evaluate/pictures.h"
 #include "stages/evaluate/surface_error.h"
 #include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
@@ -235,36 +234,10 @@ TEST(ViewSplitTest, RefusesNamesThatTheCaptureDoesNotHave) {
   }
 }
 
-TEST(BitmapFont, DrawsInsideThePictureOnlyAndOneGlyphPerCharacter) {
-  Image8 image(20, 9, 3);
-  draw_text(image, 1, 1, "1", 1, 200);
-  EXPECT_EQ(image.at(3, 1), 200);  // the stem of the one
-  EXPECT_EQ(image.at(1, 1), 0);
-  draw_text(image, 15, 5, "WW", 3);  // runs out of the picture on both sides
-  draw_text(image, -4, -4, "W", 2);
-  EXPECT_EQ(text_width("gr\xc3\xbcn", 2), 4 * 6 * 2);
-}
-
-TEST(ContactSheet, PutsFivePicturesInARowPerView) {
-  const Image8 red(40, 30, 3, 90);
-  std::vector<SheetRow> rows(2, SheetRow{"A  20.00 DB", std::vector<SheetCell>(5, {"PHOTO", red})});
-  Image8 sheet = contact_sheet(rows, 320);
-  EXPECT_EQ(sheet.width(), 5 * 44 + 4);
-  EXPECT_GT(sheet.height(), 2 * 30);
-  EXPECT_EQ(sheet.at(4 + 4 * 44 + 20, 26 + 15), 90);  // middle of the last cell of the first row
-  const int before = sheet.height();
-  rows[0].cells.push_back({"TAU", red});  // the sixth stands below the first
-  sheet = contact_sheet(rows, 320);
-  EXPECT_EQ(sheet.width(), 5 * 44 + 4);
-  EXPECT_EQ(sheet.height(), before + 26 + 30);
-  EXPECT_EQ(sheet.at(4 + 20, 26 + 30 + 26 + 15), 90);
-  EXPECT_EQ(sheet.at(4 + 44 + 20, 26 + 30 + 26 + 15), 24);  // nothing beside it
-}
-
 TEST(ErrorPicture, IsBlackWithoutErrorAndBrightestFromTheLimitOn) {
   ImageF a(2, 1, 3, 0.5f), b = a;
   for (int c = 0; c < 3; ++c) b.at(1, 0, c) = 0.9f;
-  const Image8 e = error_picture(a, b, 0.25);
+  const Image8 e = error_picture(a, b);
   EXPECT_EQ(e.at(0, 0, 0), 0);
   EXPECT_EQ(e.at(1, 0, 0), 255);
 }
