@@ -8,20 +8,14 @@ namespace vitrine {
 void describe(Describer& d, EvaluateConfig& c) {
   d.option("backend", c.backend, "Renderer: cpu, or reference (slow, double precision).").choices({"cpu", "reference"});
   d.option("score_train_views", c.score_train_views, "Score the training views too, for reference.");
-  d.option("min_region_pixels", c.min_region_pixels, "A view counts for a region from this many pixels on.").range(1, 1e9);
-  d.option("error_white", c.error_white, "sRGB difference that is white in the error pictures.").range(1e-3, 1);
-  d.option("sheet_rows", c.sheet_rows, "Views on the contact sheet.").range(0, 64);
-  d.option("sheet_cell_width", c.sheet_cell_width, "Width of a picture on the contact sheet, pixels.").range(32, 4096);
   d.option("write_pictures", c.write_pictures, "Write photo, render and error of every held-out view.");
   d.option("write_layers", c.write_layers, "Write the layers of the views on the contact sheet, where there is more than one.");
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
   d.option("relit_samples", c.relit_samples, "Samples of a pixel under the truth's other lights; 0 = not measured.")
       .range(0, 4096);
   d.option("relit_views", c.relit_views, "Views to look at under each of the truth's other lights.").range(1, 10000);
-  d.option("mesh_samples", c.mesh_samples, "Points spread over each mesh.").range(100, 1e8);
   d.option("mesh_threshold_rel", c.mesh_threshold_rel, "Distance that counts as hit, relative to the truth's diagonal.")
       .range(1e-6, 1);
-  d.option("mesh_views", c.mesh_views, "Views that decide which surface points are visible.").range(2, 100000);
 }
 
 Stage evaluate_stage() {

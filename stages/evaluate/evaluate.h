@@ -13,18 +13,16 @@ namespace vitrine {
 struct EvaluateConfig {
   std::string backend = "cpu";
   bool score_train_views = true;
-  int min_region_pixels = 64;
-  double error_white = 0.25;
-  int sheet_rows = 4;
-  int sheet_cell_width = 320;
   bool write_pictures = true;
   bool write_layers = true;
   int samples = 0;
   int relit_samples = 32;
   int relit_views = 4;
-  int mesh_samples = 100'000;
   double mesh_threshold_rel = 0.01;
-  int mesh_views = 64;
+  // No options; tests set them.
+  int min_region_pixels = 64;  // a view counts for a region from this many pixels on
+  int mesh_samples = 100'000;  // points spread over each mesh
+  int mesh_views = 64;         // views that decide which surface points are visible
 };
 void describe(Describer& d, EvaluateConfig& c);
 
