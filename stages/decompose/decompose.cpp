@@ -23,16 +23,12 @@
 #include "core/picture/trained_scene.h"
 #include "core/scene/activation.h"
 #include "stages/decompose/behind_glass.h"
-#include "stages/decompose/environment_map.h"
 #include "stages/decompose/grey_card.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/metals.h"
-#include "stages/decompose/mirrored_sky.h"
-#include "stages/decompose/painted_shell.h"
-#include "stages/decompose/pictures.h"
-#include "stages/decompose/report.h"
-#include "stages/decompose/shadow_mesh.h"
+#include "stages/decompose/outputs.h"
 #include "stages/decompose/spread.h"
+#include "stages/decompose/transport.h"
 #include "stages/decompose/wall_extension.h"
 
 namespace vitrine {

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/image/image.h"
 #include "stages/decompose/affinity.h"
 #include "stages/decompose/transport.h"
 
@@ -39,5 +40,11 @@ struct LightSolution {
 LightSolution solve_light(const LightProblem& problem, const LightSolverDesc& desc);
 
 float luminance(const Vec3f& rgb);
+
+// The light that was found, as a lat-long map (core/light/environment.h).
+
+// Seen walls and sky as they are, divided by `unit`; the rest as solved, and in its mean where no point told it. [height, 2
+// height]
+ImageF environment_map(const Surroundings& around, const LightGrid& grid, const LightSolution& solution, const Vec3f& unit);
 
 }  // namespace vitrine

@@ -6,6 +6,7 @@
 // T: what the panes that it passes do not mirror (core/model/kernels/fresnel.h).
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <vector>
@@ -43,5 +44,13 @@ struct TransportScene {
 
 Transport transport(const TransportScene& scene, std::span<const LitPoint> points, const TransportDesc& desc,
                     const std::function<void(double)>& progress);
+
+// The mesh as light meets it.
+
+// mesh/mesh.ply of a mesh artifact. Throws Error{Input} where it has no area or no colours.
+TriMesh read_shadow_mesh(const std::filesystem::path& folder);
+double area_of(const TriMesh& mesh);
+// Per vertex, of the nearest surface point; `voxel`: of the points.
+std::vector<float> transmission_of(const TriMesh& mesh, const std::vector<LitPoint>& points, double voxel);
 
 }  // namespace vitrine

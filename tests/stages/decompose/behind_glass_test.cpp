@@ -5,7 +5,7 @@
 
 #include "core/picture/decomposed_materials.h"
 #include "stages/decompose/decompose.h"
-#include "stages/decompose/shadow_mesh.h"
+#include "stages/decompose/transport.h"
 #include "tests/stages/decompose/shared_room.h"
 #include "tests/support/recording_context.h"
 

@@ -1,5 +1,5 @@
 // The height of walls, from what a mirror shows of them.
-#include "stages/decompose/mirrored_sky.h"
+#include "stages/decompose/wall_extension.h"
 
 #include <cmath>
 #include <numbers>
