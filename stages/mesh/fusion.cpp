@@ -5,15 +5,61 @@
 
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/parallel.h"
 
 namespace vitrine {
 
 namespace {
 
+constexpr float kFusedAlpha = 0.7f;      // pixels with no more have a depth, but are not fused
+constexpr double kMeanMedianVoxels = 2;  // the mean depth counts where it is this near to the median
+
 constexpr double kFirstRoundShare = 0.8;
 constexpr double kGrowthSlack = 1.03;  // blocks fall a little slower than the square of the voxel: they are counted whole
 
 }  // namespace
+
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world, double voxel) {
+  const size_t w = static_cast<size_t>(intrinsics.width), h = static_cast<size_t>(intrinsics.height), pixels = w * h;
+  const auto color = images.plane(Aov::Color), normal = images.plane(Aov::Normal), zsum = images.plane(Aov::ZDepth);
+  const auto alpha = images.plane(Aov::Alpha), median = images.plane(Aov::MedianZ);
+  VITRINE_CHECK(color.size() == 3 * pixels && normal.size() == 3 * pixels && zsum.size() == pixels && alpha.size() == pixels &&
+                    median.size() == pixels,
+                "a depth map needs colour, normal, zdepth, alpha and median_z");
+  RgbdFrame map{intrinsics,
+                cam_from_world,
+                std::vector<float>(pixels, 0.f),
+                std::vector<float>(pixels, 0.f),
+                std::vector<float>(3 * pixels, 0.f),
+                0};
+  const float tolerance = float(kMeanMedianVoxels * voxel);
+  const Mat3f rotation = cast<float>(cam_from_world.rotation);
+  std::vector<size_t> valid(h, 0);
+  parallel_for(h, 16, [&](size_t y) {
+    for (size_t x = 0; x < w; ++x) {
+      const size_t p = y * w + x;
+      const float a = alpha[p];
+      if (!(a >= kLeastDepthAlpha)) continue;
+      const float mean = zsum[p] / a;
+      const float z = std::abs(mean - median[p]) < tolerance ? mean : median[p];
+      if (!(z > 0.f) || !std::isfinite(z)) continue;
+      map.zdepth[p] = z;
+      for (size_t c = 0; c < 3; ++c) map.color[c * pixels + p] = color[c * pixels + p] / a;
+      if (!(a > kFusedAlpha)) continue;
+      const Vec3f n{normal[p], normal[pixels + p], normal[2 * pixels + p]};
+      const float len = length(n);
+      if (!(len > 0.f)) continue;
+      const Vec3f ray = transposed_times(rotation, cast<float>(intrinsics.ray(double(x) + 0.5, double(y) + 0.5)));
+      const float cosine = std::max(0.f, -dot(n, ray) / (len * length(ray)));
+      map.weight[p] = a * cosine * cosine / (z * z);
+      valid[y] += map.weight[p] > 0.f;
+    }
+  });
+  size_t total = 0;
+  for (size_t v : valid) total += v;
+  map.valid_fraction = static_cast<double>(total) / static_cast<double>(pixels);
+  return map;
+}
 
 TsdfVolume fuse_views(size_t view_count, const DepthSource& depth_of, const FusionDesc& desc,
                       const std::function<void(double)>& progress, FusionReport& report) {

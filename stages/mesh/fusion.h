@@ -1,14 +1,33 @@
-// All depth maps into one volume, in bounded memory: one view at a time, twice. The first round finds the blocks; when they
-// would not fit, the voxel grows and the round is repeated; the second round fuses.
+// From a rendered view to what the volume fuses: one depth per pixel, its weight, its colour (algorithms 6.3).
+//   depth   blended mean within 2 voxels of the median (a smooth surface), else the median (an edge: the mean would float
+//           between two surfaces); none where alpha < 0.5
+//   weight  alpha max(0, N.v)^2 / z^2 where alpha > 0.7: near and frontal views know best
 #pragma once
 
 #include <functional>
 #include <vector>
 
 #include "core/mesh/tsdf_volume.h"
-#include "stages/mesh/rgbd_frame.h"
+#include "core/render/raster_desc.h"
 
 namespace vitrine {
+
+constexpr float kLeastDepthAlpha = 0.5f;  // pixels below have no depth
+
+struct RgbdFrame {
+  Intrinsics intrinsics;
+  Rigid cam_from_world;
+  std::vector<float> zdepth, weight;  // [h,w]
+  std::vector<float> color;           // [3,h,w] linear, not premultiplied
+  double valid_fraction = 0;          // of the pixels: with a depth and a weight
+  DepthView view() const { return {intrinsics, cam_from_world, zdepth, weight, color}; }
+};
+
+// `images` must hold color, normal, zdepth, alpha and median_z of this view on a black background.
+RgbdFrame rgbd_frame(const RasterImages& images, const Intrinsics& intrinsics, const Rigid& cam_from_world, double voxel);
+
+// All depth maps into one volume, in bounded memory: one view at a time, twice. The first round finds the blocks; when they
+// would not fit, the voxel grows and the round is repeated; the second round fuses.
 
 struct FusionDesc {
   TsdfDesc volume;                     // with the wanted voxel

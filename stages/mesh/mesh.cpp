@@ -24,7 +24,6 @@
 #include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
 #include "stages/mesh/mirror_depth.h"
-#include "stages/mesh/rgbd_frame.h"
 
 namespace vitrine {
 

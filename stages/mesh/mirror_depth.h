@@ -7,7 +7,7 @@
 
 #include "core/mesh/tri_mesh.h"
 #include "core/objects/object_labels.h"
-#include "stages/mesh/rgbd_frame.h"
+#include "stages/mesh/fusion.h"
 
 namespace vitrine {
 
