@@ -98,13 +98,7 @@ EditScene read_edit_scene(const EditFolders& folders) {
                  .hint = "run the stage mesh again, with other options",
                  .code = "EMPTY_MESH"});
   if (folders.decompose) {
-    scene.materials = read_decomposed_materials(*folders.decompose);
-    if (const std::string why = misfit(*scene.materials, scene.trained.surfels); !why.empty())
-      throw Error(ErrorKind::Input, "the materials belong to another scene",
-                  {.where = decomposed_materials_path(*folders.decompose).string(),
-                   .why = why,
-                   .hint = "run the decompose stage again",
-                   .code = "BAD_MATERIALS"});
+    scene.materials = read_decomposed_materials(*folders.decompose, scene.trained.surfels);
     const fs::path walls = decomposed_surroundings_path(*folders.decompose);
     std::error_code ec;
     if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);

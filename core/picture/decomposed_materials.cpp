@@ -117,13 +117,19 @@ DecomposedMaterials read_decomposed_materials(const fs::path& folder) {
   return m;
 }
 
-std::string misfit(const DecomposedMaterials& materials, const SplatScene& scene) {
-  const size_t behind = materials.albedo_behind_glass.size();
-  if (materials.size() != scene.diffuse.size())
-    return fmt::format("{} materials for {} surfels", materials.size(), scene.diffuse.size());
-  if (behind > 0 && behind != scene.transmittance.size())
-    return fmt::format("{} materials for {} surfels behind glass", behind, scene.transmittance.size());
-  return {};
+DecomposedMaterials read_decomposed_materials(const fs::path& folder, const SplatScene& scene) {
+  DecomposedMaterials materials = read_decomposed_materials(folder);
+  const auto check = [&](size_t found, const SplatLayer& layer, const char* where) {
+    if (found != layer.size())
+      throw Error(ErrorKind::Input, "the materials belong to another scene",
+                  {.where = decomposed_materials_path(folder).string(),
+                   .why = fmt::format("{} materials for {} surfels{}", found, layer.size(), where),
+                   .hint = "run the decompose stage again",
+                   .code = "BAD_MATERIALS"});
+  };
+  check(materials.size(), scene.diffuse, "");
+  if (const size_t behind = materials.albedo_behind_glass.size(); behind > 0) check(behind, scene.transmittance, " behind glass");
+  return materials;
 }
 
 }  // namespace vitrine

@@ -9,7 +9,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "core/math/vec.h"
@@ -46,11 +45,10 @@ inline std::filesystem::path decomposed_surroundings_path(const std::filesystem:
 }
 
 // `folder`: an artifact of the decompose stage, or an output folder. Throws Error{Input} with file and cause (missing, truncated,
-// other properties, a value that is not in [0, 1]). Whether the counts fit the surfels is the caller's to check, with misfit().
+// other properties, a value that is not in [0, 1]).
 DecomposedMaterials read_decomposed_materials(const std::filesystem::path& folder);
+// Throws also where they are those of another scene: other numbers of surfels.
+DecomposedMaterials read_decomposed_materials(const std::filesystem::path& folder, const SplatScene& scene);
 void write_decomposed_materials(const std::filesystem::path& folder, const DecomposedMaterials& materials);
-
-// Why they are those of another scene; empty: they fit.
-std::string misfit(const DecomposedMaterials& materials, const SplatScene& scene);
 
 }  // namespace vitrine

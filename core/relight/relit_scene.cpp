@@ -23,13 +23,7 @@ float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd))
 RelitScene read_relit_scene(const RelitFolders& folders) {
   RelitScene scene;
   scene.trained = read_trained_scene(folders.optimize, folders.refine);
-  scene.materials = read_decomposed_materials(folders.decompose);
-  if (const std::string why = misfit(scene.materials, scene.trained.surfels); !why.empty())
-    throw Error(ErrorKind::Input, "the materials belong to another scene",
-                {.where = decomposed_materials_path(folders.decompose).string(),
-                 .why = why,
-                 .hint = "run the stage decompose again",
-                 .code = "BAD_MATERIALS"});
+  scene.materials = read_decomposed_materials(folders.decompose, scene.trained.surfels);
   scene.captured = read_environment(decomposed_environment_path(folders.decompose));
   const fs::path mesh = folders.mesh / "mesh" / "mesh.ply";
   scene.mesh = read_mesh_ply(mesh);

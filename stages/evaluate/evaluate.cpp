@@ -1,5 +1,5 @@
 // One class on purpose: every view is rendered once, and all figures are taken from that picture. How each is computed stands in
-// files of their own (regions, surface_error, albedo_error, relit_error, mesh_error ...).
+// files of their own (regions, view_error, albedo_error, relit_error, mesh_error ...).
 #include "stages/evaluate/evaluate.h"
 
 #include <algorithm>
@@ -8,24 +8,19 @@
 #include "core/base/file.h"
 #include "core/base/process.h"
 #include "core/camera/view_set.h"
-#include "core/image/ldr.h"
 #include "core/image/metrics.h"
 #include "core/math/quantile.h"
 #include "core/mesh/mesh_io.h"
-#include "core/objects/object_labels.h"
 #include "core/picture/surfel_colors.h"
 #include "core/picture/trained_scene.h"
 #include "stages/evaluate/albedo_error.h"
-#include "stages/evaluate/neutral_shift.h"
 #include "stages/evaluate/object_agreement.h"
-#include "stages/evaluate/photo.h"
 #include "stages/evaluate/pictures.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/relit_error.h"
 #include "stages/evaluate/report.h"
-#include "stages/evaluate/surface_error.h"
-#include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
+#include "stages/evaluate/view_error.h"
 
 namespace vitrine {
 namespace {
@@ -67,10 +62,8 @@ class Evaluator {
     masks_ = context_.optional_input("masks");
     objects_ = LabelledObjects::all(context_.optional_input("objects"));
     known_ = LabelledObjects::known(context_.optional_input("objects"));
-    if (truth_ && truth_->has_maps("mask"))
-      result_.regions_from = "truth";
-    else if (masks_ || !objects_.objects().empty())
-      result_.regions_from = "objects";
+    regions_.emplace(truth_ ? &*truth_ : nullptr, masks_, objects_);
+    result_.regions_from = regions_->from();
     score_views();
     if (truth_) finish_truth();
     for (const auto& [id, iou] : agreement_.iou())
@@ -110,14 +103,7 @@ class Evaluator {
     if (!truth_->has_maps("albedo")) return;
     const auto folder = context_.optional_input("decompose");
     if (!folder) return not_measured("truth.albedo", "there is no decompose artifact");
-    const DecomposedMaterials materials = read_decomposed_materials(*folder);
-    if (const std::string why = misfit(materials, painter_.surfels()); !why.empty())
-      throw Error(ErrorKind::Input, "the materials belong to another scene",
-                  {.where = decomposed_materials_path(*folder).string(),
-                   .why = why,
-                   .hint = "run the decompose stage again",
-                   .code = "BAD_MATERIALS"});
-    albedo_.emplace(painter_.surfels(), painter_.image(), materials);
+    albedo_.emplace(painter_.surfels(), painter_.image(), read_decomposed_materials(*folder, painter_.surfels()));
   }
 
   void score_albedo(size_t index, const ViewPicture& render, const RegionMasks& masks) {
@@ -125,13 +111,9 @@ class Evaluator {
     if (!truth) return;
     View view = views_[index];
     view.intrinsics = render.intrinsics;
-    const auto mask = [&](const char* region) {
-      const auto it = masks.find(region);
-      return it == masks.end() ? nullptr : &it->second;
-    };
-    const ImageF albedo = albedo_->picture(view);
-    const ImageF* radiance = render.layer("diffuse");
-    albedo_error_.add({render.intrinsics, albedo, *radiance, mask("object"), mask("transparent")}, *truth);
+    albedo_error_.add({render.intrinsics, albedo_->picture(view), *render.layer("diffuse"), mask_of(masks, "object"),
+                       mask_of(masks, "transparent")},
+                      *truth);
   }
 
   const Similarity* truth_from_ours() const {
@@ -142,14 +124,10 @@ class Evaluator {
   void score_views() {
     std::vector<std::pair<size_t, bool>> order;
     for (size_t v : result_.split.heldout) order.emplace_back(v, true);
-    if (config_.score_train_views)
-      for (size_t v : result_.split.train) order.emplace_back(v, false);
     const bool heldout_exists = !result_.split.heldout.empty();
-    if (!heldout_exists) {
-      not_measured("heldout", "no view was held out from training");
-      if (!config_.score_train_views)
-        for (size_t v : result_.split.train) order.emplace_back(v, false);
-    }
+    if (config_.score_train_views || !heldout_exists)
+      for (size_t v : result_.split.train) order.emplace_back(v, false);
+    if (!heldout_exists) not_measured("heldout", "no view was held out from training");
     const size_t sheet_candidates = heldout_exists ? result_.split.heldout.size() : order.size();
     const std::vector<size_t> sheet_views = spread(sheet_candidates, kSheetRows);
     for (size_t i = 0; i < order.size(); ++i) {
@@ -177,7 +155,7 @@ class Evaluator {
     score.name = view.name, score.heldout = heldout;
     score.psnr = psnr(render.srgb, photo, within), score.ssim = ssim(render.srgb, photo, within);
     if (result_.views.empty()) result_.resolution = render.intrinsics;
-    RegionMasks masks = regions(index, render.intrinsics);
+    RegionMasks masks = regions_->of(index, view, render.intrinsics);
     if (judged)
       for (auto& [region, pixels] : masks) keep_within(*judged, pixels);
     score.regions = region_errors(masks, render.srgb, photo, config_.min_region_pixels, heldout);
@@ -186,7 +164,7 @@ class Evaluator {
     if (truth_from_ours()) score_surface(index, render, masks, score);
     if (truth_) score_transmitted(index, render, masks);
     if (albedo_) score_albedo(index, render, masks);
-    if (heldout && config_.write_pictures) write_pictures(view, render.srgb, photo);
+    if (heldout && config_.write_pictures) write_pictures(context_.output() / "eval", view, render.srgb, photo);
     if (on_sheet) show(view, render, photo, score);
     result_.views.push_back(std::move(score));
   }
@@ -217,21 +195,6 @@ class Evaluator {
     return fs::is_directory(widened) ? widened : masks_;
   }
 
-  std::optional<ImageF> mask(size_t index, MaskClass c, const Intrinsics& intrinsics) const {
-    if (result_.regions_from == "truth") return truth_->mask(index, c, intrinsics);
-    const auto pixels = ClassPixels(masks_, objects_).of(c, views_[index]);
-    return pixels ? std::optional(belonging(*pixels, intrinsics)) : std::nullopt;
-  }
-
-  RegionMasks regions(size_t index, const Intrinsics& k) const {
-    auto coated = result_.regions_from == "truth" ? truth_->coated(index, k) : std::nullopt;
-    if (const auto coat = [](const Object& o) { return o.role == ObjectRole::Coat; };
-        result_.regions_from == "objects" && objects_.any(coat))
-      if (const ImageF pixels = objects_.coverage(views_[index], views_[index].intrinsics, coat); !pixels.empty())
-        coated = belonging(pixels, k);
-    return region_masks([&](MaskClass c) { return mask(index, c, k); }, coated, k);
-  }
-
   // Of opaque pixels that were trained, outside glass and mirrors.
   std::optional<double> shift_of_neutral(const View& view, const ViewPicture& render, const ImageF& photo,
                                          const std::optional<ImageF>& judged, const RegionMasks& masks) const {
@@ -241,7 +204,7 @@ class Evaluator {
         if ((mask.data()[i] > 0) != inside) counts.data()[i] = 0;
     };
     if (judged) only(*judged, true);
-    if (const auto rest = masks.find("rest"); rest != masks.end()) only(rest->second, true);
+    if (const ImageF* rest = mask_of(masks, "rest")) only(*rest, true);
     if (masks_)
       if (const auto ignored = stage_mask(*masks_, view, MaskClass::Ignore, render.intrinsics)) only(*ignored, false);
     return neutral_shift(render.srgb, photo, counts, config_.min_region_pixels);
@@ -250,14 +213,8 @@ class Evaluator {
   void show(const View& view, const ViewPicture& render, const ImageF& photo, const ViewScore& score) {
     sheet_.start_row(fmt::format("{}  {:.2f} DB  SSIM {:.3f}{}", view.stem(), score.psnr, score.ssim,
                                  score.heldout ? "" : "  (TRAINING VIEW)"));
-    sheet_.add("PHOTO", bytes_of(photo));
-    sheet_.add("RENDER", bytes_of(render.srgb));
-    sheet_.add("ERROR", error_picture(render.srgb, photo));
-    sheet_.add("NORMALS", normal_picture(render.normal_in_world));
-    sheet_.add("DEPTH", depth_picture(render.zdepth));
-    if (!layered_) return;
-    add_layers(render, view.gain, sheet_);
-    if (config_.write_layers) write_layers(context_.output() / "eval", view, render);
+    add_view(render, photo, layered_ ? std::optional(view.gain) : std::nullopt, sheet_);
+    if (layered_ && config_.write_layers) write_layers(context_.output() / "eval", view, render);
   }
 
   void score_surface(size_t index, const ViewPicture& render, const RegionMasks& masks, ViewScore& score) {
@@ -266,10 +223,9 @@ class Evaluator {
     SurfaceTruth truth;
     truth.normal = truth_->normal(index, render.intrinsics).value_or(ImageF());
     truth.zdepth = truth_->zdepth(index, render.intrinsics).value_or(ImageF());
-    const auto it = masks.find("transparent");
     ImageF opaque(render.intrinsics.width, render.intrinsics.height, 1, 1.f);
-    if (it != masks.end())
-      for (size_t i = 0; i < opaque.data().size(); ++i) opaque.data()[i] -= it->second.data()[i];
+    if (const ImageF* glass = mask_of(masks, "transparent"))
+      for (size_t i = 0; i < opaque.data().size(); ++i) opaque.data()[i] -= glass->data()[i];
     SurfaceError here;
     add_surface_error(render, truth, *truth_from_ours(), &opaque, here);
     if (!here.normal_deg.empty()) score.normal_mae_deg = mean(here.normal_deg);
@@ -285,9 +241,9 @@ class Evaluator {
   }
 
   void score_transmitted(size_t index, const ViewPicture& render, const RegionMasks& masks) {
-    const auto glass = masks.find("transparent");
+    const ImageF* glass = mask_of(masks, "transparent");
     const ImageF *transmitted = render.layer("transmitted"), *picture = render.layer("radiance");
-    if (glass == masks.end() || transmitted == nullptr) return;
+    if (glass == nullptr || transmitted == nullptr) return;
     const auto truth = truth_->transmitted(index, render.intrinsics);
     if (!truth) return;
     ImageF radiance = *transmitted;  // where no ray went through, what the picture shows
@@ -295,17 +251,8 @@ class Evaluator {
       if (float* const pixel = &radiance.data()[3 * i]; pixel[0] + pixel[1] + pixel[2] == 0)
         std::copy_n(&picture->data()[3 * i], 3, pixel);
     const auto score =
-        transmitted_psnr({render.intrinsics, radiance, views_[index].gain, glass->second}, *truth, config_.min_region_pixels);
+        transmitted_psnr({render.intrinsics, radiance, views_[index].gain, *glass}, *truth, config_.min_region_pixels);
     if (score) transmitted_.push_back(*score);
-  }
-
-  void write_pictures(const View& view, const ImageF& srgb, const ImageF& photo) {
-    const fs::path base = context_.output() / "eval" / view.stem();
-    make_folders(base.parent_path());
-    const auto path = [&](const char* suffix) { return fs::path(base.string() + suffix); };
-    write_ldr(path("_gt.png"), bytes_of(photo));
-    write_ldr(path("_pred.png"), bytes_of(srgb));
-    write_ldr(path("_err.png"), error_picture(srgb, photo));
   }
 
   void finish_truth() {
@@ -364,7 +311,7 @@ class Evaluator {
                           .refine = context_.optional_input("refine"),
                           .mesh = *mesh,
                           .decompose = *decompose}),
-        [&](size_t view, const Intrinsics& k) { return regions(view, k); }, desc,
+        [&](size_t view, const Intrinsics& k) { return regions_->of(view, views_[view], k); }, desc,
         [&](double f) {
           throw_if_interrupted();
           context_.progress({.fraction = kRenderShare + kRelitShare * f, .text = "other lights", .values = {}});
@@ -433,6 +380,7 @@ class Evaluator {
   LabelledObjects objects_, known_;  // known_: not guessed, which surfels carry the ids of
   ObjectAgreement agreement_{painter_.surfels().diffuse, painter_.image().diffuse.near_z, known_.objects()};
   std::optional<Truth> truth_;
+  std::optional<RegionSource> regions_;
   std::vector<size_t> paired_;  // views with a truth camera
   SurfaceError surface_;        // outside the glass
   std::map<std::string, SurfaceError> region_surface_;

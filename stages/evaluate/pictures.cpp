@@ -5,7 +5,11 @@
 #include <cmath>
 
 #include "core/base/file.h"
+#include "core/camera/view_set.h"
+#include "core/image/exr.h"
 #include "core/image/ldr.h"
+#include "core/image/resample.h"
+#include "core/math/color.h"
 #include "core/math/quantile.h"
 
 namespace vitrine {
@@ -85,10 +89,24 @@ Image8 depth_picture(const ImageF& zdepth) {
   return out;
 }
 
-void add_layers(const ViewPicture& picture, const Vec3d& gain, ContactSheet& sheet) {
+void add_view(const ViewPicture& picture, const ImageF& photo, const std::optional<Vec3d>& gain, ContactSheet& sheet) {
+  sheet.add("PHOTO", bytes_of(photo));
+  sheet.add("RENDER", bytes_of(picture.srgb));
+  sheet.add("ERROR", error_picture(picture.srgb, photo));
+  sheet.add("NORMALS", normal_picture(picture.normal_in_world));
+  sheet.add("DEPTH", depth_picture(picture.zdepth));
+  if (!gain) return;
   for (const LayerCell& cell : kCells)
     if (const ImageF* map = picture.layer(cell.layer))
-      sheet.add(std::string(cell.title), cell.radiance ? radiance_picture(*map, gain) : bytes_of(*map));
+      sheet.add(std::string(cell.title), cell.radiance ? radiance_picture(*map, *gain) : bytes_of(*map));
+}
+
+void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo) {
+  const std::filesystem::path base = eval_folder / view.stem();
+  make_folders(base.parent_path());
+  write_ldr(base.string() + "_gt.png", bytes_of(photo));
+  write_ldr(base.string() + "_pred.png", bytes_of(srgb));
+  write_ldr(base.string() + "_err.png", error_picture(srgb, photo));
 }
 
 void write_layers(const std::filesystem::path& eval_folder, const View& view, const ViewPicture& picture) {
@@ -97,6 +115,14 @@ void write_layers(const std::filesystem::path& eval_folder, const View& view, co
     make_folders(path.parent_path());
     write_exr(path, layer.map);
   }
+}
+
+ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics) {
+  ImageF photo = read_exr_rgb(linear_image_path(sfm_folder, view));
+  if (photo.width() != intrinsics.width || photo.height() != intrinsics.height)
+    photo = resized(photo, intrinsics.width, intrinsics.height);
+  for (float& v : photo.data()) v = srgb_from_linear(std::clamp(v, 0.f, 1.f));
+  return photo;
 }
 
 }  // namespace vitrine

@@ -1,9 +1,12 @@
-// Pictures for people: errors, normals, depth, and the layers of a picture, as cells of the contact sheet and as EXR files.
+// Pictures: the photo as a render is compared with it; errors, normals, depth and layers for people.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
+#include "core/camera/view.h"
 #include "core/image/contact_sheet.h"
+#include "core/image/image.h"
 #include "core/picture/view_picture.h"
 
 namespace vitrine {
@@ -14,10 +17,16 @@ Image8 normal_picture(const ImageF& normal);  // rgb = (n + 1) / 2, black = none
 // Near bright, by inverse depth (there may be a sky); 2nd to 98th percentile; black = none.
 Image8 depth_picture(const ImageF& zdepth);
 
-// One cell per layer of `picture` except the surface (normal, depth), which the sheet shows anyway. Radiance times the view's
+// Photo, render, error, normals and depth. With `gain` (of the view) one cell per layer of `picture` as well: radiance times the
 // gain, encoded; weights as grey, 1 = white.
-void add_layers(const ViewPicture& picture, const Vec3d& gain, ContactSheet& sheet);
+void add_view(const ViewPicture& picture, const ImageF& photo_srgb, const std::optional<Vec3d>& gain, ContactSheet& sheet);
+// eval/<stem>_{gt,pred,err}.png
+void write_pictures(const std::filesystem::path& eval_folder, const View& view, const ImageF& srgb, const ImageF& photo_srgb);
 // eval/layers/<layer>/<stem>.exr
 void write_layers(const std::filesystem::path& eval_folder, const View& view, const ViewPicture& picture);
+
+// The undistorted photo as a render is compared with it: reduced to the render's size by area average in linear light, encoded to
+// sRGB and clipped to [0,1], because that is what PSNR and SSIM of the field compare.
+ImageF photo_srgb(const std::filesystem::path& sfm_folder, const View& view, const Intrinsics& intrinsics);
 
 }  // namespace vitrine

@@ -1,6 +1,7 @@
 #include "stages/evaluate/regions.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/camera/view_masks.h"
 #include "core/image/resample.h"
@@ -21,17 +22,13 @@ ImageF without(const ImageF& mask, std::initializer_list<const ImageF*> others) 
   return out;
 }
 
-}  // namespace
-
-RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coated, const Intrinsics& intrinsics) {
+// `of_class`, `coated`: 0 or 1 at render size.
+RegionMasks region_masks(const std::function<std::optional<ImageF>(MaskClass)>& of_class, const std::optional<ImageF>& coated,
+                         const Intrinsics& intrinsics) {
   RegionMasks masks;
   for (MaskClass c : kTruthClasses)
-    if (auto mask = mask_of(c)) masks.emplace(name(c), std::move(*mask));
-  const auto find = [&](const char* region) {
-    const auto it = masks.find(region);
-    return it == masks.end() ? nullptr : &it->second;
-  };
-  const ImageF *transparent = find("transparent"), *specular = find("specular");
+    if (auto mask = of_class(c)) masks.emplace(name(c), std::move(*mask));
+  const ImageF *transparent = mask_of(masks, "transparent"), *specular = mask_of(masks, "specular");
   const ImageF* coat = coated ? &*coated : nullptr;
   if (transparent == nullptr && specular == nullptr && coat == nullptr) return masks;
   ImageF rest = without(ImageF(intrinsics.width, intrinsics.height, 1, 1.f), {transparent, specular, coat});
@@ -40,6 +37,25 @@ RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coa
   if (coat != nullptr) masks.emplace("coated", without(*coat, {transparent}));
   masks.emplace("rest", std::move(rest));
   return masks;
+}
+
+}  // namespace
+
+const ImageF* mask_of(const RegionMasks& masks, const char* region) {
+  const auto it = masks.find(region);
+  return it == masks.end() ? nullptr : &it->second;
+}
+
+RegionMasks RegionSource::of(size_t index, const View& view, const Intrinsics& k) const {
+  const auto mask = [&](MaskClass c) -> std::optional<ImageF> {
+    if (truth_ != nullptr) return truth_->mask(index, c, k);
+    const auto pixels = pixels_.of(c, view);
+    return pixels ? std::optional(belonging(*pixels, k)) : std::nullopt;
+  };
+  auto coated = truth_ != nullptr ? truth_->coated(index, k) : std::nullopt;
+  if (const auto coat = [](const Object& o) { return o.role == ObjectRole::Coat; }; truth_ == nullptr && objects_.any(coat))
+    if (const ImageF pixels = objects_.coverage(view, view.intrinsics, coat); !pixels.empty()) coated = belonging(pixels, k);
+  return region_masks(mask, coated, k);
 }
 
 ImageF belonging(const ImageF& coverage, const Intrinsics& intrinsics) {

@@ -4,12 +4,12 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "core/image/metrics.h"
+#include "core/objects/class_pixels.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
@@ -18,9 +18,25 @@ namespace vitrine {
 // transparent or the specular mask is, `reflective` when the specular one is, `coated` when `coated` is given, `mirror` when that
 // and the specular mask are.
 using RegionMasks = std::map<std::string, ImageF>;
-// The mask of a class for the view in question, 0 or 1 at render size.
-using MaskOf = std::function<std::optional<ImageF>(MaskClass)>;
-RegionMasks region_masks(const MaskOf& mask_of, const std::optional<ImageF>& coated, const Intrinsics& intrinsics);
+const ImageF* mask_of(const RegionMasks& masks, const char* region);  // nullptr: absent
+
+// The regions of a capture's views: of the truth's masks where it has any, else of the stages masks and objects.
+class RegionSource {
+ public:
+  // `truth`: or nullptr; it must outlive this, like `objects`.
+  RegionSource(const Truth* truth, const std::optional<std::filesystem::path>& masks, const LabelledObjects& objects)
+      : truth_(truth != nullptr && truth->has_maps("mask") ? truth : nullptr), masks_(masks), objects_(objects) {}
+  // "truth", "objects", or empty: there are none.
+  const char* from() const { return truth_ != nullptr ? "truth" : masks_ || !objects_.objects().empty() ? "objects" : ""; }
+  // Of the view with that index, at render size.
+  RegionMasks of(size_t index, const View& view, const Intrinsics& intrinsics) const;
+
+ private:
+  const Truth* truth_;
+  std::optional<std::filesystem::path> masks_;
+  const LabelledObjects& objects_;
+  ClassPixels pixels_{masks_, objects_};
+};
 
 // 1 where at least half of a pixel's area, at render size, is covered.
 ImageF belonging(const ImageF& coverage, const Intrinsics& intrinsics);

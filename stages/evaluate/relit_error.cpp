@@ -13,7 +13,7 @@
 #include "core/math/color.h"
 #include "core/math/quantile.h"
 #include "stages/evaluate/alignment.h"
-#include "stages/evaluate/surface_error.h"
+#include "stages/evaluate/view_error.h"
 
 namespace vitrine {
 

@@ -5,16 +5,27 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/math/vec.h"
 #include "core/relight/relit_painter.h"
 #include "stages/evaluate/regions.h"
-#include "stages/evaluate/relit_score.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
+
+// What the relit pictures of one environment scored.
+struct RelitScore {
+  std::string environment;
+  // The object outside the glass; the object with what glass shows of it; all pixels; all pixels.
+  std::optional<double> psnr, with_glass_psnr, everywhere_psnr, ssim;
+  std::map<std::string, double> region_psnr;  // of all regions but the object
+  Vec3d scale{1, 1, 1};                       // of the pictures, where the albedo was not scaled
+  size_t views = 0;                           // that show something of the truth
+};
 
 struct RelitErrorDesc {
   const Truth& truth;

@@ -5,7 +5,7 @@
 
 #include "core/base/json.h"
 #include "core/math/quantile.h"
-#include "stages/evaluate/surface_error.h"
+#include "stages/evaluate/view_error.h"
 
 namespace vitrine {
 namespace {

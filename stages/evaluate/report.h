@@ -14,7 +14,7 @@
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/regions.h"
-#include "stages/evaluate/relit_score.h"
+#include "stages/evaluate/relit_error.h"
 
 namespace vitrine {
 

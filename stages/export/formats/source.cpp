@@ -181,14 +181,7 @@ const TriMesh& ExportSource::mesh() {
 const DecomposedMaterials& ExportSource::decomposed() {
   if (decomposed_) return *decomposed_;
   VITRINE_CHECK(inputs_.decompose, "asked for materials of a stage that did not run");
-  DecomposedMaterials found = read_decomposed_materials(*inputs_.decompose);
-  if (const std::string why = misfit(found, scene().surfels); !why.empty())
-    throw Error(ErrorKind::Input, "the materials belong to another scene",
-                {.where = decomposed_materials_path(*inputs_.decompose).string(),
-                 .why = why,
-                 .hint = "run the decompose stage again",
-                 .code = "MATERIALS_MISMATCH"});
-  decomposed_ = std::move(found);
+  decomposed_ = read_decomposed_materials(*inputs_.decompose, scene().surfels);
   return *decomposed_;
 }
 

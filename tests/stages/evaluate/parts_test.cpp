@@ -5,13 +5,10 @@
 #include "core/camera/view_split.h"
 #include "core/math/color.h"
 #include "stages/evaluate/albedo_error.h"
-#include "stages/evaluate/depth_buffer.h"
 #include "stages/evaluate/mesh_error.h"
-#include "stages/evaluate/neutral_shift.h"
 #include "stages/evaluate/pictures.h"
-#include "stages/evaluate/surface_error.h"
-#include "stages/evaluate/transmitted_error.h"
 #include "stages/evaluate/truth.h"
+#include "stages/evaluate/view_error.h"
 #include "tests/support/tiny_capture.h"
 
 namespace vitrine {

@@ -264,7 +264,7 @@ TEST_F(PaneFiles, MaterialsOfAnotherSceneAreRefused) {
   RecordingContext c = context();
   const Error e = error_of([&] { run_export({.formats = {"mesh-ply"}}, c); });
   EXPECT_EQ(e.kind(), ErrorKind::Input);
-  EXPECT_EQ(e.detail().code, "MATERIALS_MISMATCH");
+  EXPECT_EQ(e.detail().code, "BAD_MATERIALS");
 }
 
 TEST_F(PaneFiles, AnEmptyMeshIsRefused) {
