@@ -11,7 +11,7 @@
 #include "core/picture/decomposed_materials.h"
 #include "core/render/renderer.h"
 #include "stages/export/export.h"
-#include "stages/export/formats/display_color.h"
+#include "stages/export/formats/gaussian_ply.h"
 #include "tests/external/programs.h"
 #include "tests/stages/export/pane_scene.h"
 #include "tests/stages/export/solid_ball.h"

@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/math/rigid.h"
-#include "stages/export/bake/texel_cover.h"
+#include "stages/export/bake/texels.h"
 
 namespace vitrine {
 

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/math/color.h"
 #include "core/math/orthonormal_basis.h"
-#include "stages/export/bake/fill_gaps.h"
+#include "stages/export/bake/texels.h"
 
 namespace vitrine {
 

@@ -8,7 +8,7 @@
 #include "core/base/process.h"
 #include "core/picture/view_picture.h"
 #include "core/render/renderer.h"
-#include "stages/export/formats/display_color.h"
+#include "stages/export/formats/gaussian_ply.h"
 
 namespace vitrine {
 

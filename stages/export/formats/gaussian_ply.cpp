@@ -1,12 +1,17 @@
 #include "stages/export/formats/gaussian_ply.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/math/color.h"
+#include "core/math/kd_tree.h"
 #include "core/math/rigid.h"
+#include "core/math/spherical_harmonics.h"
 
 namespace vitrine {
 
@@ -69,6 +74,33 @@ void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& lay
     if (!objects.empty()) put(float(objects[i]));
   }
   write_file(path, bytes);
+}
+
+void encode_sh_for_display(std::span<float> sh) {
+  const size_t coefficients = sh.size() / 3;
+  for (size_t c = 0; c < 3; ++c) {
+    const float linear = 0.5f + kShDc * sh[c];
+    double energy = 0;  // of the higher bands: integral of their sum squared over the sphere
+    for (size_t k = 1; k < coefficients; ++k) energy += double(sh[3 * k + c]) * sh[3 * k + c];
+    const float spread = float(std::sqrt(energy / (4 * std::numbers::pi)));
+    const float slope = srgb_from_linear_slope(std::max(linear, spread));
+    sh[c] = (srgb_from_linear(std::max(linear, 0.f)) - 0.5f) / kShDc;
+    for (size_t k = 1; k < coefficients; ++k) sh[3 * k + c] *= slope;
+  }
+}
+
+std::vector<Vec3f> outward_normals(const SplatLayer& layer, const TriMesh& mesh, float reach) {
+  const KdTreef vertices(mesh.positions);
+  std::vector<KdTreef::Near> near;
+  std::vector<Vec3f> out(layer.size());
+  for (size_t i = 0; i < layer.size(); ++i) {
+    const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i);
+    const Vec3f mean{m[0], m[1], m[2]}, normal = rotation_matrix(normalized(Quatf{q[0], q[1], q[2], q[3]})).c2;
+    vertices.nearest(mean, 1, reach, near);
+    const Vec3f side = !near.empty() ? mesh.normals[near[0].index] : squared_length(mean) > 1 ? -mean : mean;
+    out[i] = dot(normal, side) < 0 ? -normal : normal;
+  }
+  return out;
 }
 
 }  // namespace vitrine

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/mesh/tri_mesh.h"
 #include "core/scene/layers.h"
 #include "stages/export/formats/frame.h"
 
@@ -39,5 +40,19 @@ inline float disk_thickness(const ExportFrame& frame) { return 1e-6f * float(fra
 inline std::string vertical_axis(const ExportFrame& frame) { return frame.y_up() ? "Vertical Axis: y" : "Vertical Axis: z"; }
 
 void write_gaussian_ply(const std::filesystem::path& path, const SplatLayer& layer, const GaussianPlyDesc& desc);
+
+// Spherical harmonics of linear radiance turned into spherical harmonics of the sRGB value, for viewers that take colour as
+// display-referred. With L(d) = 0.5 + sum_k Y_k(d) h_k and e = the sRGB encoding, the DC is exact, the higher bands are scaled
+// by the slope of e:   0.5 + Y_0 h'_0 = e(0.5 + Y_0 h_0),   h'_k = e'(L*) h_k.
+// L* is the DC's radiance, but not less than the bands' own size (their root mean square over the sphere): near black the
+// slope of e is 12.9, and a tangent there would turn a faint highlight into a blaze.
+// [k][rgb], DC first; in place.
+void encode_sh_for_display(std::span<float> sh);
+
+// The normals of disks, turned to the side from which the photos see them. A disk has two sides and training tells them not
+// apart; programs that light surfels want the outer one.
+// [surfels] unit. The outer side is that of the nearest vertex of the mesh within `reach`. Where the mesh is not, it is the side
+// of the camera ring, which has the radius 1 about the origin: inwards outside of it, outwards inside.
+std::vector<Vec3f> outward_normals(const SplatLayer& layer, const TriMesh& mesh, float reach);
 
 }  // namespace vitrine

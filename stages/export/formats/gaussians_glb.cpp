@@ -1,4 +1,4 @@
-// gaussians-glb: the merged preview (preview_3dgs.cpp) as glTF with KHR_gaussian_splatting. A primitive of points with the
+// gaussians-glb: the merged preview (preview-3dgs) as glTF with KHR_gaussian_splatting. A primitive of points with the
 // attributes
 //   POSITION, KHR_gaussian_splatting:ROTATION (x y z w), :SCALE (linear), :OPACITY (0 to 1), :SH_DEGREE_l_COEF_n (vec3)
 // and COLOR_0 for viewers that show points only. The extension is a release candidate as of July 2026. SCALE is linear since

@@ -2,7 +2,7 @@
 
 #include "stages/export/formats/format.h"
 
-// The export formats: one line per format; ply_2dgs lives in ply_2dgs.cpp, and so on.
+// The export formats, one line each: <name>_format().
 #define VITRINE_EXPORT_FORMATS(FORMAT) \
   FORMAT(ply_2dgs)                     \
   FORMAT(ply_3dgs)                     \

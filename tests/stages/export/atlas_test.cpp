@@ -6,9 +6,8 @@
 #include "core/base/rng.h"
 #include "core/math/spherical_harmonics.h"
 #include "stages/export/bake/atlas.h"
-#include "stages/export/bake/fill_gaps.h"
 #include "stages/export/bake/pbr_mesh.h"
-#include "stages/export/bake/texel_cover.h"
+#include "stages/export/bake/texels.h"
 #include "stages/export/formats/frame.h"
 #include "tests/support/error_of.h"
 

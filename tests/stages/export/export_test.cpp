@@ -14,8 +14,8 @@
 #include "core/mesh/mesh_io.h"
 #include "core/scene/scene_io.h"
 #include "stages/export/export.h"
-#include "stages/export/formats/display_color.h"
 #include "stages/export/formats/format.h"
+#include "stages/export/formats/gaussian_ply.h"
 #include "tests/core/camera/tiny_model.h"
 #include "tests/stages/export/float_ply.h"
 #include "tests/stages/export/ring_of_cameras.h"
@@ -201,7 +201,8 @@ TEST_F(ExportStage, AScaleBarThatIsOfNoUseIsAnError) {
   };
   EXPECT_EQ(code(test::marked_bar(cameras, ends)), "SCALE_BAR");
   EXPECT_EQ(code("a.jpg:1,2,3,4 b.jpg:1,2,3,4 = 5cm"), "SCALE_BAR");
-  write_passes(root_.path() / "sfm", {{cameras.images[0].name, cameras.images[1].name}, {cameras.images[2].name}}, PosesOf::Object);
+  write_passes(root_.path() / "sfm", {{cameras.images[0].name, cameras.images[1].name}, {cameras.images[2].name}},
+               PosesOf::Object);
   EXPECT_EQ(code(test::marked_bar(cameras, ends) + " = 51mm"), "SCALE_BAR");
   EXPECT_EQ(problem(ExportConfig{.scale = 1, .scale_bar = "a:1,2,3,4 b:1,2,3,4 = 5cm"}),
             "scale and scale_bar both give the unit: leave one of them out");

@@ -1,13 +1,16 @@
-// colmap: undistorted photos and the sparse model in the layout that trainers and multi-view stereo programs read: images/ and
-// sparse/0/ (binary and text). The frame is the scene's (up = +z, ring radius 1); scene.json holds the way back.
+// The formats that are files of earlier stages as they are.
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/camera/colmap_model.h"
+#include "core/picture/decomposed_materials.h"
 #include "stages/export/formats/format.h"
 
 namespace vitrine {
+
 namespace {
 
+// colmap: undistorted photos and the sparse model in the layout that trainers and multi-view stereo programs read: images/ and
+// sparse/0/ (binary and text). The frame is the scene's (up = +z, ring radius 1); scene.json holds the way back.
 std::vector<std::string> write_colmap(ExportSource& source, const fs::path& folder) {
   const fs::path sparse = source.sfm() / "sparse" / "0";
   std::vector<std::string> files;
@@ -27,6 +30,16 @@ std::vector<std::string> write_colmap(ExportSource& source, const fs::path& fold
   return files;
 }
 
+// environment: the light that the decompose stage found, as lat-long EXR of linear radiance. The scene's orientation: first row =
+// +z, centre = +x, counter-clockwise seen from above towards the left (core/light/environment.h). Needs the decompose stage;
+// without it there is no file.
+std::vector<std::string> write_environment(ExportSource& source, const std::filesystem::path& folder) {
+  if (!source.decompose()) return {};
+  const std::string file = "environment.exr";
+  link_or_copy(decomposed_environment_path(*source.decompose()), folder / file);
+  return {file};
+}
+
 }  // namespace
 
 ExportFormat colmap_format() {
@@ -38,6 +51,14 @@ ExportFormat colmap_format() {
           "to COLMAP's own frame",
       .loses = "linear photos, gains per view, everything that was trained",
       .write = write_colmap};
+}
+
+ExportFormat environment_format() {
+  return {.name = "environment",
+          .summary = "the light of the photos as lat-long EXR (when the decompose stage ran)",
+          .holds = "linear radiance in the units of the albedo, up = first row, +x of the scene in the centre",
+          .loses = "light that is near: everything is infinitely far away; the axes option does not turn it",
+          .write = write_environment};
 }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-#include "stages/export/bake/fill_gaps.h"
+#include "stages/export/bake/texels.h"
 
 #include <cmath>
 #include <vector>

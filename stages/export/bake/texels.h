@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "core/image/image.h"
 #include "core/math/vec.h"
 
 namespace vitrine {
@@ -36,5 +38,11 @@ void for_texels_of(const Vec2f (&corner)[3], Visit&& visit) {
       if (inside) visit(x, y, Vec3f{float(w[0] / std::abs(area)), float(w[1] / std::abs(area)), float(w[2] / std::abs(area))});
     }
 }
+
+// Fills the texels that nothing was baked into with what is near them: averages of known texels, coarser and coarser, then back
+// (pull-push). Filtering and mip maps at the borders of charts then mix like with like.
+
+// known: [h, w], not zero where the image holds a value. All of it unknown: black.
+void fill_gaps(Image8& image, std::span<const uint8_t> known);
 
 }  // namespace vitrine
