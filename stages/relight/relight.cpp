@@ -1,7 +1,6 @@
 #include "stages/relight/relight.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/file.h"
