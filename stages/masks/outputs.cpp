@@ -12,7 +12,7 @@
 #include "core/base/process.h"
 #include "core/camera/json_file.h"
 #include "core/camera/view_masks.h"
-#include "core/image/bitmap_font.h"
+#include "core/image/contact_sheet.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -21,7 +21,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kGap = 4, kTextMargin = 6, kTextScale = 2, kCellWidth = 400;
+constexpr int kCellWidth = 400;  // of the contact sheet, pixels
 constexpr size_t kRows = 8;
 constexpr float kTint = 0.5f;
 
@@ -57,13 +57,6 @@ ImageF grey_at(const fs::path& path, int width, int height) {
   return image.width() == width && image.height() == height ? image : resized(image, width, height);
 }
 
-void paste(const ImageF& picture, int x, int y, Image8& sheet) {
-  for (int j = 0; j < picture.height(); ++j)
-    for (int i = 0; i < picture.width(); ++i)
-      for (int c = 0; c < 3; ++c) {
-        const float v = picture.at(i, j, picture.channels() == 3 ? c : 0);
-        sheet.at(x + i, y + j, c) = uint8_t(std::lround(std::clamp(v, 0.f, 1.f) * 255.f));
-      }
 }
 
 }  // namespace
@@ -167,11 +160,7 @@ void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results)
   const size_t rows = std::min(kRows, views.size());
   const int width = std::min(kCellWidth, views[0].intrinsics.width);
   const int height = std::max(1, int(std::lround(double(views[0].intrinsics.height) * width / views[0].intrinsics.width)));
-  const int bar = kGlyphHeight * kTextScale + 2 * kTextMargin;
-  Image8 sheet(3 * (width + kGap) + kGap, bar + int(rows) * (height + bar), 3, uint8_t(24));
-  draw_text(sheet, kGap, kTextMargin, "PHOTO", kTextScale, 200);
-  draw_text(sheet, kGap + width + kGap, kTextMargin, "BLUE GLASS, ORANGE MIRROR", kTextScale, 200);
-  draw_text(sheet, kGap + 2 * (width + kGap), kTextMargin, "CONFIDENCE", kTextScale, 200);
+  ContactSheet sheet(3, kCellWidth);
   for (size_t r = 0; r < rows; ++r) {
     const size_t v = r * views.size() / rows;
     const View& view = views[v];
@@ -196,13 +185,12 @@ void write_contact_sheet(const MaskOutputDesc& desc, const MaskResults& results)
           p += kTint * mask.data()[i] * (tint.rgb[c] - p);
         }
     }
-    const int y = bar + int(r) * (height + bar);
-    paste(photo, kGap, y, sheet);
-    paste(painted, kGap + width + kGap, y, sheet);
-    paste(grey_at(masks / "confidence" / (view.stem() + ".png"), width, height), kGap + 2 * (width + kGap), y, sheet);
-    draw_text(sheet, kGap, y + height + kTextMargin, label, kTextScale, 255);
+    sheet.start_row(label);
+    sheet.add("PHOTO", bytes_of(photo));
+    sheet.add("BLUE GLASS, ORANGE MIRROR", bytes_of(painted));
+    sheet.add("CONFIDENCE", bytes_of(grey_at(masks / "confidence" / (view.stem() + ".png"), width, height)));
   }
-  write_ldr(masks / "contact_sheet.png", sheet);
+  sheet.write(masks / "contact_sheet.png");
 }
 
 }  // namespace vitrine

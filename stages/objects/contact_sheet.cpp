@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/base/parallel.h"
 #include "core/image/bitmap_font.h"
+#include "core/image/contact_sheet.h"
 #include "core/image/exr.h"
 #include "core/image/ldr.h"
 #include "core/image/resample.h"
@@ -17,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kGap = 4, kMargin = 6, kTextScale = 2, kCellWidth = 480, kColumns = 2;
+constexpr int kCellWidth = 480;  // pixels
 constexpr size_t kPhotos = 8;
 constexpr double kFewestNamed = 200;  // pixels of an object that is named
 constexpr std::array<std::array<uint8_t, 3>, kObjectRoles> kRoleColors{
@@ -86,27 +87,15 @@ void write_contact_sheet(const fs::path& file, const fs::path& sfm, const ViewSe
     names[i] = view.name;
     const ImageF linear = read_exr_rgb(linear_image_path(sfm, view));
     view.intrinsics = view.intrinsics.limited_to(kCellWidth);
-    const ImageF photo = srgb_from_linear_image(resized(linear, view.intrinsics.width, view.intrinsics.height));
-    cells[i] = Image8(photo.width(), photo.height(), 3);
-    for (size_t p = 0; p < photo.data().size(); ++p)
-      cells[i].data()[p] = uint8_t(std::lround(std::clamp(photo.data()[p], 0.f, 1.f) * 255.f));
+    cells[i] = srgb8_from_linear(resized(linear, view.intrinsics.width, view.intrinsics.height));
     const Image16 labels = objects.labels(view, view.intrinsics);
     if (!labels.empty()) draw_labels(objects.objects(), labels, cells[i]);
     draw_silhouettes(objects.objects(), view, cells[i]);
   });
-  int width = 0, height = 0;
-  for (const Image8& cell : cells) width = std::max(width, cell.width()), height = std::max(height, cell.height());
-  const int bar = kGlyphHeight * kTextScale + 2 * kMargin, rows = int(count + kColumns - 1) / kColumns;
-  Image8 sheet(kColumns * (width + kGap) + kGap, bar + rows * (height + bar), 3, uint8_t(24));
-  draw_text(sheet, kGap, kMargin, "BLUE GLASS, ORANGE MIRROR, GREEN COAT", kTextScale, 200);
-  for (size_t i = 0; i < count; ++i) {
-    const int left = kGap + int(i % kColumns) * (width + kGap), top = bar + int(i / kColumns) * (height + bar);
-    for (int y = 0; y < cells[i].height(); ++y)
-      for (int x = 0; x < cells[i].width(); ++x)
-        for (int c = 0; c < 3; ++c) sheet.at(left + x, top + y, c) = cells[i].at(x, y, c);
-    draw_text(sheet, left, top + height + kMargin, names[i], kTextScale, 255);
-  }
-  write_ldr(file, sheet);
+  ContactSheet sheet(2, kCellWidth);
+  sheet.start_row("BLUE GLASS, ORANGE MIRROR, GREEN COAT");
+  for (size_t i = 0; i < count; ++i) sheet.add(names[i], cells[i]);
+  sheet.write(file);
 }
 
 }  // namespace vitrine
