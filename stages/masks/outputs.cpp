@@ -57,8 +57,6 @@ ImageF grey_at(const fs::path& path, int width, int height) {
   return image.width() == width && image.height() == height ? image : resized(image, width, height);
 }
 
-}
-
 }  // namespace
 
 double ClassResult::mean_coverage() const {
