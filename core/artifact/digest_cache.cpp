@@ -14,7 +14,7 @@ namespace vitrine {
 
 namespace {
 
-// A file changed twice within the clock tick of the file system keeps its time: what is younger than this is not remembered.
+// A file that changes twice within one clock tick of the file system keeps its time stamp: younger files are not cached.
 constexpr int64_t kSettleNs = 100'000'000;
 
 int64_t nanoseconds(const timespec& t) { return static_cast<int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec; }
@@ -48,7 +48,7 @@ void DigestCache::load() {
 
 DigestCache::~DigestCache() {
   std::error_code ec;
-  // A plan that only looks must not create the store.
+  // A dry run must not create the store.
   if (!changed_ || file_.empty() || !fs::is_directory(file_.parent_path(), ec)) return;
   std::string text;
   for (const auto& [stamp, digest] : known_)
@@ -56,7 +56,7 @@ DigestCache::~DigestCache() {
   try {
     write_file(file_, text);
   } catch (const Error&) {
-    // A read-only store: the next run reads the files again.
+    // The store is read-only: the next run computes the digests again.
   }
 }
 

@@ -1,8 +1,7 @@
-// Content digests of files, remembered by (device-independent) inode, size, and the times of the last modification and of the
-// last change of the inode, so that a plan over gigabytes of unchanged photos reads nothing. Programs set the modification time
-// as they like (copies, archives, editors that keep it); the change time of the inode is the system's own. Paths are not part of
-// the entry: moving a folder keeps them. A file that was touched or linked is read again and gives the same digest. Only a cache:
-// losing it costs time, never correctness.
+// Cache of content digests of files. Key: inode number (without the device), size, modification time (mtime) and inode change
+// time (ctime). Planning a run over gigabytes of unchanged photos reads no file. Programs can set mtime (copies, archives,
+// editors); only the system sets ctime. Paths are not part of the key: moving a folder keeps the entries. A touched or newly
+// linked file is read again and gets the same digest. Losing the cache costs time, never correctness.
 #pragma once
 
 #include <compare>
@@ -17,21 +16,22 @@ namespace vitrine {
 
 class DigestCache {
  public:
-  explicit DigestCache(fs::path file) : file_(std::move(file)) {}  // nothing is read before the first question
-  ~DigestCache();                                                  // saves, if there is anything new and the place is writable
+  explicit DigestCache(fs::path file) : file_(std::move(file)) {}  // loads the file at the first query
+  ~DigestCache();                                                  // saves new entries if the folder is writable
   DigestCache(const DigestCache&) = delete;
   DigestCache& operator=(const DigestCache&) = delete;
 
-  std::string digest(const fs::path& path);  // hex; Error{Input} when unreadable
-  // A file, or what files_below() (core/base/folder_files.h) finds in a folder, by relative name and content.
+  std::string digest(const fs::path& path);  // hex; throws Error{Input} if unreadable
+  // Digest of a file, or of the files that files_below() (core/base/folder_files.h) lists in a folder, by relative name and
+  // content.
   std::string digest_tree(const fs::path& path);
-  // All regular files below the folder of an artifact, hidden ones too, sorted by relative path.
+  // All regular files of an artifact folder, including hidden ones, sorted by relative path.
   std::vector<OutputFile> artifact_files(const fs::path& folder);
 
  private:
   struct Stamp {
     uint64_t inode, bytes;
-    int64_t modified_ns, changed_ns;  // the file's content as its writer says; the inode, as the system says
+    int64_t modified_ns, changed_ns;  // mtime, ctime
     auto operator<=>(const Stamp&) const = default;
   };
   void load();

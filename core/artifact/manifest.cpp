@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kManifestFormat = 1;
 
-// JSON has no infinities; a figure that is not finite is kept as null and read back as NaN.
+// JSON has no infinities and NaN: non-finite metrics are stored as null and read back as NaN.
 Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 std::string term_in_words(const std::string& name, const std::string* before, const std::string* now) {

@@ -1,9 +1,9 @@
-// manifest.json: what a finished artifact is made of. Its presence is the commit mark of the folder.
-//   key             = digest of the terms: stage, version, every option that affects the result, the content digest of every
-//                     input, fingerprints of tools. Terms are kept in words, so that a later plan can say which one changed.
-//   content_digest  = digest over (path, digest) of the output files alone: two runs that wrote the same bytes have equal ones,
-//                     whatever the clock, the folder or the machine was. Downstream keys are made from it.
-// Timings stand in timing.json beside it, which no digest covers.
+// manifest.json: the content of a finished artifact. Its presence marks the folder as committed.
+//   key             = digest of the terms: stage, version, every option that affects the result, content digest of every input,
+//                     fingerprints of tools. Terms are stored as text, so that a later plan can report which one changed.
+//   content_digest  = digest over (path, digest) of the output files. Runs that write the same bytes have equal content digests,
+//                     whatever the clock, folder or machine. Keys of downstream stages use it.
+// Timings are in timing.json in the same folder, which no digest covers.
 #pragma once
 
 #include <filesystem>
@@ -39,7 +39,7 @@ struct Manifest {
   std::string key;
   std::string content_digest;
   KeyTerms terms;
-  std::vector<OptionEcho> options;  // all of them, also those outside the key
+  std::vector<OptionEcho> options;  // all of them, including those outside the key
   std::vector<OutputFile> outputs;  // sorted by path
   std::map<std::string, double> metrics;
   std::vector<ManifestWarning> warnings;
@@ -48,10 +48,10 @@ struct Manifest {
 
 std::string content_digest_of(const std::vector<OutputFile>& outputs);
 std::string to_json(const Manifest& manifest);
-// Error{Input} naming `where` when the text is no manifest.
+// Throws Error{Input} with `where` when the text is not a manifest.
 Manifest manifest_from_json(std::string_view text, const std::string& where);
 
-// Differences between two sets of terms, in words: "option voxel 0.004 -> 0.002", "input sfm changed", "version 2 -> 3".
+// Differences between two sets of terms as text: "option voxel 0.004 -> 0.002", "input sfm changed", "version 2 -> 3".
 std::vector<std::string> changed_terms(const KeyTerms& before, const KeyTerms& now);
 
 }  // namespace vitrine

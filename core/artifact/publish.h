@@ -14,8 +14,8 @@
 
 namespace vitrine {
 
-// Links every output of `entry` into `folder` under its own path. Files of `before` (what stood there from an earlier artifact of
-// the stage) that the new one does not have are removed, unless somebody has replaced them. Paths in `kept` are left alone.
+// Links every output of `entry` into `folder` under its own path. Files of `before` (the previous artifact of the stage) that the
+// new one lacks are removed, unless the user has replaced them. Paths in `kept` are not touched.
 void publish(const fs::path& entry, const Manifest& manifest, const fs::path& folder, const Manifest* before = nullptr,
              const std::set<std::string>& kept = {});
 

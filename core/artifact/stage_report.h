@@ -1,8 +1,8 @@
-// Report figures of a stage, with the limits of good and fair, and facts without a rating. Declared beside the config of the
-// stage, printed by `vitrine-<stage> --describe`, shown by report.html.
+// Report figures of a stage, with thresholds for good and fair, and unrated facts. Declared next to the config of the stage,
+// printed by `vitrine-<stage> --describe`, shown in report.html.
 //
-// Paths lead into a JSON report: "points.kept"; "photos.*.known" are the values of all items of an array. A text takes values
-// from it in braces (pipeline/report_page/fact_text.h): "{registered:0} of {photo_count:0}".
+// Paths address values of a JSON report: "points.kept"; "photos.*.known" is the values of all array items. Placeholders in braces
+// insert values into a text (pipeline/report_page/fact_text.h): "{registered:0} of {photo_count:0}".
 #pragma once
 
 #include <string>
@@ -11,28 +11,28 @@
 namespace vitrine {
 
 struct ReportFigure {
-  std::string group, id, label;  // group: title of the group in which it is shown
-  std::string unit;              // behind the value; "%" shows a share of 1
-  int decimals = 1;              // after the point, as shown
-  double good = 0, fair = 0;     // at least (good > fair: higher is better) or at most (good < fair) this is good, fair; else bad
-  std::string means, weak;       // what the figure is; what it says when it is not good
-  std::string value;             // path
+  std::string group, id, label;  // group: title of the group that shows the figure
+  std::string unit;              // printed after the value; "%" prints a fraction as percent
+  int decimals = 1;              // digits after the decimal point
+  double good = 0, fair = 0;     // thresholds: minimum (good > fair: higher is better) or maximum (good < fair); beyond fair: bad
+  std::string means, weak;       // description of the figure; text shown when it is not good
+  std::string value;             // path of the value
 
-  std::string fold = {}, where = {};       // of several values; see folded()
+  std::string fold = {}, where = {};       // reduction of several values; see folded()
   std::string minus = {}, over = {};       // paths; see difference(), share()
   std::string samples = {}, counted = {};  // see measured_on()
   double fewest = 0;
   bool shown_without = false;
-  std::string note = {};  // text beside the value
+  std::string note = {};  // text shown after the value
 
   bool higher_is_better() const { return good > fair; }
-  // "mean", "median" or "last" of several values: of the items of the array whose member `only` is true. "above_weakest_view":
-  // how far the weakest held-out view lies below the value; not shown of too few samples.
+  // Reduces several values: "mean", "median" or "last" over the array items whose member `only` is true. "above_weakest_view":
+  // difference between the value and the weakest held-out view; not shown with too few samples.
   ReportFigure& folded(std::string how, std::string only = {}) { return fold = how, where = only, *this; }
   ReportFigure& difference(std::string subtracted) { return minus = subtracted, *this; }
-  ReportFigure& share(std::string whole) { return over = whole, *this; }  // none where the whole is 0
-  // Of fewer than `least` samples the figure says nothing about good or bad: "too few points (3)". Where the path leads nowhere
-  // the figure is believed. `shown`: a value that is missing because there are no samples is shown as unknown.
+  ReportFigure& share(std::string whole) { return over = whole, *this; }  // no value if the whole is 0
+  // With fewer than `least` samples the figure is not rated: "too few points (3)". If the path does not exist the figure is
+  // rated. `shown`: a value missing for lack of samples is shown as unknown.
   ReportFigure& measured_on(std::string path, double least, std::string what, bool shown = false) {
     return samples = path, fewest = least, counted = what, shown_without = shown, *this;
   }
@@ -40,19 +40,19 @@ struct ReportFigure {
 };
 
 struct ReportFact {
-  std::string group;      // its place among the others is that of the group
-  std::string text;       // left out where a value is missing
-  std::string once = {};  // of all facts with the same word the first that has its values is shown
-  std::string each = {};  // array whose first item that has all values gives them
+  std::string group;      // the fact is sorted into this group
+  std::string text;       // omitted if a value is missing
+  std::string once = {};  // among facts with the same `once`, only the first with all its values is shown
+  std::string each = {};  // array; the values come from its first item that has all of them
 };
 
 struct StageReport {
-  std::string file = {};  // of the output folder, which the paths lead into: "sfm/report.json"
+  std::string file = {};  // report of the output folder that the paths refer to: "sfm/report.json"
   std::vector<ReportFigure> figures = {};
   std::vector<ReportFact> facts = {};
 };
 
 std::string stage_report_text(const StageReport& report);  // JSON
-StageReport parse_stage_report(const std::string& json);   // empty where it is none
+StageReport parse_stage_report(const std::string& json);   // empty if the text is not a report
 
 }  // namespace vitrine

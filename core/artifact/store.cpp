@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kTemporaryMark = ".tmp-";
 
-// The process id in "<key>.tmp-<pid>", 0 when the name has another shape.
+// Process id in "<key>.tmp-<pid>"; 0 if the name has another form.
 int owner_of(const std::string& name) {
   const size_t at = name.rfind(kTemporaryMark);
   if (at == std::string::npos) return 0;
@@ -92,7 +92,7 @@ std::string ArtifactStore::damage(const fs::path& folder) {
 }
 
 void ArtifactStore::remove(std::string_view stage, std::string_view key) const {
-  // Renamed first: a folder that is half removed must not look committed.
+  // Renamed before removal: a partly removed folder must not look committed.
   const fs::path from = entry(stage, key), aside = root_ / stage / fmt::format("{}{}{}", key, kTemporaryMark, getpid());
   std::error_code ec;
   fs::remove_all(aside, ec);

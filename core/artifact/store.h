@@ -1,6 +1,6 @@
-// The content-addressed store: <root>/<stage>/<key>/ holds the files of one artifact, manifest.json and timing.json.
-// An artifact appears whole or not at all: files are written into <key>.tmp-<pid>/, synced, the manifest is written last, the
-// folder is renamed. Whatever a killed process leaves behind has another name and is swept away by the next one.
+// Content-addressed store: <root>/<stage>/<key>/ holds the files of one artifact, manifest.json and timing.json. Artifacts appear
+// atomically: files are written to <key>.tmp-<pid>/ and synced, the manifest is written last, then the folder is renamed.
+// Leftovers of a killed process have another name; the next process removes them.
 #pragma once
 
 #include <optional>
@@ -26,12 +26,12 @@ class ArtifactStore {
   fs::path scratch(std::string_view stage, std::string_view key) const { return root_ / stage / (std::string(key) + ".scratch"); }
   DigestCache& digests() { return digests_; }
 
-  // The committed artifact, without looking at its files. nullopt: there is none. A manifest that cannot be read is Error{Input}.
+  // The committed artifact, or nullopt; its files are not checked. Throws Error{Input} if the manifest cannot be read.
   std::optional<Manifest> find(std::string_view stage, std::string_view key) const;
-  // What is wrong with the files of a committed artifact, in words; empty when every file has the bytes it was committed with.
+  // Describes the damage of a committed artifact; empty when every file has the committed bytes.
   std::string damage(const fs::path& entry);
   void remove(std::string_view stage, std::string_view key) const;
-  // Temporary folders of processes that no longer live, of one stage. Returns how many were removed.
+  // Removes the temporary folders of dead processes for one stage. Returns the number of folders removed.
   int sweep(std::string_view stage) const;
 
   struct Entry {
@@ -47,7 +47,7 @@ class ArtifactStore {
   DigestCache digests_;
 };
 
-// A folder being written. Vanishes with its contents unless committed.
+// A folder being written. The destructor removes it unless it was committed.
 class PendingArtifact {
  public:
   PendingArtifact(ArtifactStore& store, std::string_view stage, std::string_view key);
@@ -56,7 +56,7 @@ class PendingArtifact {
   PendingArtifact& operator=(const PendingArtifact&) = delete;
 
   const fs::path& path() const { return path_; }
-  // Fills in outputs and content digest, syncs, renames; an older entry of the same key is replaced. Returns the final folder.
+  // Fills in outputs and content digest, syncs and renames; replaces an older entry of the same key. Returns the final folder.
   fs::path commit(Manifest& manifest, std::string_view timing_json);
 
  private:
@@ -66,7 +66,7 @@ class PendingArtifact {
   bool committed_ = false;
 };
 
-// Digest and size of every file of an artifact folder (manifest and timing left out).
+// Digest and size of every file of an artifact folder, without manifest and timing.
 std::vector<OutputFile> artifact_files(DigestCache& digests, const fs::path& folder);
 
 }  // namespace vitrine

@@ -17,7 +17,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kOnShape = 1.7;  // tolerances
+constexpr double kOnShape = 1.7;  // maximum distance to a shape, in units of its tolerance
 constexpr size_t kShellFaces = 256;
 
 template <class T>
@@ -34,8 +34,8 @@ DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
           remaining(m.transmission, keep.diffuse), remaining(m.albedo_behind_glass, keep.transmittance)};
 }
 
-// Mirrors that most of their specular surfels still lie on, coats that most of their paint does, sheets that most of their glass
-// does (no surfel of glass: all of them), appendages with what they stand out of.
+// Keeps a shape while at least half of the surfels that show it remain: mirrors, coats, sheets of glass. A sheet without surfels
+// is kept. Appendages go with the shape they are attached to.
 std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
                                           const std::vector<uint8_t>& keep) {
   if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
@@ -54,7 +54,7 @@ std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, c
 
 fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
 
-// The shell was smoothed out of the mesh: each of its faces lies on the face of the mesh that is nearest.
+// The shell was smoothed from the mesh: each shell face follows its nearest mesh face.
 std::shared_ptr<const ThickGlass> remaining(std::shared_ptr<const ThickGlass> glass, const TriMesh& mesh,
                                             const std::vector<uint8_t>& faces) {
   if (!glass || std::ranges::all_of(faces, [](uint8_t there) { return there != 0; })) return glass;
@@ -70,7 +70,7 @@ std::shared_ptr<const ThickGlass> remaining(std::shared_ptr<const ThickGlass> gl
   return std::make_shared<const ThickGlass>(std::move(left), glass->ior(), glass->tolerance());
 }
 
-// Faces whose corners are all there.
+// Faces that keep all their vertices.
 std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>& vertices) {
   std::vector<uint8_t> keep(mesh.faces.size());
   for (size_t f = 0; f < keep.size(); ++f)
@@ -81,8 +81,8 @@ std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>
 }  // namespace
 
 bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i) {
-  if (entry.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) return false;  // k_s below a half
-  if (is_glass(entry.role) && *surfels.at(Attribute::Transmission, i) < 0) return false;               // tau below a half
+  if (entry.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) return false;  // k_s < 1/2
+  if (is_glass(entry.role) && *surfels.at(Attribute::Transmission, i) < 0) return false;               // tau < 1/2
   const float* m = surfels.at(Attribute::Mean, i);
   const Vec3d p{m[0], m[1], m[2]};
   return length(nearest(entry.shape, p).position - p) <= kOnShape * entry.tolerance;
@@ -120,7 +120,7 @@ void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs:
     if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
   };
   write(kept_surfels(surfels.diffuse, scene.there.diffuse));
-  write(surfels.reflection);  // and no opaque twin: it shows the scene as it was before all edits
+  write(surfels.reflection);  // the opaque twin is not written: it shows the scene before all edits
   write(kept_surfels(surfels.transmittance, scene.there.transmittance));
   write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
   const auto copy = [&](const fs::path& source, const fs::path& relative) {

@@ -1,5 +1,5 @@
-// A scene as edits see it: what the stages left, and which of it is still there. Read once, changed in place, written as a folder
-// that stands for their artifacts (optimize with refine, mesh, decompose).
+// A scene for editing: the outputs of the stages, with flags for the parts that remain. Read once, changed in memory, written as
+// a folder that replaces the artifacts of optimize (with refine), mesh and decompose.
 #pragma once
 
 #include <filesystem>
@@ -18,31 +18,31 @@ struct EditFolders {
   std::optional<std::filesystem::path> refine = {}, decompose = {};
 };
 
-// Flags: 0 or 1 for each.
+// Flags, 0 or 1.
 struct Parts {
   std::vector<uint8_t> diffuse, transmittance;  // surfels
   std::vector<uint8_t> vertices, faces;         // of the mesh
-  std::vector<uint8_t> walls;                   // vertices of the surroundings
-  std::vector<uint8_t> content;                 // vertices of the mesh of what stands behind glass
+  std::vector<uint8_t> walls;                   // vertices of the surroundings mesh
+  std::vector<uint8_t> content;                 // vertices of the mesh behind glass
 };
 
 struct EditScene {
   TrainedScene trained;
   std::optional<DecomposedMaterials> materials;  // of trained.surfels
-  TriMesh mesh, surroundings;                    // the latter: walls that the decompose stage found, or empty
-  TriMesh content;                               // what stands behind glass (the mesh stage's behind_glass.ply), or empty
-  Parts there;                                   // what no edit has deleted
+  TriMesh mesh, surroundings;                    // surroundings: walls from the decompose stage, or empty
+  TriMesh content;                               // surfaces behind glass (behind_glass.ply of the mesh stage), or empty
+  Parts there;                                   // 1: not deleted by an edit
 
   bool shows_sky(size_t surfel) const { return materials && materials->shows_sky(surfel); }
 };
 
-// Whether a surfel of the diffuse layer shows this shape, which goes with most of those that do.
+// True if a surfel of the diffuse layer shows this shape. A shape is deleted with the majority of these surfels.
 bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i);
 
-// Throws Error{Input} with file and cause, also when the files do not belong together.
+// Throws Error{Input} with file and cause, also when the files belong to different scenes.
 EditScene read_edit_scene(const EditFolders& folders);
-// Without what was deleted; solid glass loses the part of its shell that lay on deleted faces of the mesh. Files that no edit
-// touches (views, light of the photos) are copied.
+// Writes the remaining parts. Solid glass loses the part of its shell that lies on deleted mesh faces. Files that edits do not
+// change (views, light of the photos) are copied.
 void write_edit_scene(const EditScene& scene, const EditFolders& from, const std::filesystem::path& folder);
 
 }  // namespace vitrine

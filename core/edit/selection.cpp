@@ -17,9 +17,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kInside = 0.5f;         // mask value from which a pixel is inside
-constexpr float kReachEdges = 3;        // mean edges of the mesh: surfels farther away lie on no component
-constexpr size_t kNamedComponents = 5;  // in the error that another does not exist
+constexpr float kInside = 0.5f;         // mask threshold
+constexpr float kReachEdges = 3;        // in mean edge lengths of the mesh: surfels farther away belong to no component
+constexpr size_t kNamedComponents = 5;  // number listed in the error message for a missing component
 constexpr size_t kGrain = 256;
 
 // Even-odd rule.
@@ -53,7 +53,7 @@ void set_faces(const TriMesh& mesh, Parts& parts) {
   }
 }
 
-// Each of the lists of flags: a = op(a, b).
+// Combines all flag lists: a = op(a, b).
 template <class Op>
 void combine(Parts& a, const Parts& b, Op&& op) {
   for (auto list : {&Parts::diffuse, &Parts::transmittance, &Parts::vertices, &Parts::faces, &Parts::walls, &Parts::content})
@@ -199,7 +199,7 @@ std::vector<MaskClass> SceneSelector::classes() const {
 
 const Parts& SceneSelector::of_class(MaskClass kind, const std::string& where) {
   if (const auto known = classes_.find(kind); known != classes_.end()) return known->second;
-  std::vector<LabelledView> views;  // label 1: inside
+  std::vector<LabelledView> views;  // label 1: inside the mask
   for (View view : views_) {
     throw_if_interrupted();
     const auto mask = pixels_.of(kind, view);

@@ -1,11 +1,12 @@
-// Which surfels and which parts of the mesh a selector means.
-//   class      what the photos that see it show inside the masks; what no photo sees belongs to the class when it stands behind
-//                the mask in nearly all photos (core/objects/part_labels.h)
-//   object     what carries the id of the object (core/objects), as trained and meshed
-//   box        the place itself          marks      the place, projected into every marked photo
-//   component  faces of the mesh that hang together; surfels near them, and what glass shows inside of them
-// The mesh of what stands behind glass is selected as the surfels that glass shows are.
-// A face is selected with two of its corners. The reflection layer holds mirrored places: nothing selects it.
+// Surfels and mesh parts that a Selector selects.
+//   class      surfels and vertices that the photos show inside the masks. Parts that no photo sees are selected if they project
+//              into the masks of nearly all photos (core/objects/part_labels.h).
+//   object     surfels and vertices that store the id of the object (core/objects)
+//   box        positions inside the box
+//   marks      positions that project into the marked region of every marked photo
+//   component  a connected component of the mesh, the surfels near it, and the content behind its glass
+// The mesh behind glass is selected like the surfels behind glass. A face is selected if two of its vertices are. Nothing selects
+// the reflection layer: it holds mirrored positions.
 #pragma once
 
 #include <functional>
@@ -31,18 +32,17 @@ struct MeshComponent {
 
 class SceneSelector {
  public:
-  // All but the pixels must live as long as this; edits that change materials or delete parts change no selection.
+  // All arguments but the pixels must outlive this object. Material edits and deletions do not change selections.
   SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
 
-  // Whether still there or not. Throws Error{Input} at `where` when a class has no masks, or an object or a component does not
-  // exist.
+  // Includes deleted parts. Throws Error{Input} at `where` when a class has no masks, or an object or component does not exist.
   Parts select(const Selector& selector, const std::string& where);
-  const std::vector<MeshComponent>& components() const { return components_; }  // from most faces to fewest
+  const std::vector<MeshComponent>& components() const { return components_; }  // largest first
 
   const ObjectSet& objects() const { return pixels_.objects(); }
-  // Classes of which there are masks.
+  // Classes with at least one mask.
   std::vector<MaskClass> classes() const;
-  // The component of each surfel of a layer, numbered as in Selector; 0: of none.
+  // Component of each surfel, numbered as in Selector; 0: none.
   struct SurfelComponents {
     std::vector<uint32_t> diffuse, transmittance;
   };
@@ -51,7 +51,7 @@ class SceneSelector {
  private:
   const Parts& of_class(MaskClass kind, const std::string& where);
   Parts of_object(const std::string& name, const std::string& where) const;
-  // What is near a component, or, for what glass shows, inside of one; 0: nothing.
+  // component_near: within reach of a component. component_around: also behind its surface (content of glass). 0: none.
   uint32_t component_near(const Vec3f& p) const;
   uint32_t component_around(const Vec3f& p) const;
   Parts of_component(size_t component, const std::string& where) const;
@@ -65,7 +65,7 @@ class SceneSelector {
   float reach_ = 0;
   std::vector<uint32_t> component_of_face_;  // index into components_
   std::vector<MeshComponent> components_;
-  mutable std::optional<SurfelComponents> surfel_components_;  // found once
+  mutable std::optional<SurfelComponents> surfel_components_;  // cached
 };
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// What a user selects of a scene: the conditions of a list of edits (stages/edit/README.md).
+// Selection conditions of an edit (stages/edit/README.md).
 #pragma once
 
 #include <cstddef>
@@ -11,22 +11,22 @@
 
 namespace vitrine {
 
-// A region of a photo: what lies in it, near or far.
+// A region of a photo; it selects positions at any depth.
 struct EditMark {
   size_t view = 0;
   std::vector<Vec2d> polygon;  // pixels of the undistorted photo
 };
 
-// All that is given must hold. Nothing given: everything.
+// All given conditions must hold. No condition selects everything.
 struct Selector {
   std::optional<MaskClass> kind = {};
-  std::optional<std::string> object = {};  // its name in the table of objects
+  std::optional<std::string> object = {};  // name in the object table
   std::optional<Bounds3> box = {};
   std::vector<EditMark> marks = {};
   std::optional<size_t> component = {};  // of the mesh, 1 = most faces
-  std::vector<Selector> except = {};     // one at most: what it selects is left out
+  std::vector<Selector> except = {};     // at most one; its selection is subtracted
 
-  // By place alone, whatever the photos or the mesh say.
+  // True if the selection depends on position alone, not on masks or mesh.
   bool geometric() const { return !kind && !object && !component; }
 };
 

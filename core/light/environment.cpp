@@ -22,12 +22,12 @@ namespace vitrine {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-// Of the mean luminance: what the darkest texel counts for, so that every direction can be drawn.
+// Minimum sampling density relative to the mean luminance, so that every direction has a non-zero pdf.
 constexpr double kLeastDensity_rel = 1e-3;
 
 double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
-// Interval of a table that rises from 0 to 1, and the place in it.
+// Inverse CDF: interval of a table that rises from 0 to 1, and the position in it.
 std::pair<int, float> found(const float* cdf, int n, float u) {
   const int i = std::clamp(static_cast<int>(std::upper_bound(cdf, cdf + n + 1, u) - cdf) - 1, 0, n - 1);
   const float width = cdf[i + 1] - cdf[i];
@@ -134,7 +134,7 @@ Environment::Sample Environment::sample(const Vec2f& uniform) const {
   const int w = map_.width(), h = map_.height();
   const auto [y, ty] = found(row_cdf_.data(), h, uniform.y);
   const auto [x, tx] = found(&texel_cdf_[size_t(y) * (size_t(w) + 1)], w, uniform.x);
-  // Even over the solid angle of the texel: azimuth and z are.
+  // Uniform over the solid angle: uniform in azimuth and z.
   const float azimuth = -2.f * kPi * ((static_cast<float>(x) + tx) / static_cast<float>(w) - 0.5f);
   const float top = std::cos(kPi * static_cast<float>(y) / static_cast<float>(h));
   const float bottom = std::cos(kPi * static_cast<float>(y + 1) / static_cast<float>(h));
@@ -166,7 +166,7 @@ Environment Environment::rotated(double degrees) const {
 
 namespace {
 
-// By the first bytes, so that a wrong file name misleads nobody.
+// Detects the format by the first bytes, not by the file name.
 ImageF read_texels(const fs::path& path, std::vector<std::string>& notes) {
   constexpr std::string_view kHint = "give a lat-long map as OpenEXR (.exr) or Radiance HDR (.hdr)";
   std::error_code ec;
@@ -228,7 +228,7 @@ void check_texels(const ImageF& map, const fs::path& path) {
                .code = "ENV_BAD_TEXELS"});
 }
 
-// An EXR names the primaries of its colours, as renderers do that work in ACEScg.
+// Renderers that work in ACEScg store their primaries in the EXR header.
 void to_rec709(ImageF& map, const fs::path& path) {
   constexpr size_t kHeader = 1 << 16;
   std::string head(kHeader, '\0');

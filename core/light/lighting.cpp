@@ -49,7 +49,7 @@ LampSample Lighting::sample_lamp(size_t lamp, const Vec3f& point, const Vec2f& u
 
 namespace {
 
-// One lamp of the file, read key by key; what is wrong is collected, and a harmless value stands in for it.
+// Parses one lamp. Errors are collected; a default value replaces a wrong one.
 class LampReader {
  public:
   LampReader(YamlReader& in, const YamlNode& lamp) : in_(in), lamp_(lamp) {}

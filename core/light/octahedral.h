@@ -1,5 +1,5 @@
-// All directions as a square (Engelhardt and Dachsbacher 2008), +z in its middle: (x, y) in [-1, 1]^2 is the direction
-// (x, y, 1 - |x| - |y|), folded outwards where that is below 0, normalised.
+// Octahedral map of directions (Engelhardt and Dachsbacher 2008), +z at the centre: (x, y) in [-1, 1]^2 maps to the direction (x,
+// y, 1 - |x| - |y|), folded outwards where z is below 0, normalised.
 #pragma once
 
 #include <cmath>

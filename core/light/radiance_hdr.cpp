@@ -15,7 +15,7 @@ namespace {
 using Rgbe = std::array<uint8_t, 4>;
 
 constexpr size_t kMaxPixels = size_t(1) << 28, kAlwaysFine = size_t(1) << 22, kPixelsPerByte = 64;
-constexpr int kLeastCoded = 8, kMostCoded = 0x7fff;  // widths of scanlines that can be coded by component
+constexpr int kLeastCoded = 8, kMostCoded = 0x7fff;  // scanline widths that allow run-length coding per component
 
 class Reader {
  public:
@@ -52,7 +52,7 @@ class Reader {
   size_t at_ = 0;
 };
 
-// The order of the pixels: `major` is the axis of the scanlines.
+// Pixel order. `major` is the axis of the scanlines.
 struct HdrSize {
   int width = 0, height = 0;
   bool columns = false;                 // scanlines are columns
@@ -63,12 +63,12 @@ struct HdrSize {
 
 struct HdrHeader {
   HdrSize size;
-  std::array<double, 3> scale{1, 1, 1};  // EXPOSURE and COLORCORR, of all lines
+  std::array<double, 3> scale{1, 1, 1};  // products of EXPOSURE and COLORCORR
   bool xyz = false;
   std::vector<std::string> notes;
 };
 
-// As many numbers as there are, blanks between them.
+// Parses all numbers of the text, separated by blanks.
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> out;
   for (;;) {
@@ -84,7 +84,7 @@ std::vector<double> numbers_of(std::string_view text) {
   }
 }
 
-// "-Y height +X width" and the seven others.
+// Parses "-Y height +X width" and the seven other orders.
 HdrSize read_size(Reader& in) {
   const std::string_view line = in.line();
   const auto bad = [&] { in.fail(fmt::format("its size \"{}\" is not of the form \"-Y height +X width\"", line.substr(0, 60))); };
@@ -113,7 +113,8 @@ HdrSize read_size(Reader& in) {
 }
 
 bool usual_primaries(const std::vector<double>& p) {
-  constexpr double kTolerance = 0.02, kRec709[] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06};  // Radiance's own have a green of 0.29
+  constexpr double kTolerance = 0.02,
+                   kRec709[] = {0.64, 0.33, 0.30, 0.60, 0.15, 0.06};  // Radiance's own primaries have a green of 0.29
   for (size_t i = 0; i < 6; ++i)
     if (std::abs(p[i] - kRec709[i]) > kTolerance) return false;
   return true;
@@ -173,14 +174,14 @@ Rows inverse_of_columns(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return {cross(b, c) / determinant, cross(c, a) / determinant, cross(a, b) / determinant};
 }
 
-// RGB from XYZ for the primaries of Rec. 709 and the white of equal energy: XYZ (1, 1, 1) is RGB (1, 1, 1).
+// XYZ to RGB with Rec. 709 primaries and equal-energy white: XYZ (1, 1, 1) gives RGB (1, 1, 1).
 Rows rgb_from_xyz() {
   const Vec3d red{0.64, 0.33, 0.03}, green{0.30, 0.60, 0.10}, blue{0.15, 0.06, 0.79}, white{1, 1, 1};
   const Rows amounts = inverse_of_columns(red, green, blue);
   return inverse_of_columns(red * dot(amounts[0], white), green * dot(amounts[1], white), blue * dot(amounts[2], white));
 }
 
-// One component after the other: a count above 128 repeats one byte (count - 128) times, else so many bytes follow.
+// Components one after the other. A count above 128 repeats one byte (count - 128) times; a smaller count precedes literal bytes.
 void read_coded(Reader& in, std::vector<Rgbe>& row) {
   in.skip(4);
   for (size_t c = 0; c < 4; ++c)
@@ -192,7 +193,7 @@ void read_coded(Reader& in, std::vector<Rgbe>& row) {
     }
 }
 
-// Whole pixels; (1, 1, 1, n) repeats the one before n times, several of them in turn are digits of base 256.
+// Uncompressed pixels; (1, 1, 1, n) repeats the previous pixel n times. Consecutive repeats are digits of base 256.
 void read_flat(Reader& in, std::vector<Rgbe>& row) {
   int shift = 0;
   for (size_t x = 0; x < row.size();) {
@@ -216,9 +217,9 @@ ImageF parse_radiance_hdr(std::string_view bytes, const std::string& name, std::
   Reader in(bytes, name);
   const HdrHeader header = read_header(in);
   const HdrSize& size = header.size;
-  // A coded line takes at least 4 bytes, and so does anything flat: no memory for a size that the file cannot hold.
+  // Every line takes at least 4 bytes in either coding. This check avoids allocating more memory than the file can fill.
   if (in.left() / 4 < size_t(size.lines())) in.fail("the file ends in the middle of the picture");
-  // A coded line takes 8 bytes for 127 pixels. Runs in flat lines may say more, but no program writes so large a picture that
+  // A coded line takes 8 bytes per 127 pixels. Repeats in flat lines could compress more, but no program writes large images that
   // way.
   const size_t pixels = size_t(size.width) * size_t(size.height);
   if (pixels > kAlwaysFine && pixels / kPixelsPerByte > in.left())

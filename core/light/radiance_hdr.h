@@ -1,8 +1,8 @@
-// Pictures of Greg Ward's Radiance (.hdr, .pic): an RGB mantissa of 8 bits each and a shared exponent, flat or run-length coded.
+// Radiance HDR images (.hdr, .pic; Greg Ward): 8-bit RGB mantissas with a shared exponent, flat or run-length coded.
 //   value = mantissa 2^(exponent - 136) / (EXPOSURE COLORCORR)
-// where EXPOSURE and COLORCORR are the products of all lines of the header that say so, since every program that scales the
-// picture adds one. Rows and columns may be stored in any of the eight orders. CIE XYZ becomes RGB of Rec. 709's primaries with
-// the white of equal energy, the convention of Radiance.
+// EXPOSURE and COLORCORR are products over all header lines of that name, since every program that scales the image adds one.
+// Rows and columns may be stored in any of eight orders. CIE XYZ is converted to RGB with Rec. 709 primaries and equal-energy
+// white, the convention of Radiance.
 #pragma once
 
 #include <string>
@@ -13,8 +13,7 @@
 
 namespace vitrine {
 
-// `name` is for messages. `notes`: what was converted, one sentence each. Throws Error{Input} (BAD_HDR) when the bytes are
-// damaged.
+// `name` is used in messages. `notes` receives one sentence per conversion. Throws Error{Input} (BAD_HDR) for damaged data.
 ImageF parse_radiance_hdr(std::string_view bytes, const std::string& name, std::vector<std::string>* notes = nullptr);
 
 }  // namespace vitrine

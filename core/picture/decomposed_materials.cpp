@@ -22,11 +22,11 @@ constexpr std::array<const char*, 9> kProperties{"albedo_r", "albedo_g", "albedo
 constexpr std::string_view kBeforeCount =
     "ply\nformat binary_little_endian 1.0\ncomment vitrine_relight_materials 1\ncomment color lin_rec709\nelement vertex ";
 constexpr std::string_view kBehindGlass = "element behind_glass ";
-constexpr size_t kAlbedo = 3;  // of the properties, the first ones
+constexpr size_t kAlbedo = 3;  // number of albedo properties; they come first
 constexpr size_t kMaxSurfels = size_t(1) << 31;
 using Row = std::array<float, kProperties.size()>;
 
-// After the count of an element, its first properties.
+// The header lines of an element: count and first properties.
 std::string properties(size_t count) {
   std::string text = "\n";
   for (size_t i = 0; i < count; ++i) text += fmt::format("property float {}\n", kProperties[i]);

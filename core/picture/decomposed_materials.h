@@ -1,11 +1,11 @@
-// What the decompose stage found for every surfel, freed of the light of the photos: materials of gaussians/diffuse.ply, albedo
-// of gaussians/transmittance.ply, in the same order. The file is a binary PLY of two elements, floats in the order of the members
-// below; the second is there if the scene has such a layer:
+// Materials estimated by the decompose stage: those of gaussians/diffuse.ply and the albedo of gaussians/transmittance.ply, in
+// the same order. The file is a binary PLY of floats with two elements, properties in the order of the members below; the second
+// element exists if the scene has a transmittance layer:
 //   vertex         albedo_r albedo_g albedo_b roughness f0_r f0_g f0_b specular_weight transmission
 //   behind_glass   albedo_r albedo_g albedo_b
-// All are activated values: albedo in [0, 1] linear, the others in [0, 1]. Algorithms 7.1: radiance of a diffuse surface =
-// albedo / pi times irradiance, in the units of decompose/environment.exr. A surfel that shows the sky (light from far away, no
-// surface) reflects nothing, albedo, f0 and specular weight are 0: under another light that light is seen in its place.
+// All values are activated: albedo in [0, 1] linear, the others in [0, 1]. Algorithms 7.1: radiance of a diffuse surface = albedo
+// / pi times irradiance, in the units of decompose/environment.exr. A surfel that shows the sky (distant light, no surface)
+// reflects nothing: albedo, f0 and specular weight are 0; under another light the environment replaces it.
 #pragma once
 
 #include <filesystem>
@@ -19,10 +19,10 @@ namespace vitrine {
 struct DecomposedMaterials {
   std::vector<Vec3f> albedo;           // [surfels] linear
   std::vector<float> roughness;        // [surfels] GGX alpha = roughness^2
-  std::vector<Vec3f> f0;               // [surfels] reflectance head on
+  std::vector<Vec3f> f0;               // [surfels] reflectance at normal incidence
   std::vector<float> specular_weight;  // [surfels]
   std::vector<float> transmission;     // [surfels]
-  // [surfels of the transmittance layer] linear; they have no gloss. Empty: not known.
+  // [surfels of the transmittance layer] linear; these surfels are purely diffuse. Empty: unknown.
   std::vector<Vec3f> albedo_behind_glass;
 
   size_t size() const { return albedo.size(); }  // of the diffuse layer
@@ -30,7 +30,7 @@ struct DecomposedMaterials {
   void resize(size_t surfels);
 };
 
-// Inside an artifact of the decompose stage.
+// Path inside an artifact of the decompose stage.
 inline std::filesystem::path decomposed_materials_path(const std::filesystem::path& folder) {
   return folder / "decompose" / "materials.ply";
 }
@@ -38,8 +38,8 @@ inline std::filesystem::path decomposed_environment_path(const std::filesystem::
   return folder / "decompose" / "environment.exr";
 }
 
-// The surroundings of the mesh (walls of the room), as triangles with their albedo as vertex colours: they block light and
-// reflect it. Absent where the photos show none.
+// Surroundings of the mesh (walls of the room): triangles with the albedo as vertex colour. They occlude and reflect light. The
+// file is missing when the photos show no walls.
 inline std::filesystem::path decomposed_surroundings_path(const std::filesystem::path& folder) {
   return folder / "decompose" / "surroundings.ply";
 }

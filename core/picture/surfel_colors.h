@@ -1,5 +1,5 @@
-// Any colour per surfel as a picture: albedo, irradiance, roughness (grey) in place of the trained radiance, blended as the
-// diffuse layer is.
+// Renders one colour per surfel (albedo, irradiance, roughness as grey) instead of the trained radiance, blended like the diffuse
+// layer.
 #pragma once
 
 #include <memory>
@@ -15,12 +15,12 @@
 
 namespace vitrine {
 
-// The surfels with other colours that look the same from everywhere, [surfels].
+// The surfels with view-independent colours, [surfels].
 SplatLayer painted_layer(const SplatLayer& surfels, std::span<const Vec3f> colors);
 
 class SurfelColors {
  public:
-  // `colors`: one per surfel of `layer`, not negative. `near_z`: of the trained scene.
+  // `colors`: one per surfel of `layer`, non-negative. `near_z`: that of the trained scene.
   SurfelColors(const SplatLayer& layer, std::span<const Vec3f> colors, float near_z);
   // [h, w, 3] at the size of the view's intrinsics: the blended colour divided by alpha; 0 where alpha < 1/2.
   ImageF picture(const View& view);

@@ -27,13 +27,13 @@ constexpr std::array<const char*, 2> kGlasses{"traced", "thin"};
 constexpr const char* kMirrored = "mirrored_surfels";
 constexpr const char* kLayered = "layered";         // (OpaqueOptions)
 constexpr const char* kShapes = "shapes";           // (shape_file.h)
-constexpr const char* kThickGlass = "thick_glass";  // in the file, and the mesh beside it
+constexpr const char* kThickGlass = "thick_glass";  // key in the file, and name of the mesh next to it
 
 constexpr const char* kSilhouettes = "silhouettes";
 
 fs::path thick_glass_path(const fs::path& options) { return options.parent_path() / fmt::format("{}.ply", kThickGlass); }
 
-// Every word and number of the file, in its order: one table for both directions.
+// Visits every word and number of the file in order; shared by reading and writing.
 template <class Options, class Word, class Number>
 void visit(Options& o, const Word& word, const Number& number) {
   word("blend", o.composite.blend, kBlends);
@@ -48,7 +48,7 @@ void visit(Options& o, const Word& word, const Number& number) {
   number("transmission_min_transmittance", o.transmission.min_transmittance);
 }
 
-// The shortest text that gives the same float back, not the double's seventeen digits.
+// Shortest decimal that parses to the same float (a double would print 17 digits).
 double shortest(float value) { return std::stod(fmt::format("{}", value)); }
 
 SplatLayer layer_of(const fs::path& path, LayerKind kind) {

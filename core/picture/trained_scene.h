@@ -1,7 +1,6 @@
-// A trained scene as the optimize stage left it: gaussians/<layer>.ply, gaussians/opaque.ply and optimize/model.json, the options
-// of the image formation that it was trained with. Where the refine stage has a better one, that: refine/gaussians/<layer>.ply
-// and refine/model.json; the opaque twin stays. The diffuse layer is always there; a layer without a file is empty and takes no
-// part.
+// A trained scene: gaussians/<layer>.ply, gaussians/opaque.ply and optimize/model.json (the image-formation options used in
+// training). refine/gaussians/<layer>.ply and refine/model.json replace them where the refine stage wrote a better scene; the
+// opaque twin stays. The diffuse layer is required; a layer without a file is empty.
 #pragma once
 
 #include <filesystem>
@@ -14,18 +13,18 @@ namespace vitrine {
 
 struct TrainedScene {
   SplatScene surfels;
-  ImageOptions image;  // backends and budgets are the machine's and the run's, not the scene's: left at their defaults
+  ImageOptions image;  // backends and ray budgets keep their defaults: they belong to the machine and the run
 };
 
-// `optimize`, `refine`: artifacts of these stages; one of refine that kept the scene as it was has none of its own. Throws
+// `optimize`, `refine`: artifacts of these stages. A refine artifact that left the scene unchanged contains none. Throws
 // Error{Input} with file and cause.
 TrainedScene read_trained_scene(const std::filesystem::path& optimize,
                                 const std::optional<std::filesystem::path>& refine = std::nullopt);
 
-// What of the options a picture of the scene depends on: blend, lobe, where rays start and end, and known shapes; meshes
-// of shapes and of thick glass as PLY beside the file.
+// Writes the options that affect pictures of the scene: blend, lobe, ray start and end, known shapes. Meshes of shapes and of
+// thick glass are written as PLY next to the file.
 void write_image_options(const std::filesystem::path& path, const ImageOptions& options);
-// Without a file: the defaults (scenes with a diffuse layer alone depend on none of it).
+// Returns the defaults if there is no file (a scene with only a diffuse layer depends on none of them).
 ImageOptions read_image_options(const std::filesystem::path& path);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// One view of a trained scene as pictures: what its photo would show, the surface below, and the layers that the picture is
-// made of. Used by the evaluation and by `vitrine render`, so that both show the same thing.
+// Renders one view of a trained scene: the picture, the surface below it, and its layers. Shared by evaluation and `vitrine
+// render`, so that both agree.
 #pragma once
 
 #include <memory>
@@ -13,13 +13,13 @@
 
 namespace vitrine {
 
-// A map of floats in the channels' usual names: R G B (linear radiance, before the view's gain), X Y Z (world), Z (depth), Y.
+// A float map with the usual channel names: R G B (linear radiance, before the view's gain), X Y Z (world), Z (depth), Y.
 //   radiance                              the whole picture
-//   diffuse, reflection, transmission     what each layer adds to it, the opaque twin to the first; they sum up to `radiance`
-//   reflected, transmitted                what the rays brought, before it was weighted
-//   fresnel, specular_weight, transmission_weight, roughness      the materials
-//   normal, depth                         the surface
-// Layers that the scene does not have give no map.
+//   diffuse, reflection, transmission     contribution of each layer (the opaque twin counts as diffuse); their sum is `radiance`
+//   reflected, transmitted                radiance of the rays before weighting
+//   fresnel, specular_weight, transmission_weight, roughness      materials
+//   normal, depth                         surface
+// Layers that the scene lacks have no map.
 struct PictureLayer {
   std::string name;  // "diffuse", "normal", ...
   ExrImage map;
@@ -30,15 +30,15 @@ struct ViewPicture {
   ImageF srgb;                       // [h, w, 3] display-referred, gain applied, clipped to [0,1]
   ImageF zdepth;                     // [h, w, 1]; 0 where alpha < 1/2
   ImageF normal_in_world;            // [h, w, 3], unit; 0 0 0 where alpha < 1/2
-  std::vector<PictureLayer> layers;  // empty unless asked for
+  std::vector<PictureLayer> layers;  // empty unless requested
 
-  const ImageF* layer(std::string_view name) const;  // nullptr: there is none
+  const ImageF* layer(std::string_view name) const;  // nullptr if there is none
 };
 
 struct PictureDesc {
-  Backend backend = Backend::Cpu;  // of the rasteriser; the reference also traces by the reference
+  Backend backend = Backend::Cpu;  // of the rasteriser; Reference also selects the reference tracer
   bool layers = false;
-  int samples = 0;  // GGX rays of a rough pixel; 0 = the lobe that the scene was trained with
+  int samples = 0;  // GGX rays per rough pixel; 0 = the lobe used in training
 };
 
 class ScenePainter {

@@ -1,4 +1,4 @@
-// Relit radiance as people look at it: in the units of the light, so that a picture needs an exposure of its own.
+// Exposure of relit pictures: their radiance is in the units of the lighting.
 #pragma once
 
 #include "core/image/image.h"
@@ -6,10 +6,10 @@
 
 namespace vitrine {
 
-// Stops that make the mean of what the mesh sends on a middle grey, to a tenth. The same for all pictures of a light.
+// Stops that map the mean radiance of the mesh to middle grey, rounded to a tenth. Equal for all pictures of a lighting.
 double exposure_of_scene(const LitScene& lit);
 
-// sRGB of linear radiance, [h, w, 3], so many stops brighter.
+// Converts linear radiance [h, w, 3] to sRGB, brightened by `stops`.
 Image8 developed(const ImageF& radiance, double stops);
 
 }  // namespace vitrine

@@ -14,11 +14,11 @@ namespace vitrine {
 namespace {
 
 constexpr int kFluenceSamples = 48, kPatchSamples = 192;
-constexpr float kAbove = 0.3f;       // in grains: where rays start over a thing behind glass
-constexpr float kMostBrighter = 50;  // than in the photos: darker places than this ratio tells are noise
+constexpr float kAbove = 0.3f;       // in grains: offset of rays above a surface behind glass
+constexpr float kMostBrighter = 50;  // ratio of new to old light; larger ratios at dark places are noise
 constexpr float kLeastFluence_rel = 1e-3f;
-constexpr float kGlassReach = 3;  // in grains: how far off the mesh a surfel still belongs to it
-constexpr float kBeyond = 1;      // in grains: where rays go on behind thick glass, free of the mesh that it was smoothed from
+constexpr float kGlassReach = 3;  // in grains: distance up to which a surfel belongs to the mesh
+constexpr float kBeyond = 1;      // in grains: offset of rays behind thick glass, clear of the mesh it was smoothed from
 constexpr size_t kTask = 64;      // surfels
 constexpr uint64_t kDiffuseStream = uint64_t(1) << 40;
 
@@ -45,7 +45,7 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
     for (size_t c = 0; c < 3; ++c) middle_[c] += inside.at(Attribute::Mean, i)[c] / float(inside.size());
 }
 
-// Black is the sky behind glass, which is light (core/picture/decomposed_materials.h).
+// Black marks the sky behind glass, which has no albedo (core/picture/decomposed_materials.h).
 bool GlassContent::knows_albedo(size_t inside) const {
   const std::vector<Vec3f>& albedo = scene_->materials.albedo_behind_glass;
   return !albedo.empty() && albedo[inside] != Vec3f{};
@@ -63,7 +63,7 @@ std::vector<Vec3f> GlassContent::fluence(const LitScene& lit) const {
   return out;
 }
 
-// Irradiance / pi of the place of the mesh that the surfel lies on; a surfel off the mesh gets the light from all sides.
+// Irradiance / pi of the mesh at the surfel; the fluence if the surfel is off the mesh.
 Vec3f GlassContent::arriving_at(const LitScene& lit, size_t surfel) const {
   const SplatLayer& layer = scene_->trained.surfels.diffuse;
   const float *m = layer.at(Attribute::Mean, surfel), *q = layer.at(Attribute::Rotation, surfel);
@@ -75,8 +75,8 @@ Vec3f GlassContent::arriving_at(const LitScene& lit, size_t surfel) const {
   return lit.fluence(mean, kDiffuseStream + surfel, kFluenceSamples);
 }
 
-// Irradiance / pi of the front of a surfel: of the thing that it lies on, which throws its shadow; off all things, of the side
-// that looks away from the middle of them.
+// Irradiance / pi of the front of a surfel. On the mesh behind glass: its side, with the shadow of that mesh. Off that mesh: the
+// side facing away from the centroid of the layer.
 Vec3f GlassContent::arriving_inside(const LitScene& lit, size_t inside) const {
   const SplatLayer& layer = scene_->trained.surfels.transmittance;
   const float *m = layer.at(Attribute::Mean, inside), *q = layer.at(Attribute::Rotation, inside);

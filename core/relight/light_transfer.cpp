@@ -15,12 +15,12 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kTransferTask = 64;    // vertices or surfels
-constexpr float kTransferReach = 3;     // in grains: how far off the mesh a surfel still belongs to it
-constexpr float kTransferLift = 2.5f;   // in grains: where rays start above it (README 4)
-constexpr float kWallReach_rel = 0.2f;  // of the distance from the centre: how far off a surfel is from the wall that it shows
-constexpr float kSameSide = 0.3f;       // cosine: a normal of a surfel that agrees less with its mesh is replaced
+constexpr float kTransferReach = 3;     // in grains: distance up to which a surfel belongs to the mesh
+constexpr float kTransferLift = 2.5f;   // in grains: offset of rays above the mesh (README 4)
+constexpr float kWallReach_rel = 0.2f;  // distance of a surfel to its wall, relative to its distance from the centre
+constexpr float kSameSide = 0.3f;       // minimum cosine between the normals of surfel and mesh; below it the mesh normal is used
 constexpr float kFromAllSides = 0.25f;  // pi over the sphere's 4 pi
-constexpr float kMostlyOpen = 0.5f;     // share of a ray that panes let through
+constexpr float kMostlyOpen = 0.5f;     // minimum share of a ray through panes
 constexpr uint64_t kVertexStream = 0x21, kSurfelStream = 0x22;
 
 void add(Transfer& sum, const Vec3f& direction, float share) {
@@ -104,8 +104,8 @@ LightTransfer::LightTransfer(const SceneSurface& surface, const TransferDesc& de
   }
 }
 
-// By rays whose density is cos/pi: T_k = pi/n sum of what comes along them. `direct`: light from outside;
-// `bounced`: light that the mesh sends on.
+// Cosine-weighted gathering: T_k = pi/n times the sum over the rays. `direct`: light from outside; `bounced`: light from the
+// mesh.
 Transfer LightTransfer::gathered(const Place& place, uint64_t stream, bool direct, bool bounced) const {
   Vec3f t0, t1;
   tangents(place.normal, t0, t1);
@@ -163,8 +163,8 @@ ReceivedLight LightTransfer::received(const Place& place, uint64_t stream) const
   return out;
 }
 
-// The place of the mesh that a surfel lies on: near it along its normal; or the wall that the cameras see it on. A wall is
-// coarse: what stands behind it has the light that falls on its front, as in relit pictures (README 4).
+// Mesh position of a surfel: along its normal, or the wall in front of which the cameras see it. Walls are coarse: a surfel
+// behind one gets the light on its front, as in relit pictures (README 4).
 std::optional<LightTransfer::Place> LightTransfer::place_of(const Vec3f& mean, const Vec3f& normal) const {
   const float grain = surface_->grain(), reach = kTransferReach * grain, lift = kTransferLift * grain;
   for (const Vec3f& n : {normal, -normal}) {
@@ -172,12 +172,12 @@ std::optional<LightTransfer::Place> LightTransfer::place_of(const Vec3f& mean, c
     if (!place) continue;
     const Vec3f on_mesh = surface_->at(surface_->mesh().positions, *place),
                 outwards = normalized(surface_->at(surface_->mesh().normals, *place));
-    // Where the mesh has a pit the surfel lies before it, and its own normal is the better one.
+    // In pits of the mesh the surfel lies in front of it, and its own normal is better.
     const float above = std::max(dot(mean - on_mesh, outwards), 0.f);
     const Vec3f facing = dot(normal, outwards) < 0 ? -normal : normal;
     return Place{on_mesh + (above + lift) * outwards, dot(facing, outwards) > kSameSide ? facing : outwards};
   }
-  // The cameras stand around the origin.
+  // The cameras surround the origin.
   const float distance = length(mean);
   if (!(distance > 0)) return std::nullopt;
   const Vec3f away = mean / distance;

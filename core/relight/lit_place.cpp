@@ -10,13 +10,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kSnap = 3;              // in grains: a surfel's place and the mesh this near are the same surface
-constexpr float kMirrorLift = 1;        // in grains: where rays start above it
-constexpr float kMattLift = 2.5f;       // the same where light is scattered: terraces of the mesh throw no shadow
-constexpr float kNearWall_rel = 0.75f;  // a back of the walls that hides surfels by less is where they are
-constexpr float kLeastCosine = 0.02f;   // n.v: normals of blended surfels may look away at an outline
+constexpr float kSnap = 3;         // in grains: at a smaller distance, surfel and mesh are the same surface
+constexpr float kMirrorLift = 1;   // in grains: offset of rays above a mirror
+constexpr float kMattLift = 2.5f;  // the same for diffuse surfaces: the staircase of the mesh casts no shadow
+constexpr float kNearWall_rel =
+    0.75f;                             // a wall back face beyond this share of the pixel's distance is the surface of the surfels
+constexpr float kLeastCosine = 0.02f;  // minimum n.v: blended normals at silhouettes may face away
 
-// More than it scatters or lets through.
+// True if the surface reflects more than it scatters and transmits.
 bool mirrors(LayerBlend blend, const RelitMaterial& m) {
   const LayerWeights<float> w = relit_weights(blend, m, 1);
   const Vec3f rest = hadamard(w.diffuse, m.albedo) + w.transmission;
@@ -45,11 +46,10 @@ ShownSurface shown_surface(const GBuffer& g, std::span<const float> median_z, ui
 
 float mirror_lift(const SceneSurface& surface) { return kMirrorLift * surface.grain(); }
 
-// Shadows come from the mesh: a ray starts on it where it means the same surface, and where it hides what the surfels show (thin
-// coverage at an outline); where the pixel misses the mesh, it starts towards the eye: never from inside. Mirrors have its
-// normals, too: training leaves theirs as the pictures in them want them. And their rays start right there, for a picture in a
-// mirror shifts with where its ray starts; those of matt things start before pits of the mesh that surfels fill. A mirror of
-// known shape has place and normal of that.
+// Shadows come from the mesh. A ray starts on the mesh if that is the same surface, or if the mesh hides the surfels (low
+// coverage at silhouettes). If the pixel misses the mesh, the ray starts towards the eye, never from inside. Mirrors use the mesh
+// normal, since training adapts theirs to the reflected image, and start close to the mesh, since the reflection shifts with the
+// ray origin. Diffuse rays start above pits of the mesh that surfels fill. Mirrors of known shape use its position and normal.
 LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBlend blend, const ShownSurface& shown) {
   const PixelRay<float>& ray = shown.ray;
   const float snap = kSnap * surface.grain(), lift = mirror_lift(surface), t = shown.z * length(ray.direction_per_z);
@@ -57,12 +57,12 @@ LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBle
   LitPlace out;
   out.normal = turned_to(squared_length(shown.normal) > 0 ? normalized(shown.normal) : ray.view, ray.view);
   out.place = out.on_mesh = ray.eye + shown.z * ray.direction_per_z;
-  // At a rim the blended normal looks at nothing in particular; that of the mesh is one surface's. What reflects alone would be
-  // black there.
+  // At silhouettes the blended normal mixes several surfaces; mirrors use the mesh normal instead, and their agreement is 1: a
+  // pure reflector would be black.
   out.agreement = mirror ? 1 : normal_agreement(shown.normal, shown.alpha);
   Vec3f outwards = ray.view;
-  // Walls around the scene are coarse, and in front of surfels here and there, by much in a corner: what the eye sees through
-  // their front has the light that falls on it, not the dark behind it.
+  // Walls of the surroundings are coarse and may lie in front of surfels, far in front in corners. Surfels seen through the front
+  // of a wall get the light on that front, not the darkness behind it.
   const auto hit = shown.behind_glass ? surface.first_solid_hit(ray.eye, -ray.view) : surface.first_hit(ray.eye, -ray.view);
   if (hit && hit->t < t + snap && (!surface.surrounding(hit->face) || !hit->from_inside || hit->t > kNearWall_rel * t)) {
     out.on_mesh = ray.eye - hit->t * ray.view;
@@ -72,13 +72,13 @@ LitPlace lit_place(const SceneSurface& surface, const ShapeSet* shapes, LayerBle
   }
   if (mirror && knows(shapes, ShapeRole::Mirror))
     if (const auto known = shown_mirror(*shapes, {cast<double>(ray.eye), cast<double>(ray.direction_per_z)}, double(shown.z))) {
-      // Before the mesh, which may stand before the shape: from behind it everything is dark.
+      // In front of the mesh, which may hide the shape: behind the mesh everything is dark.
       const float there = float(known->t) * length(ray.direction_per_z);
       out.place = ray.eye - (hit ? std::min(hit->t, there) : there) * ray.view;
       out.normal = turned_to(cast<float>(known->normal), ray.view);
       outwards = out.normal;
     }
-  // Beside a lump of the mesh, `outwards` leads into it; towards the eye there is nothing.
+  // Near a bump of the mesh, `outwards` may point into it; the segment towards the eye is free.
   const Vec3f free = out.place + lift * ray.view;
   const Vec3f above = out.place + (mirror ? lift : kMattLift * surface.grain()) * outwards;
   out.origin = surface.free_between(free, above) ? above : free;

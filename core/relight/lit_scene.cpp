@@ -15,11 +15,11 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr size_t kGrain = 256;  // vertices
-constexpr float kLift = 1;      // in grains of the mesh: where rays start above it
+constexpr float kLift = 1;      // in grains: offset of rays above the mesh
 constexpr uint64_t kDirectStream = 0x11, kGatherStream = 0x12, kFluenceStream = 0x13;
 constexpr int kSmoothings = 2;
 
-// What a gather ray met, kept for all bounces. A ray that met panes keeps its last solid place.
+// Hit of a gather ray, stored for all bounces. After panes: the solid surface with the largest share.
 struct Gathered {
   SurfacePlace place;
   float share = 0;
@@ -111,7 +111,7 @@ void LitScene::bounce(const std::vector<Vec3f>& direct) {
   }
 }
 
-// Mean with the neighbours that face the same way: the noise of few samples goes, edges stay.
+// Averages over neighbours with similar normals: reduces Monte Carlo noise, keeps edges.
 void LitScene::smooth(std::vector<Vec3f>& values) const {
   const TriMesh& mesh = surface_->mesh();
   std::vector<Vec3f> sum = values;
@@ -120,7 +120,7 @@ void LitScene::smooth(std::vector<Vec3f>& values) const {
     for (size_t i = 0; i < 3; ++i) {
       const uint32_t a = f[i], b = f[(i + 1) % 3];
       float w = std::max(dot(mesh.normals[a], mesh.normals[b]), 0.f);
-      w *= w, w *= w, w *= 0.5f * w;  // each edge is met from both of its faces
+      w *= w, w *= w, w *= 0.5f * w;  // each edge is visited from both of its faces
       sum[a] += w * values[b], sum[b] += w * values[a];
       weight[a] += w, weight[b] += w;
     }
@@ -162,7 +162,7 @@ Vec3f LitScene::fluence(const Vec3f& point, uint64_t stream, int samples) const 
   return sum;
 }
 
-// Fluence is the mean over 4 pi: E / pi = 4 times that of L n.l.
+// Fluence is the mean over 4 pi: E / pi is 4 times the mean of L n.l.
 Vec3f LitScene::irradiance_in_the_open(const Patch& patch, const Blocked& blocked, uint64_t stream, int samples) const {
   Vec3f sum{};
   sample_arriving(patch.point, stream, samples, [&](const Vec3f& direction, const Vec3f& radiance) {

@@ -1,12 +1,11 @@
-// The surface of a relit pixel: what it scatters of light from l towards the eye v, in a frame whose z is the normal.
+// BSDF of a relit pixel: scattering of light from l towards the eye v, in a frame whose z axis is the normal.
 //   f(v, l) = w_d albedo/pi + R(v.h) D G / (4 n.v n.l)      half vector h, GGX distribution D, Schlick-Smith G
 //   (core/model/kernels)
-// R and w_d are what the scene was trained with (core/model/kernels/layer_blend.h), here with an agreement of normals of 1
-// (algorithms 7.2):
+// R and w_d are those of the training blend (core/model/kernels/layer_blend.h), with a normal agreement of 1 (algorithms 7.2):
 //   rtrgs    R(c) = k_s F(c)                      w_d = 1 - k_s                    w_t = k_s tau (1 - F(n.v))
 //   layered  R(c) = k_s + (1 - k_s) g(k_s) F(c)   w_d = (1 - R(n.v)) (1 - tau)     w_t = (1 - R(n.v)) tau
-// Directions are drawn from a mixture of cosine-weighted ones and of mirrors of visible normals (Dupuy and Benyoub 2023,
-// spherical caps), with  pdf = (1 - p) n.l/pi + p D G1(v) / (4 n.v), G1 that of Smith without approximation (Heitz 2014).
+// Directions are sampled from a mixture of cosine-weighted directions and visible-normal reflections (spherical caps, Dupuy and
+// Benyoub 2023):  pdf = (1 - p) n.l/pi + p D G1(v) / (4 n.v), with the exact Smith G1 (Heitz 2014).
 #pragma once
 
 #include <algorithm>
@@ -22,10 +21,10 @@ namespace vitrine {
 struct RelitMaterial {
   Vec3f albedo{}, f0{};
   float roughness = 1, specular = 0, transmission = 0;  // specular = k_s, transmission = tau
-  float agreement = 1;                                  // of the normals that a pixel blends (core/model/README.md 4)
+  float agreement = 1;                                  // of the normals blended in a pixel (core/model/README.md 4)
 };
 
-// What of the light is scattered, reflected and let through at this cosine.
+// Weights of scattering, reflection and transmission at this cosine.
 inline LayerWeights<float> relit_weights(LayerBlend blend, const RelitMaterial& m, float cosine) {
   return layer_weights<float>(blend, {m.f0, m.specular, m.transmission, cosine, m.agreement},
                               {.reflection = true, .transmission = true});
@@ -44,7 +43,7 @@ class Microfacet {
     transmission_ = w.transmission;
     const float specular = mean(w.reflection), diffuse = mean(diffuse_);
     specular_share_ = specular + diffuse > 0 ? specular / (specular + diffuse) : 0.f;
-    // Never so rare that one sample outweighs all others.
+    // Bounds the probabilities, so that single samples have no extreme weights.
     if (specular_share_ > 0 && diffuse > 0) specular_share_ = std::clamp(specular_share_, 0.1f, 0.9f);
   }
 
@@ -69,7 +68,7 @@ class Microfacet {
     if (specular_share_ > 0) p += specular_share_ * mirror_pdf(normalized(view_ + l));
     return p;
   }
-  // A direction of density pdf(); z <= 0: below the surface, counts as no light. `choice`, `u`: numbers in [0, 1).
+  // Samples a direction with density pdf(); z <= 0: below the surface, no light. `choice`, `u`: numbers in [0, 1).
   Vec3f sample(float choice, const Vec2f& u) const {
     if (choice < specular_share_) return reflected(view_, visible_normal(u));
     const float r = std::sqrt(u.x), phi = 2 * kPi * u.y;
@@ -98,17 +97,17 @@ class Microfacet {
 
 constexpr float kTypicalCosine = 0.7f;
 
-// Share of light that a surface scatters in all directions, roughly.
+// Approximate albedo of the diffuse part over all directions.
 inline Vec3f scattered_reflectance(LayerBlend blend, const RelitMaterial& m) {
   return hadamard(relit_weights(blend, m, kTypicalCosine).diffuse, m.albedo);
 }
-// Share of light that a surface sends on, roughly: what bounces between surfaces.
+// Approximate total reflectance, for bounces between surfaces.
 inline Vec3f bounce_reflectance(LayerBlend blend, const RelitMaterial& m) {
   const LayerWeights<float> w = relit_weights(blend, m, kTypicalCosine);
   const Vec3f out = hadamard(w.diffuse, m.albedo) + w.reflection;
   return {std::min(out.x, 1.f), std::min(out.y, 1.f), std::min(out.z, 1.f)};
 }
-// Share of light that goes straight through.
+// Share of light transmitted without deflection.
 inline float straight_transmittance(LayerBlend blend, const RelitMaterial& m) {
   const Vec3f t = relit_weights(blend, m, kTypicalCosine).transmission;
   return (t.x + t.y + t.z) / 3;

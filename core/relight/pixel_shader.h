@@ -1,5 +1,5 @@
-// One pixel of a relit picture: what its surface sends to the eye of the light that arrives there, by one ray a sample to the
-// environment, to each area lamp and into the lobe of the material, weighed by the balance heuristic (README 2).
+// Shades one pixel of a relit picture. Each sample traces one ray to the environment, one to each area lamp and one into the
+// material's lobe, combined by the balance heuristic (README 2).
 #pragma once
 
 #include "core/math/vec.h"
@@ -11,7 +11,7 @@ namespace vitrine {
 
 inline constexpr uint32_t kLightPlane = 0, kLobePlane = 1, kChoicePlane = 2, kLampPlane = 3;  // of the sample points
 
-// The frame of a normal: z is the normal.
+// Shading frame: z is the normal.
 struct ShadingFrame {
   Vec3f t0, t1, n;
   explicit ShadingFrame(const Vec3f& normal) : n(normal) { tangents(normal, t0, t1); }
@@ -19,7 +19,7 @@ struct ShadingFrame {
   Vec3f world(const Vec3f& v) const { return v.x * t0 + v.y * t1 + v.z * n; }
 };
 
-// One pixel under the lighting, without what shines through.
+// One pixel under the lighting, without transmitted light.
 class PixelShader {
  public:
   PixelShader(const LitScene& lit, const Microfacet& scatter, const ShadingFrame& frame, const Vec3f& place, const Vec3f& origin)
@@ -43,7 +43,7 @@ class PixelShader {
   float visibility(const Vec3f& direction, float far = Lighting::kFar) const {
     return lit_.surface().visibility(origin_, direction, far);
   }
-  // Up to the lamp and not beyond, where its ceiling may be.
+  // Stops at the lamp: a surface such as the ceiling may lie behind it.
   float visibility(const LampSample& s) const {
     if (!(s.distance < Lighting::kFar)) return visibility(s.direction);
     const Vec3f way = place_ + s.distance * s.direction - origin_;
@@ -89,7 +89,7 @@ class PixelShader {
   const Lighting& light_;
   const Microfacet& scatter_;
   const ShadingFrame& frame_;
-  Vec3f place_, origin_;  // rays start a little above the place
+  Vec3f place_, origin_;  // rays start slightly above the place
 };
 
 }  // namespace vitrine

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kLeastCoverage = 1 / 255.f;
 constexpr int kBandRows = 8;
-constexpr uint64_t kBehindStream = 0xb3;  // of the sample points of what stands behind glass
+constexpr uint64_t kBehindStream = 0xb3;  // sample points of surfaces behind glass
 
 ImageOptions options_of(const RelitScene& scene) {
   ImageOptions o = scene.trained.image;
@@ -25,7 +25,7 @@ ImageOptions options_of(const RelitScene& scene) {
   return o;
 }
 
-// Pixels with something of glass in them.
+// Pixels that show glass.
 std::vector<uint32_t> see_through(const GBuffer& g) {
   std::vector<uint32_t> out;
   for (uint32_t pixel = 0; pixel < g.pixels; ++pixel)

@@ -1,11 +1,11 @@
-// Pictures of a scene under another light (README): what each pixel shows is rasterised from the surfels, then shaded with the
-// materials of the decompose stage; rays for shadows, reflections and one bounce run through the mesh.
+// Renders a scene under another light (README). The surface of each pixel is rasterised from the surfels and shaded with the
+// materials of the decompose stage; rays for shadows, reflections and one bounce are traced through the mesh.
 //
 //   RelitPainter painter(scene);
-//   painter.set_lighting(lighting);                     // finds the light on the mesh and behind the glass, once
+//   painter.set_lighting(lighting);                     // computes the light on the mesh and behind glass, once
 //   RelitPicture p = painter.picture(view, {.samples = 64});
 //
-// Same scene, lighting, view and desc: same bytes, whatever the number of threads.
+// Same scene, lighting, view and desc give the same bytes for any number of threads.
 #pragma once
 
 #include <functional>
@@ -17,14 +17,14 @@
 namespace vitrine {
 
 struct RelitPictureDesc {
-  int samples = 64;  // a pixel; each is one ray to the light and one into the material's lobe
+  int samples = 64;  // per pixel; each traces one ray to the light and one into the material's lobe
   uint64_t seed = 1;
-  std::function<void(double)> progress = {};  // share of the picture that is done; from one thread
+  std::function<void(double)> progress = {};  // fraction done; called from one thread
 };
 
 struct RelitPicture {
   ImageF radiance;  // [h, w, 3] linear, in the units of the lighting; the environment where there is no surface
-  ImageF albedo;    // [h, w, 3] of the surface, times its coverage
+  ImageF albedo;    // [h, w, 3] of the surface, times coverage
   ImageF coverage;  // [h, w, 1] of the surfels
 };
 
@@ -34,9 +34,9 @@ class RelitPainter {
   RelitPainter(const RelitPainter&) = delete;
   RelitPainter& operator=(const RelitPainter&) = delete;
 
-  // Seconds to a minute; throws (core/base/process.h) when the program is asked to stop meanwhile.
+  // Takes seconds to a minute; throws (core/base/process.h) when the program is asked to stop.
   void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
-  // At the size of the view's intrinsics; its gain takes no part.
+  // At the size of the view's intrinsics; its gain is ignored.
   RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});
 
   const RelitScene& scene() const { return scene_; }

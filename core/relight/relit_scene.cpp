@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-// Nearer to 0 or 1 the sigmoid's raw value runs away, and no picture shows the difference.
+// Clamp of values before the inverse sigmoid, which diverges at 0 and 1; the difference is invisible.
 constexpr float kOpenEnd = 1e-4f;
 
 constexpr float kInvisible = -20;  // raw opacity

@@ -1,5 +1,5 @@
-// What a scene must know to be lit anew: the trained surfels, the materials that the decompose stage found for them, the light
-// that it took out of the photos, the mesh that throws the shadows, and the walls around it.
+// Input of relighting: the trained surfels, their materials and the light of the photos (decompose stage), the mesh that casts
+// shadows, and the walls around it.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ struct RelitScene {
   DecomposedMaterials materials;  // of trained.surfels
   Environment captured;           // the light of the photos
   TriMesh mesh;
-  TriMesh behind_glass;  // what stands behind its glass, which `mesh` does not have; may be empty
-  TriMesh surroundings;  // walls around it, colours = albedo: they block light and send it on; empty: there are none
+  TriMesh behind_glass;  // surfaces behind its glass, which `mesh` lacks; may be empty
+  TriMesh surroundings;  // walls, vertex colours = albedo; they occlude and reflect light; may be empty
 
   RelitMaterial material(size_t surfel) const {
     return {materials.albedo[surfel], materials.f0[surfel], materials.roughness[surfel], materials.specular_weight[surfel],
@@ -29,7 +29,7 @@ struct RelitScene {
   LayerBlend blend() const { return trained.image.composite.blend; }
 };
 
-// From the artifacts of these stages. Throws Error{Input} with file and cause, also when they do not belong together.
+// Artifacts of these stages. The reader throws Error{Input} with file and cause, also when they belong to different scenes.
 struct RelitFolders {
   std::filesystem::path optimize;
   std::optional<std::filesystem::path> refine = std::nullopt;
@@ -37,7 +37,7 @@ struct RelitFolders {
 };
 RelitScene read_relit_scene(const RelitFolders& folders);
 
-// The diffuse surfels with the albedo as colour and the materials of the decompose stage: what the rasteriser blends for a relit
+// The diffuse surfels with albedo as colour and the materials of the decompose stage, as the rasteriser blends them for a relit
 // picture.
 SplatLayer material_layer(const RelitScene& scene);
 

@@ -1,7 +1,7 @@
-// Points of the unit square that fill it evenly: the first two dimensions of Sobol's sequence, which put one of any 2^k
-// consecutive points into every box of area 2^-k. Digits are scrambled as Owen does it, by a hash of all higher digits (Laine and
-// Karras 2011), and each plane takes the points in another order (Burley 2020), so that planes and pixels know nothing of each
-// other. A point depends on (seed, stream, plane, sample) alone.
+// Low-discrepancy points in the unit square: the first two dimensions of the Sobol sequence. Any 2^k consecutive points place one
+// point in every elementary interval of area 2^-k. Owen scrambling by a hash of the higher digits (Laine and Karras 2011); each
+// plane permutes the order of the points (Burley 2020), which decorrelates planes and pixels. A point depends on (seed, stream,
+// plane, sample) only.
 #pragma once
 
 #include "core/base/rng.h"
@@ -11,7 +11,7 @@ namespace vitrine {
 
 class SamplePoints {
  public:
-  // `stream`: the pixel or vertex.
+  // `stream`: index of the pixel or vertex.
   SamplePoints(uint64_t seed, uint64_t stream) : key_(mix64(seed, stream)) {}
 
   Vec2f point(uint32_t plane, uint32_t sample) const {
@@ -21,7 +21,7 @@ class SamplePoints {
   }
 
  private:
-  // From digits whose lowest is the most significant.
+  // From bit-reversed digits.
   static float unit(uint32_t digits) { return static_cast<float>(reversed(digits) >> 8) * 0x1p-24f; }
   static uint32_t reversed(uint32_t i) {
     i = (i << 16) | (i >> 16);
@@ -30,7 +30,7 @@ class SamplePoints {
     i = ((i & 0x33333333u) << 2) | ((i & 0xccccccccu) >> 2);
     return ((i & 0x55555555u) << 1) | ((i & 0xaaaaaaaau) >> 1);
   }
-  // A permutation whose every bit depends on the lower ones and the seed.
+  // Owen scrambling: a permutation in which each bit depends on the lower bits and the seed.
   static uint32_t scrambled(uint32_t x, uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;
@@ -38,7 +38,7 @@ class SamplePoints {
     x ^= x * 0xc7afe638u;
     return x ^ (x * 0x8d22f6e6u);
   }
-  // The binomials modulo 2, which are the second dimension's generator matrix, five shears at a time.
+  // Multiplies by the Pascal matrix modulo 2, the generator matrix of the second dimension, as five shears.
   static uint32_t pascal(uint32_t x) {
     x ^= (x & 0xaaaaaaaau) >> 1;
     x ^= (x & 0xccccccccu) >> 2;

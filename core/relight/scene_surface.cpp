@@ -10,9 +10,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kTellingCoverage = 0.05f;  // of the surfels on a vertex's short ray; less tells nothing
-constexpr float kReach = 3;                // in grains: how far off the mesh its surfels are looked for
-constexpr float kLeastGlass = 0.05f;       // straight transmittance below this is a solid thing
+constexpr float kTellingCoverage = 0.05f;  // minimum coverage by surfels along a vertex's short ray
+constexpr float kReach = 3;                // in grains: search distance for surfels around the mesh
+constexpr float kLeastGlass = 0.05f;       // below this transmittance a surface is opaque
 
 TriMesh with_normals(TriMesh mesh) {
   if (mesh.normals.size() != mesh.positions.size()) mesh.normals = vertex_normals(mesh);
@@ -79,7 +79,7 @@ void SceneSurface::take_materials(const RelitScene& scene) {
   const SplatLayer& surfels = scene.trained.surfels.diffuse;
   reflectance_ = colors_at_vertices(painted_layer(surfels, reflectance), mesh_, kReach * grain_, cast<float>(mean));
   std::ranges::copy(scene.surroundings.colors, reflectance_.begin() + static_cast<std::ptrdiff_t>(near_vertices_));
-  // Sums of weighted means: rounding may leave the range.
+  // Rounding of the weighted means may leave [0, 1].
   for (Vec3f& r : reflectance_)
     for (size_t c = 0; c < 3; ++c) r[c] = std::clamp(r[c], 0.f, 1.f);
   if (!glass_) return;

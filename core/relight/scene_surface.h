@@ -1,5 +1,5 @@
-// The mesh of a scene as light meets it: what stops rays, what lets them through (panes of glass), and what share of light each
-// vertex sends on. Vertices take their materials from the surfels around them, by a short ray through them.
+// The mesh of a scene for light transport: occluders, panes of glass, reflectance per vertex. Vertices sample their materials
+// from the surfels along a short ray.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace vitrine {
 
-// A place on the mesh: a face and weights of its corners.
+// A position on the mesh: face and barycentric weights.
 struct SurfacePlace {
   uint32_t face = 0;
   Vec3f weights{};
@@ -20,36 +20,36 @@ class SceneSurface {
  public:
   explicit SceneSurface(const RelitScene& scene);
 
-  // With normals; the surroundings' vertices and faces stand behind those of the scene's mesh.
+  // With normals; vertices and faces of the surroundings follow those of the scene's mesh.
   const TriMesh& mesh() const { return mesh_; }
   bool surrounding(uint32_t face) const { return face >= near_faces_; }
   const std::vector<Vec3f>& reflectance() const { return reflectance_; }  // [v]
-  // Length of the mesh's edges: surfels and mesh agree to about as much. Rays start and places are compared with it.
+  // Mean edge length of the mesh: the unit of the distance between surfels and mesh, and of ray offsets.
   float grain() const { return grain_; }
 
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0) const {
     return hits_.first_hit(origin, direction, near);
   }
-  // The same past all panes.
+  // The first hit behind all panes.
   std::optional<MeshHit> first_solid_hit(const Vec3f& origin, const Vec3f& direction) const;
-  // Nothing, not even a pane, stands between.
+  // True if nothing, not even a pane, lies between the points.
   bool free_between(const Vec3f& a, const Vec3f& b) const { return !hits_.occluded(a, b - a, 0, 1); }
-  // The place where a ray meets the front of the mesh before `far`.
+  // The position where a ray hits the front of the mesh before `far`.
   std::optional<SurfacePlace> front_near(const Vec3f& origin, const Vec3f& direction, float far) const {
     const auto hit = hits_.first_face(origin, direction, 0, far);
     if (!hit || hit->from_inside) return std::nullopt;
     return place(*hit);
   }
-  // Share of light that comes along a segment: 0 behind anything solid, less than 1 behind glass.
+  // Transmittance of a segment: 0 behind solid surfaces, below 1 behind glass.
   float visibility(const Vec3f& origin, const Vec3f& direction, float far = MeshHits::kFar) const;
 
-  // What a ray meets: solid places, and panes on the way, each with the share of the ray that it gets.
+  // A hit of a ray: a solid surface or a pane, with its share of the ray.
   struct Meeting {
     SurfacePlace place;
     float share = 0;
     bool front = true;
   };
-  // Calls meet(Meeting) for each; returns the share that leaves the scene.
+  // Calls meet(Meeting) for each hit; returns the share that leaves the scene.
   template <class Meet>
   float follow(const Vec3f& origin, const Vec3f& direction, const Meet& meet) const {
     float near = 0, share = 1;
@@ -64,7 +64,7 @@ class SceneSurface {
     }
     return 0;
   }
-  // Of the vertices around, outwards; where they cancel, that of the face.
+  // Interpolated from the vertices, outward; the face normal where they cancel.
   Vec3f smooth_normal(const MeshHit& hit) const {
     const Vec3f n = at(mesh_.normals, place(hit));
     return squared_length(n) > 0 ? normalized(n) : hit.normal;
@@ -76,7 +76,7 @@ class SceneSurface {
 
  private:
   static constexpr float kLeastShare = 0.01f;
-  static constexpr float kSamePlace = 1e-3f;  // in grains: faces this near to each other along a ray are one surface
+  static constexpr float kSamePlace = 1e-3f;  // in grains: faces closer along a ray are one surface
 
   float face_transmittance(uint32_t face) const { return glass_ ? transmittance_[face] : 0.f; }
   float next_near(float t) const { return t * (1 + 4e-6f) + kSamePlace * grain_; }
