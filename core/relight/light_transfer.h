@@ -71,7 +71,7 @@ class LightTransfer {
   struct Arrival {
     Transfer from_scene{};
     float from_outside = 1;
-    float distance = 0;  // to the first solid surface; 0: none
+    float distance = 0;  // to the surface with the largest share; 0: outside has a larger one
   };
   Arrival arriving(const Vec3f& origin, const Vec3f& direction) const;
   const SceneSurface& surface() const { return *surface_; }
