@@ -1,6 +1,6 @@
-// --max-memory, for whatever a stage does: while it runs, the resident memory of its process and of the programs that it started
-// is looked at ten times a second; above the limit the stage is asked to stop (core/base/process.h, request_stop), which keeps
-// its checkpoint and ends with exit code 6. Stages that can do with less do so before (ingest, sfm, optimize).
+// Enforces --max-memory while a stage runs: polls the resident memory of the process and its child processes ten times a second.
+// Above the limit it requests a stop (core/base/process.h, request_stop): the stage keeps its checkpoint and exits with code 6.
+// Stages that can reduce their memory do so beforehand (ingest, sfm, optimize).
 #pragma once
 
 #include <condition_variable>
@@ -12,7 +12,7 @@ namespace vitrine {
 
 class MemoryWatch {
  public:
-  // limit_bytes 0 = watches nothing.
+  // limit_bytes 0: no limit, no polling.
   MemoryWatch(size_t limit_bytes, std::string stage);
   ~MemoryWatch();
   MemoryWatch(const MemoryWatch&) = delete;
@@ -26,7 +26,7 @@ class MemoryWatch {
   std::thread thread_;
 };
 
-// What helps a stage to need less memory, as a command line's words.
+// Command-line options that reduce the memory of a stage.
 std::string less_memory_hint(const std::string& stage);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// A page for people as one HTML file: what the build made of a program's folder page/ (page/page.cmake), with its data put in.
+// HTML page in one file: the bundled page of a program (folder page/, page/page.cmake) with its data inserted.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace vitrine {
 
-// vitrine-<stage>.html beside the program.
+// vitrine-<stage>.html in the folder of the program.
 std::filesystem::path empty_page_path(std::string_view stage);
-// Throws Error{Dependency} where the build had no npm. `purpose`: what the page is for, "to view a scene in".
+// Throws Error{Dependency} if the build had no npm. `purpose`, for the message: "to view a scene in".
 std::string empty_page(std::string_view stage, std::string_view purpose);
-// Of its bytes, for the cache key; "none".
+// Digest of the page for the cache key; "none" without a page.
 std::string empty_page_digest(std::string_view stage);
 
-// The text of a script element that no browser runs.
+// Text of a script element that browsers do not execute.
 struct PagePart {
   std::string id, type, text;
 };
-PagePart json_part(std::string id, const nlohmann::ordered_json& json);  // nothing in it ends the element
-PagePart bytes_part(std::string id, std::string_view bytes);             // as base64
+PagePart json_part(std::string id, const nlohmann::ordered_json& json);  // escaped, so that the text cannot close the element
+PagePart bytes_part(std::string id, std::string_view bytes);             // base64
 
-// Throws Error{Dependency} when the page has no place for data: it belongs to another build.
+// Throws Error{Dependency} when the page has no placeholder for data: it belongs to another build.
 std::string page_of(const std::string& empty_page, const std::vector<PagePart>& parts);
 
 }  // namespace vitrine

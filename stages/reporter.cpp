@@ -15,7 +15,7 @@ namespace vitrine {
 using json = nlohmann::ordered_json;
 
 namespace {
-// How often at most: a bar moves smoothly, a log stays readable, a program is kept informed.
+// Minimum period, seconds, of progress bar updates, log lines and records.
 constexpr double kBarPeriod = 0.1, kLinePeriod = 10, kRecordPeriod = 0.5;
 
 json number(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }

@@ -1,7 +1,7 @@
-// What a running stage tells the world: lines or a progress bar for people (stderr), and records for programs: one JSON object
-// per line in --events FILE, or on stdout with --log-format json, which is how the pipeline listens.
+// Output of a running stage: lines or a progress bar for people (stderr), and one JSON record per line for programs, in --events
+// FILE, or on stdout with --log-format json, which the pipeline reads.
 //
-// Every record has "v", "type", "time", "stage"; configs/events.schema.json has the types and their fields.
+// Every record has "v", "type", "time", "stage"; configs/events.schema.json defines the types and their fields.
 #pragma once
 
 #include <filesystem>
@@ -23,14 +23,14 @@ class Reporter {
   explicit Reporter(std::string stage) : stage_(std::move(stage)) {}
   ~Reporter();
 
-  bool json_console = false;  // records on stdout instead of lines for people
+  bool json_console = false;  // records on stdout instead of text
   bool show_progress = true;
   void write_events_to(const std::filesystem::path& file);  // appends
 
   void record(std::string_view type, nlohmann::ordered_json fields);
   void progress(const Progress& p);
   void error(const Error& e);
-  void finish_progress();  // removes the bar
+  void finish_progress();  // removes the progress bar
 
  private:
   std::string stage_;

@@ -98,7 +98,7 @@ void apply_stage_config(const StageArguments& arguments, const StageInfo& info, 
   ConfigErrors errors;
   for (const std::string& path : arguments.configs) {
     const YamlFile file = read_yaml(path);
-    // The part of the file that is the stage's; null where the whole file is its options.
+    // The stage's section of the file; null if the whole file holds its options.
     const YamlNode* section = options.find(info.name) == nullptr ? file.root.find(info.name) : nullptr;
     apply_yaml(file, section ? *section : file.root, options, {.shown = section ? info.name : std::string()}, errors);
   }

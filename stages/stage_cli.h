@@ -1,4 +1,4 @@
-// The command line that every stage executable has.
+// The command line of every stage executable.
 #pragma once
 
 #include <string>
@@ -23,9 +23,9 @@ struct StageArguments {
 
 StageArguments parse_stage_arguments(const StageInfo& info, const std::vector<std::string>& words);
 std::string stage_help(const StageInfo& info, const OptionTable& options);
-// What `--describe` prints, one JSON object: all that the pipeline knows of a stage.
+// Output of `--describe`: one JSON object with everything the pipeline needs to know about a stage.
 std::string stage_description(const StageInfo& info, const OptionTable& options);
-// What `--cost` prints. Error{Usage} where the stage has no estimate, or an option that it reads is missing in the file.
+// Output of `--cost`. Throws Error{Usage} if the stage has no estimate, or if the file lacks an option the estimate reads.
 std::string stage_cost_answer(const StageInfo& info, const std::string& file);
 // Config files in order, then --set-from, then --set. A file is a map of the stage's options, or of stages (then this stage's
 // part is read).

@@ -1,16 +1,16 @@
-// What a stage may give up to keep within --max-memory. It is decided before the key is made, from what its inputs are called and
-// say of their sizes: the key tells what is computed, and a run with more memory is not served what was made with less.
+// Options that a stage lowers to stay within --max-memory. The decision precedes the cache key and uses the names and sizes of
+// the inputs: the key then covers the lowered options, and a run with more memory does not reuse the reduced result.
 #pragma once
 
 #include "stages/stage.h"
 
 namespace vitrine {
 
-using InputPaths = std::map<std::string, std::filesystem::path>;  // of the inputs that are given, by name
+using InputPaths = std::map<std::string, std::filesystem::path>;  // given inputs by name
 
 struct FittedOption {
-  std::string path, value;  // the option, and what it is set to
-  std::string code, text;   // of the warning that says so
+  std::string path, value;  // option and its new value
+  std::string code, text;   // of the warning
 };
 using StageFit = std::function<std::vector<FittedOption>(const Stage& stage, size_t max_memory_bytes, const InputPaths& inputs)>;
 

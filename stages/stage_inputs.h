@@ -1,4 +1,4 @@
-// The inputs of one run of a stage: where they are, and what their contents digest to.
+// Inputs of one run of a stage: paths and content digests.
 #pragma once
 
 #include <map>
@@ -16,8 +16,8 @@ struct ResolvedInput {
 };
 
 // `words` are NAME=PATH. The path of an artifact may be an entry of a store (a folder with manifest.json), an output folder of
-// `vitrine run` (its current artifact of that stage is meant), or any folder with the right files. A damaged, missing or
-// misnamed input is Error{Input} or Error{Usage}.
+// `vitrine run` (its current artifact of that stage is used), or any folder with the right files. Throws Error{Input} or
+// Error{Usage} for damaged, missing or unknown inputs.
 std::map<std::string, ResolvedInput> resolve_inputs(const StageInfo& info, const std::vector<std::string>& words,
                                                     DigestCache& digests);
 

@@ -1,4 +1,4 @@
-// Everything around a stage's run(): command line, key, cache hit, lock, temporary folder, commit, reports, and the one catch.
+// Runs a stage: command line, key, cache hit, lock, temporary folder, commit, reports, and the single catch block.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/prctl.h>
@@ -45,11 +45,12 @@ KeyTerms key_terms(const Stage& stage, const std::map<std::string, ResolvedInput
   return terms;
 }
 
-// One process per key: a second one would write into the same scratch folder. The lock goes with the process, however it ends.
+// Locks a key for one process: a second one would write into the same scratch folder. The system releases the lock when the
+// process ends.
 class ScratchLock {
  public:
   ScratchLock(const fs::path& scratch, const std::string& stage) {
-    // A run that was killed leaves its stage a moment to stop by itself.
+    // A stage whose pipeline was killed needs a moment to stop.
     constexpr int kTries = 150;
     constexpr auto kPause = std::chrono::milliseconds(200);
     make_folders(scratch);
@@ -146,7 +147,7 @@ class Run : public StageContext {
   }
 
  private:
-  // Results among the photos would be photos of the next run.
+  // Results inside the photo folder would be read as photos by the next run.
   void keep_apart() const {
     for (const StageInput& input : stage_.info.inputs) {
       const auto given = inputs_.find(input.name);
@@ -171,7 +172,7 @@ class Run : public StageContext {
     }
   }
 
-  // A finished artifact of the same key, with all its bytes: nothing to do.
+  // Reuses a finished artifact of the same key if all its files are intact.
   bool reuse(ArtifactStore& store) {
     const fs::path entry = store.entry(stage_.info.name, manifest_.key);
     if (!fs::exists(entry / kManifestName)) return false;
@@ -251,12 +252,12 @@ int failed(Reporter& reporter, const Error& e) {
   return exit_code(e.kind());
 }
 
-// The pipeline says who it is: when it is killed, its stage stops too, with a checkpoint.
+// The pipeline passes its process id: when it is killed, the stage stops with a checkpoint.
 void stop_with_parent() {
   const char* parent = std::getenv("VITRINE_PARENT_PID");
   if (parent == nullptr) return;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (std::to_string(getppid()) != parent) raise(SIGTERM);  // it died before the request
+  if (std::to_string(getppid()) != parent) raise(SIGTERM);  // the parent died before prctl
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What training on the photos takes: terms that the costs of several stages share.
+// Cost of training on the photos: terms shared by the estimates of several stages.
 #pragma once
 
 #include "core/artifact/stage_cost.h"
@@ -6,7 +6,7 @@
 namespace vitrine {
 
 inline double ingested_side(const CostTerms& t) { return t.number("ingest.max_side"); }
-// Megapixels of all photos as they are ingested.
+// Total megapixels of the ingested photos.
 inline double ingested_mpx(const CostTerms& t) { return t.photos() * t.mpx(ingested_side(t)); }
 inline double trained_side(const CostTerms& t) { return t.limited("optimize.max_side", ingested_side(t)); }
 double opaque_step_s(const CostTerms& t);  // of one opaque layer, CPU seconds

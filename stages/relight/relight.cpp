@@ -22,7 +22,7 @@ namespace {
 
 constexpr size_t kSheetCells = 24;  // the first pictures
 
-// The folder of a light: the names of its files without what a file system or a shell might not like.
+// Folder name of a light: its file names without characters that file systems or shells may reject.
 std::string label_of(const std::optional<fs::path>& environment, const std::optional<fs::path>& lights) {
   std::string label = environment ? environment->stem().string() : lights ? "" : "captured";
   if (lights) label += (label.empty() ? "" : "_") + lights->stem().string();
@@ -132,7 +132,7 @@ void describe(Describer& d, RelightConfig& c) {
 }
 
 void run_relight(const RelightConfig& config, StageContext& context) {
-  // Bad light and bad cameras are told before anything is computed.
+  // Errors in light and cameras are reported before any computation.
   const std::vector<View> all_views = chosen_views(config, context);
   RelitScene scene = read_relit_scene({.optimize = context.input("optimize"),
                                        .refine = context.optional_input("refine"),

@@ -1,6 +1,6 @@
-// relight: pictures of a scene under another light. Started by `vitrine relight`; it stands beside the graph of `vitrine run`,
-// because nothing follows from its pictures.
-//   reads   sfm, optimize, mesh, decompose (materials, light of the photos); env (HDRI), lights (YAML), path: outside files
+// relight: pictures of a scene under another light. Started by `vitrine relight`; not part of the graph of `vitrine run`, since
+// no stage reads its pictures.
+//   reads   sfm, optimize, mesh, decompose (materials, light of the photos); env (HDRI), lights (YAML), path: external files
 //   writes  relit/<light>/<view>.{exr,png}, contact_sheet.png, turntable.mp4, transforms.json (the cameras), settings.json
 #pragma once
 
@@ -10,7 +10,7 @@ namespace vitrine {
 
 struct RelightConfig {
   std::string views = "heldout";
-  int turntable = 0;  // frames
+  int turntable = 0;  // number of frames
   int width = 0, height = 0, samples = 64, seed = 1;
   double rotate = 0, exposure = 0;
   bool auto_exposure = true;

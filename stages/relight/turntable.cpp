@@ -15,9 +15,9 @@ namespace vitrine {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kWidestGap = kPi / 3;  // of a ring that counts as closed
+constexpr double kWidestGap = kPi / 3;  // a ring with smaller gaps counts as closed
 
-// Camera at `centre` that looks at `target`, upright.
+// Upright camera at `centre` that looks at `target`.
 Rigid looking_at(const Vec3d& centre, const Vec3d& target) {
   const Vec3d forward = normalized(target - centre);
   const Vec3d across = cross(forward, Vec3d{0, 0, 1});
@@ -25,7 +25,7 @@ Rigid looking_at(const Vec3d& centre, const Vec3d& target) {
   return inverse(Rigid{Mat3d{right, cross(forward, right), forward}, centre});
 }
 
-// The arc that the photos cover: where it begins, and how far it goes counter-clockwise.
+// The arc that the photos cover: start and counter-clockwise extent.
 struct Arc {
   double begin = 0, length = 2 * kPi;
   bool closed() const { return length > 2 * kPi - kWidestGap; }
@@ -44,7 +44,7 @@ Arc covered(std::vector<double> azimuths) {
 Vec3d point_looked_at(std::span<const View> views) {
   constexpr double kParallel = 1e-9;
   const LookedAt found = looked_at(views);
-  // Parallel axes meet nowhere: one unit in front of the first camera.
+  // Parallel axes do not intersect: use one unit in front of the first camera.
   if (found.spread < kParallel)
     return views[0].centre_in_world() + transposed_times(views[0].cam_from_world.rotation, Vec3d{0, 0, 1});
   return found.point;

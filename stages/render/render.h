@@ -1,5 +1,5 @@
-// render: pictures of a trained scene, from the cameras of its photos or along a path, and the layers they are made of. Started
-// by `vitrine render`; it stands beside the graph of `vitrine run`, because nothing follows from its pictures.
+// render: pictures of a trained scene and their layers, from the cameras of the photos or along a path. Started by `vitrine
+// render`; not part of the graph of `vitrine run`, since no stage reads its pictures.
 //   reads   sfm/{sparse,gains}, gaussians/*.ply, optimize/views.json, optional path (transforms.json)
 //   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
 #pragma once

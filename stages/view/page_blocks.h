@@ -1,6 +1,5 @@
-// The numbers of a scene for its page: named arrays in one buffer, which a directory in JSON describes. Numbers are
-// little-endian; of each array the first bytes of all items stand first, then all second ones: alike stands beside alike, which
-// deflates better.
+// Numeric data of a scene for its page: named arrays in one buffer, with a directory in JSON. Numbers are little-endian and
+// stored byte plane by byte plane (the first bytes of all items, then the second ones), which compresses better.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +14,12 @@ namespace vitrine {
 
 // Nearest half float (IEEE 754 binary16), clamped to its range.
 uint16_t half_bits(float value);
-// The nearest half float whose mantissa has at most so many of its ten bits: what is not there need not be kept.
+// Rounds to a half float with `mantissa_bits` of the ten mantissa bits, which compresses better.
 float rounded_half(float value, int mantissa_bits);
 
 class PageBlocks {
  public:
-  // `width`: numbers of one item.
+  // `width`: numbers per item.
   void floats(std::string_view name, std::span<const float> values, int width);
   void halves(std::string_view name, std::span<const float> values, int width, int mantissa_bits = 10);
   void bytes(std::string_view name, std::span<const uint8_t> values, int width);
@@ -38,7 +37,7 @@ class PageBlocks {
   std::string buffer_;
 };
 
-// As a zlib stream (RFC 1950), which browsers read with DecompressionStream("deflate").
+// zlib stream (RFC 1950); browsers decode it with DecompressionStream("deflate").
 std::string deflated(std::string_view bytes);
 
 }  // namespace vitrine

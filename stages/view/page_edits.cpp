@@ -10,9 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr uint32_t kMostComponents = 255;  // a byte a surfel
+constexpr uint32_t kMostComponents = 255;  // one byte per surfel
 
-// A byte of each surfel of a layer.
+// One byte per surfel of a layer.
 struct LayerParts {
   std::vector<uint8_t> classes, components;
   void resize(size_t n) { classes.resize(n), components.resize(n); }
@@ -47,7 +47,7 @@ Json add_edits(const EditScene& scene, std::span<const View> views, const ClassP
   take_components(selector.surfel_components().transmittance, of_inside);
 
   std::vector<uint8_t> kinds, components;
-  std::vector<uint32_t> place(diffuse.size(), UINT32_MAX);  // of a surfel among those drawn, then those absent
+  std::vector<uint32_t> place(diffuse.size(), UINT32_MAX);  // index of a surfel in the rendered, then the absent ones
   for (size_t k = 0; k < surfels.drawn; ++k) {
     const uint32_t i = surfels.of_diffuse[k], j = surfels.of_inside[k];
     kinds.push_back(i != UINT32_MAX ? of_diffuse.classes[i] : of_inside.classes[j]);

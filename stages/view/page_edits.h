@@ -1,5 +1,5 @@
-// What the page must know to preview edits as `vitrine edit` would make them (core/edit): classes of the masks and components of
-// the mesh of every surfel, where surfels are that the page does not draw, and which surfels show which known shape.
+// Data for previewing edits in the page as `vitrine edit` would apply them (core/edit): mask classes and mesh component of every
+// surfel, positions of surfels that the page does not render, and the surfels of each known shape.
 #pragma once
 
 #include <span>
@@ -11,15 +11,15 @@
 
 namespace vitrine {
 
-// Blocks part_class and part_component of the drawn surfels (a bit a class in the order of kMaskClasses; 0: no component, or one
-// beyond 255), absent_place, absent_class, absent_component, absent_flags and, where there are objects, absent_object (as
-// part_object, page_objects.h) of those of the diffuse layer that are not drawn, and shape_surfel: of each entry of `shapes`
-// (page_shapes.h), which gets their number as "surfels", the indices among both.
-// Returns {"there": true, "classes": names, "no_classes": why there are none, "components": how many}.
+// Writes blocks. part_class and part_component of the rendered surfels (class: one bit each, in the order of kMaskClasses;
+// component 0: none, or beyond 255). absent_place, absent_class, absent_component, absent_flags and, if there are objects,
+// absent_object (like part_object, page_objects.h) of the diffuse surfels that are not rendered. shape_surfel: surfels of each
+// entry of `shapes` (page_shapes.h), as indices into the rendered surfels followed by the absent ones; the entry gets their count
+// as "surfels". Returns {"there": true, "classes": names, "no_classes": reason if there are none, "components": count}.
 nlohmann::ordered_json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels,
                                  const PageSurfels& surfels, nlohmann::ordered_json& shapes, PageBlocks& blocks);
 
-// In a page without edits: why.
+// For a page without edits; `why` is the reason.
 nlohmann::ordered_json no_edits(const std::string& why);
 
 }  // namespace vitrine

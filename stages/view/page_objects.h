@@ -1,4 +1,4 @@
-// The objects of a scene (core/objects) for its page: their list, and the one that each drawn surfel belongs to.
+// Objects of a scene (core/objects) for its page: the list, and the object of each rendered surfel.
 #pragma once
 
 #include "core/base/json.h"
@@ -7,8 +7,8 @@
 
 namespace vitrine {
 
-// Block part_object: the stored id of each drawn surfel, 0: none. Without objects there is no block. Returns the list
-// [{"id", "name", "role", "trust"}].
+// Writes the block part_object: id of the object of each rendered surfel, 0: none. Without objects there is no block. Returns the
+// list [{"id", "name", "role", "trust"}].
 nlohmann::ordered_json add_objects(const ObjectSet& set, const SplatScene& scene, const PageSurfels& surfels, PageBlocks& blocks);
 
 }  // namespace vitrine

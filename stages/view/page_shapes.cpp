@@ -8,10 +8,10 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kSpacing_rel = 1.0 / 24;  // of the size of a curved shape: length of its edges
-constexpr size_t kMostFaces = 6000;        // of a shape
+constexpr double kSpacing_rel = 1.0 / 24;  // edge length of curved shapes, relative to their size
+constexpr size_t kMostFaces = 6000;        // per shape
 constexpr uint16_t kCurved = UINT16_MAX;
-constexpr const char* kRoles[] = {"mirror", "sheet", "coat", "sheet"};  // [ShapeRole] the page sees straight through solid glass
+constexpr const char* kRoles[] = {"mirror", "sheet", "coat", "sheet"};  // [ShapeRole]; the page does not refract at solid glass
 
 uint16_t facet_of(std::span<const Facet> facets, const Vec3d& normal) {
   size_t best = 0;

@@ -1,5 +1,5 @@
-// Known shapes for the page: triangles that it draws (sheets of glass and polished surfaces are better known than surfels show
-// them), and the planes that mirror.
+// Known shapes for the page: triangles, which are more accurate than surfels for sheets of glass and polished surfaces, and
+// mirror planes.
 #pragma once
 
 #include "core/base/json.h"
@@ -8,11 +8,11 @@
 
 namespace vitrine {
 
-// Blocks shape_place, shape_normal, shape_part (facet, entry; facet 65535: curved) of vertices, shape_corner of triangles.
+// Writes blocks shape_place, shape_normal, shape_part (facet, entry; facet 65535: curved) of vertices, shape_corner of triangles.
 // Returns
 //   {"entries": [{"role", "tolerance", "closed", "exact", "parent", "object"}], "facets": [{"entry", "normal", "offset",
 //   "clear", "at_pane"}]}
-// Throws nothing; an empty set gives empty lists.
+// An empty set gives empty lists.
 nlohmann::ordered_json add_shapes(const ShapeSet* set, PageBlocks& blocks);
 
 }  // namespace vitrine

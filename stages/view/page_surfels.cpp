@@ -16,17 +16,17 @@ namespace vitrine {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kMostAlbedo = 8;  // of what stands behind glass, its radiance over the light that it had; the page's unit of it
-constexpr float kLeastIrradiance = 1e-3f;                        // of the light in the open
-constexpr int kByteZero = 128, kByteOne = 63;                    // of bytes of either sign: 0 and 1
-constexpr int kTurnStep = 8;                                     // of 65536: what normals need, and no noise to keep beside
-constexpr uint8_t kNoSide = 255;                                 // of a normal, otherwise 0 to 254
-constexpr int kBouncedDegree = 1;                                // light from the scene is smooth
-constexpr float kTransferSteps = 48;                             // of a coefficient, in the constant one
-constexpr int kSpanBits = 7, kScaleBits = 6, kTransferBits = 6;  // of mantissas: to 0.4, 0.8 and 0.8 %
-constexpr float kColorSteps = 1023;                              // of the square root of a colour
+constexpr float kMostAlbedo = 8;               // behind glass: maximum radiance over received light; 1 in the page's format
+constexpr float kLeastIrradiance = 1e-3f;      // relative to the unoccluded light
+constexpr int kByteZero = 128, kByteOne = 63;  // signed values in bytes: codes of 0 and 1
+constexpr int kTurnStep = 8;                   // of 65536; sufficient for normals, and the rounding compresses better
+constexpr uint8_t kNoSide = 255;               // code for no normal; normals use 0 to 254
+constexpr int kBouncedDegree = 1;              // light from the scene is smooth
+constexpr float kTransferSteps = 48;           // coefficients are multiples of 1/48 of the constant one
+constexpr int kSpanBits = 7, kScaleBits = 6, kTransferBits = 6;  // mantissa bits: relative error 0.4, 0.8 and 0.8 %
+constexpr float kColorSteps = 1023;                              // quantisation of the square root of a colour
 
-// How much of the pictures a surfel covers, in a unit of no meaning.
+// Relative size of a surfel in the pictures.
 float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
   const float *m = layer.at(Attribute::Mean, i), *s = layer.at(Attribute::LogScale, i);
   double nearest = 1e30;
@@ -34,7 +34,7 @@ float extent(const SplatLayer& layer, size_t i, std::span<const Vec3d> eyes) {
   return sigmoid(*layer.at(Attribute::Opacity, i)) * std::exp(s[0] + s[1]) / static_cast<float>(std::max(nearest, 1e-6));
 }
 
-// With all coefficients of degree 3, the absent ones 0.
+// Joins the layers with all SH coefficients up to the maximum degree; missing ones are 0.
 SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std::span<const uint32_t> glass) {
   const SplatLayer &diffuse = scene.diffuse, &mirrored = scene.reflection, &inside = scene.transmittance;
   SplatLayer out(LayerKind::Diffuse, std::max({diffuse.sh_degree(), inside.sh_degree(), mirrored.sh_degree()}),
@@ -43,7 +43,7 @@ SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std:
     for (const AttributeRow& r : kAttributes) {
       std::copy_n(from.at(r.id, i), from.width(r.id), out.at(r.id, to));
       if (from.width(r.id) == 0 && r.id != Attribute::ShRest) {
-        // What the transmittance layer has no notion of: matt and opaque (core/model/opened_scene.h).
+        // The transmittance layer has no such attribute: diffuse and opaque (core/model/opened_scene.h).
         const bool none = r.id == Attribute::SpecularWeight || r.id == Attribute::Transmission;
         std::fill_n(out.at(r.id, to), out.width(r.id), raw_value(r.activation, none ? 1e-4f : r.initial));
       }
@@ -57,7 +57,7 @@ SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std:
   return out;
 }
 
-// The signed values of `per_item` numbers each as bytes 128 + 63 v / scale, scale the largest magnitude of the item.
+// Quantises signed values to bytes 128 + 63 v / scale; scale is the largest magnitude of the item (`per_item` values).
 void add_scaled(std::string_view name, std::span<const float> values, size_t per_item, PageBlocks& blocks) {
   const size_t items = per_item == 0 ? 0 : values.size() / per_item;
   std::vector<uint8_t> bytes(values.size());
@@ -66,7 +66,7 @@ void add_scaled(std::string_view name, std::span<const float> values, size_t per
     const auto item = values.subspan(i * per_item, per_item);
     float most = 0;
     for (const float v : item) most = std::max(most, std::abs(v));
-    scales[i] = rounded_half(most * 1.01f, kScaleBits);  // not shorter than `most`
+    scales[i] = rounded_half(most * 1.01f, kScaleBits);  // not below `most`
     for (size_t k = 0; k < per_item; ++k)
       bytes[i * per_item + k] = static_cast<uint8_t>(kByteZero + (most > 0 ? std::lround(kByteOne * item[k] / scales[i]) : 0));
   }
@@ -74,19 +74,19 @@ void add_scaled(std::string_view name, std::span<const float> values, size_t per
   blocks.halves(std::string(name) + "_scale", scales, 1, kScaleBits);
 }
 
-// Of [0, 1]; the square root keeps small ones apart.
+// Quantises [0, 1] with a square root, which resolves small values.
 uint8_t root_byte(float value) { return static_cast<uint8_t>(std::lround(255 * std::sqrt(std::clamp(value, 0.f, 1.f)))); }
 
-// A coordinate as 16 bits: fine near the cameras, coarser with the square of the distance.
+// Contracts a coordinate to 16 bits: the resolution decreases with the squared distance from the cameras.
 uint16_t contracted(float x) {
   return static_cast<uint16_t>(std::lround(32767.5 + 32767.5 * double(x) / (1 + std::abs(double(x)))));
 }
-uint64_t spread_bits(uint64_t x) {  // two zeros between its bits
+uint64_t spread_bits(uint64_t x) {  // inserts two zeros between bits
   uint64_t out = 0;
   for (int bit = 0; bit < 16; ++bit) out |= (x >> bit & 1) << (3 * bit);
   return out;
 }
-// Neighbours in space stand near each other in the order of Morton's curve, which makes the file smaller.
+// Morton code: neighbours in space are neighbours in the file, which compresses better.
 uint64_t curve_place(const float* mean) {
   return spread_bits(contracted(mean[0])) | spread_bits(contracted(mean[1])) << 1 | spread_bits(contracted(mean[2])) << 2;
 }
@@ -104,8 +104,7 @@ std::vector<uint16_t> turns(const SplatLayer& layer) {
   return out;
 }
 
-// Of the constant part of each colour, 0.5 + Y_0 h_0, the root with the colour's sign, fine where eyes see it: green, and how far
-// red and blue are from it.
+// Quantises the constant colour 0.5 + Y_0 h_0 as signed square roots: green, red minus green, blue minus green.
 std::vector<uint16_t> constants(const SplatLayer& layer) {
   std::vector<uint16_t> out;
   const auto root = [&](float dc) {
@@ -132,7 +131,7 @@ PageSurfels chosen(const PageSurfels& from, std::span<const uint32_t> which) {
     out.solid += k < from.solid;
     out.drawn += k < from.drawn;
   }
-  out.left_out = from.layer.size() - which.size();  // reflections are never left out
+  out.left_out = from.layer.size() - which.size();  // the reflection layer is kept completely
   return out;
 }
 
@@ -228,7 +227,7 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
       out.roughness[k] = m.roughness, out.specular[k] = m.specular, out.transmission[k] = m.transmission;
       continue;
     }
-    // Radiance under the light of the photos (core/relight/README.md 5): scales with the light.
+    // Baked radiance relative to the light of the photos (core/relight/README.md 5); the page scales it with the light.
     const Vec3f before = irradiance(out.received[k], cells, captured);
     const float* dc = surfels.layer.at(Attribute::ShDc, k);
     for (size_t c = 0; c < 3; ++c)

@@ -1,6 +1,5 @@
-// The surfels of a scene as its page draws them: everything but the glass, first the opaque surfels of the diffuse layer, then
-// the transmittance layer; behind them surfels of glass whose shape is not known. What they need beside their own values:
-// materials of the decompose stage and the transfer of light.
+// Surfels of a scene in the order of the page: opaque surfels of the diffuse layer, transmittance layer, surfels of glass of
+// unknown shape, reflection layer. With their additional data: materials of the decompose stage and the light transfer.
 #pragma once
 
 #include <cstdint>
@@ -16,33 +15,34 @@
 namespace vitrine {
 
 enum PageSurfelFlag : uint8_t {
-  kGuessedSurfel = 1,  // about what no photo shows: panes do not mirror it (PaneOptions::mirrored)
-  kSkySurfel = 2,      // shows the light of the photos: absent under another
+  kGuessedSurfel = 1,  // in regions that no photo shows: excluded from reflections in panes (PaneOptions::mirrored)
+  kSkySurfel = 2,      // shows the sky of the photos: hidden under another light
   kInsideSurfel = 4,   // of the transmittance layer
 };
 
 struct PageSurfels {
   SplatLayer layer;                  // of kind Diffuse, with trained materials
   std::vector<uint32_t> of_diffuse;  // [surfels] index in the diffuse layer, or UINT32_MAX
-  std::vector<uint32_t> of_inside;   // [surfels] likewise in the transmittance layer
+  std::vector<uint32_t> of_inside;   // [surfels] index in the transmittance layer, or UINT32_MAX
   std::vector<uint8_t> flags;        // [surfels]
-  size_t solid = 0;                  // so many are no glass; glass stands behind them
-  size_t drawn = 0;                  // so many are not of the reflection layer, which stands behind
-  size_t left_out = 0;               // of the scene's, for there were too many
+  size_t solid = 0;                  // number of surfels that are not glass; they come first
+  size_t drawn = 0;                  // number of surfels that are rendered; the reflection layer follows them
+  size_t left_out = 0;               // number omitted because of the limit
 };
 
-// In the order of Morton's curve, each kind. At most `most` surfels are drawn: those stay that cover most of the pictures, by
-// opacity times area over the squared distance to the nearest of `eyes`.
+// Each kind is sorted along the Morton curve. At most `most` surfels are rendered: those with the largest opacity times area over
+// squared distance to the nearest of `eyes`.
 PageSurfels page_surfels(const TrainedScene& scene, std::span<const Vec3d> eyes, size_t most);
 
-// Places of some surfels as the page has them, each as its difference to the one before; and the order in which those are small.
+// page_places: positions in the page format, as differences between consecutive surfels; sort_along_curve: order that keeps these
+// small (Morton curve).
 std::vector<uint16_t> page_places(const SplatLayer& layer, std::span<const uint32_t> which);
 void sort_along_curve(const SplatLayer& layer, std::vector<uint32_t>& which);
 
-// Flags those that show the light of the photos.
+// Flags surfels that show the sky of the photos.
 void mark_sky(const DecomposedMaterials& materials, PageSurfels& surfels);
 
-// Materials and transfer of these surfels under other lights.
+// Materials and light transfer of these surfels.
 struct PageLight {
   std::vector<Vec3f> albedo, f0;
   std::vector<float> roughness, specular, transmission;
@@ -50,12 +50,12 @@ struct PageLight {
 };
 PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, const PageSurfels& surfels);
 
-// Transfers as the page has them: `name`_constant f16 of three, their constant coefficients; `name` u8, the others up to that
-// degree in units of it, without colour.
+// Writes transfers as `name`_constant (f16 x 3: constant coefficients) and `name` (u8: grey coefficients up to `degree`, relative
+// to the constant one).
 void add_transfers(std::string_view name, std::span<const Transfer> transfers, int degree, PageBlocks& blocks);
 
-// Blocks place, turn, span, opacity, constant, sh, sh_scale, material, flags; with a light albedo, lit_material, open, side,
-// bounced_constant, bounced (README, "What the file holds").
+// Writes blocks place, turn, span, opacity, constant, sh, sh_scale, material, flags; with `light` also albedo, lit_material,
+// open, side, bounced_constant, bounced (README 7).
 void add_surfels(const PageSurfels& surfels, const std::optional<PageLight>& light, PageBlocks& blocks);
 
 }  // namespace vitrine

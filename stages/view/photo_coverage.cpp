@@ -14,15 +14,15 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSide = 320;  // pixels of the pictures that find what hides what
+constexpr int kSide = 320;  // resolution of the occlusion pictures, pixels
 constexpr double kSeenShare = 0.05;
-constexpr int kMostPhotos = 12;    // more say no more
+constexpr int kMostPhotos = 12;    // counts above this are clamped
 constexpr double kAngleStep = 10;  // degrees
 constexpr int kMostAngleSteps = 6;
 constexpr size_t kGrain = 1024;
 
-// Of surfel i alone in an empty picture: the sum of its blending weights over the pixels, for its plane as an affine map; 0 where
-// its middle is not in the picture.
+// Unoccluded blending weight of surfel i summed over the pixels, from the affine approximation of its projection; 0 if its centre
+// is outside the image.
 double alone(const SplatLayer& layer, size_t i, const View& view, double near_z) {
   const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i), *s = layer.at(Attribute::LogScale, i);
   const Vec3d p = view.cam_from_world * Vec3d{m[0], m[1], m[2]};
@@ -34,12 +34,12 @@ double alone(const SplatLayer& layer, size_t i, const View& view, double near_z)
     return Vec2d{k.fx * span * (turned(0, axis) - p.x * along), k.fy * span * (turned(1, axis) - p.y * along)};
   };
   const Vec2d u = on_screen(0), v = on_screen(1);
-  const double low_pass = std::numbers::pi;  // what the screen-space low-pass leaves of the smallest (core/render/README.md)
+  const double low_pass = std::numbers::pi;  // lower bound from the screen-space low-pass filter (core/render/README.md)
   return double(sigmoid(*layer.at(Attribute::Opacity, i))) *
          std::max(2 * std::numbers::pi * std::abs(u.x * v.y - u.y * v.x), low_pass);
 }
 
-// Which of surfels [first, layer.size()) the photo sees, in a row of `seen`.
+// Marks the surfels [first, layer.size()) that the photo sees, in one row of `seen`.
 void mark_seen(const SplatLayer& layer, size_t first, const View& photo, float near_z, Renderer& renderer,
                std::span<uint8_t> seen) {
   const RasterDesc desc{.intrinsics = photo.intrinsics,
@@ -49,7 +49,7 @@ void mark_seen(const SplatLayer& layer, size_t first, const View& photo, float n
                         .near_z = near_z};
   RasterImages images, gradients;
   renderer.forward(layer, desc, images);
-  // The reverse of the rasteriser sums the weights of each surfel; it has no gradients to hand on.
+  // The backward pass of the rasteriser accumulates the blending weight of each surfel; the gradients are zero.
   gradients.reset(desc);
   SplatLayer unused = layer.zeros_like();
   SurfelStatistics statistics;

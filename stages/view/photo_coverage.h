@@ -1,5 +1,5 @@
-// How well the photos saw each surfel of a page: how many of them, and from how far apart. Surfels that few photos saw, or all
-// from one side, are what the training had to guess.
+// Coverage of each surfel of a page by the training photos: their number and their angular spread. Surfels seen by few photos, or
+// from one side only, are badly constrained.
 #pragma once
 
 #include <span>
@@ -12,17 +12,17 @@ namespace vitrine {
 
 struct PhotoCoverage {
   int photos = 0;
-  double widest_deg = 0;  // the greatest angle at the surfel between two of them
+  double widest_deg = 0;  // largest angle at the surfel between two of them
 };
 
-// Of the drawn surfels. A photo sees a surfel whose middle lies in it, where at least a twentieth of what the surfel would give
-// to an empty picture passes the surfels before it. Glass hides no surfel but those of glass behind it.
+// Coverage of the rendered surfels. A photo sees a surfel if its centre is inside the image and at least 5 % of its unoccluded
+// blending weight remains. Glass occludes only surfels of glass.
 std::vector<PhotoCoverage> photo_coverage(const PageSurfels& surfels, std::span<const View> photos, float near_z);
 
 // 8 min(photos, 12) + min(floor(angle / 10 degrees), 6).
 uint8_t coverage_byte(const PhotoCoverage& coverage);
 
-// Block seen: a byte of each drawn surfel.
+// Writes the block seen: one byte per rendered surfel.
 void add_coverage(std::span<const PhotoCoverage> coverage, PageBlocks& blocks);
 
 }  // namespace vitrine

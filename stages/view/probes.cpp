@@ -14,17 +14,17 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kPolished = 0.3f;  // k_s of what is, as in ShapeOptions
-constexpr double kAround = 0.05;   // quantile of the polished surfels: their extent, without strays
-constexpr float kLift = 4;         // in grains of the mesh: how far off a known shape rays are free of its mesh
+constexpr float kPolished = 0.3f;  // minimum k_s or f0 of a polished surfel, as in ShapeOptions
+constexpr double kAround = 0.05;   // quantile of the positions of polished surfels: robust extent
+constexpr float kLift = 4;         // in grains of the mesh: ray offset from a known shape, clear of its mesh
 constexpr int kMostLumps = 4;
 constexpr float kFree = 0.1f;     // in grains
-constexpr float kBeyond = 1.02f;  // of the way out of the extent: what lies there is not the thing itself
+constexpr float kBeyond = 1.02f;  // relative to the boundary of the extent: outside the object
 
 struct Stand {
   Vec3d centre{};
-  Bounds3 extent;                // of the thing around it; empty: nothing
-  const Shape* shape = nullptr;  // that it is, where it is known
+  Bounds3 extent;                // of the object; empty: none
+  const Shape* shape = nullptr;  // known shape of the object, or nullptr
 };
 
 std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
@@ -56,7 +56,7 @@ std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
   return {{.centre = 0.5 * (low + high), .extent = b}};
 }
 
-// Where a ray from the middle is outside of the thing around it: met from outside, that is where it begins.
+// Distance from the centre along a ray at which it has left the object; for a known shape its outermost hit.
 float way_out(const Stand& stand, const Vec3f& direction, float near) {
   if (stand.shape != nullptr) {
     const double far = 2 * length(stand.extent.high - stand.extent.low);
@@ -90,7 +90,7 @@ std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer
                                            2 * (float(i / kProbeSide) + 0.5f) / kProbeSide - 1);
       const Vec3f middle_of = cast<float>(stand.centre);
       float out_at = way_out(stand, d, lift);
-      // Whoever begins inside a lump of the thing's own mesh goes on behind it.
+      // Skips bumps of the object's own mesh.
       for (int lumps = 0; lumps < kMostLumps; ++lumps) {
         const auto hit = transfer.surface().first_hit(middle_of + out_at * d, d);
         if (!hit || !hit->from_inside) break;

@@ -10,7 +10,7 @@ namespace vitrine {
 
 namespace {
 constexpr double kTurned_deg = 150;
-constexpr size_t kRays = 5'000'000;  // of the picture: some ten seconds of a processor
+constexpr size_t kRays = 5'000'000;  // per picture; about ten seconds on one core
 constexpr size_t kLeastSamples = 16, kMostSamples = 64;
 constexpr int kSampleQuality = 90;
 }  // namespace

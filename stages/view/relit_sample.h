@@ -1,5 +1,5 @@
-// One relit picture beside the page, with which the report opens: the first held-out view under the light of the photos, turned
-// about the vertical, so that shadows and mirrors show another light.
+// The relit picture at the top of the report, stored next to the page: the first held-out view under the light of the photos,
+// rotated about the vertical, so that shadows and reflections differ.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace vitrine {
 
-// A JPEG at the size of the view; the same for any number of threads.
+// JPEG at the size of the view; the same for any number of threads.
 std::string relit_sample(const RelitScene& scene, const View& view);
 
 }  // namespace vitrine

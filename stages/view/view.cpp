@@ -32,10 +32,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPhotoQuality = 75;
-constexpr int kEnvironmentWidth = 128;  // of the light of the photos in the page
+constexpr int kEnvironmentWidth = 128;  // width of the photo environment in the page
 
 struct Scene {
-  std::vector<View> views;    // at the size of the training
+  std::vector<View> views;    // at training size
   std::vector<View> photos;   // the same at the size of images/
   std::vector<bool> heldout;  // [views]
   SceneInfo info;
@@ -90,7 +90,7 @@ Json camera_json(const View& v, const Intrinsics& photo, bool heldout) {
           {"heldout", heldout}};
 }
 
-// data: URIs of the photos, in the order of the cameras.
+// Photos as data: URIs, in the order of the cameras.
 Json small_photos(const Scene& s, const fs::path& sfm, int side) {
   Json out = Json::array();
   for (size_t i = 0; i < s.views.size() && side > 0; ++i) {
@@ -103,7 +103,7 @@ Json small_photos(const Scene& s, const fs::path& sfm, int side) {
   return out;
 }
 
-// What is shown where a browser cannot draw surfels.
+// Mesh for browsers that cannot render surfels.
 void add_mesh(const TriMesh& mesh, size_t faces, bool with_objects, PageBlocks& blocks) {
   const TriMesh small = mesh.faces.size() > faces ? decimated(mesh, {.target_faces = faces}) : mesh;
   std::vector<float> positions;
@@ -235,7 +235,7 @@ void write_view(const std::string& page, const ViewConfig& config, StageContext&
 }
 
 void run_view(const ViewConfig& config, StageContext& context) {
-  // A build without a page is told before anything is computed.
+  // Fails before any computation if the build has no page.
   write_view(empty_page("view", "to view a scene in"), config, context);
 }
 

@@ -1,6 +1,6 @@
 // view: the scene as one HTML file that needs no server and no network (README). Started by `vitrine view` and at the end of
-// `vitrine run`; it stands beside the graph, as render does.
-//   reads   sfm (cameras, photos), optimize; refine, mesh, decompose when there are any
+// `vitrine run`; like render, it is not part of the graph.
+//   reads   sfm (cameras, photos), optimize; refine, mesh, decompose if they exist
 //   writes  view.html
 #pragma once
 
@@ -16,7 +16,7 @@ struct ViewConfig {
 };
 void describe(Describer& d, ViewConfig& c);
 
-// `page`: without a scene (stages/page_text.h).
+// `page`: HTML without a scene (stages/page_text.h).
 void write_view(const std::string& page, const ViewConfig& config, StageContext& context);
 void run_view(const ViewConfig& config, StageContext& context);
 Stage view_stage();
