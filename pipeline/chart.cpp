@@ -10,7 +10,7 @@ namespace {
 
 void check_photo(const std::string& photo, const PhotoNames& names, const fs::path& photos, const char* what,
                  const std::string& where, const char* code) {
-  if (names.empty() || names.has(photo)) return;  // no folder of photos to look at: ingest has something to say about that
+  if (names.empty() || names.has(photo)) return;  // photo folder unavailable: ingest reports that
   const std::string near = names.nearest(photo);
   throw Error(ErrorKind::Usage, what,
               {.where = where,

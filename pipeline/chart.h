@@ -1,6 +1,5 @@
-// The grey card and the scale bar in the picture, looked at before hours are spent on the way to the stage that needs them: the
-// text must have its form and name photos that are there. Whether a box or a mark lies in the photo is known once the photos are
-// undistorted: the stage says it.
+// Early checks of --grey-card and --scale-bar: format of the text, existence of the photos. The stage that uses them checks
+// whether the positions lie inside the undistorted photos.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The commands of `vitrine`. Each takes the words behind its name and returns the exit code; failures are Errors.
+// Commands of `vitrine`. Each receives the arguments after its name and returns the exit code; it throws Error on failure.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// vitrine config show | schema | reference: what can be set, and what is set.
+// vitrine config show | schema | reference: available options and their current values.
 #include <iostream>
 
 #include "core/base/error.h"
@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-// The options of one stage, without its name before them.
+// Options of one stage, without the stage prefix.
 std::string stage_reference(const StageNode& node) {
   OwnedOptions options;
   options.add_json(node.description, "");

@@ -1,4 +1,4 @@
-// What the stages of a run will take, as each says itself (`vitrine-<stage> --cost`, core/artifact/stage_cost.h).
+// Cost estimates of the stages of a run, from `vitrine-<stage> --cost` (core/artifact/stage_cost.h).
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace vitrine {
 
-// Fills in the size of a typical photo: that of the one in the middle. `sides`: shorter and longer of each photo, not empty.
+// Sets the size of a typical photo: the median one. `sides`: shorter and longer side of each photo, not empty.
 void take_typical_size(std::vector<std::pair<double, double>> sides, CaptureSize& capture);
-// Whether a run with these settings is given masks.
+// True if a run with these settings gets masks from the user.
 bool gives_masks(const Settings& settings);
 
 CostTerms cost_terms(const Settings& settings, const CaptureSize& capture, int threads);
 
 struct CostAnswer {
-  std::vector<StageCost> costs;  // one for each of the terms, or none
-  std::string problem;           // why there are none: "its program does not answer --cost"
+  std::vector<StageCost> costs;  // one per element of the terms, or empty
+  std::string problem;           // reason for missing costs: "its program does not answer --cost"
 };
-// From one start of the stage's program. A program that is missing, fails or reads an option of a stage that this pipeline does
-// not have is no error: the stage has no estimate.
+// Starts the stage's program once. If the program is missing, fails, or reads an option of a stage that is not in this pipeline,
+// the stage has no estimate; no error is thrown.
 CostAnswer stage_costs(const StageNode& stage, const std::vector<CostTerms>& terms);
 
 }  // namespace vitrine

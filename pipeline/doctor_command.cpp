@@ -1,4 +1,4 @@
-// vitrine doctor: what this machine has for vitrine, and what is missing, in a page.
+// vitrine doctor: reports the resources and programs of this machine, and what is missing.
 #include <fstream>
 #include <iostream>
 #include <thread>
@@ -53,7 +53,7 @@ std::optional<Colmap> find_colmap() {
   const auto program = find_program(chosen != nullptr && *chosen != 0 ? chosen : "colmap");
   if (!program) return std::nullopt;
   Colmap colmap{program->string(), "unknown version"};
-  // `colmap version` exists only in recent ones; all print "COLMAP x.y" at the top of their help.
+  // `colmap version` exists only in recent versions; all versions print "COLMAP x.y" at the top of their help.
   run_process({.arguments = {program->string(), "help"}, .on_line = [&](std::string_view line) {
                  const size_t at = line.find("COLMAP ");
                  if (colmap.version != "unknown version" || at == std::string_view::npos) return;

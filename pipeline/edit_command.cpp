@@ -1,5 +1,4 @@
-// vitrine edit PROJECT edits.yaml: changes to a finished scene, beside it in PROJECT/edited. The work is done by the program
-// vitrine-edit, which stands beside the stages but not in their graph.
+// vitrine edit PROJECT edits.yaml: applies edits to a finished scene and writes PROJECT/edited, with the program vitrine-edit.
 #include <iostream>
 
 #include "core/base/error.h"

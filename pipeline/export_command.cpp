@@ -1,5 +1,5 @@
-// vitrine export PROJECT: the scene in other programs' formats, besides those that `vitrine run` wrote. The work is done by the
-// export stage; this command puts its files where they are wanted and never over others without being told so.
+// vitrine export PROJECT: writes formats for other programs in addition to those of `vitrine run`, with the export stage. This
+// command places the files and replaces existing ones only with --overwrite.
 #include <algorithm>
 #include <iostream>
 
@@ -42,7 +42,7 @@ CommandLine export_command_line(ExportArguments& a) {
   return cli;
 }
 
-// The stage says the same of `--set formats=...`; who typed --formats is told where to read what formats there are.
+// The stage checks `--set formats=...` too; for --formats the hint refers to the list of formats.
 void check_formats(const std::string& given) {
   if (given.empty()) return;
   const auto about = nlohmann::json::parse(load_graph(stage_folder()).at("export").description);
@@ -61,7 +61,7 @@ void check_formats(const std::string& given) {
   }
 }
 
-// A length in metres.
+// Parses a length in metres.
 double metres(const std::string& text) {
   const auto length = parse_length(text);
   if (!length)

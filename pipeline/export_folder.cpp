@@ -17,11 +17,11 @@ using Json = nlohmann::ordered_json;
 using Names = std::set<std::string>;  // of files, relative to the export folder
 
 constexpr std::string_view kFolder = "export/";       // of the artifact
-constexpr std::string_view kReport = "formats.json";  // which file is what
+constexpr std::string_view kReport = "formats.json";  // list of formats and their files
 
 fs::path asked_file(const fs::path& project) { return store_of(project) / "exported.json"; }
 
-// What `vitrine export` put into PROJECT/export and is still there.
+// Existing files that `vitrine export` wrote into PROJECT/export.
 Names asked_for(const fs::path& project) {
   Names names;
   std::error_code ec;
@@ -39,7 +39,7 @@ bool same_bytes(const fs::path& a, const fs::path& b) {
          (fs::equivalent(a, b, ec) || read_file(a) == read_file(b));
 }
 
-// A report of ours; nullopt: there is none, or the file is somebody else's.
+// Reads formats.json; nullopt if it is missing or not written by vitrine.
 std::optional<Json> report_at(const fs::path& path) {
   std::error_code ec;
   if (!fs::is_regular_file(path, ec)) return std::nullopt;
@@ -74,7 +74,7 @@ Names names_of(const Manifest& manifest) {
   return names;
 }
 
-// Files of a run's own export are nobody's wish: the next run may replace them.
+// Updates the list of exported files. Files identical to those of the run's export are removed: the next run may replace them.
 void remember(const fs::path& project, const fs::path& entry, const Names& names) {
   Names asked = asked_for(project);
   const auto current = current_key(project, kExportStage);
@@ -97,7 +97,7 @@ void put_export(const fs::path& entry, const Manifest& manifest, const ExportDes
   for (const std::string& name : names) {
     const fs::path there = desc.target / name;
     if (!fs::exists(fs::symlink_status(there, ec))) continue;
-    // Our own report grows with every export.
+    // formats.json grows with every export.
     if (name == kReport ? !told : !same_bytes(entry / kFolder / name, there)) in_the_way.push_back(name);
   }
   if (!in_the_way.empty() && !desc.overwrite) {
@@ -111,13 +111,13 @@ void put_export(const fs::path& entry, const Manifest& manifest, const ExportDes
                  .hint = "--overwrite, or another folder with -o",
                  .code = "EXPORT_EXISTS"});
   }
-  // Before the files: what stands there after a kill in between is still known to be asked for.
+  // Written before the files, so that after a kill the files are still listed as exported.
   if ((desc.target / "").lexically_normal() == (desc.project / kFolder).lexically_normal()) remember(desc.project, entry, names);
   for (const std::string& name : names) {
     const fs::path from = entry / kFolder / name, to = desc.target / name;
     if (name != kReport && !same_bytes(from, to)) link_or_copy(from, to);
   }
-  // Formats of the report that is there stay in it, unless this export wrote them too.
+  // Formats in the existing report are kept unless this export rewrote them.
   const Json fresh = Json::parse(read_file(entry / kFolder / kReport));
   Json report = Json::array();
   if (told)
@@ -136,7 +136,7 @@ std::vector<std::string> publish_export(const fs::path& entry, const Manifest& m
     return {};
   }
   const Json fresh = Json::parse(read_file(entry / kFolder / kReport));
-  std::set<std::string> kept;  // paths of the artifact
+  std::set<std::string> kept;  // paths in the artifact
   Json report = Json::array();
   std::vector<std::string> formats;
   std::error_code ec;

@@ -1,6 +1,6 @@
-// PROJECT/export has two hands in it: `vitrine run` links the files of its export stage there, `vitrine export` adds what the
-// user asks for with other options. What was asked for stays: a run leaves a format alone when `vitrine export` wrote one of its
-// files, until those files are deleted. .cache/exported.json remembers them; export/formats.json tells of both.
+// PROJECT/export has two writers: `vitrine run` links the files of its export stage, `vitrine export` adds formats or options on
+// request. Requested files stay: a run does not touch a format while any file that `vitrine export` wrote for it exists.
+// .cache/exported.json lists the requested files; export/formats.json lists all formats.
 #pragma once
 
 #include <string>
@@ -18,11 +18,10 @@ struct ExportDesc {
   fs::path project, target;
   bool overwrite = false;
 };
-// Links the files of an artifact of the export stage into `target`. Throws Error{Input} and touches nothing when other files are
-// in the way.
+// Links the files of an export artifact into `target`. Throws Error{Input} and changes nothing if other files would be replaced.
 void put_export(const fs::path& entry, const Manifest& manifest, const ExportDesc& desc);
 
-// As publish(), for the export stage of a run. Returns the formats that stay as `vitrine export` wrote them.
+// Like publish(), for the export stage of a run. Returns the formats kept as `vitrine export` wrote them.
 std::vector<std::string> publish_export(const fs::path& entry, const Manifest& manifest, const fs::path& project,
                                         const Manifest* before);
 

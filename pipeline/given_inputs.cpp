@@ -17,12 +17,12 @@ namespace vitrine {
 
 namespace {
 
-// Photos and outlines; the masks stage, which knows the cameras, reads the rest.
+// Checks photos and outlines; the masks stage, which has the cameras, checks the rest.
 void check_marks(const std::string& path, const std::string& photos) {
   YamlReader in(read_yaml(path));
   const PhotoNames names(photos);
   const YamlNode* marks = in.root().find("marks");
-  if (names.empty() || marks == nullptr) return;  // ingest and masks have something to say about that
+  if (names.empty() || marks == nullptr) return;  // ingest and masks report the problem
   for (const YamlNode& mark : marks->items) {
     if (mark.kind != YamlNode::Kind::Map) continue;
     if (mark.find("box") != nullptr || mark.find("polygon") != nullptr) marked_region(in, mark);
@@ -35,10 +35,10 @@ void check_marks(const std::string& path, const std::string& photos) {
   in.finish(fmt::format("marks name photos of {}, and outline things in them: vitrine mark shows and draws them", photos));
 }
 
-// A folder or transforms.json of masks, as the sfm and masks stages will read it.
+// Checks a folder or transforms.json of masks with the code of the sfm and masks stages.
 void check_masks(const fs::path& masks, const Settings& settings) {
   std::vector<std::string> photos = PhotoNames(settings.text("input.photos")).all();
-  if (photos.empty()) return;  // ingest has something to say about that
+  if (photos.empty()) return;  // ingest reports the problem
   const auto option = [&](const std::string& path, const std::string& otherwise) {
     const Option* o = settings.options.table.find(path);
     return o == nullptr ? otherwise : o->text();
@@ -53,7 +53,7 @@ void check_masks(const fs::path& masks, const Settings& settings) {
   check_mask_names(masks, mask_class(option("masks.flat", "object")).value_or(MaskClass::Object), photos, used);
 }
 
-// Refuses a file that is no table of objects before any stage runs; the objects stage reads its entries.
+// Rejects a file that is not an object table before any stage runs; the objects stage validates its entries.
 void check_objects(const fs::path& given) {
   std::error_code ec;
   const fs::path file = fs::is_directory(given, ec) ? given / "objects.json" : given;
@@ -87,7 +87,7 @@ bool PhotoNames::has_by_part(const std::string& name) const {
   std::vector<std::string> names;
   for (const PhotoFile& file : files_) names.push_back(file.source);
   const PhotoMatch meant = PhotoNameFinder(names).match(name);
-  return meant.photo || !meant.could_be.empty();  // a stage says which ones it could be
+  return meant.photo || !meant.could_be.empty();  // a stage reports ambiguous matches
 }
 
 std::string PhotoNames::nearest(const std::string& name) const {
@@ -126,7 +126,7 @@ void check_inputs_apart(const fs::path& project, const Graph& graph, const Setti
 }
 
 void check_given_inputs(const Planner& planner, const Settings& settings) {
-  std::set<std::string> names;  // given now, or read by chosen stages: the others may be gone since
+  std::set<std::string> names;  // inputs given now, or read by chosen stages; others may have been deleted
   for (const StageNode& node : planner.graph().nodes)
     for (const NodeInput& input : node.inputs)
       if (!input.artifact && input.name != "photos" &&
@@ -155,7 +155,7 @@ std::string changed_settings(const Settings& before, const Settings& now) {
   const bool same_preset = before.text("preset") == now.text("preset");
   for (const Option& o : now.options.table.options) {
     const bool named = o.path == "preset" || o.path.starts_with("input.");
-    if (o.path.starts_with("limits.") || (!named && !same_preset)) continue;  // another preset changes most of the others
+    if (o.path.starts_with("limits.") || (!named && !same_preset)) continue;  // another preset changes most other options
     const Option* was = before.options.table.find(o.path);
     const std::string from = was == nullptr ? "" : was->text(), to = o.text();
     if (from == to) continue;

@@ -17,8 +17,8 @@ using nlohmann::json;
 
 namespace {
 
-// What the build wrote down of the program's --describe: to start ten programs with all their libraries takes a second. Empty if
-// it is older than the program, or no JSON.
+// Reads the description that the build stored (vitrine-<stage>.json), since starting ten programs with all their libraries takes
+// a second. Empty if it is older than the program or not JSON.
 std::string written_description(const fs::path& executable) {
   const fs::path file = executable.string() + ".json";
   std::error_code ec;
@@ -138,13 +138,13 @@ Graph load_graph(const fs::path& folder) {
   std::istringstream lines(read_file(list));
   std::vector<StageNode> waiting;
   for (std::string name; lines >> name;) waiting.push_back(describe_stage(folder / ("vitrine-" + name), name));
-  // An input that a stage can do without comes from no one in a pipeline without its stage.
+  // Drops optional inputs whose stage is not in the pipeline.
   for (StageNode& node : waiting)
     std::erase_if(node.inputs, [&](const NodeInput& i) {
       return i.artifact && i.optional &&
              std::none_of(waiting.begin(), waiting.end(), [&](const StageNode& n) { return n.name == i.name; });
     });
-  // Topological order; among the ready ones the order of the list.
+  // Topological sort; ties keep the order of the list.
   Graph graph;
   const auto placed = [&](const std::string& name) {
     return std::any_of(graph.nodes.begin(), graph.nodes.end(), [&](const StageNode& n) { return n.name == name; });

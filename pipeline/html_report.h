@@ -1,5 +1,5 @@
-// report.html of an output folder, written by the program vitrine-report (pipeline/report_page): `vitrine report`, and the end of
-// every `vitrine run`, whether it went well or not.
+// Writes report.html of an output folder with the program vitrine-report (pipeline/report_page): for `vitrine report`, and at the
+// end of every `vitrine run`, including failed ones.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace vitrine {
 
 fs::path html_report_path(const fs::path& project);
-// Nothing when the page is there, else why not. Not stopped by the signal that stopped the run.
+// Returns nothing on success, otherwise the reason. The signal that stopped the run does not stop it.
 std::optional<std::string> write_html_report(const fs::path& project, bool only_if_changed);
 
 }  // namespace vitrine

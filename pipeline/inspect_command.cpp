@@ -1,5 +1,5 @@
-// vitrine inspect PHOTOS|PROJECT: what the photos promise, before anything is computed. The program vitrine-inspect looks at the
-// photos (and at the cameras, once there are poses); what a run would take is added here, from the presets.
+// vitrine inspect PHOTOS|PROJECT: quality of a photo set before computing. The program vitrine-inspect analyses the photos (and
+// the cameras, if there are poses); this command adds cost estimates per preset.
 #include <algorithm>
 #include <iostream>
 #include <set>
@@ -36,9 +36,9 @@ struct InspectArguments {
 
 struct Subject {
   fs::path photos;
-  std::optional<fs::path> project = {};  // made by an earlier run
-  std::string poses = {}, masks = {};    // that a run has, or will be given; "none": it will be given none
-  std::string truth = {};                // what the project says of input.truth
+  std::optional<fs::path> project = {};  // output folder of an earlier run
+  std::string poses = {}, masks = {};    // of the run; "none": explicitly none
+  std::string truth = {};                // input.truth of the project
 
   bool has_masks() const { return !masks.empty() && masks != "none"; }
 };
@@ -74,12 +74,12 @@ Subject subject_of(const std::string& word, const InspectArguments& a, const Gra
   if (*s.project == what) s.photos = settings.text("input.photos");
   s.truth = settings.text("input.truth");
   if (a.masks.empty()) s.masks = settings.text("input.masks");
-  // Poses that a run has taken already need no rehearsal.
+  // Poses that a run has already accepted need no rehearsal.
   if (a.poses.empty() && !current_key(*s.project, "sfm")) s.poses = settings.text("input.poses");
   return s;
 }
 
-// What a run says before it trains is a finding, too.
+// Adds the rehearsal's warnings and errors to the findings.
 void add_rehearsal(const Subject& subject, int threads, Json& report) {
   const std::vector<Said> said = rehearsed(
       {.photos = subject.photos, .poses = subject.poses, .masks = subject.has_masks() ? subject.masks : "", .threads = threads});
@@ -131,7 +131,7 @@ CaptureSize capture_size(const Json& report, bool masks) {
 struct PresetCost {
   std::string preset;
   std::vector<std::pair<std::string, std::optional<StageCost>>> stages;
-  std::vector<std::string> unknown;  // stages without an estimate, and why
+  std::vector<std::string> unknown;  // stages without an estimate, with the reason
   double seconds = 0;
   size_t memory = 0, disk = 0;
 };
@@ -186,11 +186,11 @@ Json costs_json(const std::vector<PresetCost>& costs, int threads) {
   return j;
 }
 
-// --- for people: 80 columns ------------------------------------------------------------------------------------------------
+// --- text output: 80 columns -----------------------------------------------------------------------------------------------
 
 constexpr size_t kColumns = 80, kIndent = 12;
 
-// "label      text", further lines below the text.
+// Prints "label      text"; further lines are indented to the text.
 void say(std::string_view label, std::string_view text) {
   std::string head(label);
   for (const std::string& line : wrapped(text, kColumns - kIndent)) {

@@ -1,4 +1,4 @@
-// vitrine: photos in, relightable scene out. Dispatch to the commands, and the one catch.
+// vitrine: command dispatch and the single catch block.
 #include <cstdio>
 #include <iostream>
 #include <new>

@@ -1,6 +1,5 @@
-// vitrine mark PHOTOS|PROJECT: one HTML page to draw in what is glass and metal, which saves marks.yaml for a run. Of the output
-// folder of a run it also shows what marks became in every photo. The work is done by the program vitrine-mark, which stands
-// beside the stages but not in their graph.
+// vitrine mark PHOTOS|PROJECT: one HTML page to annotate glass and metal, which saves marks.yaml for a run. For an output folder
+// it also shows the propagated masks in every photo. Uses the program vitrine-mark.
 #include <iostream>
 
 #include "core/artifact/publish.h"
@@ -23,7 +22,7 @@ namespace {
 
 constexpr const char* kPage = "mark.html";
 
-// By its name: there may be no such file.
+// By name only: the file may not exist.
 bool called_marks(const fs::path& path) {
   const std::string extension = lower_extension(path);
   return extension == ".yaml" || extension == ".yml";
@@ -31,9 +30,9 @@ bool called_marks(const fs::path& path) {
 
 struct MarkSubject {
   fs::path photos;
-  fs::path marks = {};                   // to go on with
-  std::optional<fs::path> project = {};  // made by an earlier run
-  std::string command = {};              // to run with the marks
+  fs::path marks = {};                   // existing marks to continue with
+  std::optional<fs::path> project = {};  // output folder of an earlier run
+  std::string command = {};              // `vitrine run` command with the marks
 };
 
 MarkSubject subject_of(const std::string& word, const std::string& marks) {
@@ -60,7 +59,7 @@ MarkSubject subject_of(const std::string& word, const std::string& marks) {
   return s;
 }
 
-// Inputs from the run, as far as it came.
+// Inputs from the finished stages of the run.
 Words results_of(const fs::path& project) {
   const auto current = current_keys(project);
   Words words;

@@ -31,14 +31,14 @@ void add_views(const std::string& views, Words& words) {
   if (!named) add_input_file("path", views, "--views heldout, train, all, or a file like transforms.json", words);
 }
 
-// The folder with the cameras of the pictures.
+// Folder that contains transforms.json.
 fs::path pictures_folder(const Manifest& manifest) {
   for (const OutputFile& file : manifest.outputs)
     if (const fs::path path(file.path); path.filename() == "transforms.json") return path.parent_path();
   return {};
 }
 
-// Files of the last call in the same folder make room for those of this one; pictures in other folders stay.
+// The manifest of the last call with the same picture folder: its files are replaced; pictures in other folders stay.
 std::optional<Manifest> pictures_before(ArtifactStore& store, const std::string& tool, const std::string& key,
                                         const Manifest& now) {
   std::optional<Manifest> before = store.find(tool, key);
@@ -90,7 +90,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   const ToolResult result = run_tool(tool.name, project, run, how);
   if (result.exit_code != 0) return result.exit_code;
 
-  // Which pictures lie in the project, and which beside its edits.
+  // Separate records of the pictures in the project and in PROJECT/edited.
   const std::string role = a.edited ? tool.name + "-edited" : tool.name;
   ArtifactStore store(store_of(project));
   std::optional<Manifest> before;
@@ -99,7 +99,7 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
   publish(result.entry, result.manifest, target, before ? &*before : nullptr);
   if (target == there) set_current_key(project, role, result.key);
   if (!a.quiet) fmt::print("{}\n", (target / tool.folder).string());
-  // The report shows the relit pictures; a folder that has none yet gets it from its next run.
+  // The report shows relit pictures: update it. A folder without a report gets one from its next run.
   if (tool.name == "relight" && target == there && fs::exists(html_report_path(project))) {
     const auto why_not = write_html_report(project, true);
     if (why_not && !a.quiet) fmt::print("note: report.html does not show these pictures yet: {}\n", *why_not);

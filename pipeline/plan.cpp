@@ -75,8 +75,6 @@ Planner::Planner(const Graph& graph, const Settings& settings, fs::path project,
   for (const StageNode& n : graph_.nodes) chosen_.insert(n.name);
   if (!selection_.to.empty()) {
     const StageNode& to = graph_.at(selection_.to);
-    if (selection_.from == selection_.to) selection_.from = to.name;  // --only: told once
-    selection_.to = to.name;
     chosen_ = graph_.ancestors(to);
     chosen_.insert(to.name);
   }
@@ -98,7 +96,7 @@ void Planner::ask_key(const StageNode& node, const std::vector<std::string>& inp
   words.insert(words.end(), inputs.begin(), inputs.end());
   const std::vector<std::string> options = settings_.stage_arguments(node);
   words.insert(words.end(), options.begin(), options.end());
-  // A stage may do with less, and its key says so.
+  // A memory limit may lower options of a stage, which changes its key.
   if (const std::string memory = settings_.text("limits.memory"); !memory.empty())
     words.insert(words.end(), {"--max-memory", memory});
   std::string text, error_record;
@@ -146,7 +144,7 @@ Step Planner::step(const StageNode& node, const std::vector<Step>& before) {
     try {
       last = store_.find(node.name, *current);
     } catch (const Error&) {
-      // Unreadable: reported as damage below, when it is the wanted one.
+      // Unreadable: reported as damage below if it is the required one.
     }
   }
   if (!chosen_.contains(node.name)) {

@@ -1,5 +1,5 @@
-// What a run would do and why, found out without computing anything: each stage is asked for its cache key (`--print-key`), as
-// far as its inputs exist; the key's terms are compared with those of the stage's last artifact to say in words what changed.
+// Plans a run without computing: queries the cache key of each stage whose inputs exist (`--print-key`), and compares its terms
+// with those of the stage's last artifact to report what changed.
 #pragma once
 
 #include <map>
@@ -15,13 +15,13 @@
 namespace vitrine {
 
 enum class StepState {
-  Cached,   // the artifact is there with all its bytes
-  Kept,     // outside the chosen range: the current artifact is used as it is
-  Stale,    // there is an older artifact, made from other terms
+  Cached,   // the artifact is complete and intact
+  Kept,     // outside the chosen range: the current artifact is used unchanged
+  Stale,    // an artifact with other key terms exists
   Missing,  // never computed
-  Damaged,  // computed, but its files are not what they were
+  Damaged,  // files of the artifact have changed
   Forced,   // --force
-  Waiting,  // an input is going to be computed first
+  Waiting,  // an input must be computed first
   Skipped,  // outside the chosen range
 };
 std::string_view name(StepState state);
@@ -31,10 +31,10 @@ struct Step {
   const StageNode* node = nullptr;
   StepState state = StepState::Missing;
   std::string why = {};                   // one line; for Stale the first changes
-  std::vector<std::string> changes = {};  // all changed terms, in words
+  std::vector<std::string> changes = {};  // all changed terms as text
   std::string key = {};                   // empty while Waiting
   KeyTerms terms = {};
-  std::optional<Manifest> manifest = {};  // of the artifact, when there is a usable one
+  std::optional<Manifest> manifest = {};  // of the usable artifact, if any
 };
 
 struct Selection {
@@ -48,10 +48,10 @@ class Planner {
 
   const Graph& graph() const { return graph_; }
   ArtifactStore& store() { return store_; }
-  // One stage, given the steps of all stages before it.
+  // Plans one stage; `before`: steps of all earlier stages.
   Step step(const StageNode& node, const std::vector<Step>& before);
   std::vector<Step> all();
-  // `--input NAME=PATH` words; nullopt while an input is not there yet.
+  // `--input NAME=PATH` words; nullopt while an input is missing.
   std::optional<std::vector<std::string>> inputs(const StageNode& node, const std::vector<Step>& before) const;
   bool chosen(const StageNode& node) const { return chosen_.contains(node.name); }
   bool forced(const StageNode& node) const { return selection_.force && chosen_.contains(node.name); }
@@ -62,12 +62,12 @@ class Planner {
   const Settings& settings_;
   fs::path project_;
   Selection selection_;
-  std::set<std::string> chosen_, needed_;  // brought up to date; used as they are
+  std::set<std::string> chosen_, needed_;  // stages to bring up to date; stages used unchanged
   ArtifactStore store_;
 };
 
-// A stage that ended badly, as the Error it reported (`error_record`, a line of --log-format json), or, when it had no time to
-// report, as what its signal or exit code tells.
+// Throws the Error that a failed stage reported (`error_record`, a line of --log-format json), or an error from its signal or
+// exit code if it reported none.
 [[noreturn]] void throw_stage_failure(const StageNode& node, const std::string& error_record, const ProcessResult& result);
 
 }  // namespace vitrine

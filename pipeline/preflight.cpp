@@ -10,9 +10,9 @@
 namespace vitrine {
 
 namespace {
-// Estimates may be off by this factor (README.md, "What a run costs").
+// Usual error factor of the estimates (README.md, "What a run costs").
 constexpr double kUncertain = 1.3;
-// Of texture nothing is known here; inspect finds 0.3 to 0.6 in ordinary photos.
+// The texture is unknown here; inspect measures 0.3 to 0.6 in ordinary photos.
 constexpr double kUsualTexture = 0.4;
 }  // namespace
 

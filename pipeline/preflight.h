@@ -1,6 +1,6 @@
-// Before the long stages begin, once the photos are read and their sizes known: what the rest of the run will take of time,
-// memory and disk (cost_model), against what there is. A disk that is clearly too small ends the run here, not after hours;
-// memory and time are told, for a stage that takes too much stops by itself (stages/memory_watch.h).
+// Check before the long stages, once the photo sizes are known: estimated time, memory and disk of the remaining run (cost_model)
+// against the available ones. A clearly insufficient disk ends the run. Memory and time are only reported: a stage that exceeds
+// its memory stops by itself (stages/memory_watch.h).
 #pragma once
 
 #include <optional>
@@ -12,23 +12,23 @@
 
 namespace vitrine {
 
-// The photos as ingest left them. nullopt: they are not read yet.
+// The ingested photos; nullopt before ingest.
 std::optional<CaptureSize> ingested_capture(const fs::path& project, const Settings& settings);
 
 struct Resources {
   size_t memory_bytes = 0, disk_bytes = 0;
-  bool memory_is_limit = false;  // memory_bytes is --max-memory, not what the machine has left
+  bool memory_is_limit = false;  // memory_bytes is --max-memory, not the free memory
 };
 
 struct Preflight {
   double seconds = 0;
   size_t memory_bytes = 0, disk_bytes = 0;
-  std::string hungriest;             // the stage that takes memory_bytes
-  std::vector<std::string> unknown;  // stages without an estimate, and why: "mesh (it declares no estimate)"
+  std::string hungriest;             // the stage that needs memory_bytes
+  std::vector<std::string> unknown;  // stages without an estimate, with the reason: "mesh (it declares no estimate)"
   std::vector<std::string> notes;
 };
 
-// Error{Resource} when the disk cannot hold the results, even if the estimate is too high by as much as estimates are.
+// Throws Error{Resource} if the disk is too small even when the estimate is too high by its usual error.
 Preflight preflight(const std::vector<const StageNode*>& stages, const Settings& settings, const CaptureSize& capture,
                     int threads, const Resources& there);
 std::string preflight_line(const Preflight& p, const Resources& there);

@@ -8,7 +8,7 @@
 namespace vitrine {
 
 std::optional<PrintedKey> printed_key(std::string_view output) {
-  // The answer is an indented object: only its own braces stand alone on a line.
+  // The JSON object is indented: only its outer braces are alone on a line.
   std::istringstream lines{std::string(output)};
   std::string object;
   bool inside = false;

@@ -1,4 +1,4 @@
-// What a stage program answers to --print-key.
+// Parses the output of a stage's --print-key.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@ struct PrintedKey {
   std::string key;
   KeyTerms terms;
 };
-// nullopt: `output` holds no answer. What a library may have printed stands before or behind it.
+// nullopt if `output` contains no key. Other output, from libraries, may precede or follow it.
 std::optional<PrintedKey> printed_key(std::string_view output);
 
-// The key of what `words` (program and arguments) would compute; empty when the program fails, which says why when it is run.
+// Key of the command `words` (program and arguments); empty if the program fails, which is reported when it is run.
 std::string key_of_run(std::vector<std::string> words);
 
 }  // namespace vitrine

@@ -113,7 +113,7 @@ ProjectLock::ProjectLock(const fs::path& project) {
 }
 
 ProjectLock::~ProjectLock() {
-  // An empty file means "ended in order". It is not removed: another process may be waiting on this very inode.
+  // An empty file marks a regular end. It is not removed: another process may wait on this inode.
   if (ftruncate(fd_, 0) == 0) fsync(fd_);
   close(fd_);
 }

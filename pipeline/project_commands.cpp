@@ -1,4 +1,4 @@
-// vitrine status | explain | cache: questions about an output folder.
+// vitrine status | explain | cache: queries about an output folder.
 #include <algorithm>
 #include <iostream>
 #include <map>

@@ -13,10 +13,10 @@ namespace vitrine {
 
 namespace {
 
-// Enough for a few hundred features a photo, which is what the check of given poses needs; twelve photos take two seconds.
+// Sufficient for a few hundred features per photo, which the check of given poses needs; twelve photos take two seconds.
 constexpr const char* kSmall[] = {"ingest.max_side=800", "sfm.max_features=2048"};
 
-// Warnings of one code are one finding: "(and 11 more)".
+// Merges warnings of one code into one finding: "(and 11 more)".
 void add(std::vector<Said>& list, std::vector<size_t>& more, Said said) {
   for (size_t i = 0; i < list.size(); ++i)
     if (!said.error && !list[i].error && list[i].code == said.code) {

@@ -1,5 +1,4 @@
-// What `vitrine run` would say of the files it is given, before anything long is computed: the run itself, up to the camera
-// poses, on small copies of the photos.
+// Checks given poses and masks for `vitrine inspect`: executes a run up to the camera poses on reduced copies of the photos.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +9,15 @@ namespace vitrine {
 
 struct RehearsalDesc {
   std::filesystem::path photos;
-  std::string poses = {};  // as --poses; without any, poses would have to be found, which takes minutes: nothing is said
+  std::string poses = {};  // as --poses; without poses there is no rehearsal, since estimating them takes minutes
   std::string masks = {};  // as --masks, or empty
   int threads = 0;
 };
 
-// A warning or the error with which the run would end.
+// A warning of the run, or the error that ended it.
 struct Said {
   bool error = false;
-  std::string code = {};  // "POSES_DISAGREE", as the run tells it
+  std::string code = {};  // code of the run: "POSES_DISAGREE"
   std::string what = {}, why = {}, hint = {};
 };
 

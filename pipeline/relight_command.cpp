@@ -1,5 +1,4 @@
-// vitrine relight PROJECT --env HDRI: pictures of the scene under another light. The work is done by the program vitrine-relight,
-// which stands beside the stages but not in their graph.
+// vitrine relight PROJECT --env HDRI: pictures of the scene under another light, with the program vitrine-relight.
 #include <iostream>
 
 #include "pipeline/picture_tool.h"

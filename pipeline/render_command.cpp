@@ -1,5 +1,4 @@
-// vitrine render PROJECT: pictures of the trained scene. The work is done by the program vitrine-render, which stands beside the
-// stages but not in their graph.
+// vitrine render PROJECT: pictures of the trained scene, with the program vitrine-render.
 #include <iostream>
 
 #include "pipeline/picture_tool.h"

@@ -35,7 +35,7 @@ std::string coloured_head(const std::string& lines, std::string_view head, const
   return lines.substr(0, at) + coloured(head, code) + lines.substr(at + head.size());
 }
 
-// Padded by columns, not bytes: summaries hold names in any script.
+// Pads by displayed columns, not bytes: summaries contain names in any script.
 std::string padded(std::string_view text, size_t width) {
   std::string cut = cut_to_columns(text, width);
   size_t columns = 0;
@@ -43,7 +43,7 @@ std::string padded(std::string_view text, size_t width) {
   return cut + std::string(width - columns, ' ');
 }
 
-// What a running stage says: indented, and broken at words to stay readable in 80 columns.
+// Indents a message of a running stage and wraps it to 80 columns.
 std::string stage_note(std::string_view text) {
   constexpr size_t kIndent = 7, kDeeper = 9;
   std::string lines;
@@ -52,7 +52,7 @@ std::string stage_note(std::string_view text) {
   return lines;
 }
 
-// Of the run itself, where stages write their own name.
+// Error fields of the run itself; stages write their own name.
 Json error_fields(const Error& error) {
   const ErrorDetail& d = error.detail();
   return {{"stage", "run"},
@@ -207,7 +207,7 @@ void Report::stage_ends(const Manifest& manifest, StepState how) {
     if (term.starts_with("tool.")) r.tools[term.substr(5)] = value;
   }
   const std::string time = computed ? duration_text(r.seconds) : "";
-  // A summary that is too long for the line goes on below it.
+  // A long summary continues on the next line.
   const size_t width = kReportColumns - (prefix().size() + 1 + 12 + 8);
   const std::vector<std::string> parts = wrapped(manifest.summary, width);
   line(fmt::format("{} {}{:>11}   {}", prefix(), padded(parts.empty() ? "" : parts[0], width), time,

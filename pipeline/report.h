@@ -1,5 +1,5 @@
-// What a run says: one line per stage for people (stdout), records for programs (events.jsonl, or stdout with --log-format json),
-// and at the end run.json and config.resolved.yaml in the output folder.
+// Output of a run: one line per stage for people (stdout), JSON records for programs (events.jsonl, or stdout with --log-format
+// json), and finally run.json and config.resolved.yaml in the output folder.
 #pragma once
 
 #include <fstream>
@@ -33,27 +33,27 @@ struct StageRecord {
 class Report {
  public:
   explicit Report(ReportDesc desc) : desc_(std::move(desc)) {}
-  // Opens events.jsonl and log.txt: call when the folder exists and is locked.
+  // Opens events.jsonl and log.txt. The folder must exist and be locked.
   void open();
 
-  void line(std::string_view text);  // a line for people
-  void note(std::string_view text);  // the same between two stages: indented, broken at words
+  void line(std::string_view text);  // prints a line
+  void note(std::string_view text);  // prints an indented, wrapped line between two stages
   void record(std::string_view type, nlohmann::ordered_json fields);
   void stage_begins(size_t number, size_t count, const Step& step);
-  // A line that the running stage printed: a record is shown as a bar, a line or a note; everything else goes through as it is.
+  // Handles an output line of the running stage: records are shown as a progress bar, line or note; other lines pass unchanged.
   void stage_line(std::string_view text);
-  void stage_ends(const Manifest& manifest, StepState how);  // Cached or Kept: not computed now; else it was
+  void stage_ends(const Manifest& manifest, StepState how);  // `how`: Cached or Kept if it was not computed in this run
   void stage_failed(const Error& error);
-  // A record of an error that no stage has told: the stage that just ended badly has printed its own.
+  // Records an error that no stage has reported.
   void untold_error(const Error& error);
-  // Takes back the error record of the stage that just ended.
+  // The error record of the last stage.
   const std::string& error_record() const { return error_record_; }
-  // run.json and config.resolved.yaml, and the record run_end.
+  // Writes run.json, config.resolved.yaml and the record run_end.
   void finish(const Settings& settings, int exit_code);
 
  private:
-  void log(std::string_view text);            // log.txt alone
-  void console(std::string_view text) const;  // people alone
+  void log(std::string_view text);            // to log.txt only
+  void console(std::string_view text) const;  // to the console only
   void progress(const nlohmann::json& event);
   std::string prefix() const;
   ReportDesc desc_;
@@ -65,7 +65,7 @@ class Report {
   std::vector<StageRecord> stages_;
 };
 
-// The record "error" of a run that ended before its output folder could be opened, as one line.
+// The "error" record, as one line, of a run that failed before its output folder was opened.
 std::string early_error_record(const Error& error);
 
 std::string utc_now();

@@ -1,4 +1,4 @@
-// vitrine report PROJECT: the page that says how a run went.
+// vitrine report PROJECT: writes the HTML report of a run.
 #include <iostream>
 
 #include "core/base/error.h"
@@ -13,7 +13,7 @@ namespace vitrine {
 
 namespace {
 
-// As a person in the current folder would type it.
+// The path as typed in the current folder.
 fs::path typed(const fs::path& project) {
   const fs::path here = project.lexically_relative(fs::current_path());
   return here.empty() || *here.begin() == ".." ? project : here;
@@ -35,7 +35,7 @@ std::optional<std::string> write_html_report(const fs::path& project, bool only_
     if (result.ok()) return std::nullopt;
     const std::string first = result.tail.substr(0, result.tail.find('\n'));
     return first.empty() ? fmt::format("vitrine-report ended with {}", result.signal != 0 ? "a signal" : "an error") : first;
-  } catch (const Error& e) {  // it cannot be started
+  } catch (const Error& e) {  // the program cannot be started
     return e.message();
   }
 }

@@ -84,8 +84,8 @@ CommandLine run_command_line(RunArguments& a) {
 
 struct Target {
   fs::path project;
-  std::string photos;  // empty: those that the project remembers
-  bool fresh = true;   // the command sets the project up; else its settings are a layer below
+  std::string photos;  // empty: the photos stored in the project
+  bool fresh = true;   // replaces the project's settings; false: they are a settings layer
 };
 
 Target target_of(const RunArguments& a) {
@@ -141,7 +141,7 @@ SettingsDesc settings_desc(const RunArguments& a, const Target& target, const Se
   return desc;
 }
 
-// The pages are for people: nothing fails because of them.
+// A failure to write a page does not fail the run.
 void write_view(Report& report, const fs::path& project) {
   const ViewPageOutcome outcome = write_view_page(project);
   if (outcome.what == ViewPage::Written) report.line(fmt::format("view: {}", view_page_path(project).string()));
@@ -154,7 +154,7 @@ void write_page(Report& report, const fs::path& project, bool only_if_changed) {
                       : fmt::format("report: {}", html_report_path(project).string()));
 }
 
-// Told once, before the first stage whose cost can be estimated: ingest must have read the photos.
+// Runs once, before the first stage with an estimate; ingest must have read the photos.
 class PreflightOnce {
  public:
   PreflightOnce(const Planner& planner, const Settings& settings, const fs::path& project, Report& report)
@@ -186,8 +186,7 @@ class PreflightOnce {
   bool told_ = false;
 };
 
-// `vitrine run PHOTOS` on a folder of an earlier run begins with the settings of this command line alone. Empty: nothing is lost
-// by it.
+// Settings of an earlier run that `vitrine run PHOTOS` replaces by those of this command line. Empty: nothing is lost.
 std::string replaced_settings(const Graph& graph, const Settings& settings, const Target& target) {
   if (!target.fresh || !is_project(target.project)) return {};
   Settings before(graph);
@@ -216,7 +215,7 @@ int dry_run(Planner& planner, const fs::path& project) {
   return 0;
 }
 
-// `opened`: from then on the report tells errors, too.
+// `opened`: set once the report is open and records errors itself.
 int run(const RunArguments& a, const Words& words, bool& opened) {
   set_log_console(a.quiet ? LogLevel::Warning : LogLevel::Info, colour_wanted(2));
   const Target target = target_of(a);
@@ -273,7 +272,7 @@ int run(const RunArguments& a, const Words& words, bool& opened) {
     try {
       report.finish(settings, exit_code(e.kind()));
       write_page(report, target.project, false);
-    } catch (const Error& unwritten) {  // a full disk takes the report too; what is told is the failure before it
+    } catch (const Error& unwritten) {  // a full disk prevents the report, too; the original error is reported
       report.line(fmt::format("note: there is no report of this run: {}", unwritten.detail().why));
     }
     if (e.kind() == ErrorKind::Interrupted || e.kind() == ErrorKind::Preempted)

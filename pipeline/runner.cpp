@@ -41,7 +41,7 @@ int run_stages(Planner& planner, const Settings& settings, const fs::path& proje
   const size_t count = planner.graph().nodes.size();
   for (const StageNode& node : planner.graph().nodes) {
     throw_if_interrupted();
-    // Planned again one by one: a stage that was computed anew may have given the same bytes, and then nothing after it runs.
+    // Planned again before each stage: a recomputed stage may give the same bytes, and then the stages after it are up to date.
     Step step = planner.step(node, steps);
     if (step.state == StepState::Skipped) {
       steps.push_back(std::move(step));

@@ -1,4 +1,4 @@
-// Carries a plan out: stage by stage as a child process, artifacts linked into the output folder as they are finished.
+// Executes a plan: each stage as a child process; artifacts are linked into the output folder when finished.
 #pragma once
 
 #include <functional>
@@ -12,11 +12,11 @@ struct RunnerDesc {
   int threads = 0;          // 0 = all
   std::string memory = {};  // as given: "4GiB"
   bool verbose = false, quiet = false;
-  // Called before each stage that is computed, with its number in the graph.
+  // Called before each computed stage with its index in the graph.
   std::function<void(size_t)> before_computing = {};
 };
 
-// Returns the number of stages that had to be computed. Throws the Error of the first stage that fails.
+// Returns the number of computed stages. Throws the Error of the first stage that fails.
 int run_stages(Planner& planner, const Settings& settings, const fs::path& project, Report& report, const RunnerDesc& desc);
 
 }  // namespace vitrine

@@ -53,7 +53,7 @@ std::vector<std::string> environment_sets() {
 fs::path config_folder() {
   const char* chosen = std::getenv("VITRINE_CONFIG_DIR");
   if (chosen != nullptr && *chosen != 0) return chosen;
-  // Beside the build folder, installed, or (a build folder elsewhere) in the sources it was built from.
+  // Next to the build folder, installed, or (build folder elsewhere) in the source tree.
   const fs::path beside = own_folder() / "../../configs", installed = own_folder() / "../share/vitrine/configs",
                  sources = VITRINE_SOURCE_CONFIGS;
   for (const fs::path& folder : {beside, installed, sources})
@@ -144,7 +144,7 @@ void Settings::load(const SettingsDesc& desc) {
   const size_t first_of_command = files.size();
   for (const std::string& path : desc.configs) files.push_back({path, {}});
 
-  // The preset lies below all files, so its name has to be known before they are applied.
+  // The preset is the lowest layer, so its name must be known before the files are applied.
   std::string preset = kDefaultPreset, preset_origin = "default";
   bool preset_from_command = false;
   for (size_t i = 0; i < files.size(); ++i) {
@@ -188,7 +188,8 @@ void Settings::load(const SettingsDesc& desc) {
   if (files.size() == first_of_command) remember();
   const std::vector<std::string> before = input_texts();
   const auto apply = [&](const std::string& word, const std::string& origin) {
-    if (preset_known || !word.starts_with("preset=")) apply_set(word, options.table, origin, errors);  // complained of once
+    if (preset_known || !word.starts_with("preset="))
+      apply_set(word, options.table, origin, errors);  // report an unknown preset once
   };
   for (const std::string& word : environment) apply(word, "VITRINE_SET");
   for (const FlagValue& flag : desc.flags) apply(flag.path + "=" + flag.value, flag.origin);

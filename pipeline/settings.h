@@ -1,4 +1,4 @@
-// All settings of a run in one table, filled layer by layer; every value remembers where it came from:
+// All settings of a run in one table, merged from layers; every value stores its origin:
 //   built-in defaults < preset < ~/.config/vitrine/config.yaml < PROJECT/vitrine.yaml < PROJECT/stages/<stage>.yaml
 //   < -c FILE (left to right) < $VITRINE_SET < flags and --set
 // Paths of the table: preset, input.<name>, limits.<name>, <stage>.<option>.
@@ -20,7 +20,7 @@ struct FlagValue {
 
 struct SettingsDesc {
   fs::path project = {};                  // empty: no project yet
-  bool read_project = true;               // false: its vitrine.yaml is about to be written
+  bool read_project = true;               // false: its vitrine.yaml will be replaced
   std::vector<std::string> configs = {};  // -c
   std::vector<FlagValue> flags = {};      // --preset, --poses, ...
   std::vector<std::string> sets = {};     // --set
@@ -29,14 +29,14 @@ struct SettingsDesc {
 class Settings {
  public:
   explicit Settings(const Graph& graph);
-  // Error{Usage} with all complaints of all layers.
+  // Throws Error{Usage} with the errors of all layers.
   void load(const SettingsDesc& desc);
 
   OwnedOptions options;
   std::set<std::string> from_command;  // paths given by -c, VITRINE_SET, flags and --set
 
-  std::string text(std::string_view path) const;  // of an option that exists
-  // `--set-from ORIGIN|option=value` for every option of the stage that is not at its default.
+  std::string text(std::string_view path) const;  // of an existing option
+  // `--set-from ORIGIN|option=value` for every option of the stage that differs from its default.
   std::vector<std::string> stage_arguments(const StageNode& node) const;
 
  private:
@@ -46,16 +46,16 @@ class Settings {
   };
   // A folder `truth` beside the photos, unless input.truth says something, be it "none".
   void find_truth();
-  // Relative paths of input.* given by this layer start at `base`.
+  // Resolves relative paths of input.* set in this layer against `base`.
   void anchor_paths(const std::vector<std::string>& before, const fs::path& base);
   std::vector<std::string> input_texts() const;
   void apply_file(const fs::path& path, const std::string& shown, const std::string& prefix, const std::string& origin,
                   ConfigErrors& errors);
-  // Whether there is such a preset.
+  // Returns false if the preset does not exist.
   bool apply_preset(const std::string& name, const std::string& where, ConfigErrors& errors);
 };
 
-// Folders that may hold pipelines/*.yaml: $VITRINE_CONFIG_DIR, the source tree's configs, the installed share.
+// Folder with pipelines/*.yaml: $VITRINE_CONFIG_DIR, the source tree's configs, or the installed share.
 fs::path config_folder();
 std::vector<std::string> preset_names();
 

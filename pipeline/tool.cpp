@@ -41,7 +41,7 @@ Words tool_call(const std::string& tool, const fs::path& project, const ToolInpu
   std::vector<std::string> stages = inputs.stages;
   std::ranges::copy_if(inputs.optional, std::back_inserter(stages), [&](const std::string& s) { return current.contains(s); });
   for (const std::string& stage : stages) {
-    if (!inputs.edited.empty() && stage == "refine") continue;  // the edited surfels are refined already
+    if (!inputs.edited.empty() && stage == "refine") continue;  // the edited surfels include the refinement
     const bool edited = !inputs.edited.empty() && replaced_by_edits(stage);
     const fs::path folder = edited ? inputs.edited : store_of(project) / stage / current.at(stage);
     words.insert(words.end(), {"--input", fmt::format("{}={}", stage, folder.string())});

@@ -1,5 +1,5 @@
-// A program that works on a project's artifacts outside of `vitrine run`: render, relight, edit, and the export stage with other
-// options. They are started with the current artifacts, keep their own in the project's store, and tell their own errors.
+// Programs that run on a project's artifacts outside `vitrine run`: render, relight, edit, and the export stage with other
+// options. They read the current artifacts, store their own in the project's store, and report their own errors.
 #pragma once
 
 #include <string>
@@ -12,25 +12,25 @@
 namespace vitrine {
 
 struct ToolInputs {
-  std::vector<std::string> stages;         // whose artifacts it reads
-  std::vector<std::string> optional = {};  // the same, where they are there
-  std::string missing;                     // what is told when one of `stages` was not computed: "there is no trained scene yet"
-  fs::path edited = {};                    // stands for optimize, refine, mesh and decompose, unless empty (edited_scene)
+  std::vector<std::string> stages;         // required artifacts
+  std::vector<std::string> optional = {};  // optional artifacts
+  std::string missing;                     // error message if one of `stages` was not computed: "there is no trained scene yet"
+  fs::path edited = {};  // folder that replaces optimize, refine, mesh and decompose; may be empty (edited_scene)
 };
-// Program, store and inputs: what a call of the tool begins with. Throws Error when one is not there.
+// First words of a call of the tool: program, store and inputs. Throws Error if one is missing.
 Words tool_call(const std::string& tool, const fs::path& project, const ToolInputs& inputs);
 
 struct ToolResult {
-  int exit_code = 0;  // the program has told why
+  int exit_code = 0;  // the program has reported the error
   std::string key = {};
   Manifest manifest = {};
   fs::path entry = {};  // its artifact
 };
 ToolResult run_tool(const std::string& tool, const fs::path& project, const Words& call, const Words& how = {});
 
-// The scene with the edits of PROJECT/edited/edits.yaml, or of `edits`, applied to the current artifacts (a look into the store
-// when nothing changed) and linked into PROJECT/edited. Its folder in the store is a folder for ToolInputs::edited; empty when
-// the program failed, with the exit code. The project must be locked.
+// Applies the edits of PROJECT/edited/edits.yaml, or of `edits`, to the current artifacts and links the result into
+// PROJECT/edited; a cache lookup if nothing changed. The folder in the store is a valid ToolInputs::edited; empty, with the exit
+// code, if the program failed. The project must be locked.
 struct EditedScene {
   int exit_code = 0;
   fs::path folder = {};
@@ -38,7 +38,7 @@ struct EditedScene {
 EditedScene edited_scene(const fs::path& project, const fs::path& edits, const Words& how);
 inline fs::path edited_folder(const fs::path& project) { return project / "edited"; }
 
-// Runs a program that prints for itself; its exit code.
+// Runs a program with its own output; returns its exit code.
 int run_and_tell(const Words& words);
 fs::path tool_program(const std::string& tool);
 

@@ -1,4 +1,4 @@
-// Options that all commands have which start one program on a project: render, relight, view, mark, export, edit.
+// Common options of commands that start one program on a project: render, relight, view, mark, export, edit.
 #pragma once
 
 #include <string>
@@ -17,8 +17,8 @@ struct ToolOptions {
 };
 // --set OPTION=VALUE, for the program vitrine-<tool>.
 void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool);
-// --threads, --no-progress, --quiet and --help, which end a list of options. `results`: "Files do", which depend on no number of
-// threads.
+// --threads, --no-progress, --quiet and --help, at the end of a list of options. `results`, for the help text: "Files do" not
+// depend on the number of threads.
 void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view results);
 
 // The one argument of a command. Throws Error{Usage} with `question` where there is none.

@@ -1,5 +1,4 @@
-// vitrine view PROJECT: one HTML page that shows the scene in any browser, without a server. The work is done by the program
-// vitrine-view, which stands beside the stages but not in their graph.
+// vitrine view PROJECT: one HTML page that shows the scene in any browser, without a server; with the program vitrine-view.
 #include <iostream>
 
 #include "core/config/cli.h"

@@ -20,8 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr float kOpenEnd = 1e-4f;         // of activated values: nearer to 0 or 1 the raw value runs away
-constexpr size_t kListedComponents = 20;  // in the report
+constexpr float kOpenEnd = 1e-4f;         // clamp of values before the inverse sigmoid, which diverges at 0 and 1
+constexpr size_t kListedComponents = 20;  // maximum number listed in the report
 
 struct Counts {
   size_t diffuse = 0, transmittance = 0, vertices = 0, faces = 0, walls = 0, content = 0;
@@ -32,7 +32,7 @@ size_t count(const std::vector<uint8_t>& flags) { return size_t(std::accumulate(
 
 float raw(float value) { return logit(std::clamp(value, kOpenEnd, 1 - kOpenEnd)); }
 
-// Radiance is linear in the albedo, so the surfel's light is tinted as its albedo is:  L = 0.5 + Y_0 h_0 + ...
+// Tints the radiance like the albedo, which it is proportional to:  L = 0.5 + Y_0 h_0 + ...
 void tint_light(SplatLayer& layer, size_t i, const Vec3f& tint) {
   for (size_t c = 0; c < 3; ++c) {
     float& dc = layer.at(Attribute::ShDc, i)[c];
@@ -60,7 +60,7 @@ void change_surfel(EditScene& scene, size_t i, const MaterialChange& set) {
   if (set.roughness) m.roughness[i] = *set.roughness;
   if (set.specular_weight) m.specular_weight[i] = *set.specular_weight;
   if (set.transmission) m.transmission[i] = *set.transmission;
-  if (m.shows_sky(i)) m.f0[i] = {kOpenEnd, kOpenEnd, kOpenEnd};  // all black means sky: this is a black surface
+  if (m.shows_sky(i)) m.f0[i] = {kOpenEnd, kOpenEnd, kOpenEnd};  // a black surface: all values 0 would mark the sky
 }
 
 Counts change(EditScene& scene, const Parts& parts, const Edit& edit) {
@@ -68,7 +68,7 @@ Counts change(EditScene& scene, const Parts& parts, const Edit& edit) {
   for (size_t i = 0; i < parts.diffuse.size(); ++i)
     if (parts.diffuse[i] && !scene.shows_sky(i)) change_surfel(scene, i, edit.set), ++n.diffuse;
   if (!edit.set.tint) return n;
-  // What glass shows has no material but its albedo; classes and components mean the glass, not what stands in it.
+  // Content behind glass has only an albedo. Classes and components select the glass, not its content.
   if (edit.select.geometric())
     for (size_t i = 0; i < parts.transmittance.size(); ++i) {
       if (!parts.transmittance[i]) continue;
@@ -124,7 +124,7 @@ void refuse_to_delete_all(const Edit& edit, const char* what) {
                .code = "EDIT_DELETES_ALL"});
 }
 
-// The shortest text that gives the same float back, not the double's seventeen digits.
+// Shortest decimal that parses to the same float (a double would print 17 digits).
 double short_number(float v) { return std::stod(fmt::format("{}", v)); }
 Json numbers(const Vec3f& v) { return {short_number(v.x), short_number(v.y), short_number(v.z)}; }
 

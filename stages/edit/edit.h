@@ -1,9 +1,9 @@
-// edit: changes to a finished scene, by mask class, box, marks in photos or component of the mesh: materials, and what is
-// deleted. Started by `vitrine edit`; it stands beside the graph of `vitrine run`. The originals are only read: the same list
-// gives the same scene again, and another list starts from the originals too.
-//   reads   sfm (cameras), optimize, mesh; refine, decompose, masks when there are any; edits: a YAML file (edit_list.h)
-//   writes  edited/{gaussians,optimize,mesh,decompose}: a folder that can be given in place of those artifacts;
-//           edited/edits.yaml (the list), edited/report.json (what each edit selected; the mesh's components)
+// edit: changes materials of a finished scene or deletes parts of it, selected by mask class, object, box, marks in photos or
+// mesh component. Started by `vitrine edit`; not part of the graph of `vitrine run`. The originals are only read: the same list
+// gives the same scene, and another list starts from the originals again.
+//   reads   sfm (cameras), optimize, mesh; refine, decompose, masks if they exist; edits: a YAML file (edit_list.h)
+//   writes  edited/{gaussians,optimize,mesh,decompose}: a folder that can replace those artifacts;
+//           edited/edits.yaml (the list), edited/report.json (selection of each edit; the mesh's components)
 #pragma once
 
 #include "stages/stage.h"

@@ -1,4 +1,4 @@
-// What a user wants changed in a finished scene: a YAML file, a list of edits that are applied in order. README.md shows it.
+// List of edits of a finished scene: a YAML file, applied in order. README.md documents the format.
 //
 //   edits:
 //     - name: golden vase
@@ -20,22 +20,22 @@
 namespace vitrine {
 
 struct MaterialChange {
-  std::optional<Vec3f> tint = {};  // times the albedo
+  std::optional<Vec3f> tint = {};  // factor of the albedo
   std::optional<Vec3f> f0 = {};
   std::optional<float> roughness = {}, specular_weight = {}, transmission = {};
 };
 
 struct Edit {
-  std::string name;    // of the user, or "edit 3"
+  std::string name;    // given by the user, or "edit 3"
   std::string where;   // file:line:col
-  std::string wanted;  // the selector in words
+  std::string wanted;  // description of the selector
   Selector select = {};
   MaterialChange set = {};
-  bool remove = false;  // the selected parts; `set` is empty then
+  bool remove = false;  // delete the selected parts; `set` is empty then
 };
 
-// Photos of marks are found among `views`, whose intrinsics have the size of the undistorted photos. Throws Error{Usage} that
-// shows every mistake at its line.
+// Photos of marks are looked up in `views`, whose intrinsics have the size of the undistorted photos. Throws Error{Usage} with
+// every mistake at its line.
 std::vector<Edit> read_edits(const std::filesystem::path& path, std::span<const View> views);
 
 }  // namespace vitrine

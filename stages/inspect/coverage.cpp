@@ -11,9 +11,9 @@ namespace vitrine {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kInwardShare = 0.7, kInwardDeg = 30;  // so many cameras look so close to the centre
-constexpr double kParallel = 1e-6;                     // spread of axes that meet nowhere
-constexpr double kOverheadDeg = 70;                    // photos from above stand in no ring
+constexpr double kInwardShare = 0.7, kInwardDeg = 30;  // minimum share of cameras that look within this angle of the centre
+constexpr double kParallel = 1e-6;                     // minimum spread of the axes; below it they do not intersect
+constexpr double kOverheadDeg = 70;                    // photos from higher elevations belong to no ring
 
 double around(double degrees) {
   degrees = std::fmod(degrees, 360.0);
@@ -24,7 +24,7 @@ double around(double degrees) {
 
 double RingGap::width_deg() const {
   const double w = around(to_deg - from_deg);
-  return w == 0 ? 360 : w;  // one camera only
+  return w == 0 ? 360 : w;  // a single camera
 }
 
 Coverage coverage(const ViewSet& set) {

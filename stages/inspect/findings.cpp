@@ -13,21 +13,21 @@ namespace vitrine {
 
 namespace {
 
-// Fewer photos than this seldom close a ring; three are the least that make a model.
+// Minimum number of photos for a closed ring, and for any model.
 constexpr size_t kFewPhotos = 15, kLeastPhotos = 3;
 constexpr double kTinySide = 500, kSmallSide = 900;          // pixels of the longest side
 constexpr double kSoftSet = 3.0, kSoftPhoto = 2.0;           // px of blur at kBlurSide: of the median, of one photo
-constexpr double kMotionRatio = 1.6;                         // blur of the worst over that of the best direction
+constexpr double kMotionRatio = 1.6;                         // blur of the worst direction over that of the best
 constexpr double kFewCorners = 0.05, kHardlyCorners = 0.02;  // share of cells with a corner
 constexpr double kClippedHigh = 0.08, kClippedLow = 0.25;    // share of pixels
 constexpr double kExposureStep = 0.4;                        // EV between the photos of a set of fixed exposure
-// A photo against those before and behind it: so many times what is usual in the set, within bounds (log2).
+// A photo against its neighbours: a multiple of the usual deviation in the set, within bounds (log2).
 constexpr double kJump = 4;
 struct Bounds {
   double low, high;
 };
 constexpr Bounds kBrightnessJump{1.0, 2.0}, kWhiteBalanceJump{0.5, 1.2};
-constexpr double kFocalStep = 1.03;  // a lens breathes by less
+constexpr double kFocalStep = 1.03;  // focus breathing changes the focal length by less
 
 // "1 photo is", "3 photos are".
 std::string photos(size_t n, const char* one, const char* several) {
@@ -141,7 +141,7 @@ class Judge {
            "do not crop; use one setting of the camera",
            {}});
     }
-    // Focal lengths of one camera, relative to the picture.
+    // Focal lengths per camera, relative to the picture size.
     std::map<std::string, std::pair<double, double>> focal;
     size_t known = 0;
     for (size_t i : usable_) {
@@ -174,7 +174,7 @@ class Judge {
            std::move(note.why), std::move(note.hint), std::move(note.photos)});
   }
 
-  // What is read of files that hold more than one picture, or values that no picture has.
+  // Files with several pictures, or with values outside the range of pictures: reports what is read.
   void contents() {
     std::map<std::string, std::vector<size_t>> by_note;
     for (size_t i : usable_)
@@ -203,7 +203,7 @@ class Judge {
            {}});
       return;
     }
-    // Compared with the photos before and behind, which show much the same.
+    // Compared with the previous and next photos, which show similar content.
     std::vector<size_t> soft;
     size_t moved = 0;
     constexpr size_t kNeighbours = 3;
@@ -245,7 +245,7 @@ class Judge {
            "such photos seldom get a pose", "keep more of the surroundings in the picture", bare});
   }
 
-  // Photos whose figure stands apart from the median of the two before and the two behind.
+  // Photos whose value deviates from the median of the two previous and two next photos.
   template <class F>
   std::vector<size_t> jumps(const Bounds& bounds, F&& figure) const {
     std::vector<double> off;  // [usable]

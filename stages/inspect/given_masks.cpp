@@ -17,7 +17,7 @@ Finding refused(const Error& e) {
           .photos = {}};
 }
 
-// The masks of one class. Masks of another shape may be of undistorted photos, whose size is not known before the poses are.
+// Checks the masks of one class. Masks of another size may belong to undistorted photos, whose size is unknown before the poses.
 void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<PhotoFacts>& photos,
                  const std::vector<size_t>& usable, std::vector<Finding>& list, std::vector<std::string>& blank) {
   std::vector<std::string> names;
@@ -45,7 +45,7 @@ void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<Pho
   }
   if (masks.everything())
     list.push_back({"MASKS_ALL_WHITE",
-                    kind == MaskClass::Ignore ? Severity::Problem : Severity::Warning,  // then no pixel is left
+                    kind == MaskClass::Ignore ? Severity::Problem : Severity::Warning,  // no usable pixel remains
                     fmt::format("all masks of the class '{}' are white", name(kind)),
                     "every pixel of every photo belongs to the class",
                     "leave the class out if it is not meant",

@@ -1,5 +1,4 @@
-// Would these masks be taken? The same files are read and refused for the same reasons as by the stages that use masks
-// (core/camera/photo_masks.h), before anything is computed.
+// Checks the user's masks before a run. Reads and rejects files like the stages that use masks (core/camera/photo_masks.h).
 #pragma once
 
 #include <filesystem>

@@ -86,7 +86,7 @@ Json coverage_json(const Coverage& c) {
           {"gaps", std::move(gaps)}};
 }
 
-// One word for a machine: good, usable (warnings), poor (problems).
+// Machine-readable summary: good, usable (warnings), poor (problems).
 std::string verdict(const std::vector<Finding>& list) {
   const Severity worst = list.empty() ? Severity::Note : list.front().severity;
   return worst == Severity::Problem ? "poor" : worst == Severity::Warning ? "usable" : "good";

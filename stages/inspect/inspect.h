@@ -1,5 +1,5 @@
-// inspect: what a folder of photos promises before anything is computed from it, and, given an sfm artifact, where the cameras
-// leave gaps. Started by `vitrine inspect`; it stands beside the graph of `vitrine run`, because nothing follows from it.
+// inspect: quality of a photo set before any computation, and, given an sfm artifact, gaps between the cameras. Started by
+// `vitrine inspect`; not part of the graph of `vitrine run`.
 //   reads   the user's photos; optionally sfm/{sparse,scene.json}
 //   writes  inspect/report.json
 #pragma once

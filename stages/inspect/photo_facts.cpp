@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kMeasuredSide = 1000;  // the longest side is decoded at this size or more, less than twice as much
+constexpr int kMeasuredSide = 1000;  // decoded size of the longest side: at least this, less than twice this
 
 PhotoFacts facts_of(const PhotoFile& file) {
   PhotoFacts f;

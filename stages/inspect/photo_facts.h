@@ -1,4 +1,4 @@
-// What is known of every photo of a folder: EXIF and measures of a small decoding.
+// EXIF data of every photo of a folder, and measures of a reduced decoding.
 #pragma once
 
 #include <functional>
@@ -9,24 +9,24 @@
 namespace vitrine {
 
 struct PhotoFacts {
-  std::string name;                // below the folder
-  std::string failure;             // why it cannot be used; the rest is empty then
+  std::string name;                // relative to the folder
+  std::string failure;             // reason why it cannot be used; all other members are empty then
   int width = 0, height = 0;       // upright, as photographed
-  std::optional<double> focal_px;  // at that size
+  std::optional<double> focal_px;  // at this size
   std::optional<double> exposure_ev;
   std::string camera, time, digest;
   ColorFacts color;
   PhotoMeasures measures;
-  std::vector<std::string> notes;  // what would be left out or assumed (core/photo/photo_files.h)
+  std::vector<std::string> notes;  // content that would be ignored or assumed (core/photo/photo_files.h)
 
   bool usable() const { return failure.empty(); }
   double longest() const { return std::max(width, height); }
-  // Blur in pixels of a photo of kBlurSide pixels, so that photos of different sizes compare.
+  // Blur in pixels at a size of kBlurSide pixels, comparable between photos of different sizes.
   std::optional<double> blur() const;
 };
 inline constexpr double kBlurSide = 1600;
 
-// In the order of the folder. `progress` is called with the number of photos done.
+// In the order of the folder. `progress` receives the number of photos done.
 std::vector<PhotoFacts> photo_facts(const PhotoFolder& folder, const std::function<void(size_t)>& progress);
 
 }  // namespace vitrine

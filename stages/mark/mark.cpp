@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kPage = "mark.html";
 
-// A file as it stands; what it means is for the page to say, which shows its marks.
+// The file as a JSON tree; the page interprets it and displays its marks.
 Json tree_of(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::Scalar:
@@ -44,7 +44,7 @@ Json tree_of(const YamlNode& node) {
 
 Json numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-// Where the camera stands, and the directions of its x, y and z axes, of its picture's sides as z has length 1.
+// Camera position; its axes x, y, z; width and height of the picture at z = 1.
 Json camera_json(const RunPhoto& photo) {
   const Intrinsics& k = photo.view.intrinsics;
   const Mat3d& r = photo.view.cam_from_world.rotation;
@@ -150,7 +150,7 @@ void write_mark(const std::string& page, const MarkConfig& config, StageContext&
 }
 
 void run_mark(const MarkConfig& config, StageContext& context) {
-  // A build without a page is told before anything is computed.
+  // Fails before any computation if the build has no page.
   write_mark(empty_page("mark", "to mark photos in"), config, context);
 }
 

@@ -1,6 +1,6 @@
-// mark: one HTML file that shows the photos, lets people draw what is glass and metal, and saves marks.yaml (README). Started by
-// `vitrine mark`; it stands beside the graph of `vitrine run`.
-//   reads   the user's photos; optionally a file of marks, and of a run sfm (cameras) and masks (what marks became)
+// mark: one HTML file with the photos, in which people annotate glass and metal, and which saves marks.yaml (README). Started by
+// `vitrine mark`; not part of the graph of `vitrine run`.
+//   reads   the user's photos; optionally a file of marks, and of a run sfm (cameras) and masks (propagated marks)
 //   writes  mark.html
 #pragma once
 
@@ -15,7 +15,7 @@ struct MarkConfig {
 };
 void describe(Describer& d, MarkConfig& c);
 
-// `page`: without photos (stages/page_text.h).
+// `page`: HTML without photos (stages/page_text.h).
 void write_mark(const std::string& page, const MarkConfig& config, StageContext& context);
 void run_mark(const MarkConfig& config, StageContext& context);
 Stage mark_stage();

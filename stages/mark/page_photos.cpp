@@ -17,11 +17,11 @@ namespace vitrine {
 namespace {
 
 constexpr int kQuality = 82, kSmallQuality = 70;
-constexpr int kSmallSide = 176;  // of the pictures in the list
+constexpr int kSmallSide = 176;  // thumbnails in the list, pixels
 
 std::string reason(const Error& e) { return e.detail().why.empty() ? e.message() : e.detail().why; }
 
-// Head and size, or why there is none.
+// Reads header and size, or the reason of failure.
 PagePhoto head_of(const PhotoFile& file, std::optional<PhotoHead>& head) {
   PagePhoto photo{.name = file.name};
   try {

@@ -15,9 +15,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kMaskSide = 800;  // of the masks in the page: outlines within a pixel of a photo on a screen
+constexpr int kMaskSide = 800;  // longest side of the masks in the page: outlines are within a pixel of a photo on a screen
 
-// Of an undistorted photo, as seen in the photo as taken; pixels that the undistorted one cut off are outside.
+// Resamples a mask of the undistorted photo to the original photo; pixels cropped by the undistortion are outside.
 MaskRuns runs_of(const ImageF& mask, const Undistortion& u, int width, int height) {
   MaskRuns runs;
   bool inside = false;

@@ -1,5 +1,5 @@
-// What a run knows of its photos: where their cameras stand, and the masks that the marks became, in the frame of the photos as
-// taken, where people draw.
+// Results of a run for the page: cameras, and the propagated masks, resampled to the original (distorted) photos in which people
+// annotate.
 #pragma once
 
 #include <array>
@@ -14,22 +14,22 @@
 
 namespace vitrine {
 
-// A mask row by row: lengths of runs, of pixels outside and inside in turn, beginning outside.
+// Run-length encoded mask, row by row: alternating lengths of outside and inside runs, starting outside.
 using MaskRuns = std::vector<int>;
 
 struct RunPhoto {
   View view;                                                   // of the undistorted photo
   double width = 0, height = 0;                                // of the photo as ingested, distorted
   int mask_width = 0, mask_height = 0;                         // of the masks below
-  std::array<std::optional<MaskRuns>, kMaskClassCount> masks;  // [class] in the photo as taken
+  std::array<std::optional<MaskRuns>, kMaskClassCount> masks;  // [class] in the frame of the original photo
 };
 
 struct RunResults {
-  std::map<std::string, RunPhoto> photos;      // by name: those that have a camera
-  std::map<std::string, std::string> sources;  // class -> where its masks come from: "boxes", "proposed"
+  std::map<std::string, RunPhoto> photos;      // by name; photos with a camera
+  std::map<std::string, std::string> sources;  // class -> source of its masks: "boxes", "proposed"
 };
 
-// `masks`: its artifact, if there is one. Throws Error{Input}.
+// `masks`: artifact of the masks stage, optional. Throws Error{Input}.
 RunResults read_run_results(const std::filesystem::path& sfm, const std::optional<std::filesystem::path>& masks);
 
 }  // namespace vitrine
