@@ -17,11 +17,11 @@ namespace vitrine {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kWidth = 520, kMargin = 14, kFrustum = 9;  // of a drawing, in its own units
+constexpr double kWidth = 520, kMargin = 14, kFrustum = 9;  // SVG units
 constexpr size_t kMostPoints = 3000;
-constexpr double kMinSpread = 0.006;  // below, cameras look along the scene
+constexpr double kMinSpread = 0.006;  // minimum spread of positions; below it the cameras look along the scene
 
-// A drawing plane: world -> (right, up).
+// Projection plane of a drawing: world -> (right, up).
 struct Plane {
   Vec3d right, up;
   Vec2d operator()(const Vec3d& p) const { return {dot(right, p), dot(up, p)}; }
@@ -32,7 +32,7 @@ struct Range {
   double size() const { return high - low; }
 };
 
-// Holds all cameras and the middle of the points.
+// Range of all cameras and of the points without outliers.
 Range range_of(std::vector<double> cameras, std::vector<double> points) {
   constexpr double kOutliers = 0.03;
   Range r{*std::min_element(cameras.begin(), cameras.end()), *std::max_element(cameras.begin(), cameras.end())};
@@ -74,7 +74,7 @@ class Drawing {
   double scale() const { return scale_; }
 
  private:
-  // One path per colour, four steps a channel: a dot is a line of no length with a round cap.
+  // One SVG path per colour, quantised to four steps per channel; a dot is a zero-length line with round caps.
   std::string points() const {
     const size_t stride = std::max<size_t>(1, (views_.points.size() + kMostPoints - 1) / kMostPoints);
     std::map<int, std::string> paths;
@@ -93,7 +93,7 @@ class Drawing {
     return out + "</g>";
   }
 
-  // All faces turn the same way round, so that the one behind does not cut a hole into the one before it.
+  // Gives all faces the same orientation, so that overlapping faces do not cut holes (non-zero fill rule).
   static std::string closed(std::vector<Vec2d> corners) {
     double area = 0;
     for (size_t i = 0; i < corners.size(); ++i) {
@@ -109,7 +109,7 @@ class Drawing {
   std::string cameras(const std::set<std::string>& heldout) const {
     std::string out = "<g class=\"cameras\">";
     for (const View& v : views_.views) {
-      // The frustum, of one size on paper: right from every side, also along the view.
+      // The frustum has constant size in the drawing and is projected correctly, also along the view direction.
       const Vec3d centre = v.centre_in_world();
       const auto corner = [&](double x, double y) {
         return at(centre + (kFrustum / scale_) * (transposed(v.cam_from_world.rotation) * Vec3d{0.55 * x, 0.42 * y, 1}));
@@ -173,7 +173,7 @@ std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout)
     double radius = 0;
     for (const View& v : views.views) {
       const Vec3d d = v.centre_in_world() - *centre;
-      radius += 0.5 * std::hypot(d.x, d.y) / double(views.views.size());  // half way out: inside the drawing
+      radius += 0.5 * std::hypot(d.x, d.y) / double(views.views.size());  // half the mean camera distance: inside the drawing
     }
     const auto on_ring = [&](double degrees) {
       return drawing.at(*centre + radius * Vec3d{std::cos(degrees / kDegrees), std::sin(degrees / kDegrees), 0});

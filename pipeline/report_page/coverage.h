@@ -1,4 +1,4 @@
-// Where the photos were taken from: plan and elevation as inline SVG, and the gaps in words.
+// Camera positions of the photos: plan and elevation as inline SVG, and gaps as text.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 namespace vitrine {
 
 struct RingCoverage {
-  double gap_deg = 0, gap_from_deg = 0;    // widest gap in azimuth around what is looked at, counter-clockwise from +x
-  double lowest_deg = 0, highest_deg = 0;  // elevation of the cameras above it
+  double gap_deg = 0, gap_from_deg = 0;    // widest gap in azimuth around the centre, counter-clockwise from +x
+  double lowest_deg = 0, highest_deg = 0;  // elevation of the cameras above the centre
 };
-// Nothing when the cameras look (almost) in parallel.
+// nullopt if the cameras look in (almost) parallel directions.
 std::optional<RingCoverage> ring_coverage(const ViewSet& views);
-inline constexpr double kGapDrawnDeg = 40;  // narrower gaps are usual
+inline constexpr double kGapDrawnDeg = 40;  // smaller gaps are usual and not drawn
 
-// Drawings: cameras as small frusta (those in `heldout` of another kind), sparse points in their colours.
+// Drawings: cameras as small frusta (cameras in `heldout` are marked), sparse points in their colours.
 std::string plan_svg(const ViewSet& views, const std::set<std::string>& heldout);       // from above: x right, y up
 std::string elevation_svg(const ViewSet& views, const std::set<std::string>& heldout);  // from the front: x right, z up
 

@@ -12,7 +12,8 @@ namespace {
 
 std::string count_text(double n) {
   std::string digits = fmt::format("{:.0f}", n);
-  for (ptrdiff_t at = ptrdiff_t(digits.size()) - 3; at > 0; at -= 3) digits.insert(size_t(at), "\u202f");  // narrow space
+  for (ptrdiff_t at = ptrdiff_t(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(size_t(at), "\u202f");  // narrow no-break space
   return digits;
 }
 

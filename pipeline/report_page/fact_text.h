@@ -1,9 +1,9 @@
-// Values and texts that stages declare of their reports (core/artifact/stage_report.h). A part "*" of a path stands for all items
-// of an array, or all members of an object. Places in a text:
-//   {mesh.faces:n}          a count, in groups of three digits; the sum of several     {psnr:1}  a number with one decimal
-//   {a,b:1}                 the larger one, all must be there                          {source}  a text
-//   {views:view,views}      the first word for one, else the second                    {verdict=thin,thick}  one of these texts
-//   {layers.*.count:parts}  "40 000 front, 15 000 back": at least two members with their names
+// Evaluates the values and texts that stages declare for their reports (core/artifact/stage_report.h). A path component "*"
+// matches all items of an array, or all members of an object. Placeholders in a text:
+//   {mesh.faces:n}          a count, digits in groups of three; several values are summed  {psnr:1}  a number with one decimal
+//   {a,b:1}                 the maximum; all must exist                                    {source}  a text
+//   {views:view,views}      singular or plural                                             {verdict=thin,thick}  one of these
+//   texts {layers.*.count:parts}  "40 000 front, 15 000 back": at least two members with their names
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@
 
 namespace vitrine {
 
-// nullopt where a value is missing.
+// nullopt if a value is missing.
 std::optional<std::string> fact_text(const std::string& text, const Facts& report);
-// Numbers at a path, with the names of members. `only`: of those items whose member of this name is true.
+// Numbers at a path, with the names of their members. `only`: restricts to items whose member of this name is true.
 std::vector<std::pair<std::string, double>> numbers_at(const Facts& report, std::string_view path, std::string_view only = {});
 
 }  // namespace vitrine

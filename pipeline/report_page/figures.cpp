@@ -18,13 +18,13 @@ namespace vitrine {
 
 namespace {
 
-// In the order of the page; other groups follow, in the order of the stages.
+// Order in the page; other groups follow in the order of the stages.
 constexpr std::string_view kGroups[] = {"Photos and poses", "Pictures from new places", "Parts of the picture",
                                         "Geometry",         "Light and materials",      "Against the truth"};
-// The figure beside which the photos are listed one by one.
+// The figure that comes with a list of the photos.
 constexpr std::string_view kOfPhotos = "registered";
 
-// Why a photo has no pose; sfm's word for the likely cause (stages/sfm/README.md) in words.
+// Sentence for the reason of a missing pose, a code of the sfm report (stages/sfm/README.md).
 std::string reason_of(const Facts& photo) {
   constexpr std::pair<std::string_view, std::string_view> kCauses[] = {
       {"mixed_exposure", "much brighter or darker than the others"},
@@ -80,7 +80,7 @@ const PhotoScore* weakest_view(const std::vector<PhotoScore>& views) {
   return weakest;
 }
 
-// One of several values, not none.
+// Reduces a non-empty list of values.
 double folded(const std::string& how, const std::vector<std::pair<std::string, double>>& numbers) {
   std::vector<double> values;
   double sum = 0;
@@ -100,7 +100,8 @@ std::optional<double> value_of(const ReportFigure& rule, const Facts& report) {
 
 std::optional<Figure> figure_of(const ReportFigure& rule, const Facts& report, const std::vector<PhotoScore>& views) {
   std::optional<double> value = value_of(rule, report);
-  const double samples = rule.samples.empty() ? NAN : report.number(rule.samples).value_or(NAN);  // NaN: the report does not say
+  const double samples =
+      rule.samples.empty() ? NAN : report.number(rule.samples).value_or(NAN);  // NaN if the report has no count
   if (rule.shown_without && samples <= 0) value = NAN;
   Figure f{.rule = rule, .value = 0, .rating = Rating::Unknown, .note = fact_text(rule.note, report).value_or(""), .unknown = {}};
   if (rule.fold == "above_weakest_view") {
@@ -151,7 +152,7 @@ const std::vector<DeclaredReport>& declared_reports() {
     std::vector<DeclaredReport> all;
     try {
       for (const StageNode& node : load_graph(stage_folder()).nodes) all.push_back({node.name, node.doing, node.report});
-    } catch (const Error&) {  // a page without figures is better than none
+    } catch (const Error&) {  // the page is written without figures
     }
     return all;
   }();

@@ -1,4 +1,4 @@
-// The figures of a run that its stages declare (core/artifact/stage_report.h), read from the reports in its folder and rated.
+// Report figures declared by the stages (core/artifact/stage_report.h): values read from the reports of a run, and ratings.
 #pragma once
 
 #include <map>
@@ -13,10 +13,10 @@ namespace vitrine {
 
 struct Figure {
   ReportFigure rule;
-  double value = 0;  // NaN: there is none
+  double value = 0;  // NaN: no value
   Rating rating = Rating::Good;
-  std::string note;     // evidence beside the value: "36 of 36", the photo's name
-  std::string unknown;  // why it is not rated: "too few points (0)"
+  std::string note;     // supporting text: "36 of 36", the photo's name
+  std::string unknown;  // reason for no rating: "too few points (0)"
 };
 
 struct FigureGroup {
@@ -24,9 +24,9 @@ struct FigureGroup {
   std::vector<Figure> figures;
 };
 
-// How a photo fared in the search for camera poses.
+// Result of a photo in pose estimation.
 struct PhotoPose {
-  std::string name, reason;  // reason: why it has no pose
+  std::string name, reason;  // reason: cause of a missing pose
   bool registered = false;
   double features = 0, matches = 0, observations = 0;
 };
@@ -36,25 +36,25 @@ struct PhotoScore {
   bool heldout = false;
   double psnr = 0;
   std::optional<double> ssim;
-  std::map<std::string, double> regions;  // psnr of the region's pixels
+  std::map<std::string, double> regions;  // PSNR of the pixels of each region
 };
 
 struct Figures {
-  std::vector<FigureGroup> groups;  // without empty ones
-  std::vector<PhotoPose> photos;    // in name order
+  std::vector<FigureGroup> groups;  // without empty groups
+  std::vector<PhotoPose> photos;    // sorted by name
   std::vector<PhotoScore> views;
-  std::vector<std::string> facts;  // sentences without a rating: what was made, and of what size
+  std::vector<std::string> facts;  // unrated sentences: outputs and their sizes
 
   const Figure* find(std::string_view id) const;
 };
 
-// What the stages declare of their reports, from the descriptions beside this program; empty where they cannot be read.
+// Declarations of the stages, from the descriptions next to this program; empty if they cannot be read.
 struct DeclaredReport {
   std::string stage, doing;
   StageReport report;
 };
 const std::vector<DeclaredReport>& declared_reports();
-// A figure that a stage declares, and where; nullptr: none does.
+// Declaration of a figure; nullptr if no stage declares it.
 const ReportFigure* declared_figure(std::string_view id);
 
 Figures gather_figures(const fs::path& project, const RunOutcome& outcome);

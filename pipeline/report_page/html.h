@@ -1,5 +1,4 @@
-// Building blocks of the page as text. Everything that comes from a file or a person goes through escaped(): a photo may be
-// called <script>.
+// HTML helpers. All text from files or users must pass through escaped(): a photo may be named <script>.
 #pragma once
 
 #include <string>
@@ -7,7 +6,7 @@
 
 namespace vitrine {
 
-// For text and for attribute values in double quotes. Bytes that are no UTF-8 and control characters become U+FFFD.
+// Escapes text and attribute values in double quotes. Invalid UTF-8 and control characters become U+FFFD.
 std::string escaped(std::string_view text);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// vitrine-report: writes report.html of an output folder. Started by `vitrine report` and at the end of `vitrine run`; a program
-// of its own, so that `vitrine` needs no picture library and a damaged folder cannot take the end of a run along.
+// vitrine-report: writes report.html of an output folder. Started by `vitrine report` and at the end of `vitrine run`. A separate
+// program, so that `vitrine` needs no image library and a damaged folder cannot crash the end of a run.
 #include <cstdio>
 #include <exception>
 

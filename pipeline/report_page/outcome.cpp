@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kInterrupted = 130, kPreempted = 75;
 
-// Events of the last run: from its run_start on.
+// Events of the last run, from its run_start.
 std::vector<Facts> last_events(const fs::path& project) {
   const std::string text = text_of_file(project / "events.jsonl");
   size_t begin = text.rfind("\"type\":\"run_start\"");
@@ -24,7 +24,7 @@ std::vector<Facts> last_events(const fs::path& project) {
   std::vector<Facts> events;
   while (begin < text.size()) {
     const size_t end = std::min(text.find('\n', begin), text.size());
-    // Progress is most of the file and nothing here.
+    // Progress events are most of the file and unused here.
     if (const std::string line = text.substr(begin, end - begin); line.find("\"type\":\"progress\"") == std::string::npos)
       if (const Facts event = Facts::of_text(line); event.known()) events.push_back(event);
     begin = end + 1;
@@ -32,12 +32,12 @@ std::vector<Facts> last_events(const fs::path& project) {
   return events;
 }
 
-// 0 to 255, as programs end.
+// Exit status, 0 to 255.
 int exit_of(const Facts& end) { return int(std::min(end.amount("exit").value_or(0), 255.0)); }
 
 StageOutcome cost_of(const Facts& stage) {
   StageOutcome cost{.name = stage.text("name"), .state = stage.text("state"), .summary = stage.text("summary")};
-  if (cost.name.empty()) cost.name = stage.text("stage");  // of an event
+  if (cost.name.empty()) cost.name = stage.text("stage");  // event record
   cost.seconds = stage.amount("seconds");
   cost.cpu_seconds = stage.amount("cpu_seconds");
   cost.peak_bytes = stage.amount("peak_rss_bytes");
@@ -60,7 +60,7 @@ void read_events(const std::vector<Facts>& events, RunOutcome& o, std::map<std::
   }
 }
 
-// A stage that was found in the store cost nothing this time: what it took when it was computed.
+// Cached stages cost nothing in this run: shows the cost of their computation.
 void add_stored_costs(const fs::path& project, const std::map<std::string, std::string>& current, RunOutcome& o) {
   for (StageOutcome& s : o.stages) {
     const auto key = current.find(s.name);

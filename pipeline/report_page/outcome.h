@@ -1,5 +1,5 @@
-// What happened: how the last run of the folder ended, what each stage cost, what it warned of. From run.json when the run wrote
-// it, else (killed, or still at work) from events.jsonl; a stage that was not computed anew has its costs in the store.
+// Outcome of the last run in a folder: its end, cost and warnings of each stage. Read from run.json if the run wrote it,
+// otherwise (killed or still running) from events.jsonl; costs of cached stages come from the store.
 #pragma once
 
 #include <map>
@@ -14,9 +14,9 @@ namespace vitrine {
 enum class Ending {
   Done,     // exit 0
   Failed,   // a stage or the run reported an error
-  Stopped,  // asked to: Ctrl-C, SIGTERM
-  CutOff,   // no word of an end: killed, or still at work
-  Unknown,  // no trace of a run
+  Stopped,  // Ctrl-C, SIGTERM
+  CutOff,   // no recorded end: killed, or still running
+  Unknown,  // no record of a run
 };
 
 struct StageOutcome {
@@ -34,14 +34,14 @@ struct RunOutcome {
   int exit = 0;
   std::string version, preset, photos, masks, finished;  // options and UTC time of the run
   std::string machine;                                   // "2 threads"
-  std::vector<StageOutcome> stages;                      // in order
+  std::vector<StageOutcome> stages;                      // in order of execution
   std::optional<StageFailure> failure;
-  std::map<std::string, fs::path> attempts;  // stages without a result: the folder in which they worked
+  std::map<std::string, fs::path> attempts;  // working folders of stages without a result
 
   const StageOutcome* stage(std::string_view name) const;
-  bool has(std::string_view name) const;  // there is a finished result of this stage
-  std::string last_stage() const;         // the one that failed, or that was under way
-  // A report of the stage, in the folder of an attempt where it has left one, else `file` of the output folder.
+  bool has(std::string_view name) const;  // true if the stage has a finished result
+  std::string last_stage() const;         // the stage that failed or was running
+  // Path of a stage's report: in its working folder if there is one, otherwise `file` in the output folder.
   fs::path report_of(const fs::path& project, const std::string& stage, const fs::path& file) const;
 };
 

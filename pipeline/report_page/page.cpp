@@ -35,7 +35,7 @@ std::optional<ViewSet> read_view_set(const fs::path& project) {
   try {
     return load_view_set(project);
   } catch (const Error&) {
-    return std::nullopt;  // there is none yet
+    return std::nullopt;  // no page yet
   }
 }
 
@@ -51,7 +51,7 @@ Material read_material(const PageDesc& desc) {
   return m;
 }
 
-// The one script that may run is ours: its digest, as browsers want it.
+// Content-security-policy digest of the only allowed script.
 std::string script_digest() {
   const std::string hex = sha256_hex(kReportScript);
   std::string bytes;
@@ -76,7 +76,7 @@ std::string head(const std::string& title, const std::string& state) {
 std::string page_state(const PageDesc& desc) {
   Hasher hash;
   hash.add(kPageVersion).add(kReportStyle).add(kReportScript).add(desc.typed);
-  // run.json holds times that change with every run; what they say is the outcome.
+  // run.json contains times that change with every run; only its outcome enters the digest.
   const RunOutcome outcome = read_outcome(desc.project);
   hash.add(uint64_t(outcome.ending)).add(uint64_t(outcome.exit)).add(outcome.preset).add(outcome.masks);
   if (outcome.failure) hash.add(outcome.failure->message).add(outcome.failure->why);

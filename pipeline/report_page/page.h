@@ -1,5 +1,5 @@
-// report.html: everything a person wants to know of an output folder on one page, in one file that asks the network for nothing.
-// Reads the folder only; whatever part of it is missing is left out.
+// Writes report.html: a single file without network requests that describes an output folder. Reads only that folder; sections
+// with missing data are omitted.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@ namespace vitrine {
 
 struct PageDesc {
   fs::path project;
-  std::string typed = {};  // the folder as it is to be typed in a command; empty: project
+  std::string typed = {};  // folder as typed in a command; empty: project
 };
 
-// What the page depends on, as a digest: a page that carries it is up to date.
+// Digest of everything the page depends on; stored in the page to detect outdated pages.
 std::string page_state(const PageDesc& desc);
 std::string report_page(const PageDesc& desc);
-// The state that a page was made from; empty when the file is none of ours.
+// Digest stored in a page; empty if vitrine did not write the file.
 std::string state_of_page(const fs::path& file);
 
 }  // namespace vitrine

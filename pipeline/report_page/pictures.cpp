@@ -33,7 +33,7 @@ ImageF three_channels(const ImageF& image) {
   return rgb;
 }
 
-// Display values in [0,1] as they are.
+// Converts display values in [0,1] to 8 bits.
 Image8 rounded(const ImageF& srgb) {
   Image8 out(srgb.width(), srgb.height(), srgb.channels());
   std::transform(srgb.data().begin(), srgb.data().end(), out.data().begin(),
@@ -41,7 +41,7 @@ Image8 rounded(const ImageF& srgb) {
   return out;
 }
 
-// Near is bright; the range is that of the middle 96 % of the pixels, so that one far pixel does not flatten the rest.
+// Near is bright; the range covers the middle 96 % of the pixels, so that outliers do not reduce the contrast.
 ImageF shaded_depth(const ImageF& zdepth) {
   std::vector<float> known;
   for (float z : zdepth.data())

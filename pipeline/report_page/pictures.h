@@ -1,4 +1,4 @@
-// Pictures of the folder, scaled down and carried inside the page as data URIs.
+// Pictures of the output folder, reduced and embedded as data URIs.
 #pragma once
 
 #include <optional>
@@ -17,15 +17,15 @@ struct Picture {
 inline constexpr int kOpeningPicture = 1200, kLargePicture = 800, kMiddlePicture = 480,
                      kSmallPicture = 300;  // longest side, pixels
 
-// Nothing when the file is missing or damaged. 8-bit pictures: JPEG, PNG.
+// nullopt if the file is missing or damaged. 8-bit JPEG or PNG.
 std::optional<Picture> picture_of_file(const fs::path& path, int max_side);
 // Linear light, 1 or 3 channels.
 Picture picture_of_linear(const ImageF& linear, int max_side);
 Picture picture_of(const Image8& image);
 
 enum class AovKind { Radiance, Weight, Normal, Depth };
-// An OpenEXR layer of a picture (stages/render/README.md) as people look at it: radiance encoded, weights as grey, normals as
-// colours, depth from near (bright) to far.
+// Displayable version of an OpenEXR layer (stages/render/README.md): radiance in sRGB, weights as grey, normals as colours, depth
+// from near (bright) to far (dark).
 std::optional<Picture> picture_of_layer(const fs::path& exr, AovKind kind, int max_side);
 
 }  // namespace vitrine

@@ -16,8 +16,8 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kMostPhotos = 12;
-constexpr int kSamplesAcross = 160;  // of a photo, for shares and confidence
-constexpr double kFewViews = 3;      // a point seen by fewer is held by a single pair of photos
+constexpr int kSamplesAcross = 160;  // sampling grid across a photo, for shares and confidence
+constexpr double kFewViews = 3;      // points with fewer views are constrained by a single pair of photos
 
 enum Region : size_t { kTransparent, kReflective, kRest, kRegions };
 constexpr std::array<const char*, kRegions> kIds = {"transparent", "reflective", "rest"};
@@ -32,7 +32,7 @@ std::optional<Image8> grey(const fs::path& path) {
   }
 }
 
-// A damaged table or label counts as none: the report is of what is there.
+// A damaged object table or label file counts as empty.
 LabelledObjects objects_of(const fs::path& project) {
   try {
     return LabelledObjects::all(project);
@@ -41,7 +41,7 @@ LabelledObjects objects_of(const fs::path& project) {
   }
 }
 
-// At relative coordinates in [0,1).
+// Value at relative coordinates in [0,1).
 template <class T>
 T look_up(const Image<T>& image, double u, double v) {
   return image.at(std::min(int(u * image.width()), image.width() - 1), std::min(int(v * image.height()), image.height() - 1));
@@ -84,7 +84,7 @@ void tally_photo(const ViewSet& set, size_t index, const SampledPixels& pixels, 
   }
 }
 
-// `n`: over how many views.
+// `n` receives the number of views.
 std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char* region, bool heldout, double& n) {
   double sum = 0;
   n = 0;
@@ -93,7 +93,7 @@ std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char
   return n > 0 ? std::optional(sum / n) : std::nullopt;
 }
 
-// As good as it is drawn from new places; at most medium when the training views are far better, or when few photos hold it.
+// Rates by held-out PSNR; at most medium if the training views are much better, or if few photos support the region.
 void judge(RegionTrust& r, const ReportFigure& by_psnr) {
   if (!r.psnr) return;
   int step = int(rate(by_psnr, *r.psnr));

@@ -1,5 +1,5 @@
-// How far each kind of surface can be trusted: glass, gloss, and the rest. What the photos know of it (sparse points, views per
-// point, confidence of the normals) beside how well it is drawn from new places.
+// Reliability of each kind of surface: glass, specular, and the rest. Combines the support by photos (sparse points, views per
+// point, confidence of normals) with the quality in held-out views.
 #pragma once
 
 #include <optional>
@@ -13,17 +13,17 @@ namespace vitrine {
 
 struct RegionTrust {
   std::string id, title;
-  double share = 0;                          // of the pixels
+  double share = 0;                          // fraction of the pixels
   std::optional<double> psnr, train_psnr;    // held-out and training views
-  double heldout_views = 0;                  // that `psnr` is the mean of
-  double points = 0;                         // sparse points a photo, per tenth of the picture's area
+  double heldout_views = 0;                  // number of views in the mean of `psnr`
+  double points = 0;                         // sparse points per photo and tenth of the picture's area
   std::optional<double> views_per_point;     // median
   std::optional<double> normals_confidence;  // mean, 0 to 1
   std::optional<Rating> trust;               // good = high, borderline = medium, bad = low
   std::string why;
 };
 
-// From at most a dozen photos. Without masks there is one region, the whole picture; none when there is no sparse model.
+// Uses at most twelve photos. Without masks there is one region, the whole picture; without a sparse model there is none.
 std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& views, const Figures& figures);
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// The sections of the page. Each is a piece of HTML, or nothing when the folder has nothing to show for it.
+// Sections of the page: HTML, or empty if the folder has no data for them.
 #pragma once
 
 #include <optional>
@@ -11,22 +11,22 @@
 
 namespace vitrine {
 
-// What the sections draw from, read once.
+// Shared input of the sections, read once.
 struct Material {
   fs::path project;
   RunOutcome outcome;
   Figures figures;
   Verdict verdict;
-  std::optional<ViewSet> views;   // when the sparse model can be read
+  std::optional<ViewSet> views;   // nullopt if the sparse model cannot be read
   std::set<std::string> heldout;  // names of views
 };
 
-std::string opening_section(const Material& m);  // a large picture, and the way to view.html
+std::string opening_section(const Material& m);  // a large picture and the link to view.html
 std::string verdict_section(const Material& m);
 std::string figures_section(const Material& m);
 std::string regions_section(const Material& m);
-std::string compare_section(const Material& m);  // photo against render, with a slider
-std::string layers_section(const Material& m);   // what the picture is made of
+std::string compare_section(const Material& m);  // photo against rendered view, with a slider
+std::string layers_section(const Material& m);   // layers of the picture
 std::string surface_section(const Material& m);  // mesh and its normals
 std::string relit_section(const Material& m);
 std::string cameras_section(const Material& m);  // plan, elevation, photos without a pose

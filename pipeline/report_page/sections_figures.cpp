@@ -1,4 +1,4 @@
-// Verdict, rated figures, and how far each kind of surface can be trusted.
+// Sections: verdict, rated figures, reliability of each kind of surface.
 #include <algorithm>
 #include <array>
 
@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kMostAdvice = 3;
-constexpr std::array<std::string_view, 4> kSigns = {"●", "◐", "○", "?"};  // the rating does not hang on colour alone
+constexpr std::array<std::string_view, 4> kSigns = {"●", "◐", "○", "?"};  // ratings must not depend on colour alone
 
 std::string figure_row(const Figure& f) {
   const ReportFigure& r = f.rule;
@@ -34,7 +34,7 @@ std::string figure_row(const Figure& f) {
   return text;
 }
 
-// Breaks between words only, never at the hyphens of an option.
+// Wraps commands between words only, never at the hyphens of options.
 std::string command_block(const std::string& command) {
   std::string words;
   for (char c : escaped(command)) words += c == ' ' ? std::string("</span> <span>") : std::string(1, c);
@@ -95,7 +95,7 @@ std::string verdict_section(const Material& m) {
   text += "<div><h2>Try next</h2><ol>";
   for (size_t i = 0; i < std::min(v.next.size(), std::max(kMostAdvice, m.outcome.failure ? v.next.size() : 0)); ++i) {
     text += fmt::format("<li>{}", escaped(v.next[i].text));
-    // The same command under two pieces of advice is shown once.
+    // A command that two pieces of advice share is shown once.
     const bool before = i > 0 && v.next[i].command == v.next[i - 1].command;
     if (!v.next[i].command.empty() && !before) text += command_block(v.next[i].command);
     text += "</li>";

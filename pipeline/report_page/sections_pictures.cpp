@@ -1,4 +1,4 @@
-// The pictures: photo against render, layers, mesh and normals, other lights.
+// Sections of pictures: photo against rendered view, layers, mesh and normals, other lights.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace {
 constexpr size_t kMostCompared = 8, kMostLayered = 2, kMostSurfaceViews = 3, kMostRelit = 4, kMostLights = 6;
 constexpr int kOpeningScale = 3;
 
-// Loaded at once: a picture that waits for being scrolled to is blank where the page is printed.
+// Not lazily loaded: unloaded pictures would be blank in print.
 std::string image(const Picture& p, const std::string& alt, std::string_view css_class = {}) {
   return fmt::format("<img{} src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">",
                      css_class.empty() ? std::string() : fmt::format(" class=\"{}\"", css_class), p.uri, p.width, p.height,
@@ -36,7 +36,7 @@ fs::path eval_file(const Material& m, const std::string& stem, const char* what)
 
 std::string stem_of(const std::string& name) { return fs::path(name).replace_extension().generic_string(); }
 
-// At most `most`, evenly spread, first and last among them.
+// At most `most` items, evenly spaced, including first and last.
 template <class T>
 std::vector<T> spread(const std::vector<T>& all, size_t most) {
   if (all.size() <= most) return all;
@@ -45,7 +45,7 @@ std::vector<T> spread(const std::vector<T>& all, size_t most) {
   return some;
 }
 
-// Held-out views, the weakest first.
+// Held-out views, lowest PSNR first.
 std::vector<PhotoScore> heldout_by_psnr(const Material& m) {
   std::vector<PhotoScore> views;
   for (const PhotoScore& v : m.figures.views)
@@ -80,7 +80,7 @@ std::string compared(const Material& m, const PhotoScore& v, size_t number) {
 struct LayerKindOf {
   const char *folder, *title;
   AovKind kind;
-  bool main = false;  // shown at once; the others on request
+  bool main = false;  // shown initially; others on request
 };
 constexpr LayerKindOf kLayers[] = {
     {"diffuse", "matt surface", AovKind::Radiance, true},
@@ -95,7 +95,7 @@ constexpr LayerKindOf kLayers[] = {
     {"depth", "depth, near is bright", AovKind::Depth, true},
 };
 
-// Frames of one light: PNG files of a folder, without the contact sheet.
+// PNG frames of one light in a folder, without the contact sheet.
 std::vector<fs::path> frames_of(const fs::path& folder) {
   std::vector<fs::path> frames;
   std::error_code ec;
@@ -114,7 +114,7 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
   return all;
 }
 
-// Folders of pictures under one light each.
+// Folders of relit pictures, one per light.
 std::vector<fs::path> lights_of(const Material& m) {
   std::vector<fs::path> lights = folders_in(m.project / "relit");
   for (const fs::path& folder : folders_in(m.project))
@@ -127,7 +127,7 @@ struct Opening {
   Picture picture;
   std::string caption;
 };
-// The first view under the first light; or the picture that was made with view.html; or the best of the held-out views.
+// First view under the first light; otherwise the picture made with view.html; otherwise the best held-out view.
 std::optional<Opening> opening_of(const Material& m) {
   for (const fs::path& light : lights_of(m))
     for (const fs::path& frame : frames_of(light))
@@ -156,7 +156,7 @@ std::string opening_section(const Material& m) {
   const std::string target = linked ? scene.filename().string() : std::string();
   std::string text = "<figure id=\"opening\">";
   if (opening) {
-    // Not much larger than it is, or it is but blurred.
+    // Limits the magnification, which would blur the picture.
     const std::string shown = fmt::format("<div style=\"max-width:{}px\">{}</div>", kOpeningScale * opening->picture.width,
                                           image(opening->picture, opening->caption));
     text += linked ? fmt::format("<a href=\"{}\">{}</a>", target, shown) : shown;

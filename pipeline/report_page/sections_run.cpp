@@ -1,4 +1,4 @@
-// Where the photos were taken, which were left out and why; what each stage cost; what it warned of.
+// Sections of the run: camera positions, photos without a pose and why, cost of each stage, warnings.
 #include <algorithm>
 #include <cmath>
 

@@ -9,7 +9,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSubpixels = 2;  // rays across a pixel, squared
+constexpr int kSubpixels = 2;  // rays per pixel and axis
 constexpr Vec3f kBackground{0.88f, 0.88f, 0.87f};
 constexpr Vec3f kClay{0.80f, 0.77f, 0.72f};
 constexpr float kAmbient = 0.18f, kHeadlight = 0.62f, kFromAbove = 0.2f;
@@ -22,7 +22,7 @@ Shades shades_of(const MeshHits& mesh, const View& view, const Vec3f& origin, do
   const Vec3f direction = cast<float>(normalized(transposed(view.cam_from_world.rotation) * view.intrinsics.ray(px, py)));
   const auto hit = mesh.first_hit(origin, direction);
   if (!hit) return {};
-  const Vec3f n = dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;  // towards the camera: walls have one side only
+  const Vec3f n = dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;  // facing the camera: walls are single-sided
   const float light = kAmbient + kHeadlight * -dot(n, direction) + kFromAbove * std::max(0.f, n.z);
   const Vec3d in_cam = view.cam_from_world.rotation * cast<double>(n);
   return {light * kClay, {float(0.5 + 0.5 * in_cam.x), float(0.5 - 0.5 * in_cam.y), float(0.5 - 0.5 * in_cam.z)}};

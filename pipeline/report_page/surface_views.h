@@ -1,4 +1,4 @@
-// The mesh as the photos' cameras see it: clay and normals, by casting rays.
+// Ray-cast pictures of the mesh from the cameras of the photos: shaded grey, and normals.
 #pragma once
 
 #include "core/camera/view.h"
@@ -8,7 +8,7 @@
 namespace vitrine {
 
 struct SurfaceView {
-  Image8 clay;     // lit from the camera and a little from above
+  Image8 clay;     // lit from the camera, slightly from above
   Image8 normals;  // in the camera's frame: red right, green up, blue towards the camera
 };
 

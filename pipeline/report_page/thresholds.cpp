@@ -11,7 +11,7 @@ namespace vitrine {
 
 namespace {
 
-// Shares are stored as fractions and shown in percent.
+// Fractions are shown in percent.
 std::string number_text(const ReportFigure& figure, double value, int decimals) {
   const bool percent = figure.unit == "%";
   std::string text = fmt::format("{:.{}f}", percent ? 100 * value : value, decimals);

@@ -1,5 +1,5 @@
-// When a figure is good, borderline or bad, by the limits that its stage declares (core/artifact/stage_report.h); explained in
-// README.md. A rating is an opinion about what to do next, not a measurement: the figures stand beside it.
+// Ratings (good, borderline, bad) by the thresholds that stages declare (core/artifact/stage_report.h), explained in README.md. A
+// rating advises what to improve; the measured values are shown with it.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace vitrine {
 
-// Unknown: measured on too little to say (figures.cpp); `rate` never gives it.
+// Unknown: too few samples (figures.cpp); never returned by `rate`.
 enum class Rating { Good, Borderline, Bad, Unknown };
 std::string_view name(Rating rating);  // "good", "borderline", "bad", "unknown"
 
 Rating rate(const ReportFigure& figure, double value);
-// Where the value stands on a scale of three equal parts bad | borderline | good, in [0,1]; beyond the ends it stays just inside.
+// Position of the value on a scale of three equal parts bad | borderline | good, in [0,1]; clamped slightly inside the ends.
 double place_on_scale(const ReportFigure& figure, double value);
 std::string shown(const ReportFigure& figure, double value);  // "24.9 dB", "97 %"
 std::string thresholds_text(const ReportFigure& figure);      // "good from 27 dB, borderline from 22 dB"

@@ -11,15 +11,15 @@ namespace vitrine {
 
 namespace {
 
-// The figures that decide; the others are shown, and may be named as weak.
+// Figures that determine the verdict; others are shown and may be reported as weak.
 constexpr std::string_view kDeciding[] = {"one_object", "registered", "gap", "psnr", "ssim"};
-// Others that may be named as weak.
+// Other figures that may be reported as weak.
 constexpr std::string_view kNamed[] = {
     "region_transparent", "region_reflective", "region_rest", "region_object", "weakest",
     "reprojection",       "observations",      "mesh_border", "baked",         "neutral_shift"};
-constexpr size_t kMostCauses = 6;  // of a failure; photos without a pose are listed below anyway
+constexpr size_t kMostCauses = 6;  // maximum number of causes of a failure; photos without a pose are also listed below
 
-// What a stage is about, for people who do not know its name.
+// Description of a stage for messages.
 std::string stage_in_words(const std::string& stage) {
   for (const DeclaredReport& d : declared_reports())
     if (d.stage == stage && !d.doing.empty()) return fmt::format("while {} ({})", d.doing, stage);
@@ -41,8 +41,8 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// "accept fewer: --set sfm.min_registered=0.3" is a command without its beginning: the first options of `vitrine run` that a line
-// of advice names, with their values, as " --set sfm.min_registered=0.3".
+// Extracts options of `vitrine run`, with their values and a leading blank, from a line of advice: "accept fewer: --set
+// sfm.min_registered=0.3".
 std::string options_in(const std::string& line) {
   constexpr std::string_view kOptions[] = {"--set", "--masks", "--poses"};
   std::istringstream in(line);
@@ -74,18 +74,18 @@ Rating worst_deciding(const Figures& figures) {
   return worst;
 }
 
-// Bad ones before borderline ones; among these the deciding ones, then the weakest first.
+// Bad before borderline figures; within these the deciding ones first, then the weakest first.
 std::vector<const Figure*> weak_figures(const Figures& figures) {
   std::vector<const Figure*> weak, others;
   const auto add = [&](std::string_view id, std::vector<const Figure*>& to) {
     if (const Figure* f = figures.find(id); f != nullptr && f->rating != Rating::Good) to.push_back(f);
   };
   for (std::string_view id : kDeciding) {
-    const Figure* psnr = figures.find("psnr");  // which says what SSIM would say again
+    const Figure* psnr = figures.find("psnr");  // SSIM adds nothing to a weak PSNR
     if (id != "ssim" || psnr == nullptr || psnr->rating == Rating::Good) add(id, weak);
   }
   for (std::string_view id : kNamed) add(id, others);
-  // A figure that is not rated is no weakness of the scene; among those that decide it is one of the proof, and is named.
+  // An unrated figure is no weakness of the scene. An unrated deciding figure is listed: the evidence is insufficient.
   std::erase_if(others, [](const Figure* f) { return f->rating == Rating::Unknown; });
   std::stable_sort(others.begin(), others.end(), [](const Figure* a, const Figure* b) {
     return place_on_scale(a->rule, a->value) < place_on_scale(b->rule, b->value);
@@ -122,7 +122,7 @@ class Commands {
     more.insert(more.begin(), {"vitrine", "run", project_});
     return join_command(more);
   }
-  // With photos added or masks given: from the folder of photos.
+  // Command with more photos or masks: starts from the photo folder.
   std::string with_photos(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {"vitrine", "run", outcome_.photos.empty() ? "PHOTOS" : outcome_.photos, "-o", project_};
     if (!outcome_.preset.empty()) words.insert(words.end(), {"--preset", outcome_.preset});
@@ -136,7 +136,7 @@ class Commands {
     words.insert(words.begin(), "vitrine");
     return join_command(words);
   }
-  // The next quality up; empty at the top.
+  // Next quality preset; empty at the highest.
   std::string better() const { return outcome_.preset == "preview" ? "standard" : outcome_.preset == "standard" ? "high" : ""; }
 
  private:
@@ -211,7 +211,7 @@ void tell_failure(const RunOutcome& outcome, const Commands& commands, Verdict& 
   for (const std::string& line : lines_of(f.why))
     if (v.weak.size() < kMostCauses) v.weak.push_back({capital(line), ""});
   for (std::string line : lines_of(f.hint)) {
-    const size_t number = line.find_first_not_of("0123456789");  // "2. put a pattern ...": the page numbers them itself
+    const size_t number = line.find_first_not_of("0123456789");  // "2. put a pattern ...": the page adds its own numbers
     if (number != std::string::npos && number > 0 && line.substr(number).starts_with(". ")) line.erase(0, number + 2);
     Advice& a = v.next.emplace_back();
     if (const std::string options = options_in(line); !options.empty()) a.command = commands.again() + options;

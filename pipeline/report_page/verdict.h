@@ -1,4 +1,4 @@
-// The plain verdict: did it work, what is weak, what to try next. Two sentences and a command.
+// Overall verdict: success, weak spots, next steps. Two sentences and a command.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace vitrine {
 enum class Mood { Good, Borderline, Bad, Unfinished };
 
 struct Advice {
-  std::string text;     // what to do
+  std::string text;     // advice
   std::string command;  // ready to paste; may be empty
 };
 
@@ -23,14 +23,14 @@ struct WeakSpot {
 struct Verdict {
   Mood mood = Mood::Good;
   std::string word;            // "It worked"
-  std::string sentence;        // and how well
+  std::string sentence;        // quality of the result
   std::vector<WeakSpot> weak;  // most important first, at most kMostWeak
-  std::vector<Advice> next;    // first things first
+  std::vector<Advice> next;    // in order of priority
 };
 
 inline constexpr size_t kMostWeak = 3;
 
-// `project`: the output folder as it is to be typed.
+// `project`: the output folder as typed in a command.
 Verdict verdict_of(const RunOutcome& outcome, const Figures& figures, const std::string& project);
 
 }  // namespace vitrine
