@@ -1,7 +1,7 @@
-// Masks of a run as pictures: a tint with an edge for each class. Glass counts as metal, too, and is shown as glass alone.
+// Overlays of the masks of a run: a tint with an edge per class. Glass also counts as metal and is shown as glass only.
 import { kClasses } from './marks.js';
 
-const kTint = 80, kEdge = 255;  // of 255
+const kTint = 80, kEdge = 255;  // alpha of interior and edge, of 255
 
 const rgb = (color) => [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16));
 
@@ -11,7 +11,7 @@ function filled(lengths, size) {
   return inside;
 }
 
-// Canvases of one photo, by class.
+// Canvases of one photo by class.
 export function mask_pictures({ width, height, runs }) {
   const pictures = {}, glass = runs.transparent && filled(runs.transparent, width * height);
   for (const [kind, lengths] of Object.entries(runs)) {

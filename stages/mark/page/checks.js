@@ -1,8 +1,8 @@
-// What the marks of an object still need, in the terms of stages/masks, and what a run would refuse.
+// Checks of the marks of an object, with the criteria of stages/masks: what is missing, and what a run would reject.
 import { kEnough, kWell, problem_of, words_of } from './marks.js';
 import { sides } from './sides.js';
 
-// level: none, few (a run refuses it), enough, well. problems: [{ photo, here, text }]. next: a photo worth marking.
+// level: none, few (a run rejects it), enough, well. problems: [{ photo, here, text }]. next: a photo worth marking.
 export function state_of(doc, thing, scene) {
   const marks = doc.marks.filter((m) => m.thing === thing.id), photo = (name) => scene.photos.find((p) => p.name === name);
   const problems = marks.map((m) => ({ photo: m.photo, here: !!photo(m.photo), text: problem_of(m, photo(m.photo)) })).filter((p) => p.text);
@@ -22,7 +22,7 @@ export function state_of(doc, thing, scene) {
   return { ...state, level: 'well', text: `Marked in ${in_photos(usable.length)}. ${more}${but}`, next: null };
 }
 
-// Sentences about all that a run would refuse: mistakes, and objects that are not marked enough.
+// Sentences about everything that a run would reject: mistakes, and objects with too few marks.
 export function refusals(doc, scene) {
   if (!doc.marks.length) return ['Nothing is marked yet.'];
   return doc.things.flatMap((thing) => {

@@ -1,4 +1,4 @@
-// The file of marks: its text, saved and opened.
+// The file of marks: export, saving, opening.
 import { download } from '../../page/elements.js';
 import { refusals } from './checks.js';
 import { marks_of } from './opened.js';
@@ -11,7 +11,7 @@ export function yaml_text({ doc, scene }) {
   return yaml_of(doc, (name) => scene.photos.filter((p) => p.name === name).map((p) => [p.width, p.height])[0], scene.command);
 }
 
-// What a run would refuse is said first.
+// Shows first what a run would reject.
 export function save(work) {
   const refused = refusals(work.doc, work.scene);
   const write = () => {

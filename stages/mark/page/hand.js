@@ -1,11 +1,11 @@
-// Mouse, pen and fingers on the sheet. One pointer draws or moves corners; dragged where there is nothing to drag, it moves the
-// photo. Two fingers move and zoom it. What is drawn goes to `work` (main.js): its pen and its selection.
+// Mouse, pen and touch input on the photo. One pointer draws or moves corners; dragging elsewhere moves the photo. Two fingers
+// move and zoom it. Results go to `work` (main.js): its pen and its selection.
 import { inside } from '../../page/polygon.js';
 import { mark_in, marks_in, outline_of } from './marks.js';
 import { middle } from './sheet.js';
 
-const kStill = { mouse: 4, pen: 6, touch: 10 };    // pixels that a click may move
-const kReach = { mouse: 9, pen: 12, touch: 22 };   // of a corner
+const kStill = { mouse: 4, pen: 6, touch: 10 };  // maximum movement of a click, pixels
+const kReach = { mouse: 9, pen: 12, touch: 22 };  // pick radius of a corner, pixels
 const kLeastBox = 4;
 
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
@@ -32,7 +32,7 @@ export class Hand {
     this.sheet.zoom_at(this.place(e), Math.exp(-e.deltaY * lines * (e.ctrlKey ? 0.01 : 0.0015)));
   }
 
-  // What a press at `at` would take: a corner of what is being drawn; with the tool "change" a corner or the middle of a side.
+  // Handle at `at`: a corner of the open outline; with the tool "change", a corner or the middle of a side.
   grip(at, reach) {
     const { sheet, work } = this, near = (p) => distance(sheet.to_screen(p), at) <= reach;
     if (work.pen.drawing && !work.pen.drawing.box) {
@@ -64,12 +64,12 @@ export class Hand {
     const grip = this.grip(at, this.press.reach);
     if (grip) {
       const place = this.sheet.to_screen(this.work.selection.place_of(grip));
-      Object.assign(this.press, { grip, off: [place[0] - at[0], place[1] - at[1]] });  // it does not jump to the pointer
+      Object.assign(this.press, { grip, off: [place[0] - at[0], place[1] - at[1]] });  // keeps the offset to the pointer
     } else if (this.work.tool === 'box') {
       this.press.what = 'box';
     }
   }
-  // Two fingers: what one of them began is given up.
+  // A second finger cancels the action of the first.
   drop() {
     if (this.press?.what === 'box') this.work.pen.cancel();
     if (this.press?.what === 'corner') this.work.selection.put_down();
@@ -111,7 +111,7 @@ export class Hand {
     if (work.tool === 'outline') {
       const corners = work.pen.drawing?.corners ?? [];
       if (press.grip?.drawn === 0 && corners.length > 2) return work.pen.close();
-      if (press.grip) return;  // a double click gives one corner
+      if (press.grip) return;  // a double click adds one corner only
       return work.pen.add_corner(sheet.in_photo(at));
     }
     if (press.grip?.corner !== undefined) return work.selection.select(press.grip.mark, press.grip.corner);

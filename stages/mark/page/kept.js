@@ -1,4 +1,4 @@
-// What the browser keeps of a page between visits: the marks of these very photos, drawn and not saved yet.
+// Unsaved marks in localStorage between visits, keyed by the contents of the photos.
 export class Kept {
   constructor(id) {
     this.key = `vitrine-mark-${id}`;
@@ -10,7 +10,7 @@ export class Kept {
       return null;
     }
   }
-  // Whether it could.
+  // Returns false if the browser could not store the state.
   write(state) {
     try {
       localStorage.setItem(this.key, JSON.stringify({ ...state, time: Date.now() }));

@@ -1,7 +1,7 @@
-// Keys of the page.
+// Keyboard input.
 import { save } from './file.js';
 
-const kStep = 40, kNudge = 1;  // screen pixels of an arrow key
+const kStep = 40, kNudge = 1;  // screen pixels per arrow key press
 
 export function listen_to_keys(work) {
   addEventListener('keydown', (e) => {
@@ -13,7 +13,7 @@ export function listen_to_keys(work) {
   addEventListener('keyup', (e) => e.key === ' ' && (work.hand.space = false));
 }
 
-// What a key does; null: nothing.
+// Action of a key, or null.
 function action(work, e) {
   const { sheet } = work, centre = [sheet.width / 2, sheet.height / 2], on_button = e.target.closest?.('button, summary, label');
   if (e.ctrlKey || e.metaKey) {

@@ -1,4 +1,4 @@
-// The page: what is marked, what of it is shown, what is kept. Tests talk to window.vitrine.
+// The page: state of marks, view and storage. Tests use window.vitrine.
 import { mask_pictures } from './carried.js';
 import { refusals, state_of } from './checks.js';
 import { take_dropped_files } from './file.js';
@@ -12,7 +12,7 @@ import { Pen } from './pen.js';
 import { Selection } from './selection.js';
 import { Sheet } from './sheet.js';
 
-const kPictures = 6;  // decoded at a time
+const kPictures = 6;  // decoded pictures in the cache
 
 const part = (id) => JSON.parse(document.getElementById(id).textContent);
 
@@ -30,10 +30,10 @@ class Work {
     listen_to_keys(this), take_dropped_files(this);
     make_panel(this);
     this.show(this.photo_index);
-    this.sheet.fit();  // the tools are there now
+    this.sheet.fit();  // the tools have their final size
   }
 
-  // The marks of the run or the file; above them those that the browser kept, if they were not saved.
+  // Loads the marks of the run or the file, then unsaved marks of the browser on top.
   begin() {
     let doc = empty_marks();
     if (this.scene.marks) {
@@ -74,7 +74,7 @@ class Work {
       notice.append(Object.assign(document.createElement('button'), { type: 'button', textContent: word, onclick: () => (this.tell(''), act()) }));
     notice.hidden = !text;
   }
-  // What the sheet draws.
+  // State for drawing the sheet.
   shown() {
     const pictures = this.masks_shown && this.photo.masks ? this.mask_pictures() : {};
     return { doc: this.doc, thing: this.thing, selected: this.selection.chosen, drawing: this.pen.drawing, hover: this.pen.hovered, hidden: this.hidden,
@@ -91,7 +91,7 @@ class Work {
     for (const f of this.listeners) f();
     this.sheet.draw_soon();
   }
-  // Tenths of a pixel, as in the file.
+  // Rounds to tenths of a pixel, as in the file.
   rounded(doc) {
     for (const m of doc.marks) m.corners = m.corners.map((p) => p.map((v) => Math.round(10 * v) / 10));
   }
@@ -119,7 +119,7 @@ class Work {
   redo() {
     this.travel(1);
   }
-  // The corner that was drawn last, else what is selected.
+  // Deletes the last corner of an open outline, otherwise the selection.
   delete() {
     if (this.pen.drawing) this.undo();
     else this.selection.delete();
@@ -199,7 +199,7 @@ class Work {
     if (i >= 0) this.show(i);
   }
 
-  // --- what the marks lack
+  // --- checks
 
   state_of(thing) {
     return state_of(this.doc, thing, this.scene);

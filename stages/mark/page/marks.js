@@ -1,5 +1,5 @@
-// What is marked: objects, each of a class, and at most one mark of each in a photo. Corners are in pixels of the photo as taken,
-// upright; of a box there are two, left top and right bottom. The rules are those of stages/masks.
+// Data model of the marks: objects with a class, at most one mark per object and photo. Corners are pixels of the original photo,
+// upright; a box has two corners, top left and bottom right. Same rules as stages/masks.
 import { area, crossing } from '../../page/polygon.js';
 
 export const kClasses = {
@@ -8,7 +8,7 @@ export const kClasses = {
   object: { word: 'Main object', doc: 'what the photos are about', colors: ['#3f9d56', '#7fc28d', '#1f6b35'] },
   ignore: { word: 'Not to be used', doc: 'a passer-by, a tripod, a hand', colors: ['#c2456b', '#e08aa4', '#86233f'] },
 };
-export const kEnough = 2, kWell = 3;  // photos that an object must, and should be marked in
+export const kEnough = 2, kWell = 3;  // minimum and recommended number of photos per object
 
 export const empty_marks = () => ({ things: [], marks: [] });
 export const words_of = (thing) => kClasses[thing.kind].word + (thing.name ? ` \u201c${thing.name}\u201d` : '');
@@ -34,7 +34,7 @@ export function remove_thing(doc, id) {
 export const mark_in = (doc, thing, photo) => doc.marks.find((m) => m.thing === thing && m.photo === photo);
 export const marks_in = (doc, photo) => doc.marks.filter((m) => m.photo === photo);
 
-// In the place of the mark that the object had in this photo, if any.
+// Replaces the mark of the object in this photo, if any.
 export function put_mark(doc, mark) {
   const before = mark_in(doc, mark.thing, mark.photo);
   if (before) doc.marks[doc.marks.indexOf(before)] = mark;
@@ -48,7 +48,7 @@ export function outline_of({ box, corners }) {
   return [[l, t], [r, t], [r, b], [l, b]];
 }
 
-// What a run would refuse of one mark.
+// Reason why a run would reject a mark.
 export function problem_of(mark, photo) {
   const corners = outline_of(mark);
   if (!photo) return 'is of a photo that is not here';
@@ -57,7 +57,7 @@ export function problem_of(mark, photo) {
   return area(corners) === 0 ? 'encloses nothing' : '';
 }
 
-// One state at a time, with what leads to each: undo and redo.
+// Undo and redo: one state at a time.
 export class History {
   constructor(doc) {
     this.states = [JSON.stringify(doc)], this.at = 0;

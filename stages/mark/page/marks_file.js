@@ -1,7 +1,7 @@
-// The file of marks, in the format of stages/masks.
+// Writes the file of marks in the format of stages/masks.
 import { quoted } from '../../page/yaml.js';
 
-const number = (v) => String(Math.round(10 * v) / 10);  // tenths of a pixel of the photo as taken
+const number = (v) => String(Math.round(10 * v) / 10);  // tenths of a pixel of the original photo
 
 const kWidth = 120;
 
@@ -16,7 +16,7 @@ function wrapped(head, parts) {
   return [...rows, row].join('\n');
 }
 
-// `size_of`: that of a photo by its name; marks of photos that are not here have their own.
+// `size_of`: size of a photo by name; marks of missing photos store their own.
 export function yaml_of(doc, size_of, command) {
   const sizes = doc.marks.map((m) => (m.size ?? size_of(m.photo)).join(', ')), count = {};
   for (const s of sizes) count[s] = (count[s] ?? 0) + 1;

@@ -1,11 +1,11 @@
-// Marks of a file, as the page has them. What cannot be shown is said, and nothing that can be kept is lost: marks of photos that
-// are not here stay as they are.
+// Reads marks from a parsed file. Content that cannot be shown is reported, and nothing is lost: marks of missing photos are kept
+// unchanged.
 import { add_thing, empty_marks, kClasses, mark_in } from './marks.js';
 
 const folded = (text) => text.normalize('NFC').toLowerCase();
 const bare = (text) => text.replace(/\.[^./]*$/, '');
 
-// The photo that a name means: as written, then the end of its path, without letter case, without extension; null: none or several.
+// Finds a photo by name: exact, then the end of its path, case-insensitive, without extension; null if none or several match.
 function meant(name, photos) {
   const given = name.replaceAll('\\', '/').replace(/^\.\//, '');
   for (const as of [(t) => t, folded, bare, (t) => bare(folded(t))]) {
@@ -31,7 +31,7 @@ function region(mark) {
   return corners.length >= 3 && corners.every(Boolean) ? { box: false, corners } : null;
 }
 
-// `tree`: maps, lists and strings of a file. Returns { doc, notes }; throws an Error when it is no file of marks.
+// `tree`: maps, lists and strings of a file. Returns { doc, notes }; throws an Error if it is not a file of marks.
 export function marks_of(tree, photos) {
   if (!tree || !Array.isArray(tree.marks)) throw new Error('it has no list \u201cmarks\u201d');
   const doc = empty_marks(), notes = [], elsewhere = new Set(), by_name = new Map();

@@ -1,4 +1,4 @@
-// Tools above the photo, and beside it objects, photos and the file.
+// Toolbar above the photo; side panel with objects, photos and the file.
 import { button, element } from '../../page/elements.js';
 import { open_file, save, yaml_text } from './file.js';
 import { color_of, kClasses, marks_in } from './marks.js';

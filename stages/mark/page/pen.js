@@ -1,10 +1,11 @@
-// What is being drawn: an outline that is open, or a box while it is dragged. Closed, it is the mark of the chosen object in the photo.
+// The shape being drawn: an open outline, or a box during a drag. When closed it becomes the mark of the selected object in the
+// photo.
 import { kClasses, put_mark, words_of } from './marks.js';
 
 export class Pen {
   constructor(work) {
     this.work = work, this.drawing = null, this.hovered = null;
-    this.begun = new Map();  // object and photo -> outline that was left open there
+    this.begun = new Map();  // object and photo -> unfinished outline
   }
   hover(place) {
     this.hovered = place;
@@ -54,7 +55,7 @@ export class Pen {
     if (change) this.work.keep(), this.work.changed();
   }
 
-  // An outline that is open waits where it was begun, for its object.
+  // Keeps an unfinished outline for its object and photo.
   leave() {
     if (this.drawing && !this.drawing.box) this.begun.set(`${this.work.thing} ${this.work.photo.name}`, this.drawing);
     this.cancel(false);
@@ -65,7 +66,7 @@ export class Pen {
     this.drawing = this.begun.get(key);
     this.begun.delete(key);
   }
-  // The last corner goes; whether there was one.
+  // Removes the last corner; returns whether there was one.
   take_back() {
     if (!this.drawing || this.drawing.box) return false;
     this.drawing.corners.pop();

@@ -1,20 +1,20 @@
-// The mark, or the corner of one, that is selected, and what the hand does to it.
+// The selected mark or corner, and its manipulation.
 import { mark_in, outline_of } from './marks.js';
 import { middle } from './sheet.js';
 
 export class Selection {
   constructor(work) {
-    this.work = work, this.chosen = null;  // { mark, corner: its index or null }
+    this.work = work, this.chosen = null;  // { mark, corner: index or null }
   }
   clear() {
     this.chosen = null;
   }
-  // With the tool "change", the mark of the chosen object in the photo that is shown.
+  // With the tool "change", selects the mark of the current object in the current photo.
   follow() {
     const { work } = this, mark = work.tool === 'change' && mark_in(work.doc, work.thing, work.photo.name);
     this.chosen = mark ? { mark, corner: null } : null;
   }
-  // The same mark in other marks, after undo.
+  // Selects the same mark after undo.
   find_again() {
     const was = this.chosen?.mark, mark = was && mark_in(this.work.doc, was.thing, was.photo);
     this.chosen = mark ? { mark, corner: null } : null;
@@ -24,13 +24,13 @@ export class Selection {
     if (mark) this.work.thing = mark.thing;
     this.work.changed();
   }
-  // What the hand holds: a corner, or the middle of a side.
+  // Position of the grabbed handle: a corner, or the middle of a side.
   place_of({ drawn, mark, corner, side }) {
     if (drawn !== undefined) return this.work.pen.drawing.corners[drawn];
     const corners = outline_of(mark);
     return side === undefined ? corners[corner] : middle(corners[side], corners[(side + 1) % corners.length]);
   }
-  // Returns where the corner is held from now on.
+  // Returns the grabbed corner after the move.
   move_corner(grip, place) {
     if (grip.drawn !== undefined) {
       this.work.pen.drawing.corners[grip.drawn] = place;
@@ -61,7 +61,7 @@ export class Selection {
     this.move_corner({ mark, corner }, this.work.sheet.in_photo([x + dx, y + dy]));
     this.put_down();
   }
-  // The corner that is selected, else the mark.
+  // Deletes the selected corner, otherwise the mark.
   delete() {
     const { mark, corner } = this.chosen ?? { mark: mark_in(this.work.doc, this.work.thing, this.work.photo.name), corner: null };
     if (!mark) return;

@@ -1,14 +1,14 @@
-// The photo on the screen, with what is drawn on it. Places are [x, y] in pixels of the photo as taken, or of the screen (CSS
-// pixels from the corner of the canvas); zoom is screen pixels a photo pixel.
+// The photo on the screen with the drawing on top. Positions are [x, y] in pixels of the original photo, or of the screen (CSS
+// pixels from the corner of the canvas); zoom is screen pixels per photo pixel.
 import { color_of, outline_of, problem_of, words_of } from './marks.js';
 
-const kMargin = 14;      // around a photo that fits
-const kMostZoom = 40;    // of the zoom at which it fits
+const kMargin = 14;  // around a fitted photo
+const kMostZoom = 40;  // relative to the fitted zoom
 const kHandle = 5;
-const kFill = '2b';      // alpha of what is marked
+const kFill = '2b';  // alpha of marked areas
 
 export class Sheet {
-  // `above`, `below`: what covers the canvas there.
+  // `above`, `below`: elements that cover the top and the bottom of the canvas.
   constructor(canvas, changed, above, below) {
     this.canvas = canvas, this.context = canvas.getContext('2d'), this.changed = changed, this.covers = [above, below];
     this.zoom = 1, this.left = 0, this.top = 0, this.fitted = true;
@@ -23,14 +23,14 @@ export class Sheet {
     this.draw_soon();
   }
 
-  // `picture`: an image of any size with the whole photo; null while it loads.
+  // `picture`: an image of the whole photo at any size; null while it loads.
   show(photo, picture) {
     const other = this.photo !== photo;
     this.photo = photo, this.picture = picture;
     if (other) this.fit();
     this.draw_soon();
   }
-  // Top and height of what is not covered.
+  // Top and height of the uncovered part.
   free() {
     const [above, below] = this.covers.map((e) => e.offsetHeight + kMargin);
     return [above, Math.max(1, this.height - above - below)];
@@ -50,7 +50,7 @@ export class Sheet {
   to_screen([x, y]) {
     return [this.left + x * this.zoom, this.top + y * this.zoom];
   }
-  // The nearest place of the photo.
+  // Clamps a position to the photo.
   in_photo(at) {
     const [x, y] = this.to_photo(at);
     return [Math.min(Math.max(x, 0), this.photo.width), Math.min(Math.max(y, 0), this.photo.height)];
@@ -64,7 +64,7 @@ export class Sheet {
     this.left = x + (this.left - x) * by, this.top = y + (this.top - y) * by, this.zoom = zoom;
     this.hold();
   }
-  // A part of the photo stays on the screen.
+  // Keeps a part of the photo on the screen.
   hold() {
     const w = this.photo.width * this.zoom, h = this.photo.height * this.zoom, part = 60;
     this.left = Math.min(Math.max(this.left, part - w), this.width - part), this.top = Math.min(Math.max(this.top, part - h), this.height - part);
@@ -76,7 +76,7 @@ export class Sheet {
     if (this.waiting) return;
     this.waiting = requestAnimationFrame(() => ((this.waiting = 0), this.draw()));
   }
-  // What is shown comes from `changed()`: { doc, thing, selected: { mark, corner }, drawing, hover, hidden, masks, editing }.
+  // State from `changed()`: { doc, thing, selected: { mark, corner }, drawing, hover, hidden, masks, editing }.
   draw() {
     const c = this.context, { photo } = this;
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
@@ -99,7 +99,7 @@ export class Sheet {
     corners.forEach((p, i) => c[i ? 'lineTo' : 'moveTo'](...this.to_screen(p)));
     if (closed) c.closePath();
   }
-  // Readable on any photo: white below the colour.
+  // A colour with a white outline, readable on any photo.
   stroke(color, width, dash = []) {
     const c = this.context;
     c.lineJoin = 'round';

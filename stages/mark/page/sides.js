@@ -1,11 +1,11 @@
-// Do the marked photos look from different sides? Known where a run has found the cameras.
+// Checks whether the marked photos look from different sides; needs the cameras of a run.
 import { outline_of } from './marks.js';
 
 const add = (a, b, s = 1) => a.map((v, i) => v + s * b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const unit = (a) => a.map((v) => v / Math.hypot(...a));
 
-// Through a place of the photo; distortion of the lens does not matter here.
+// Ray through a pixel of the photo; lens distortion is ignored.
 function ray(photo, [x, y]) {
   const { right, down, ahead, across, along } = photo.camera;
   return unit(add(add(ahead, right, (x / photo.width - 0.5) * across), down, (y / photo.height - 0.5) * along));
@@ -16,7 +16,7 @@ const middle_of = (mark) => {
   return [0, 1].map((k) => (Math.min(...corners.map((c) => c[k])) + Math.max(...corners.map((c) => c[k]))) / 2);
 };
 
-// The place nearest to all rays: sum (I - d d^T) p = sum (I - d d^T) eye.
+// Point closest to all rays: sum (I - d d^T) p = sum (I - d d^T) eye.
 function meeting(rays) {
   const a = [[0, 0, 0], [0, 0, 0], [0, 0, 0]], b = [0, 0, 0];
   for (const { eye, d } of rays)
@@ -31,14 +31,14 @@ function meeting(rays) {
   return [0, 1, 2].map((k) => det(a.map((row, i) => row.map((v, j) => (j === k ? b[i] : v)))) / whole);
 }
 
-// Of one ray alone: its place nearest to what all cameras look at.
+// For a single ray: its point closest to the common centre of all cameras.
 function before_the_middle({ eye, d }, photos) {
   const middle = meeting(photos.filter((p) => p.camera).map((p) => ({ eye: p.camera.eye, d: p.camera.ahead })));
   return middle && add(eye, d, dot(add(middle, eye, -1), d));
 }
 
-// `marks`: of one object, in photos that have a camera. one_sided: they all look from one side, the mean direction towards the cameras is
-// longer than the scene's `most_one_sided`; next: the photo that adds most.
+// `marks`: of one object, in photos with a camera. one_sided: all photos look from one side, i.e. the mean direction towards the
+// cameras is longer than the scene's `most_one_sided`; next: the photo that adds most.
 export function sides(marks, { photos, most_one_sided }) {
   const of = (mark) => photos.find((p) => p.name === mark.photo);
   const rays = marks.map((m) => ({ eye: of(m).camera.eye, d: ray(of(m), middle_of(m)) }));

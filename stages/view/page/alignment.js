@@ -1,8 +1,8 @@
-// How the frame of one run lies in that of another: the similarity that carries the cameras of the same photos onto each other
-// (Horn 1987; Umeyama 1991). {rotation: nine numbers, rows first; scale; translation; cameras; by: centres, rotations or nothing; error}
+// Alignment of two runs: the similarity transform between the cameras of the same photos (Horn 1987; Umeyama 1991). Result:
+// {rotation: nine numbers, rows first; scale; translation; cameras; by: centres, rotations or nothing; error}
 import { centre_of } from './cameras.js';
 
-const kThin = 0.01;       // of their extent: centres nearer than this to a line give no rotation
+const kThin = 0.01;  // relative to their extent: centres closer to a line determine no rotation
 const kIdentity = 1e-9;
 const kSweeps = 30;
 
@@ -12,7 +12,7 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const mean = (points) => [0, 1, 2].map((c) => points.reduce((sum, p) => sum + p[c], 0) / points.length);
 const turned = (r, p) => [0, 3, 6].map((k) => dot(r.slice(k, k + 3), p));
 
-// Eigenvector of the greatest eigenvalue of a symmetric matrix (rows), by Jacobi's rotations.
+// Eigenvector of the largest eigenvalue of a symmetric matrix (rows), by Jacobi rotations.
 function greatest_eigenvector(m) {
   const n = m.length, a = m.map((row) => [...row]), v = m.map((_, i) => m.map((_, k) => (i === k ? 1 : 0)));
   for (let sweep = 0; sweep < kSweeps; ++sweep)
@@ -28,7 +28,7 @@ function greatest_eigenvector(m) {
   return v.map((row) => row[best]);
 }
 
-// The rotation that carries each a nearest to its b: pairs [[a, b] ...].
+// Least-squares rotation of each a onto its b: pairs [[a, b] ...].
 export function best_rotation(pairs) {
   const s = (i, k) => pairs.reduce((sum, [a, b]) => sum + a[i] * b[k], 0);
   const [xx, xy, xz, yx, yy, yz, zx, zy, zz] = [0, 1, 2].flatMap((i) => [0, 1, 2].map((k) => s(i, k)));
@@ -40,7 +40,7 @@ export function best_rotation(pairs) {
           2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)];
 }
 
-// Whether they lie nearly on a line, or are too few to tell.
+// True if they are nearly collinear, or too few.
 function on_a_line(offsets) {
   const far = offsets.reduce((a, b) => (dot(a, a) > dot(b, b) ? a : b)), size = Math.hypot(...far);
   return offsets.length < 3 || offsets.every((p) => Math.hypot(...cross(p, far)) <= kThin * size * size);
@@ -48,7 +48,8 @@ function on_a_line(offsets) {
 
 const identity = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], scale: 1, translation: [0, 0, 0], cameras: 0, by: 'nothing', error: 0 };
 
-// to_from: a place p of `from` is at scale * rotation * p + translation in `to`. error: of the centres, over the radius of the ring.
+// A point p of `from` is at scale * rotation * p + translation in `to`. error: of the centres, relative to the radius of the
+// camera ring.
 export function alignment(from, to) {
   const there = new Map(to.cameras.map((c) => [c.name, c])), both = from.cameras.filter((c) => there.has(c.name)).map((c) => [c, there.get(c.name)]);
   if (both.length === 0) return identity;
@@ -67,15 +68,15 @@ export function alignment(from, to) {
 
 export const carried = ({ rotation, scale, translation }, p) => turned(rotation, p).map((v, i) => scale * v + translation[i]);
 
-// The camera that sees of the other scene what `camera` sees of this one.
+// Transforms a camera into the other scene.
 export function carried_camera(frame, camera) {
   const centre = carried(frame, centre_of(camera)), r = camera.rotation, rows = [0, 3, 6].map((k) => turned(frame.rotation, r.slice(k, k + 3)));
   return { ...camera, rotation: rows.flat(), translation: rows.map((row) => 0 - dot(row, centre)) };
 }
-// A plane [normal, offset].
+// Transforms a plane [normal, offset].
 export function carried_plane(frame, [x, y, z, offset]) {
   const n = turned(frame.rotation, [x, y, z]);
   return [...n, frame.scale * offset + dot(n, frame.translation)];
 }
-// How far its rotation turns about the z axis, degrees, counter-clockwise seen from above.
+// Rotation about the z axis, degrees, counter-clockwise seen from above.
 export const yaw = ({ rotation: r }) => (Math.atan2(r[3] - r[1], r[0] + r[4]) * 180) / Math.PI;

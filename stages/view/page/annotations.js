@@ -1,5 +1,5 @@
-// Annotations: numbered texts at points on surfaces. They are drawn over the picture, faint where a surface covers them; kept in the
-// address of the page (note=X,Y,Z,TEXT) while they are short, and in a file of their own.
+// Annotations: numbered texts at surface points. Drawn over the picture, faint where occluded; stored in the page address
+// (note=X,Y,Z,TEXT) while short, and in a file.
 import { button, download, element } from '../../page/elements.js';
 import { file_button, section } from './controls.js';
 import { svg } from './marks.js';
@@ -7,12 +7,12 @@ import { projected } from './cameras.js';
 
 const kMostAddress = 1500;   // characters
 const kMostText = 200;
-const kCovering = 0.02;      // of its depth, so much must a surface lie before a point to cover it
+const kCovering = 0.02;  // relative depth tolerance of the occlusion test
 const kFormat = 'vitrine annotations 1';
 
 const is_place = (p) => Array.isArray(p) && p.length === 3 && p.every((v) => typeof v === 'number' && Number.isFinite(v));
 
-// -> [{text, place}]; throws with a sentence.
+// Returns [{text, place}]; throws with a message for the user.
 export function read_annotations(json) {
   let file;
   try {
@@ -72,7 +72,7 @@ export class Annotations {
     }
   }
 
-  // Whether a surface lies before it in the last picture, or the clip plane hides its own.
+  // True if a surface occludes the point in the last picture, or the clip plane hides its surface.
   covered(place) {
     const { drawn, picture, clip } = this.view, [x, y, z] = projected(drawn, place), n = clip.plane(drawn);
     const depth = x >= 0 && y >= 0 && x < drawn.width && y < drawn.height ? picture.depth_at(x, y) : 0;
@@ -104,7 +104,7 @@ export function annotations_section(view) {
   const show = () => {
     annotate.setAttribute('aria-pressed', view.tool === notes);
     save.disabled = notes.list.length === 0;
-    if (shown === notes.list) return;  // a text that is being typed keeps the cursor
+    if (shown === notes.list) return;  // keeps the cursor in a text being typed
     const added = shown && notes.list.length === shown.length + 1 && view.tool === notes;
     shown = notes.list;
     list.replaceChildren(...shown.map(row_of));

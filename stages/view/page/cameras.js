@@ -1,5 +1,5 @@
-// Cameras as vitrine has them: rotation (camera from world, nine numbers, rows first) and translation; x right, y down, z forward;
-// fx, fy, cx, cy in pixels of a picture of width x height, pixel centres at .5.
+// Cameras in vitrine's convention: rotation (camera from world, nine numbers, rows first) and translation; x right, y down, z
+// forward; fx, fy, cx, cy in pixels of a picture of width x height, pixel centres at .5.
 import { Matrix3, Vector3 } from 'three';
 
 export const centre_of = (camera) => {
@@ -7,13 +7,13 @@ export const centre_of = (camera) => {
   return [0, 1, 2].map((i) => -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]));
 };
 
-// The same camera with a picture of another size and the same angle of view along the longer scale.
+// The same camera for another picture size, with the same angle of view along the longer side.
 export function resized(camera, width, height) {
   const sx = width / camera.width, sy = height / camera.height;
   return { ...camera, width, height, fx: camera.fx * sx, cx: camera.cx * sx, fy: camera.fy * sy, cy: camera.cy * sy };
 }
 
-// Of a three.js camera that looks at a picture of that size.
+// From a three.js camera with this picture size.
 export function from_three(eye, width, height) {
   eye.updateMatrixWorld();
   const e = eye.matrixWorld.elements, axis = (k, sign) => [0, 1, 2].map((i) => sign * e[4 * k + i]);
@@ -23,8 +23,8 @@ export function from_three(eye, width, height) {
   return { rotation, translation, width, height, fx: f, fy: f, cx: width / 2, cy: height / 2 };
 }
 
-// Puts a three.js camera where a photo was taken; its target lies on the photo's axis, as far away as `middle`. In a window of this
-// aspect, width over height, it sees what the photo does, and above and below more where the window is narrower.
+// Moves a three.js camera to a photo's camera; its target lies on the optical axis at the distance of `middle`. In a window with
+// this aspect (width over height) it covers the photo, and more above and below if the window is narrower.
 export function stand_at(eye, target, camera, middle, aspect = Infinity) {
   const c = new Vector3(...centre_of(camera)), r = camera.rotation, forward = new Vector3(r[6], r[7], r[8]);
   eye.position.copy(c);
@@ -34,7 +34,7 @@ export function stand_at(eye, target, camera, middle, aspect = Infinity) {
   eye.lookAt(target);
 }
 
-// What the plane dot(n, p) = offset mirrors of the scene, turned left to right (core/model/pane_pass.h).
+// Camera of the reflection in the plane dot(n, p) = offset, flipped left to right (core/model/pane_pass.h).
 export function mirrored(camera, n, offset) {
   const r = camera.rotation, row = (k) => r.slice(3 * k, 3 * k + 3), dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const rotation = [0, 1, 2].flatMap((k) => row(k).map((v, i) => (k === 0 ? -1 : 1) * (v - 2 * dot(row(k), n) * n[i])));
@@ -54,19 +54,19 @@ export function set_camera(uniforms, camera) {
   uniforms.size.value = [camera.width, camera.height];
 }
 
-// Into a pixel: [x, y, z], z <= 0 behind the camera.
+// Projects to a pixel: [x, y, z]; z <= 0: behind the camera.
 export function projected(camera, p) {
   const r = camera.rotation, t = camera.translation;
   const q = [0, 1, 2].map((k) => r[3 * k] * p[0] + r[3 * k + 1] * p[1] + r[3 * k + 2] * p[2] + t[k]);
   return [(camera.fx * q[0]) / q[2] + camera.cx, (camera.fy * q[1]) / q[2] + camera.cy, q[2]];
 }
-// Out of it, at this z.
+// Inverse projection at depth z.
 export function unprojected(camera, x, y, z) {
   const p = [((x - camera.cx) / camera.fx) * z, ((y - camera.cy) / camera.fy) * z, z].map((v, i) => v - camera.translation[i]);
   return [0, 1, 2].map((i) => camera.rotation[i] * p[0] + camera.rotation[3 + i] * p[1] + camera.rotation[6 + i] * p[2]);
 }
 
-// Camera to world, OpenGL axes: what `vitrine render --views` and `vitrine relight --views` read.
+// Cameras to world, OpenGL axes: the format of `vitrine render --views` and `vitrine relight --views`.
 export function transforms_json(cameras) {
   const frames = cameras.map((camera, i) => {
     const r = camera.rotation, c = centre_of(camera);

@@ -1,17 +1,17 @@
-// The clip plane: it hides what lies on one side of it. Across an axis it stands in the scene; across the view it goes along with
-// the camera. In the address of the page: clip=AXIS,PLACE, with a minus before the axis where lesser coordinates are shown.
+// Clip plane: hides one side of a plane. Perpendicular to an axis it is fixed in the scene; perpendicular to the view it moves
+// with the camera. Page address: clip=AXIS,PLACE, with a minus before the axis if the side of smaller coordinates is shown.
 import { button, element } from '../../page/elements.js';
 import { section, slider } from './controls.js';
 
 const kAxes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1], view: null };
-const kEnds = 0.01;     // share of the places that count for nothing at either end of the extent
-const kMargin = 0.05;   // of the extent, so much farther the slider goes
-const kPlaces = 400;    // of the slider
+const kEnds = 0.01;  // fraction of positions ignored at either end of the extent
+const kMargin = 0.05;  // relative to the extent: additional range of the slider
+const kPlaces = 400;  // steps of the slider
 export const kNoClip = [0, 0, 0, -1];
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-// Along each axis, [least, greatest] of nearly all of the places [3 n].
+// [minimum, maximum] of nearly all positions [3 n], per axis.
 function extents(places) {
   return [0, 1, 2].map((c) => {
     const along = Float32Array.from({ length: places.length / 3 }, (_, i) => places[3 * i + c]).sort(), last = Math.max(0, along.length - 1);
@@ -21,13 +21,13 @@ function extents(places) {
 }
 
 export class ClipPlane {
-  // middle: what the photos look at; places: of what is shown.
+  // middle: centre of the scene; places: positions of the surfels.
   constructor(middle, places) {
     this.middle = middle, this.extents = extents(places);
-    this.axis = null, this.place = 0, this.sign = 1;  // shown is where sign * coordinate >= sign * place
+    this.axis = null, this.place = 0, this.sign = 1;  // visible: sign * coordinate >= sign * place
     this.on_change = () => {};
   }
-  // Of the place: across the view it counts from the middle.
+  // Range of the plane's position; perpendicular to the view it is relative to the middle.
   range(axis = this.axis) {
     const reach = Math.hypot(...this.extents.map(([a, b], c) => Math.max(b - this.middle[c], this.middle[c] - a)));
     return kAxes[axis] ? this.extents['xyz'.indexOf(axis)] : [-reach, reach];
@@ -36,7 +36,7 @@ export class ClipPlane {
     Object.assign(this, some);
     this.on_change();
   }
-  // Across the middle of the scene; hidden is the side where the eye is.
+  // Places the plane through the middle of the scene; hides the side of the eye.
   stand(axis, eye) {
     const n = kAxes[axis], place = n ? dot(n, this.middle) : 0;
     this.set({ axis, place, sign: n && dot(n, eye) > place ? -1 : 1 });
@@ -44,7 +44,7 @@ export class ClipPlane {
   flip() {
     this.set({ sign: -this.sign });
   }
-  // [normal, offset]: shown is where dot(normal, p) >= offset.
+  // [normal, offset]; visible: dot(normal, p) >= offset.
   plane(camera) {
     if (!this.axis) return kNoClip;
     const n = kAxes[this.axis] ?? camera.rotation.slice(6, 9), offset = this.place + (kAxes[this.axis] ? 0 : dot(n, this.middle));
@@ -60,7 +60,7 @@ export class ClipPlane {
   }
 }
 
-// The part of a polygon [[x y z] ...] that the plane shows.
+// Clips a polygon [[x y z] ...] to the visible side.
 export function clipped(corners, plane) {
   const out = [], height = (p) => dot(plane, p) - plane[3];
   corners.forEach((b, i) => {
@@ -71,7 +71,7 @@ export function clipped(corners, plane) {
   return out;
 }
 
-// -> {nodes of the panel, show: after a change}. eye(): where the camera is.
+// Returns {nodes of the panel, show: called after a change}. eye(): camera position.
 export function clip_section(clip, unit, eye) {
   const names = { '': 'Off', x: 'x', y: 'y', z: 'z', view: 'view' };
   const axes = Object.entries(names).map(([axis, name]) =>

@@ -1,4 +1,4 @@
-// Colours of people, #rrggbb in sRGB, and linear ones of the scene.
+// Colours: #rrggbb in sRGB, and linear ones.
 const decoded = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
 const encoded = (v) => (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
 

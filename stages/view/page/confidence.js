@@ -1,13 +1,14 @@
-// Confidence: how well the photos saw the surfels (stages/view/photo_coverage.h), as a number that is 0 for one photo, or for photos
-// from one side, and 1 for twelve and more from 60 degrees apart and more; the lower of both counts. Drawn by a scale of colours.
+// Confidence: coverage of the surfels by photos (stages/view/photo_coverage.h) as a number: 0 for one photo or a single
+// direction, 1 for at least twelve photos with at least 60 degrees between two of them; the minimum of both criteria. Displayed
+// with a colour map.
 import { element } from '../../page/elements.js';
 
 const kMostPhotos = 12, kMostAngleSteps = 6;
-// From 0 to 1, linear between, as the screen has them (viridis: as even in grey as in colour); and of what no photo saw.
+// Colour map from 0 to 1, piecewise linear, in display values (viridis: perceptually uniform); and the grey of unseen surfels.
 export const kScale = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 const kUnseen = 128;
 
-// A byte of the block `seen` -> [confidence, 1 where no photo saw the surfel].
+// Byte of the block `seen` -> [confidence, 1 if no photo saw the surfel].
 export function confidence(byte) {
   const photos = byte >> 3;
   return photos === 0 ? [0, 1] : [Math.min((photos - 1) / (kMostPhotos - 1), (byte & 7) / kMostAngleSteps), 0];
@@ -16,7 +17,7 @@ export function confidence(byte) {
 // Uniforms of composite.glsl.
 export const scale_uniforms = () => ({ scale: { value: kScale.flat().map((v) => v / 255) }, unseen: { value: kUnseen / 255 } });
 
-// -> {nodes, show(state)}, for the panel.
+// Returns {nodes, show(state)} for the panel.
 export function confidence_legend() {
   const rgb = (c) => `rgb(${c})`, row = (...children) => element('div', { className: 'row' }, ...children);
   const bar = element('div', { className: 'scale' }), none = element('span', { className: 'swatch' });

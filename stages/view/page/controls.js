@@ -1,4 +1,4 @@
-// Controls of the panel that several sections use.
+// Panel controls that several sections share.
 import { element } from '../../page/elements.js';
 
 export function slider(text, id, least, most, step, unit, set) {
@@ -8,10 +8,10 @@ export function slider(text, id, least, most, step, unit, set) {
   return { row: element('div', { className: 'row' }, element('label', { htmlFor: id, textContent: text }), input, shown), input, show };
 }
 
-// The heading of a section and what stands below it.
+// Heading and content of a section.
 export const section = (title, ...children) => [element('h2', { textContent: title }), ...children];
 
-// A button that asks for a file; the same file can be opened twice.
+// File chooser button; the same file can be opened twice.
 export function file_button(text, id, accept, open) {
   const input = element('input', { type: 'file', id, accept, onchange: () => {
     if (input.files[0]) open(input.files[0]);
@@ -20,7 +20,8 @@ export function file_button(text, id, accept, open) {
   return element('label', { className: 'file', textContent: text }, input);
 }
 
-// `count` rows in `list`, made anew when their number changes only, so that a click that begins on one ends on it; show(row, i).
+// Keeps `count` rows in `list`; recreates them only if their number changes, so that a click is not interrupted; show(row, i)
+// updates a row.
 export function keep_rows(list, count, make, show) {
   if (list.children.length !== count) list.replaceChildren(...Array.from({ length: count }, (_, i) => make(i)));
   [...list.children].forEach(show);

@@ -1,4 +1,4 @@
-// Files that are dropped on the page: each goes to the part of the page that opens files of its name; every other one is a light.
+// Dropped files: passed to the part of the page that handles their name; any other file is an environment map.
 export function take_dropped_files(view) {
   for (const name of ['dragover', 'dragleave', 'drop']) addEventListener(name, (e) => dragged(e, view));
 }

@@ -37,7 +37,7 @@ export function edits_yaml(edits) {
   return `# Made in the page of vitrine view: vitrine edit OUT edits.yaml\nedits:\n${blocks.join('')}`;
 }
 
-// Why `vitrine edit` would refuse it; '' if it would not.
+// Reason why `vitrine edit` would reject it; '' if valid.
 export function mistake_of({ name, select, remove, set }, count) {
   if (!name.trim()) return 'it has no name';
   if (select !== 'all' && !['class', 'object', 'component', 'box', 'marks'].some((key) => select[key])) return 'it selects nothing yet';
@@ -48,7 +48,7 @@ export function mistake_of({ name, select, remove, set }, count) {
   return count === 0 ? 'it finds nothing' : '';
 }
 
-// ---- read
+// ---- parsing
 
 function fail(where, what) {
   throw new Error(`${where}: ${what}.`);
@@ -90,7 +90,7 @@ function select_of(where, node, photos, objects, outer) {
   return out;
 }
 
-// photos, objects: their names. Throws Error with a sentence for people.
+// photos, objects: their names. Throws Error with a message for the user.
 export function edits_of(text, photos, objects) {
   const root = read_yaml(text);
   only('at its top', root, ['edits']);

@@ -1,11 +1,11 @@
-// Outlines over the picture: the box of the chosen edit, its marks in the photo at whose camera one stands. As SVG.
+// SVG outlines over the picture: the box of the selected edit, and its marks in the photo of the current camera.
 import { projected } from './cameras.js';
 import { svg } from './marks.js';
 
 const kEdges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 const kNear = 1e-3;
 
-// The part of a line between two places that lies before the camera, in pixels; null without.
+// Part of a line segment in front of the camera, in pixels; null if none.
 function line_before(camera, a, b) {
   const depth = (p) => projected(camera, p)[2], za = depth(a), zb = depth(b);
   if (za <= kNear && zb <= kNear) return null;
@@ -13,7 +13,7 @@ function line_before(camera, a, b) {
   return [za > kNear ? a : at(cut), zb > kNear ? b : at(cut)].map((p) => projected(camera, p));
 }
 
-// sx, sy: pixels of the screen in a pixel of the camera.
+// sx, sy: screen pixels per camera pixel.
 export function edit_outlines(edits, camera, sx, sy) {
   const { one, view, drawn_corners = [] } = edits, photo = edits.photos[view.photo], box = one?.select.box;
   const out = [];

@@ -1,5 +1,5 @@
-// What edits change, in the buffers that the page draws from: materials, colours, and which surfels and shapes are there. Light that
-// surfaces send each other, shadows and, as photographed, what curved mirrors show stay those of the scene without edits.
+// Preview of edits in the render buffers: materials, colours, visibility of surfels and shapes. Interreflections, shadows and,
+// under the light of the photos, reflections in curved mirrors remain those of the unedited scene.
 import { DataUtils } from 'three';
 import { kInsideAlbedo } from './surfels.js';
 import { is_geometric } from './selection.js';
@@ -11,7 +11,7 @@ export class EditPreview {
   constructor(picture, page, selection) {
     const t = picture.surfels.textures;
     this.picture = picture, this.scene = page.scene, this.selection = selection, this.blocks = page.blocks;
-    // Every kind of texture once: without materials some are the same.
+    // Unique textures: without materials some are shared.
     this.textures = {
       materials: [...new Set([t.materials, t.lit_materials])], weights: [...new Set([t.weights, t.lit_weights])], tints: [t.tints],
       albedo: page.scene.relit ? [t.albedo] : [],
@@ -19,8 +19,8 @@ export class EditPreview {
     this.originals = new Map(Object.values(this.textures).flat().map((one) => [one, one.image.data.slice()]));
   }
 
-  // Applies the edits in their order to the originals. -> of each the number of surfels that `vitrine edit` would report,
-  // and that of content behind glass which it changes: [{surfels, content}].
+  // Applies the edits in order to the originals. Returns for each edit the number of surfels that `vitrine edit` would report,
+  // and of content behind glass: [{surfels, content}].
   show(edits) {
     const { selection } = this;
     for (const [one, data] of this.originals) one.image.data.set(data);
@@ -56,7 +56,7 @@ export class EditPreview {
       if (tau !== undefined) data[4 * i + 1] = half(tau);
     }
   }
-  // Albedo ends at 1; radiance, which is proportional to it, does not.
+  // Albedo is clamped to 1; radiance, which is proportional to it, is not.
   tint(i, tint, inside) {
     for (const { image: { data } } of this.textures.tints)
       for (let c = 0; c < 3; ++c) data[4 * i + c] = half(DataUtils.fromHalfFloat(data[4 * i + c]) * tint[c]);
@@ -65,7 +65,7 @@ export class EditPreview {
       for (let c = 0; c < 3; ++c) data[4 * i + c] = byte_of(Math.min((data[4 * i + c] / 255) ** 2 * tint[c] * unit, unit) / unit);
   }
 
-  // Entries that go with most of the surfels that show them (stages/edit/README.md), and what stands out of those.
+  // Shapes whose surfels are mostly deleted (stages/edit/README.md), and their appendages.
   gone_shapes(gone_surfels) {
     const gone = new Set(), { entries } = this.scene.shapes, list = this.blocks.shape_surfel;
     if (!gone_surfels.includes(1)) return gone;

@@ -1,11 +1,11 @@
-// The list of edits of the page: what it is, which edit is chosen, how many surfels each finds; the preview follows every change.
+// List of edits of the page: the edits, the selected one, the number of surfels of each; the preview follows every change.
 import { unprojected } from './cameras.js';
 import { edits_of, edits_yaml, mistake_of } from './edit_list.js';
 import { EditPreview } from './edit_preview.js';
 import { Selection } from './selection.js';
 
-const kFlat = 0.01;     // radii of the scene: the least extent of a box between two points
-const kReach = 0.1;     // radii: a click finds the component that is so near
+const kFlat = 0.01;  // radii of the scene: minimum extent of a box between two points
+const kReach = 0.1;  // radii: pick distance of a component
 
 export class Edits {
   constructor(view, page) {
@@ -20,7 +20,7 @@ export class Edits {
     return this.list[this.chosen];
   }
 
-  // After any change of the list.
+  // Called after any change of the list.
   changed() {
     this.unsaved = this.list.length > 0;
     this.found = this.preview.show(this.list);
@@ -40,12 +40,12 @@ export class Edits {
     this.list.splice(this.chosen, 1);
     this.choose(-1), this.changed();
   }
-  // Some of name, select, remove, set of the chosen edit.
+  // Changes some of name, select, remove, set of the selected edit.
   change(some) {
     this.list[this.chosen] = { ...this.one, ...some };
     this.changed();
   }
-  // One value of `set`; undefined takes it out.
+  // Sets one value of `set`; undefined removes it.
   set(key, value) {
     const { [key]: before, ...others } = this.one.set;
     this.change({ set: value === undefined ? others : { ...others, [key]: value } });
@@ -54,7 +54,7 @@ export class Edits {
     const { surfels = 0, content = 0 } = this.found[index] ?? {};
     return mistake_of(this.list[index], surfels + content);
   }
-  // The file; null, and a sentence, while `vitrine edit` would refuse it.
+  // Text of the file; null, with a message, while `vitrine edit` would reject it.
   yaml() {
     const wrong = this.list.map((e, i) => [e.name, this.mistake(i)]).find(([, m]) => m);
     this.view.tell(this.list.length === 0 ? 'There is no edit to save.' : wrong ? `\u201c${wrong[0]}\u201d cannot be saved: ${wrong[1]}.` : '');
@@ -73,7 +73,7 @@ export class Edits {
     }
   }
 
-  // ---- tools that take the mouse on the picture (hand.js)
+  // ---- mouse tools on the picture (hand.js)
 
   surface_at({ x, y }) {
     const z = this.view.picture.depth_at(x, y);
@@ -106,13 +106,14 @@ export class Edits {
       },
     });
   }
-  // In the photo at whose camera one stands: a rectangle by a drag, a polygon by clicks, closed at its first corner or by Enter.
+  // Marks in the photo of the current camera: a rectangle by dragging, a polygon by clicks, closed at its first corner or by
+  // Enter.
   draw_mark(kind) {
     const { view } = this;
     if (view.hand.has(`mark_${kind}`)) return view.hand.drop();
     let photo = view.photo;
     const corners = (this.drawn_corners = []), show = () => view.draw_marks();
-    // Where one stands at this press; what was begun in another photo is dropped.
+    // The photo at this press; an unfinished mark of another photo is discarded.
     const stands = () => {
       if (photo !== view.photo) corners.length = 0, (photo = view.photo);
       view.tell(photo === undefined ? 'Marks are drawn at the place of a photo: click one of the photos first.' : '');

@@ -1,4 +1,4 @@
-// The section of the edits: their list, what the chosen one selects and sets, and their file.
+// Panel section of the edits: list, selection and materials of the selected edit, file.
 import { button, download, element } from '../../page/elements.js';
 import { hex_of, linear_of } from './colors.js';
 import { kMostTint } from './edit_list.js';
@@ -11,7 +11,7 @@ const label = (text, ...children) => element('label', { className: 'row' }, ...c
 const kKinds = { class: 'a class', object: 'an object', component: 'a component', box: 'a box', marks: 'marks in photos', all: 'everything' };
 const kind_of = (select) => (select === 'all' ? 'all' : Object.keys(kKinds).find((k) => select[k] !== undefined) ?? '');
 
-// What is selected: one kind of it; selections of several conditions, from a file, are kept as they are.
+// Rows of the selection: one condition; selections with several conditions, from a file, are kept.
 function selection_rows(edits, scene) {
   const { classes, no_classes, components } = scene.edits, objects = scene.objects.map((o) => o.name), rows = {};
   const kinds = Object.keys(kKinds).filter((k) => (k !== 'class' || classes.length) && (k !== 'object' || objects.length) && (k !== 'component' || components > 0));
@@ -46,7 +46,7 @@ function selection_rows(edits, scene) {
   return { parts: [row(element('label', { htmlFor: 'edit_by', textContent: 'Select' }), by), ...Object.values(rows), ...why], show };
 }
 
-// What is set: each value has a box that says whether.
+// Rows of the materials: a check box enables each value.
 function material_rows(edits) {
   const shows = [], parts = [];
   const value = (key, text, usual, controls, show) => {
@@ -58,7 +58,7 @@ function material_rows(edits) {
     });
     parts.push(label(text, on), box);
   };
-  // A colour whose largest channel is that of the picker, times a factor.
+  // A colour with the hue of the picker, times a factor.
   const tint = element('input', { type: 'color', id: 'edit_tint', oninput: () => tinted() });
   const factor = slider('Factor', 'edit_factor', 0, kMostTint, 0.05, '', () => tinted());
   const tinted = () => edits.set('tint', linear_of(tint.value).map((v) => Math.min(kMostTint, v * Number(document.getElementById('edit_factor').value))));
@@ -79,7 +79,7 @@ function material_rows(edits) {
   return { parts: [label('delete it', remove), ...parts], show: (edit) => shows.forEach((f) => f(edit)) };
 }
 
-// -> { parts: elements, show(), begin(object): a new edit of that object; missing where there are no edits }
+// Returns { parts: elements, show(), begin(object): a new edit of that object; missing where edits are unavailable }
 export function edits_section(view, page) {
   const { scene } = page;
   if (!scene.edits.there) view.filed.push({ opens: /\.ya?ml$/i, open: (file) => view.tell(`${file.name} is not opened: ${scene.edits.why}`) });

@@ -1,7 +1,7 @@
-// Who has the mouse on the picture: nobody (then it turns the scene), or one tool.
-// A tool: {name, drags: the left button is its own, pressed, moved, released, clicked (at), cancelled, key (event) -> taken, dropped()}; all but
-// the name may be missing. `at`: {x, y} in pixels of the picture drawn last; of moves also dx, dy in pixels of the screen.
-const kClick = 4;  // pixels of the screen that a click may move
+// Mouse input on the picture: goes to the active tool, or to the camera if there is none. A tool: {name, drags: true if it uses
+// the left button, pressed, moved, released, clicked (at), cancelled, key (event) -> handled, dropped()}; all but the name are
+// optional. `at`: {x, y} in pixels of the last picture; moves also have dx, dy in screen pixels.
+const kClick = 4;  // maximum movement of a click, screen pixels
 
 export class Hand {
   constructor(view) {
@@ -35,7 +35,7 @@ export class Hand {
     return { x: ((e.clientX - box.left) / box.width) * k.width, y: ((e.clientY - box.top) / box.height) * k.height };
   }
   press(e) {
-    if (!e.isPrimary) return this.cancel();  // a second finger: the camera's
+    if (!e.isPrimary) return this.cancel();  // a second finger: the camera takes over
     if (!this.tool || e.button !== 0 || e.shiftKey || e.ctrlKey || e.metaKey) return;
     this.from = this.last = [e.clientX, e.clientY];
     this.tool.pressed?.(this.at(e));

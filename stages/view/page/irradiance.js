@@ -1,10 +1,10 @@
-// What every surfel receives of a light (core/relight/light_transfer.h): direct light of the cells that are open to it, and light from
-// the scene by harmonics of degree 1.
+// Irradiance of every surfel under a light (core/relight/light_transfer.h): direct light from its open cells, and light from the
+// scene by spherical harmonics of degree 1.
 import { DataUtils } from 'three';
 
 const kWords = 18, kNoSide = 255, kBounced = 3, kSteps = 48, kZero = 128;
 
-// -> [3 count]. cells: {flux, directions} (sky.js); harmonics: 16 of three.
+// Returns [3 count]. cells: {flux, directions} (sky.js); harmonics: 16 x 3.
 export function irradiance({ open, side, bounced, bounced_constant }, count, cells, harmonics) {
   const out = new Float32Array(3 * count), { flux, directions } = cells;
   const constants = Float32Array.from(bounced_constant, DataUtils.fromHalfFloat);

@@ -1,4 +1,4 @@
-// Keys on the picture: arrows turn the scene, with shift they move it, + and - zoom, digits choose modes, r and f views.
+// Keys on the picture: arrows rotate the scene, with shift they move it; + and - zoom, digits select modes, r and f views.
 import { Vector3 } from 'three';
 import { kModes } from './picture.js';
 

@@ -1,23 +1,23 @@
-// Lamps: round sources far away. The page adds them to the map of the light as discs, so that everything that knows the light knows
-// them: surfels by the cells of the sky that are open to them, what mirrors, what stands behind the scene.
-//   {azimuth, elevation: degrees, azimuth counter-clockwise from +x seen from above, whatever the turn of the light;
-//    size: degrees across, color: #rrggbb, on,
-//    power: irradiance of a surface that faces it, of a white lamp, over that under a uniform sky as bright as this one in the mean}
+// Lamps: round distant sources. They are added to the environment map as discs, so that everything lit by the map includes them:
+// surfels through their open cells, mirrors, the background.
+//   {azimuth, elevation: degrees, azimuth counter-clockwise from +x seen from above, independent of the rotation of the light;
+//    size: diameter in degrees, color: #rrggbb, on,
+//    power: irradiance of a surface facing a white lamp, relative to a uniform sky with the mean luminance of the map}
 import { is_hex, linear_of } from './colors.js';
 import { direction, sky } from './sky.js';
 
 const kRadians = Math.PI / 180;
-const kWidth = 512;                       // of the map with lamps that the page shows
+const kWidth = 512;  // width of the map with lamps
 const kSavedWidth = 1024, kMostSaved = 4096;
-const kTexelsAcross = 2;                  // of the smallest disc that is painted: it has no holes
-const kSubsamples = 4;                    // of a texel, a side: how much of it a disc covers
-const kCell = 9;                          // degrees; shadows know the sky by cells of that size (core/relight/light_transfer.h)
-const kFar = 1000;                        // of lamps in a file, radii of the camera ring
+const kTexelsAcross = 2;  // across the smallest disc: avoids holes
+const kSubsamples = 4;  // per texel and axis: coverage of a texel by a disc
+const kCell = 9;  // degrees; size of the cells that shadows use (core/relight/light_transfer.h)
+const kFar = 1000;  // distance of lamps in a file, in radii of the camera ring
 
 export const kLampRanges = { azimuth: [-180, 180], elevation: [-90, 90], size: [0.5, 60], power: [0, 20] };
 const within = (v, [least, most]) => Number.isFinite(v) && v >= least && v <= most;
 
-// Over the left shoulder of who looks at `target` from `eye`.
+// Over the left shoulder of a viewer at `eye` looking at `target`.
 export function new_lamp(eye, target) {
   const seen_from = Math.atan2(eye[1] - target[1], eye[0] - target[0]) / kRadians;
   return { azimuth: wrapped(Math.round(seen_from - 50)), elevation: 40, size: 12, color: '#ffffff', power: 3, on: true };
@@ -28,7 +28,7 @@ export const towards_lamp = ({ azimuth, elevation }) => {
   return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
 };
 
-// ---- in the address of the page: azimuth,elevation,size,power,rrggbb,on;...
+// ---- page address: azimuth,elevation,size,power,rrggbb,on;...
 
 export const lamps_text = (lamps) => lamps.map((l) => [l.azimuth, l.elevation, l.size, l.power, l.color.slice(1), l.on ? 1 : 0].join(',')).join(';');
 export function lamps_of(text) {
@@ -39,9 +39,9 @@ export function lamps_of(text) {
   });
 }
 
-// ---- in the map
+// ---- environment map
 
-// Mean luminance of all directions; 1 of a black map, so that lamps shine there too.
+// Mean luminance over all directions; 1 for a black map, so that lamps are visible there.
 const means = new WeakMap();
 function mean_luminance(map) {
   if (means.has(map)) return means.get(map);
@@ -55,12 +55,12 @@ function mean_luminance(map) {
   means.set(map, sum > 0 ? sum / all : 1);
   return means.get(map);
 }
-// Of a surface that faces it.
+// Irradiance of a surface that faces the lamp.
 const irradiance_of = (lamp, map) => linear_of(lamp.color).map((c) => lamp.power * Math.PI * mean_luminance(map) * c);
 
-// The map turned about +z by so many degrees, with other texels.
+// The map rotated about +z by `turn` degrees, resampled to width w.
 function resampled({ name, width, height, data }, turn, w) {
-  const h = w / 2, out = new Float32Array(3 * w * h), across = Math.max(1, Math.round(width / w));  // samples of a texel, a side
+  const h = w / 2, out = new Float32Array(3 * w * h), across = Math.max(1, Math.round(width / w));  // samples per texel and axis
   for (let y = 0; y < h; ++y)
     for (let x = 0; x < w; ++x)
       for (let k = 0; k < across * across; ++k) {
@@ -75,7 +75,7 @@ function resampled({ name, width, height, data }, turn, w) {
   return sky(name, w, h, out);
 }
 
-// Adds a disc at least `least` degrees across whose energy is that of the lamp, whatever the texels are.
+// Adds a disc of at least `least` degrees; its energy is exact at any resolution.
 function add_disc({ width, height, data }, lamp, irradiance, least) {
   const texel = 360 / width, half = 0.5 * Math.max(lamp.size, least, kTexelsAcross * texel), d = towards_lamp(lamp);
   const dot = ([x, y, z]) => x * d[0] + y * d[1] + z * d[2], inside = Math.cos(half * kRadians), near = Math.cos(Math.min(180, half + texel) * kRadians);
@@ -96,11 +96,11 @@ function add_disc({ width, height, data }, lamp, irradiance, least) {
       covered.push([3 * (y * width + x), hits]);
     }
   }
-  const flux = 2 / (1 + Math.cos(0.5 * lamp.size * kRadians));  // of a disc over the irradiance of what faces it
+  const flux = 2 / (1 + Math.cos(0.5 * lamp.size * kRadians));  // flux of a disc over the irradiance of a surface facing it
   for (const [at, hits] of covered) for (let c = 0; c < 3; ++c) data[at + c] += (hits * flux * irradiance[c]) / all;
 }
 
-let base = {};  // the last map without its lamps
+let base = {};  // last map without lamps
 function composed(map, { turn, sky: dimmed, lamps }, width, least) {
   if (base.map !== map || base.turn !== turn || base.all.width !== width) base = { map, turn, all: resampled(map, turn, width) };
   const out = sky(map.name, width, width / 2, base.all.data.map((v) => v * dimmed));
@@ -109,16 +109,16 @@ function composed(map, { turn, sky: dimmed, lamps }, width, least) {
 }
 const changes_nothing = ({ sky: dimmed, lamps }) => dimmed === 1 && !lamps.some((l) => l.on && l.power > 0);
 
-// What Picture.set_light takes: the map, its turn, and the map by which surfels find their direct light, where lamps are as wide as a
-// cell at least: a narrower one would move its shadows from cell to cell by leaps.
+// Arguments of Picture.set_light: the map, its rotation, and the map for the direct light of surfels, in which lamps are at least
+// one cell wide: shadows of smaller lamps would jump from cell to cell.
 export function lit(map, state) {
   if (changes_nothing(state)) return [map, state.turn, map];
   return [composed(map, state, kWidth, 0), 0, composed(map, state, kWidth, kCell)];
 }
 
-// ---- in files
+// ---- files
 
-// The whole light, turned as it is, for `vitrine relight --env`: fine enough for the map and for its smallest lamp.
+// The whole light with its rotation applied, for `vitrine relight --env`; resolution for the map and its smallest lamp.
 export function saved_map(map, state) {
   const smallest = Math.min(...state.lamps.filter((l) => l.on).map((l) => l.size), Infinity), wanted = Math.max(map.width, (360 * kTexelsAcross) / smallest);
   let width = kSavedWidth;
@@ -126,7 +126,7 @@ export function saved_map(map, state) {
   return composed(map, state, width, 0);
 }
 
-// The lamps alone, for `vitrine relight --lights`: discs far away (core/light/lighting.h).
+// The lamps only, for `vitrine relight --lights`: distant discs (core/light/lighting.h).
 export function lamps_yaml(map, lamps) {
   const short = (v) => String(Number(v.toPrecision(6))), list = (v) => `[${v.map(short).join(', ')}]`;
   const lines = lamps.filter((l) => l.on && l.power > 0).map((lamp) => {

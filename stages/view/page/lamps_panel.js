@@ -1,4 +1,4 @@
-// The section of the lamps: their list, what the chosen one is, and the files of the light.
+// Panel section of the lamps: list, properties of the selected lamp, files of the light.
 import { button, download, element } from '../../page/elements.js';
 import { kLampRanges, lamps_yaml, new_lamp, saved_map, towards_lamp, wrapped } from './lamps.js';
 import { radiance_hdr } from './radiance_hdr.js';
@@ -7,14 +7,14 @@ import { keep_rows, slider } from './controls.js';
 const kTool = 'lamp', kDegreesPerPixel = 0.4;
 const rounded = (v) => Math.round(10 * v) / 10;
 
-// -> { parts: elements, show(state) }
+// Returns { parts: elements, show(state) }
 export function lamps_section(view) {
   let chosen = -1;
   const lamps = () => view.state.lamps;
   const relit = () => (view.state.mode === 'relit' ? {} : { mode: 'relit' });
   const change = (some) => view.adjust({ lamps: lamps().map((l, i) => (i === chosen ? { ...l, ...some } : l)), ...relit() });
 
-  // The mouse takes the lamp along, on the side of the scene on which it is.
+  // A drag moves the lamp with the mouse, on the visible side of the scene.
   function dragged({ dx, dy }) {
     const lamp = lamps()[chosen], d = towards_lamp(lamp), eye = view.eye.position.clone().sub(view.controls.target);
     const side = d[0] * eye.x + d[1] * eye.y >= 0 ? 1 : -1;

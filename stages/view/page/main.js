@@ -1,4 +1,4 @@
-// The page: what it can draw in this browser, and the panel beside the picture.
+// Entry point: checks the browser's capabilities and opens the view and the panel.
 import { ClipPlane, clip_section } from './clip_plane.js';
 import { read_page } from './scene_data.js';
 import { show_mesh } from './mesh_canvas.js';
@@ -13,7 +13,7 @@ export function tell(sentence) {
   notice.textContent = sentence ?? '';
 }
 
-// Why surfels cannot be drawn here; empty if they can.
+// Reason why surfels cannot be rendered; empty if they can.
 function missing() {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return 'This browser has no WebGL2';
@@ -47,7 +47,7 @@ async function open() {
   return view;
 }
 
-// What tests talk to.
+// Interface for tests.
 window.vitrine = open().catch((e) => {
   tell(`This page cannot be shown: ${e.message}`);
   throw e;

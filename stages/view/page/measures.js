@@ -1,4 +1,4 @@
-// Distances: two points on surfaces, clicked in the picture.
+// Distance measurement between two clicked surface points.
 import { button, element } from '../../page/elements.js';
 import { section } from './controls.js';
 import { svg } from './marks.js';
@@ -7,7 +7,7 @@ export class Measures {
   constructor(view) {
     this.view = view, this.points = [];
   }
-  // A click on a surface; what is said where there is none.
+  // Handles a click on a surface; the message is shown where there is none.
   take(place) {
     if (this.points.length === 2) this.points = [];
     this.points.push(place);
@@ -17,7 +17,7 @@ export class Measures {
     this.points = [];
   }
 
-  // Between the two points; null while there are fewer. In metres where the scale is known, else in radii of the camera ring.
+  // Distance of the two points; null if there are fewer. In metres if the scale is known, otherwise in radii of the camera ring.
   distance() {
     const [a, b] = this.points;
     return b ? Math.hypot(...a.map((v, i) => v - b[i])) : null;

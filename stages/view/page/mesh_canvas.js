@@ -1,10 +1,10 @@
-// The scene's mesh without WebGL: triangles painted from far to near. Dragging turns it, the wheel moves nearer.
+// Mesh without WebGL: triangles painted from far to near. Dragging rotates, the wheel zooms.
 import { PerspectiveCamera, Vector3 } from 'three';
 import { clipped } from './clip_plane.js';
 import { from_three, projected, stand_at } from './cameras.js';
 
-// Draws into `canvas` from the first photo's camera what `clip` shows of it, without faces that two corners give to hidden `objects`; null
-// where the page has no mesh. -> the camera
+// Draws the part visible under `clip` from the first photo's camera, without faces whose majority of corners belongs to hidden
+// `objects`. Returns the camera; null if the page has no mesh.
 export function show_mesh(canvas, { scene, blocks }, clip, objects) {
   const { mesh_position: places, mesh_color: colors, mesh_face: faces, mesh_object: ids = [] } = blocks;
   if (!faces?.length) return null;
@@ -16,7 +16,7 @@ export function show_mesh(canvas, { scene, blocks }, clip, objects) {
     const width = (canvas.width = canvas.clientWidth), height = (canvas.height = canvas.clientHeight), context = canvas.getContext('2d');
     const camera = from_three(eye, width, height), on_screen = [];
     for (let v = 0; v < places.length; v += 3) on_screen.push(projected(camera, places.subarray(v, v + 3)));
-    const order = [], plane = clip.plane(camera), outlines = new Map();  // of faces that the plane cuts
+    const order = [], plane = clip.plane(camera), outlines = new Map();  // of faces cut by the plane
     const hidden = on_screen.map((_, v) => places[3 * v] * plane[0] + places[3 * v + 1] * plane[1] + places[3 * v + 2] * plane[2] < plane[3]);
     for (let f = 0; f < faces.length; f += 3) {
       const corners = [...faces.subarray(f, f + 3)], [a, b, c] = corners.map((v) => on_screen[v]), cut = corners.filter((v) => hidden[v]).length;

@@ -1,5 +1,5 @@
-// The objects of the scene (core/objects/object_set.h): which of them are hidden, and the section that lists them. In the address of
-// the page: hide=NAME of each hidden one.
+// Objects of the scene (core/objects/object_set.h): visibility, and the panel section that lists them. Page address: hide=NAME
+// for each hidden object.
 import { button, element } from '../../page/elements.js';
 import { section } from './controls.js';
 
@@ -25,8 +25,8 @@ export class Objects {
   }
 }
 
-// -> {nodes of the panel, show: after a change}; no nodes without objects. edit(name): begins an edit of that object; without it the rows
-// have no button.
+// Returns {nodes of the panel, show: called after a change}; no nodes without objects. edit(name): starts an edit of that object;
+// without it the rows have no button.
 export function objects_section(objects, edit) {
   if (objects.list.length === 0) return { nodes: [], show: () => {} };
   const boxes = objects.list.map(({ id }) => element('input', { type: 'checkbox', onchange: (e) => objects.show(id, e.target.checked) }));

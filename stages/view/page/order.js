@@ -1,12 +1,12 @@
-// Where surfels are on the screen, and which of them each tile of it shows, nearly from near to far: surfel_fragment.glsl puts them
-// in order pixel by pixel. A tile has them by the depth that their planes have in its middle: of surfels that lie in nearly one plane,
-// as on a table, those on top are on top in all pixels, however large they are.
+// Projects surfels and builds the list of surfels of each screen tile, sorted approximately by depth; surfel_fragment.glsl
+// completes the sorting per pixel. The sort key is the depth of the surfel's plane at the centre of the tile: for nearly coplanar
+// surfels, as on a table, the order is then right in all pixels, regardless of their size.
 const kTile = 8, kMostTiles = 1 << 16;
 const kMinAlpha = 1 / 255, kEdgeOn = 1e-4;
 const kBits = 11, kBuckets = 1 << kBits;
 export const kMap = 12;  // cx cy z0 opacity, m00 m01 m10 m11, h0 h1 - -
 
-// Sorts items by 32-bit keys, ascending; `spare` has the same length.
+// Radix sort of items by 32-bit keys, ascending; `spare` has the same length.
 function radix_sort(keys, items, count, spare) {
   const starts = new Uint32Array(kBuckets + 1);
   for (let shift = 0; shift < 32; shift += kBits) {
@@ -31,9 +31,9 @@ function grown(array, count) {
 export class Order {
   // places [3 n], turns [4 n] (w x y z), spans [2 n] (standard deviations), opacities [n], flags [n]
   constructor({ places, turns, spans, opacities, flags, maps }) {
-    Object.assign(this, { places, opacities, flags, trained: opacities.slice() });  // Surfels.leave_out changes opacities
+    Object.assign(this, { places, opacities, flags, trained: opacities.slice() });  // opacities before Surfels.leave_out
     const n = opacities.length;
-    this.axes = new Float32Array(6 * n);  // both, as long as the deviations
+    this.axes = new Float32Array(6 * n);  // both axes, scaled by the standard deviations
     for (let i = 0; i < n; ++i) {
       const [w, x, y, z] = turns.subarray(4 * i, 4 * i + 4), u = spans[2 * i], v = spans[2 * i + 1];
       this.axes.set([u * (1 - 2 * (y * y + z * z)), u * 2 * (x * y + w * z), u * 2 * (x * z - w * y),
@@ -54,10 +54,10 @@ export class Order {
     }
   }
 
-  // -> {tile: its side in pixels, columns, rows, left, top: of the first, count}. this.maps then has the surfels on the screen,
-  // this.lists those of each tile, this.starts [tiles + 1] where a list begins. what: {first, last, near_z, without: flags of
-  // surfels that take no part, plane: [normal, offset] before which they must lie, clip: the
-  // same for any part of them, window: [left, top, right, bottom] in pixels}
+  // Returns {tile: side in pixels, columns, rows, left, top: of the first, count}. Fills this.maps (projected surfels),
+  // this.lists (surfels of each tile) and this.starts [tiles + 1] (start of each list). what: {first, last, near_z, without:
+  // flags of excluded surfels, plane: [normal, offset] that centres must be in front of, clip: the same for any part of a surfel,
+  // window: [left, top, right, bottom] in pixels}
   tile_lists(camera, what) {
     const { places, axes, opacities, flags, maps } = this, { first, last, near_z, without = 0, plane, clip } = what;
     const r = camera.rotation, t = camera.translation, { fx, fy, cx, cy, width, height } = camera;
@@ -80,7 +80,7 @@ export class Order {
       const uz = r[6] * axes[a] + r[7] * axes[a + 1] + r[8] * axes[a + 2], vx = r[0] * axes[a + 3] + r[1] * axes[a + 4] + r[2] * axes[a + 5];
       const vy = r[3] * axes[a + 3] + r[4] * axes[a + 4] + r[5] * axes[a + 5], vz = r[6] * axes[a + 3] + r[7] * axes[a + 4] + r[8] * axes[a + 5];
       const xn = X / z0, yn = Y / z0, mx = fx * xn + cx, my = fy * yn + cy;
-      // Around the middle, for the low-pass, and where the plane itself shows the disc u^2 + v^2 = r2.
+      // Extent of the low-pass filter around the centre, and of the projected disc u^2 + v^2 = r2.
       const low_pass = Math.sqrt(0.5 * r2);
       let left = mx - low_pass, right = mx + low_pass, top = my - low_pass, bottom = my + low_pass;
       const ww = r2 * (uz * uz + vz * vz) - z0 * z0;
@@ -106,7 +106,7 @@ export class Order {
       const c0 = Math.floor((left - w0) / tile), c1 = Math.floor((right - 1 - w0) / tile), r0 = Math.floor((top - w1) / tile), r1 = Math.floor((bottom - 1 - w1) / tile);
       this.reserve(count + (c1 - c0 + 1) * (r1 - r0 + 1));
       const { surfels, tiles, depths } = this, reach = Math.sqrt(r2 * (uz * uz + vz * vz));
-      const nearest = Math.max(z0 - reach, near_z), farthest = z0 + reach;  // of the disc
+      const nearest = Math.max(z0 - reach, near_z), farthest = z0 + reach;  // depth range of the disc
       for (let row = r0; row <= r1; ++row)
         for (let column = c0; column <= c1; ++column) {
           const den = 1 + h0 * (w0 + (column + 0.5) * tile - mx) + h1 * (w1 + (row + 0.5) * tile - my);

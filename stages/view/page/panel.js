@@ -1,4 +1,4 @@
-// The controls beside the picture.
+// The control panel.
 import { button, download, element } from '../../page/elements.js';
 import { annotations_section } from './annotations.js';
 import { clip_section } from './clip_plane.js';
@@ -73,7 +73,7 @@ export function make_panel(view, page) {
     const list = element('div', { className: 'photos', id: 'photos' });
     scene.cameras.forEach((c, i) => list.append(button('', () => view.show_photo(i), { title: c.name + (c.heldout ? ' (held out)' : '') })));
     [...list.children].forEach((b, i) => {
-      const { name, width, height } = scene.cameras[i];  // its room is there before it is
+      const { name, width, height } = scene.cameras[i];  // reserves the space before the picture loads
       b.append(element('img', { src: photos[i], alt: name, width, height, loading: 'lazy' }));
     });
     section('Photos', element('p', { textContent: 'A click goes where the photo was taken; the slider at the foot compares.' }), list);

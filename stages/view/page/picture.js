@@ -1,5 +1,5 @@
-// One picture of the scene: surfels blended into channels, known shapes, what flat panes and mirrors show, probes, and the pass over
-// the screen that puts them together (composite.glsl).
+// Renders a picture: surfels blended into channels, known shapes, mirrored pictures of flat panes and mirrors, probes, and the
+// compositing pass (composite.glsl).
 import {
   GLSL3, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, NearestFilter, NoBlending, RawShaderMaterial, UnsignedByteType,
   WebGLArrayRenderTarget, WebGLRenderTarget, DataUtils,
@@ -22,12 +22,12 @@ import mirror_rays_glsl from './mirror_rays.glsl';
 import probe_glsl from './probe.glsl';
 import surface_glsl from './surface.glsl';
 
-const kMostPictures = 8;       // of panes in one picture; more are left to the probes
+const kMostPictures = 8;  // mirrored pictures per frame; further panes use the probes
 const kMirrorNear = 1e-3;
 const kProbes = 4;
 const kCellSide = 24, kTransferSteps = 48;  // core/relight/light_transfer.h, stages/view/page_surfels.cpp
 
-// Modes, their names for people, and whether they need materials.
+// Modes, their labels, and whether they need materials.
 export const kModes = {
   photo: { name: 'As photographed', lit: false }, relit: { name: 'Relit', lit: true },
   open: { name: 'Without the glass' }, glass: { name: 'The glass alone' },
@@ -52,8 +52,8 @@ export class Picture {
     this.channels = channels(4);
     this.has_glass = scene.drawn > scene.solid;
     this.glass = this.has_glass ? channels(4) : null;
-    this.pictures = null;  // made when panes are there
-    this.left_out = {};    // by leave_out
+    this.pictures = null;  // created when there are panes
+    this.left_out = {};  // set by leave_out
     this.make_probes(page);
 
     const { facets, entries } = scene.shapes, role = { mirror: 0, sheet: 1, coat: 2 };
@@ -117,7 +117,7 @@ export class Picture {
     }));
   }
 
-  // map: a sky (sky.js); turn in degrees, counter-clockwise seen from above; direct: the map by which surfels find their direct light.
+  // map: environment (sky.js); turn in degrees, counter-clockwise seen from above; direct: map for the direct light of surfels.
   set_light(map, turn, direct = map) {
     if (this.map !== map) {
       this.sky_uniforms.sky.value?.dispose();
@@ -134,7 +134,7 @@ export class Picture {
     this.probes_fresh = false;
   }
 
-  // Stops that make the mean of what matt surfels near the middle send a middle grey.
+  // Stops that map the mean radiance of diffuse surfels near the centre to middle grey.
   exposure_of_scene() {
     const places = this.surfels.places, { middle, radius } = this.scene, weights = [0.2126, 0.7152, 0.0722];
     let sum = 0, count = 0;
@@ -156,7 +156,7 @@ export class Picture {
     this.probes_fresh = true;
   }
 
-  // Where a facet is in the picture: [left, top, right, bottom] in pixels, null where it is not.
+  // Bounding box of a facet in the picture: [left, top, right, bottom] in pixels, null if outside.
   facet_window(camera, facet) {
     const { corners, place } = this.shapes.outline(facet);
     let left = Infinity, top = Infinity, right = -Infinity, bottom = -Infinity;
@@ -170,7 +170,7 @@ export class Picture {
     return right > left && bottom > top ? [left, top, right, bottom] : null;
   }
 
-  // What the facets in the picture show, one layer of `pictures` each: those that cover most of it.
+  // Renders the reflections of the largest visible facets, one layer of `pictures` each.
   draw_panes(camera, lit) {
     const { facets, entries } = this.scene.shapes, eye = centre_of(camera), facts = this.uniforms.facet_facts.value;
     const wanted = [];
@@ -178,7 +178,7 @@ export class Picture {
       if (this.shapes.gone.has(f.entry)) return;
       const sheet = entries[f.entry].role === 'sheet', ahead = f.normal.reduce((s, n, c) => s + n * eye[c], -f.offset) > 0;
       if (entries[f.entry].role === 'coat' || (sheet && !f.clear)) return;
-      if (!ahead && (!sheet || !entries[f.entry].closed)) return;  // its other side is a facet of its own, or is not seen
+      if (!ahead && (!sheet || !entries[f.entry].closed)) return;  // the other side is a separate facet, or is not visible
       const window = this.facet_window(camera, i);
       if (window) wanted.push({ i, window, outside: ahead ? 1 : -1, area: (window[2] - window[0]) * (window[3] - window[1]) });
     });
@@ -205,27 +205,27 @@ export class Picture {
     });
   }
 
-  // Leaves out surfels (those with a flag) and entries of known shapes for this reason, in place of those before.
+  // Hides surfels (those with a flag) and known shapes for this reason; replaces the previous set of the reason.
   leave_out(reason, flags, entries) {
     this.left_out[reason] = { flags, entries };
     const all = Object.values(this.left_out);
     this.surfels.leave_out((i) => all.some((some) => some.flags[i]));
     this.shapes.leave_out(new Set(all.flatMap((some) => [...some.entries])));
   }
-  // Leaves out the objects of these ids (a set), and no other.
+  // Hides exactly the objects with these ids (a set).
   hide_objects(ids) {
     const entries = this.scene.shapes.entries.flatMap(({ object }, i) => (ids.has(object) ? [i] : []));
     this.leave_out('hidden', this.blocks.part_object.map((id) => ids.has(id)), entries);
   }
 
-  // Modes that show a property of the surface alone.
+  // True for modes that show a surface property only.
   plain(mode) {
     return ['albedo', 'normals', 'roughness', 'depth', 'confidence'].includes(mode);
   }
 
-  // Draws into the canvas, whose size must be that of the camera. state: {mode, base (photo or relit), exposure, background,
-  // gain, panes (false: mirrored pictures are left out, while the camera moves), clip: [normal, offset] (clip_plane.js),
-  // around: {middle, radius} that the colours of depth are spread over}
+  // Draws into the canvas, whose size must match the camera. state: {mode, base (photo or relit), exposure, background, gain,
+  // panes (false: no mirrored pictures, while the camera moves), clip: [normal, offset] (clip_plane.js), around: {middle, radius}
+  // for the range of depth colours}
   draw(camera, state) {
     const { renderer, surfels, uniforms: u } = this, { mode } = state;
     const lit = mode === 'relit' || ((mode === 'open' || mode === 'glass') && state.base === 'relit');
@@ -264,7 +264,7 @@ export class Picture {
     this.composite.render(renderer);
   }
 
-  // z-depth of the surface in a pixel of the last picture; 0 where there is none.
+  // z-depth of the surface in a pixel of the last picture; 0 if none.
   depth_at(x, y) {
     const out = new Uint16Array(4), { channels } = this;
     this.renderer.readRenderTargetPixels(channels, Math.floor(x), channels.height - 1 - Math.floor(y), 1, 1, out, undefined, 3);

@@ -1,10 +1,10 @@
-// Writes maps as Radiance HDR: RGBE, scanlines from the top, coded by component in runs (the format of widths 8 to 32767).
+// Writes Radiance HDR maps: RGBE, scanlines from the top, run-length coded per component (widths 8 to 32767).
 const kMostRun = 127, kMostDump = 128, kLeastRun = 4;
 
-// The mantissas of the largest channel have all their eight bits: 128 to 255.
+// The mantissa of the largest channel uses all eight bits: 128 to 255.
 function rgbe(out, at, r, g, b) {
   const most = Math.max(r, g, b);
-  if (!(most > 1e-32)) return;  // zeros are black
+  if (!(most > 1e-32)) return;  // black is all zeros
   let exponent = Math.floor(Math.log2(most)) + 1;
   if (Math.round((most / 2 ** exponent) * 256) > 255) ++exponent;
   const unit = 256 / 2 ** exponent;
@@ -19,7 +19,7 @@ function add_runs(bytes, out) {
       out.push(128 + run, bytes[at]), (at += run);
       continue;
     }
-    // Bytes as they are, up to the next run.
+    // Literal bytes up to the next run.
     let end = at;
     const begins_run = (i) => i + kLeastRun <= bytes.length && [1, 2, 3].every((k) => bytes[i + k] === bytes[i]);
     while (end < bytes.length && end - at < kMostDump && !begins_run(end)) ++end;

@@ -1,12 +1,13 @@
-// Rays through surfels (mirror_rays.glsl), one a pixel, into a target of their own: what polished things mirror. As photographed they
-// run through the reflection layer; under another light through the opaque surfels with what these send on.
+// Traces one ray per pixel through surfels (mirror_rays.glsl) into a separate render target: reflections of polished surfaces.
+// Under the light of the photos it uses the reflection layer; under another light the opaque surfels with their outgoing
+// radiance.
 import { FloatType, HalfFloatType, NearestFilter, WebGLRenderTarget } from 'three';
 import { kWidth, texture, whole_numbers } from './surfels.js';
 import { surfel_tree } from './tree.js';
 
 export class Rays {
-  // first, last: surfels that rays meet; without: those whose flags have one of its bits; near: where rays begin; make_quad(more
-  // uniforms): the pass over the screen. The tree is built when the first ray is sent.
+  // first, last: surfels that rays hit; without: excludes surfels with one of these flags; near: start of the rays;
+  // make_quad(additional uniforms): the full-screen pass. The tree is built for the first ray.
   constructor(surfels, { first, last, without, near }, make_quad) {
     this.surfels = surfels, this.of = { first, last, without }, this.near = near, this.make_quad = make_quad;
     this.target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, minFilter: NearestFilter, magFilter: NearestFilter, depthBuffer: false });

@@ -1,5 +1,5 @@
-// What the program wrote into the page: scene (JSON), photos (data: URIs), blocks (arrays; stages/view/page_blocks.h).
-const kFormat = 2;  // of the blocks, as view.cpp writes them
+// Reads the data in the page: scene (JSON), photos (data: URIs), blocks (arrays; stages/view/page_blocks.h).
+const kFormat = 2;  // version of the blocks, as in view.cpp
 const kinds = { f32: Float32Array, f16: Uint16Array, u8: Uint8Array, u16: Uint16Array, u32: Uint32Array };
 
 async function inflated(base64) {
@@ -8,7 +8,7 @@ async function inflated(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Bytes stand plane by plane in the file.
+// Bytes are stored plane by plane.
 function typed(buffer, { type, width, offset, count }) {
   const Kind = kinds[type], size = Kind.BYTES_PER_ELEMENT, stride = size * width;
   const out = new Uint8Array(count * size), items = stride ? out.length / stride : 0;
@@ -17,7 +17,8 @@ function typed(buffer, { type, width, offset, count }) {
   return new Kind(out.buffer);
 }
 
-// -> { scene, photos, blocks: name -> typed array }. Throws when the page holds no scene, that of another version, or a damaged one.
+// Returns { scene, photos, blocks: name -> typed array }. Throws if the page has no scene, one of another version, or a damaged
+// one.
 export async function read_page(from = document) {
   const text = (id) => from.querySelector(`script[type="application/json"]#${id}, script#${id}`)?.textContent;
   if (!text('scene') || !text('blocks')) throw new Error('it holds no scene: `vitrine view` puts one in, into view.html');
@@ -36,7 +37,7 @@ export async function read_page(from = document) {
   return { scene, photos, blocks };
 }
 
-// Places of surfels: differences of contracted coordinates (stages/view/page_surfels.cpp) -> [3 n] in the scene's frame.
+// Decodes positions: differences of contracted coordinates (stages/view/page_surfels.cpp) -> [3 n] in the scene's frame.
 export function surfel_places(words) {
   const out = new Float32Array(words.length), before = [0, 0, 0];
   for (let i = 0; i < words.length; ++i) {
@@ -46,7 +47,7 @@ export function surfel_places(words) {
   return out;
 }
 
-// Their quaternions: x, y, z in 16 bits, w >= 0 -> [4 n] w x y z.
+// Decodes quaternions: x, y, z in 16 bits, w >= 0 -> [4 n] w x y z.
 export function surfel_turns(words) {
   const out = new Float32Array((words.length / 3) * 4);
   for (let i = 0; 3 * i < words.length; ++i) {
@@ -56,7 +57,7 @@ export function surfel_turns(words) {
   return out;
 }
 
-// The constant parts of their colours: roots of green, red and blue less green (page_surfels.cpp) -> [3 n] linear.
+// Decodes constant colours: square roots of green, red minus green, blue minus green (page_surfels.cpp) -> [3 n] linear.
 export function surfel_constants(words) {
   const out = new Float32Array(words.length), signed = (v) => (v << 16) >> 16, color = (root) => (root * Math.abs(root)) / 1023 ** 2;
   for (let i = 0; i < words.length; i += 3) {

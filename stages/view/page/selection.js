@@ -1,6 +1,6 @@
-// Which surfels a selection of `vitrine edit` means (core/edit/selection.h): classes, objects and components are what the program found
-// when it wrote the page, places are found here. Surfels that the page does not draw (glass of known shape, those left out) stand behind the
-// drawn ones: they count.
+// Surfels selected by a selector of `vitrine edit` (core/edit/selection.h). Classes, objects and components were computed when
+// the page was written; positions are tested here. Surfels that the page does not render (glass of known shape, omitted ones)
+// follow the rendered ones and are counted.
 import { resized } from './cameras.js';
 import { inside } from '../../page/polygon.js';
 import { kClasses } from './edit_list.js';
@@ -33,7 +33,7 @@ export class Selection {
     return (this.flags[i] & kSky) !== 0;
   }
 
-  // -> a function of x, y, z
+  // Returns a predicate of x, y, z.
   in_mark({ photo, box, polygon, size }) {
     const camera = this.cameras.get(photo), { rotation: r, translation: t, fx, fy, cx, cy, width, height } = camera;
     const corners = box ? [[box[0], box[1]], [box[2], box[1]], [box[2], box[3]], [box[0], box[3]]] : polygon;
@@ -46,12 +46,12 @@ export class Selection {
     };
   }
 
-  // [count] 0 or 1, whether still there or not.
+  // [count] 0 or 1, including deleted ones.
   flags_of(select) {
     const out = new Uint8Array(this.count).fill(1);
     if (select === 'all') return out;
     const { class: kind, object, component, box, marks, except } = select;
-    if (!kind && !object && !component && !box && !marks?.length) return out.fill(0);  // nothing is chosen yet
+    if (!kind && !object && !component && !box && !marks?.length) return out.fill(0);  // empty selection
     const bit = kind ? 1 << kClasses.indexOf(kind) : 0, id = this.id_of.get(object);
     const in_marks = (marks ?? []).map((m) => this.in_mark(m)), left_out = except ? this.flags_of(except) : null;
     for (let i = 0; i < this.count; ++i) {
@@ -66,7 +66,7 @@ export class Selection {
     return out;
   }
 
-  // The component of the mesh at a place: of the nearest surfel that lies on one, at most `reach` away; 0 without.
+  // Mesh component at a position: that of the nearest surfel on a component, within `reach`; 0 if none.
   component_at(p, reach) {
     let best = reach * reach, found = 0;
     for (let i = 0; i < this.count; ++i) {
@@ -78,5 +78,5 @@ export class Selection {
   }
 }
 
-// By place alone: such tints also change what glass shows there.
+// Selection by position only: such tints also change content behind glass.
 export const is_geometric = (select) => select === 'all' || (!select.class && !select.object && !select.component);

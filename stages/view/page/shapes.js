@@ -1,4 +1,4 @@
-// Known shapes as triangles: which of them a pixel looks at, its normal and z-depth (shape.glsl).
+// Renders known shapes as triangles: visible shape, normal and z-depth per pixel (shape.glsl).
 import {
   BufferAttribute, BufferGeometry, Camera, DoubleSide, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, RawShaderMaterial, Scene, WebGLRenderTarget,
 } from 'three';
@@ -45,7 +45,7 @@ export class Shapes {
     this.targets = { opaque: target(), near: target(), far: target() };
   }
 
-  // Entries that are not drawn.
+  // Hides entries.
   leave_out(gone) {
     const { shape_part: part, shape_corner } = this.blocks;
     this.gone = gone;

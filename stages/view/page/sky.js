@@ -1,13 +1,13 @@
-// Light from far away: lat-long maps of linear radiance, first row +z, centre +x, three quarters -y (core/light/README.md), their
-// spherical harmonics, and the files that people drop.
+// Environment maps: lat-long maps of linear radiance, first row +z, centre +x, u = 3/4 is -y (core/light/README.md); their
+// spherical harmonics; dropped files.
 import { DataTexture, DataUtils, FloatType, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
 import { HDRLoader } from 'three/addons/loaders/HDRLoader.js';
 
-const kTextureWidth = 512;  // mirrors show no more
+const kTextureWidth = 512;  // sufficient for reflections
 const kBuiltInHeight = 64;
 
-// data: [3 w h] rows first.
+// data: [3 w h], row by row.
 export const sky = (name, width, height, data) => ({ name, width, height, data });
 
 export function direction(u, v) {
@@ -27,8 +27,8 @@ export function sh_basis([x, y, z]) {
   ];
 }
 
-// What a map turned about +z by `radians` sends out of each of side x side cells of the octahedral map (core/relight/light_transfer.h):
-// flux [3 cells] and the direction [3 cells] from where in the mean.
+// Light of a map rotated about +z by `radians` in each of side x side cells of the octahedral map
+// (core/relight/light_transfer.h): flux [3 cells] and mean direction [3 cells].
 export function cell_light({ width, height, data }, radians, side) {
   const flux = new Float32Array(3 * side * side), towards = new Float64Array(3 * side * side), middle = new Float64Array(3 * side * side);
   const cell = (v) => Math.min(side - 1, Math.max(0, Math.floor((0.5 * v + 0.5) * side)));
@@ -54,7 +54,7 @@ export function cell_light({ width, height, data }, radians, side) {
   return { flux, directions };
 }
 
-// Coefficients of a map, 16 of three: texels are steps.
+// SH coefficients of a map with constant texels, 16 x 3.
 export function harmonics({ width, height, data }) {
   const sum = Array.from({ length: 16 }, () => [0, 0, 0]);
   for (let row = 0; row < height; ++row) {
@@ -68,7 +68,7 @@ export function harmonics({ width, height, data }) {
   return sum;
 }
 
-// Of the map turned about +z, counter-clockwise seen from above: cosines and sines of m times the azimuth turn by m times the angle.
+// Coefficients of the map rotated about +z, counter-clockwise seen from above: terms of order m rotate by m times the angle.
 export function turned(coefficients, radians) {
   const out = coefficients.map((c) => [...c]);
   for (let l = 1, middle = 2; l <= 3; ++l, middle += 2 * l)
@@ -117,13 +117,13 @@ const towards = (d, azimuth, elevation) => {
 };
 const lobe = (cosine, degrees) => Math.exp((cosine - 1) / (1 - Math.cos((degrees * Math.PI) / 180)));
 
-// Two soft boxes and a pale ceiling in a grey room.
+// Studio: two soft boxes and a pale ceiling in a grey room.
 export const studio = () =>
   painted('studio', (d) => {
     const key = 9 * lobe(towards(d, 40, 40), 16), fill = 3 * lobe(towards(d, 190, 25), 22), top = 0.8 * Math.max(0, d[2]);
     return [0.25 + top + key + 0.9 * fill, 0.25 + top + 0.97 * key + 0.95 * fill, 0.25 + top + 0.92 * key + fill];
   });
-// A low sun in a clear sky over dull ground.
+// Evening: a low sun in a clear sky over diffuse ground.
 export const evening = () =>
   painted('evening', (d) => {
     const up = Math.max(0, d[2]), sun = 60 * lobe(towards(d, 120, 18), 7), glow = 1.2 * lobe(towards(d, 120, 5), 35), haze = Math.exp(-6 * up);
@@ -133,7 +133,7 @@ export const evening = () =>
 
 const kBeginnings = [['ffd8ff', 'a JPEG picture'], ['89504e47', 'a PNG picture'], ['52494646', 'a WebP picture'], ['25504446', 'a PDF document'], ['49492a00', 'a TIFF picture'], ['47494638', 'a GIF picture']];
 
-// A dropped .hdr or .exr as a sky. Throws Error with a sentence for people: what is wrong, and what to do.
+// Parses a dropped .hdr or .exr. Throws Error with a message for the user: cause and advice.
 export function read_sky(name, buffer) {
   const bytes = new Uint8Array(buffer), start = [...bytes.subarray(0, 4)].map((b) => b.toString(16).padStart(2, '0')).join('');
   const exr = start === '762f3101', hdr = bytes[0] === 0x23 && bytes[1] === 0x3f;
@@ -153,7 +153,7 @@ export function read_sky(name, buffer) {
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x)
       for (let c = 0; c < 3; ++c) {
-        const row = exr ? height - 1 - y : y;  // three.js begins an EXR at its foot
+        const row = exr ? height - 1 - y : y;  // three.js stores EXR rows bottom up
         const v = parsed.data[channels * (row * width + x) + (channels > 2 ? c : 0)];
         if (!Number.isFinite(v)) throw new Error(`${name} has pixels that are no numbers; repair it in the program that made it.`);
         data[3 * (y * width + x) + c] = Math.max(0, v);

@@ -1,5 +1,5 @@
-// Surfels on the screen: textures with what is known of them, their colours in a picture (one pass, a texel each), their order
-// along the camera's axis, and the blended channels.
+// Renders surfels: textures of their data, their colours for a camera (one pass, a texel each), their order along the view axis,
+// and the blended channels.
 import {
   DataTexture, DataUtils, FloatType, GLSL3, HalfFloatType, NearestFilter, NoBlending, RawShaderMaterial, RedIntegerFormat, RGBAFormat,
   UnsignedByteType, UnsignedIntType, WebGLRenderTarget,
@@ -17,11 +17,11 @@ import color_glsl from './surfel_color.glsl';
 import harmonics_glsl from './harmonics.glsl';
 
 export const kWidth = 1024;
-const kTableWidth = 2048, kPerTable = 16;  // texels of a row; texels of a surfel in tables of coefficients
+const kTableWidth = 2048, kPerTable = 16;  // texels per row; texels per surfel in coefficient tables
 export const kGuess = 1, kSky = 2;
 const kInside = 4;                         // flags of surfels (stages/view/page_surfels.h)
 
-export const kInsideAlbedo = 8;       // what 1 is of theirs (kMostAlbedo in page_surfels.cpp)
+export const kInsideAlbedo = 8;  // scale of the albedo behind glass (kMostAlbedo in page_surfels.cpp)
 export const Paint = { Photographed: 0, Matt: 1, Albedo: 2, Returned: 3, Confidence: 4 };
 
 export function texture(data, width, type) {
@@ -30,7 +30,7 @@ export function texture(data, width, type) {
   t.needsUpdate = true;
   return t;
 }
-// Room for so many whole numbers, zeros at first.
+// Zeroed array for `count` integers.
 export function whole_numbers(count) {
   const rows = Math.max(1, Math.ceil(count / kTableWidth));
   const t = new DataTexture(new Uint32Array(kTableWidth * rows), kTableWidth, rows, RedIntegerFormat, UnsignedIntType);
@@ -44,7 +44,7 @@ function per_surfel(count, Kind, type, fill) {
   for (let i = 0; i < count; ++i) fill(data, 4 * i, i);
   return texture(data, kWidth, type);
 }
-// `width` bytes of each surfel, in threes, in the first texels of its sixteen.
+// `width` bytes per surfel, three per texel, in the first of its sixteen texels.
 function table(count, bytes, width) {
   const data = new Uint8Array(4 * kTableWidth * Math.max(1, Math.ceil((count * kPerTable) / kTableWidth)));
   for (let i = 0; i < count; ++i)
@@ -91,7 +91,7 @@ export class Surfels {
         o.set(confidence(b.seen[i]).map(half), at + 2);
       }),
     });
-    t.tints = per_surfel(n, Uint16Array, HalfFloatType, (o, at) => o.fill(half(1), at, at + 3));  // of edits
+    t.tints = per_surfel(n, Uint16Array, HalfFloatType, (o, at) => o.fill(half(1), at, at + 3));  // by edits
     const sh_width = b.sh.length / Math.max(1, n);
     this.sh_count = sh_width / 3;
     t.sh = table(n, b.sh, sh_width);
@@ -132,21 +132,21 @@ export class Surfels {
     this.quads = { surface: drawn({ SURFACE: 1 }), color: drawn({}) };
   }
 
-  // values: [3 n], what each receives.
+  // values: [3 n], irradiance of each surfel.
   set_irradiance(values) {
     const { image } = this.textures.irradiance;
     for (let i = 0; 3 * i < values.length; ++i) for (let c = 0; c < 3; ++c) image.data[4 * i + c] = half(Math.min(values[3 * i + c], 65000));
     this.textures.irradiance.needsUpdate = true;
   }
 
-  // Neither pictures nor rays meet the drawn surfels that is_gone(i).
+  // Hides surfels with is_gone(i) from pictures and rays.
   leave_out(is_gone) {
     const { opacities, trained } = this.by, { data } = this.textures.places.image;
     for (let i = 0; i < this.drawn; ++i) opacities[i] = data[4 * i + 3] = is_gone(i) ? 0 : trained[i];
     this.textures.places.needsUpdate = true;
   }
 
-  // Colours and normals as `camera` sees them. what: {paint, lit, clear: tau in the place of k_s}
+  // Computes colours and normals for `camera`. what: {paint, lit, clear: tau instead of k_s}
   paint(camera, { paint, lit, clear }) {
     const u = this.color_uniforms;
     set_camera({ ...camera_uniforms(), eye: u.eye }, camera);
@@ -156,7 +156,7 @@ export class Surfels {
     this.color_quad.render(this.renderer);
   }
 
-  // Numbers of this picture in a texture, a new one where the last is too small.
+  // Uploads per-picture data to a texture; reallocates it if too small.
   upload(name, values, count) {
     const u = this.uniforms[name];
     if (!u.value || u.value.image.data.length < count) {
@@ -167,8 +167,8 @@ export class Surfels {
     u.value.needsUpdate = true;
   }
 
-  // Into what is bound. what: {first, last: which surfels; surface: false for colour alone; plane, window: order.js; mirrors:
-  // guesses take no part; near_z; lit}
+  // Draws into the bound target. what: {first, last: range of surfels; surface: false for colour only; plane, window: order.js;
+  // mirrors: exclude guessed surfels; near_z; lit}
   draw(camera, what = {}) {
     const u = this.uniforms, near_z = what.near_z ?? this.near_z;
     const without = (what.mirrors ? kGuess : 0) | (what.lit ? kSky : 0);

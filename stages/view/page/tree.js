@@ -1,8 +1,9 @@
-// A tree of boxes over surfels, for rays in mirror_rays.glsl: nodes in depth-first order, two texels each,
+// Bounding volume hierarchy over surfels for mirror_rays.glsl: nodes in depth-first order, two texels each,
 //   least x y z, right child (inner nodes: the left one is the next) or first item;   greatest x y z, -1 - axis or number of items
 const kLeaf = 4;
 
-// first, last: which surfels of `order` (order.js); those that have a flag of `without` are left out. -> {nodes: [8 per node], items: surfels}
+// first, last: range of surfels in `order` (order.js); surfels with a flag of `without` are excluded. Returns {nodes: [8 per
+// node], items: surfels}
 export function surfel_tree({ places, axes, trained: opacities, flags }, { first, last, without = 0 }) {
   const chosen = [];
   for (let i = first; i < last; ++i) if (!(flags[i] & without)) chosen.push(i);

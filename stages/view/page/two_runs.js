@@ -1,4 +1,4 @@
-// Another run beside this one: the page of it is read, never executed, and shown on the right with the same camera, light and mode.
+// Comparison with another run: its page is parsed, never executed, and shown on the right with the same camera, light and mode.
 import { WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, element } from '../../page/elements.js';
@@ -8,7 +8,7 @@ import { listen_to_keys } from './keys.js';
 import { kModes, Picture } from './picture.js';
 import { read_page } from './scene_data.js';
 
-const kRough = 0.02;  // of the radius of the camera ring: cameras farther apart than this are worth a word
+const kRough = 0.02;  // relative to the radius of the camera ring: alignment errors above this are reported
 
 export class TwoRuns {
   constructor(view) {
@@ -40,7 +40,7 @@ export class TwoRuns {
     const frame = element('div', { id: 'other' }, canvas, caption), facing = view.eye.quaternion.clone();
     document.getElementById('frame').after(frame);
     document.body.classList.add('two');
-    // Both controls move one camera about one point.
+    // Both controls move the same camera around the same point.
     const controls = new OrbitControls(view.eye, canvas);
     Object.assign(controls, { enableDamping: false, zoomToCursor: true, target: view.controls.target });
     view.eye.quaternion.copy(facing);
@@ -58,7 +58,7 @@ export class TwoRuns {
     this.view.changed(), this.view.draw();
   }
 
-  // What the left picture has just been drawn with.
+  // State of the last left picture.
   draw(camera, state) {
     if (!this.other) return;
     const { page, renderer, picture, frame, aligned } = this.other, { view } = this, lit = page.scene.relit;
@@ -76,9 +76,9 @@ export class TwoRuns {
       clip: carried_plane(aligned, state.clip), around: { middle: carried(aligned, view.scene.middle), radius: aligned.scale * view.scene.radius },
     });
     const gl = renderer.getContext();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits until it is there
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // waits for the GPU
   }
-  // What people should know of the picture on the right.
+  // Notes for the user about the right picture.
   text() {
     if (!this.other) return '';
     const { name, page, aligned: { cameras, by, scale, error } } = this.other, photos = cameras === 1 ? 'one photo' : `${cameras} photos`;

@@ -1,6 +1,6 @@
-// The state of the page in the fragment of its address, so that a link shows what its sender saw:
+// State of the page in the fragment of its address, so that a link restores the view:
 //   #mode=relit&light=studio&turn=30&sky=0.5&lamps=-50,40,12,3,ffffff,1&exposure=0.5&background=1&eye=1,0,0.2&target=0,0,0&photo=IMG_0001.jpg
-// Other parts of the page read and write entries of their own.
+// Other parts of the page add their own entries.
 import { lamps_of, lamps_text } from './lamps.js';
 
 const numbers = (text) => text?.split(',').map(Number);

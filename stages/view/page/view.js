@@ -1,5 +1,5 @@
-// What the page shows, and what people do to it: camera, mode, light, photo, clicks. Pictures are drawn when something changed:
-// smaller and without what panes mirror while the camera moves in a slow browser, in full once it rests.
+// View state and interaction: camera, mode, light, photo, clicks. Pictures are drawn on changes only: reduced and without
+// reflections in panes while the camera moves in a slow browser, in full when it rests.
 import { PerspectiveCamera, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { Annotations } from './annotations.js';
@@ -16,10 +16,10 @@ import { evening, read_sky, sky, studio } from './sky.js';
 import { TwoRuns } from './two_runs.js';
 import { read_state, write_state } from './url_state.js';
 
-const kSlow = 80;          // milliseconds of a picture from which on moving ones are smaller
+const kSlow = 80;  // milliseconds per picture; above it moving pictures are reduced
 const kMovingScale = 0.4;
-const kRest = 180;         // milliseconds without a move
-const kMostSide = 4095;    // pixels of a picture
+const kRest = 180;  // milliseconds without movement
+const kMostSide = 4095;  // maximum side of a picture, pixels
 
 export class View {
   constructor(page, tell) {
@@ -36,9 +36,9 @@ export class View {
     this.objects = new Objects(this.scene.objects);
     this.objects.on_change = () => (this.picture.hide_objects(this.objects.hidden), this.show_state(), this.adjusting());
     this.measures = new Measures(this), this.notes = new Annotations(this), this.runs = new TwoRuns(this);
-    this.kept = [this.clip, this.notes, this.objects];  // what has a part of the address: address(), restore(query)
-    this.marked = [this.measures, this.notes];  // what draws over the picture: marks(on_screen, {camera, sx, sy: pixels of the screen in one of its})
-    this.filed = [this.notes, this.runs];       // what opens files of some names: opens, open(file)
+    this.kept = [this.clip, this.notes, this.objects];  // parts with entries in the page address: address(), restore(query)
+    this.marked = [this.measures, this.notes];  // parts that draw over the picture: marks(on_screen, {camera, sx, sy: screen pixels per camera pixel})
+    this.filed = [this.notes, this.runs];  // parts that open files: opens, open(file)
 
     this.eye = new PerspectiveCamera();
     this.eye.up.set(0, 0, 1);
@@ -48,7 +48,7 @@ export class View {
     this.controls.addEventListener('change', () => this.moved());
     this.reset(false);
     this.state = { mode: 'photo', base: 'photo', light: 'photos', turn: 0, exposure: null, background: true, sky: 1, lamps: [], photo: null };
-    this.slow = true;  // until a picture says otherwise
+    this.slow = true;  // until measured
 
     listen_to_keys(this.canvas, this);
     this.hand = new Hand(this);
@@ -68,7 +68,7 @@ export class View {
     return sky('photos', 2 * height, height, data);
   }
 
-  // Calls `listener` whenever anything of the state changed.
+  // Calls `listener` after every state change.
   on_change(listener) {
     this.listeners.push(listener);
   }
@@ -81,7 +81,7 @@ export class View {
     write_state(this.state, this.eye.position.toArray(), this.controls.target.toArray(), photo, this.kept.flatMap((part) => part.address()));
   }
 
-  // Some of: mode, light, turn (degrees), sky (how bright it is), lamps (lamps.js), exposure (stops), background.
+  // Any of: mode, light, turn (degrees), sky (brightness), lamps (lamps.js), exposure (stops), background.
   set(some, draw = true) {
     const s = this.state;
     for (const key of ['mode', 'light', 'turn', 'sky', 'lamps', 'exposure', 'background']) if (some[key] !== undefined) s[key] = some[key];
@@ -100,7 +100,7 @@ export class View {
     if (draw) this.changed(), this.draw();
   }
 
-  // As `set`, of what follows the mouse: small pictures, and nothing in the address, until it rests.
+  // Like `set` for values that follow the mouse: reduced pictures and no address update until it rests.
   adjust(some) {
     this.set(some, false);
     this.show_state(), this.adjusting();
@@ -112,7 +112,7 @@ export class View {
     this.eye.position.fromArray(eye), this.controls.target.fromArray(target);
     this.controls.update();
   }
-  // The first photo's place, with its angle of view.
+  // Camera of the first photo.
   reset(draw = true) {
     this.leave_photo();
     const [width, height] = this.room();
@@ -120,7 +120,7 @@ export class View {
     this.controls.update();
     if (draw) this.changed(), this.draw();
   }
-  // The whole of what the photos look at, from the same side.
+  // Frames the whole scene from the current side.
   frame_scene() {
     this.leave_photo();
     const middle = new Vector3(...this.scene.middle), way = this.eye.position.clone().sub(this.controls.target).normalize();
@@ -133,7 +133,7 @@ export class View {
     if (this.photo !== undefined) this.leave_photo();
     if (this.state) this.adjusting();
   }
-  // Something is being moved: small pictures until it rests.
+  // Reduced pictures until the movement ends.
   adjusting() {
     this.resting = false;
     this.draw();
@@ -146,7 +146,7 @@ export class View {
     const camera = this.scene.cameras[index];
     if (!camera) return;
     stand_at(this.eye, this.controls.target, camera, this.scene.middle);
-    this.photo = undefined;  // what the controls say of this move is not meant
+    this.photo = undefined;  // ignores the controls' event of this move
     this.controls.update();
     this.photo = index;
     const img = document.getElementById('photo'), split = document.getElementById('split');
@@ -164,14 +164,14 @@ export class View {
     this.frame.style.cssText = '';
   }
 
-  // ---- pictures
+  // ---- rendering
 
-  // For the picture, on the screen.
+  // Available size on the screen.
   room() {
     const { clientWidth, clientHeight } = document.getElementById('stage');
     return [clientWidth / (this.runs?.other ? 2 : 1), clientHeight];
   }
-  // The camera of a picture of that size.
+  // Camera of a picture of this size.
   camera(width, height) {
     return this.photo === undefined ? from_three(this.eye, width, height) : resized(this.scene.cameras[this.photo], width, height);
   }
@@ -184,7 +184,7 @@ export class View {
     });
   }
   paint() {
-    if (this.photo !== undefined) {  // the shape of the photo
+    if (this.photo !== undefined) {  // aspect of the photo
       const { width, height } = this.scene.cameras[this.photo], [wide, high] = this.room(), scale = Math.min(wide / width, high / height);
       this.frame.style.cssText = `width:${Math.floor(width * scale)}px;height:${Math.floor(height * scale)}px`;
     }
@@ -193,14 +193,15 @@ export class View {
     const began = performance.now(), camera = this.camera(...size);
     this.runs.draw(camera, this.draw_now(camera, { panes: !small }));
     const gl = this.renderer.getContext(), one = new Uint8Array(4);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one);  // waits until it is there
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one);  // waits for the GPU
     this.slow = (performance.now() - began) * (small ? 1 / kMovingScale ** 2 : 1) > kSlow;
     this.draw_marks();
     if (!this.first) return;
     this.first(this), (this.first = null), (this.resting = true);
     this.draw();
   }
-  // At once, at the size of the camera; `more`: what differs from the state of the page (gain, exposure, mode ...). -> what it was drawn with
+  // Draws immediately at the size of the camera; `more`: overrides of the state (gain, exposure, mode ...). Returns the state
+  // used
   draw_now(camera, more = {}) {
     this.renderer.setSize(camera.width, camera.height, false);
     const gain = this.photo === undefined ? [1, 1, 1] : this.scene.cameras[this.photo].gain;
@@ -209,7 +210,7 @@ export class View {
     this.picture.draw(camera, state);
     return state;
   }
-  // A picture as a PNG, when the last change is drawn.
+  // Draws the current view and returns it as PNG.
   async screenshot() {
     this.draw_now(this.camera(this.canvas.width, this.canvas.height));
     return new Promise((done) => this.canvas.toBlob(done, 'image/png'));
@@ -236,11 +237,11 @@ export class View {
   }
   // ---- clicks on surfaces
 
-  // What takes clicks on surfaces (take(place), nothing: what is said where there is none, ended()), or null.
+  // Active tool for clicks on surfaces (take(place), nothing: message where there is no surface, ended()), or null.
   get tool() {
     return this.hand.tool?.on_surface ?? null;
   }
-  // Clicks go to this one; to none, where it has them already.
+  // Makes a tool active; a second call deactivates it.
   use(tool) {
     if (this.tool === tool) return this.hand.drop();
     this.hand.take({ name: 'surface', on_surface: tool, clicked: (at) => this.touched(tool, at), dropped: () => (tool.ended(), this.draw_marks()) });
