@@ -24,7 +24,7 @@ while [ $# -gt 0 ]; do
 done
 photos="${photos:-$sample}"
 [ -d "$photos" ] || { echo "error: there is no photo folder '$photos'" >&2; exit 3; }
-# Somebody has marked the glass and the metal of the sample.
+# The sample comes with marks of its glass and metal.
 if [ "$photos" -ef "$sample" ] && [[ " ${options[*]} " != *" --masks"* ]]; then
   options+=(--masks "$VITRINE_ROOT/sample_data/cabinet/marks.yaml")
 fi
@@ -35,17 +35,17 @@ vitrine="$VITRINE_ROOT/build/bin/vitrine"
 say "run: vitrine run $photos -o $out --preset preview"
 "$vitrine" run "$photos" -o "$out" --preset preview "${options[@]}"
 [[ " ${options[*]} " != *" --dry-run "* && " ${options[*]} " != *" -n "* ]] || exit 0
-# A road that ended early (--to mesh) knows no materials, and there is nothing to relight.
+# A partial run (--to mesh) has no materials: relighting is not possible.
 if [ -e "$out/decompose/materials.ply" ]; then
   lamps="$VITRINE_ROOT/configs/lights/lamps.yaml"
   say "relight: vitrine relight $out --lights $lamps"
   "$vitrine" relight "$out" --lights "$lamps"
   "$vitrine" relight "$out" --lights "$lamps" --turntable 24 --size 320x240 --spp 16 --output "$out/turntable"
-  "$vitrine" report "$out"  # with the pictures under the lamps
+  "$vitrine" report "$out"  # adds the relit pictures
 fi
 
 say "done. Where to look:"
-# show FILE WHAT: a line about what is there.
+# show FILE WHAT: prints a line if the file exists.
 show() { [ ! -e "$out/$1" ] || printf '  %-32s %s\n' "$out/$1" "$2"; }
 show view.html "the scene from any side, under any light; open it in a browser"
 show report.html "how well it went, what is weak, what to try next; open it in a browser"

@@ -1,9 +1,9 @@
-# Shared by pipeline/quickstart.sh and tests/run.sh (sourced, not run): installs the Debian packages that are missing and
-# builds. Idempotent: a second call finds everything in place and says so.
+# Shared by pipeline/quickstart.sh and tests/run.sh (sourced, not run): installs missing Debian packages and
+# builds. Idempotent.
 
 VITRINE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
-# The smallest set: OpenCV by component (libopencv-dev alone would bring VTK, MPI and Qt, 300 MB more on disk).
+# The smallest set: OpenCV by component (libopencv-dev would install VTK, MPI and Qt, 300 MB more).
 VITRINE_PACKAGES=(
   g++ cmake ninja-build ccache pkg-config
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libopencv-dnn-dev
@@ -13,15 +13,15 @@ VITRINE_PACKAGES=(
   libsqlite3-dev libdnnl-dev
   colmap
 )
-# The pages of `vitrine view` and `vitrine mark` are bundled by npm, of Debian or of any other origin.
+# npm, from Debian or elsewhere, bundles the pages of `vitrine view` and `vitrine mark`.
 command -v npm >/dev/null && command -v node >/dev/null || VITRINE_PACKAGES+=(nodejs npm)
 VITRINE_TEST_PACKAGES=(libgtest-dev libbenchmark-dev)
-# The pages are tested in a browser: Debian's, or Google's where it is already there.
+# Browser for the tests of the pages: Debian's Chromium, or an installed Chrome.
 [ -x /usr/bin/google-chrome ] || VITRINE_TEST_PACKAGES+=(chromium)
 
 say() { printf '\n== %s\n' "$*"; }
 
-# install_packages PACKAGE...: only what is missing; root or sudo.
+# install_packages PACKAGE...: installs missing packages; needs root or sudo.
 install_packages() {
   local missing=() package
   for package in "$@"; do

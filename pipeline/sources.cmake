@@ -1,7 +1,7 @@
-# How hard the compiler works on which sources, and which of them it reads together.
+# Optimisation levels of sources, and merging of sources into larger translation units.
 
-# vitrine_unhurried(target): code whose speed does not matter: tests themselves, options, files, commands. Half the time to build;
-# under the sanitizers all checks stay.
+# vitrine_unhurried(target): code whose speed does not matter: tests, options, files, commands. Halves the build time; all checks of
+# the sanitizers stay.
 function(vitrine_unhurried target)
   set_target_properties(${target} PROPERTIES VITRINE_HEADERS unhurried)
   if(VITRINE_SANITIZE)
@@ -11,23 +11,22 @@ function(vitrine_unhurried target)
   endif()
 endfunction()
 
-# vitrine_parsers(target): a library that mostly reads and writes files. The sanitized build compiles it without optimisation, like
-# what is unhurried: three fifths of the time to build. Other builds compile it like the rest.
+# vitrine_parsers(target): a library that mostly reads and writes files. The sanitized build compiles it without optimisation, which
+# takes three fifths of the build time. Other builds compile it normally.
 function(vitrine_parsers target)
   if(VITRINE_SANITIZE)
     vitrine_unhurried(${target})
   endif()
 endfunction()
 
-# vitrine_sources(target): to be called for every library and test.
-# - The sanitized build compiles numerical code with -O1, but those of the sources that read or write JSON without optimisation.
-# - With VITRINE_MERGE=ON sources are compiled up to twelve at a time, as one file that includes them: headers are read and templates
-#   instantiated once. So no two files of a folder may give a name at file level two meanings. (CMake's own unity build writes
-#   absolute paths into its files, which a compiler cache does not find again in another checkout, and leaves out every source with
-#   options of its own.) One with other options than its target is compiled alone; so the sanitized build keeps those that speak JSON
-#   apart from the rest.
+# vitrine_sources(target): required for every library and test.
+# - The sanitized build compiles numerical code with -O1, but sources that read or write JSON without optimisation.
+# - With VITRINE_MERGE=ON up to twelve sources are compiled as one file that includes them: headers are parsed and templates
+#   instantiated once. Names at file level must therefore be unique per folder. (CMake's own unity build writes absolute paths into
+#   its files, which defeats a compiler cache in another checkout, and omits every source with its own options.) A source with other
+#   options than its target is compiled alone; so the sanitized build keeps sources that use JSON apart from the rest.
 function(vitrine_sources target)
-  cmake_language(EVAL CODE "cmake_language(DEFER CALL vitrine_arrange_sources ${target})")  # once the folder has set all its options
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL vitrine_arrange_sources ${target})")  # after the folder has set all its options
 endfunction()
 
 function(vitrine_arrange_sources target)
@@ -38,12 +37,12 @@ function(vitrine_arrange_sources target)
   set(plain)
   foreach(source ${sources})
     get_filename_component(path ${source} ABSOLUTE)
-    file(STRINGS ${path} speaks_json REGEX "#include .*json.*\\.h" LIMIT_COUNT 1)
+    file(STRINGS ${path} uses_json REGEX "#include .*json.*\\.h" LIMIT_COUNT 1)
     get_source_file_property(options ${source} COMPILE_OPTIONS)
     get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
-    if(NOT VITRINE_SANITIZE OR way)  # those of another way are without optimisation anyway
-      set(speaks_json)
-    elseif(speaks_json)
+    if(NOT VITRINE_SANITIZE OR way)  # other header sets are compiled without optimisation anyway
+      set(uses_json)
+    elseif(uses_json)
       set_property(SOURCE ${source} APPEND PROPERTY COMPILE_OPTIONS -O0)
     endif()
     if(options OR definitions OR NOT VITRINE_MERGE)
@@ -51,7 +50,7 @@ function(vitrine_arrange_sources target)
       if(options)
         set_property(SOURCE ${source} PROPERTY SKIP_PRECOMPILE_HEADERS ON)
       endif()
-    elseif(speaks_json)
+    elseif(uses_json)
       list(APPEND json ${path})
     else()
       list(APPEND plain ${path})
@@ -75,11 +74,11 @@ function(vitrine_arrange_sources target)
           string(APPEND text "#include \"${path}\"\n")
         endforeach()
         set(merged ${CMAKE_CURRENT_BINARY_DIR}/${target}_${kind}_${first}.cpp)
-        file(CONFIGURE OUTPUT ${merged} CONTENT "${text}" @ONLY)  # touched only when it changes
+        file(CONFIGURE OUTPUT ${merged} CONTENT "${text}" @ONLY)  # written only if changed
       endif()
       if(kind STREQUAL "json")
         add_dependencies(${target} vitrine_headers_unhurried)
-        set(headers ${CMAKE_BINARY_DIR}/CMakeFiles/vitrine_headers_unhurried.dir/cmake_pch.hxx)  # compiled the same way
+        set(headers ${CMAKE_BINARY_DIR}/CMakeFiles/vitrine_headers_unhurried.dir/cmake_pch.hxx)  # compiled with the same options
         set_source_files_properties(${merged} PROPERTIES COMPILE_OPTIONS "-O0;-include;${headers}" OBJECT_DEPENDS ${headers}.gch
                                                          SKIP_PRECOMPILE_HEADERS ON)
       endif()
@@ -89,13 +88,13 @@ function(vitrine_arrange_sources target)
   set_target_properties(${target} PROPERTIES SOURCES "${arranged}")
   vitrine_share_headers(${target})
   if(VITRINE_MERGE)
-    # What is local to an included file looks to GCC as if two files could see it differently.
+    # In a merged file GCC takes anonymous namespaces of included sources for those of headers.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
 
-# What nearly every source reads first, about a tenth of the time to build: with VITRINE_MERGE=ON compiled once for each way to
-# compile, and read back by all targets of that way. Without it every source shows that it includes what it needs.
+# Precompiled headers, used by nearly every source (about a tenth of the build time): with VITRINE_MERGE=ON compiled once per set of
+# options and shared by its targets. Without VITRINE_MERGE the build verifies that every source includes the headers it needs.
 set(VITRINE_SHARED_HEADERS <algorithm> <array> <cmath> <filesystem> <functional> <map> <optional> <span> <string> <vector>
                            <fmt/format.h> <nlohmann/json.hpp>)
 if(VITRINE_MERGE)
@@ -123,7 +122,7 @@ endif()
 function(vitrine_share_headers target)
   get_target_property(way ${target} VITRINE_HEADERS)
   get_target_property(libraries ${target} LINK_LIBRARIES)
-  if(NOT VITRINE_MERGE OR libraries MATCHES "OpenMP")  # -fopenmp is another way to compile
+  if(NOT VITRINE_MERGE OR libraries MATCHES "OpenMP")  # -fopenmp needs another precompiled header
     return()
   endif()
   if(NOT way)
