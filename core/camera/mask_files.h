@@ -23,16 +23,10 @@
 #include <vector>
 
 #include "core/base/note.h"
+#include "core/camera/mask_class.h"
 #include "core/image/image.h"
 
 namespace vitrine {
-
-enum class MaskClass : unsigned char { Object, Transparent, Specular, Ignore };
-inline constexpr size_t kMaskClassCount = 4;
-inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
-                                                                     MaskClass::Specular, MaskClass::Ignore};
-std::string_view name(MaskClass kind);
-std::optional<MaskClass> mask_class(std::string_view word);  // by its name, lower case
 
 struct MaskFile {
   std::filesystem::path path;

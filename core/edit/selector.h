@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/math/rigid.h"
 
 namespace vitrine {

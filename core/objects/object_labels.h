@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
 #include "core/objects/object_set.h"

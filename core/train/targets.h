@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/loss/loss.h"
 #include "core/objects/object_labels.h"
 #include "core/train/capture.h"

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/view.h"
 #include "core/image/image.h"
 #include "core/mesh/tri_mesh.h"

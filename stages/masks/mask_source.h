@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/undistort.h"
 #include "core/camera/view_set.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/stereo/visual_hull.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/view.h"
 #include "core/shape/shape_set.h"
 #include "core/stereo/silhouette.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/train/capture.h"
 #include "stages/optimize/plane_inpainting.h"
 

@@ -2,7 +2,7 @@
 // masks stage takes.
 #include <gtest/gtest.h>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/photo_marks.h"
 #include "core/image/ldr.h"
 #include "stages/mark/mark.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/math/vec.h"
 #include "stages/masks/mask_source.h"
 

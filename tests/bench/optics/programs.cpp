@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/process.h"
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "pipeline/plan.h"
 
 namespace vitrine {

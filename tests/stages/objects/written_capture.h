@@ -5,7 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/camera/colmap_model.h"
-#include "core/camera/mask_files.h"
+#include "core/camera/mask_class.h"
 #include "core/camera/scene_info.h"
 #include "core/camera/view_masks.h"
 #include "core/camera/view_set.h"
