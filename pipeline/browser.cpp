@@ -1,7 +1,7 @@
 #include "pipeline/browser.h"
 
-#include "core/base/error.h"
-#include "core/base/process.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {

@@ -1,7 +1,7 @@
 // Opens HTML pages in the user's browser (--open).
 #pragma once
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

@@ -1,7 +1,7 @@
 #include "pipeline/chart.h"
 
-#include "core/base/error.h"
-#include "core/config/chart.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/chart.h"
 #include "pipeline/given_inputs.h"
 
 namespace vitrine {

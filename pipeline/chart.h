@@ -4,13 +4,13 @@
 
 #include <string>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 
 // `text`: "photo:x,y,w,h". Throws Error{Usage, GREY_CARD}.
 void check_grey_card(const std::string& text, const fs::path& photos);
-// `text`: core/config/scale_bar.h. Throws Error{Usage, SCALE_BAR}.
+// `text`: core/foundation/config/scale_bar.h. Throws Error{Usage, SCALE_BAR}.
 void check_scale_bar(const std::string& text, const fs::path& photos);
 
 }  // namespace vitrine

@@ -1,9 +1,9 @@
 // vitrine config show | schema | reference: available options and their current values.
 #include <iostream>
 
-#include "core/base/error.h"
-#include "core/config/cli.h"
-#include "core/config/reference.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/cli.h"
+#include "core/foundation/config/reference.h"
 #include "pipeline/commands.h"
 #include "pipeline/project.h"
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/process.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

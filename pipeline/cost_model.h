@@ -1,11 +1,11 @@
-// Cost estimates of the stages of a run, from `vitrine-<stage> --cost` (core/artifact/stage_cost.h).
+// Cost estimates of the stages of a run, from `vitrine-<stage> --cost` (core/foundation/artifact/stage_cost.h).
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/artifact/stage_cost.h"
+#include "core/foundation/artifact/stage_cost.h"
 #include "pipeline/graph.h"
 #include "pipeline/settings.h"
 

@@ -3,11 +3,11 @@
 #include <iostream>
 #include <thread>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/base/terminal.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/terminal.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/settings.h"
 

@@ -1,9 +1,9 @@
 // vitrine edit PROJECT edits.yaml: applies edits to a finished scene and writes PROJECT/edited, with the program vitrine-edit.
 #include <iostream>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 #include "pipeline/tool_options.h"

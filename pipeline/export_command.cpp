@@ -5,10 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/base/error.h"
-#include "core/config/chart.h"
-#include "core/config/cli.h"
-#include "core/config/text.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/chart.h"
+#include "core/foundation/config/cli.h"
+#include "core/foundation/config/text.h"
 #include "pipeline/export_folder.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"

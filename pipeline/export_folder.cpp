@@ -4,10 +4,10 @@
 #include <optional>
 #include <set>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/error.h"
-#include "core/base/json.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 

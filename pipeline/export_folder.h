@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/artifact/manifest.h"
-#include "core/base/file.h"
+#include "core/foundation/artifact/manifest.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

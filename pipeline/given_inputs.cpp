@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/base/inside.h"
-#include "core/camera/json_file.h"
-#include "core/camera/photo_marks.h"
-#include "core/camera/photo_masks.h"
-#include "core/config/photo_name_finder.h"
-#include "core/config/text.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/inside.h"
+#include "core/foundation/config/json_file.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/intake/masks/photo_masks.h"
+#include "core/foundation/config/photo_name_finder.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
-#include "core/photo/photo_files.h"
+#include "core/foundation/base/file.h"
+#include "core/intake/photos/photo_files.h"
 #include "pipeline/plan.h"
 
 namespace vitrine {
@@ -22,7 +22,7 @@ class PhotoNames {
   // Looks up the ingest name: relative path; .exr becomes .png; of two names that differ only in the extension, the second one
   // keeps it in its stem.
   bool has(const std::string& name) const;
-  // Also matches a part of the name, as in a file of marks (core/config/photo_name_finder.h).
+  // Also matches a part of the name, as in a file of marks (core/foundation/config/photo_name_finder.h).
   bool has_by_part(const std::string& name) const;
   // The photo with the most similar name; empty if none is similar.
   std::string nearest(const std::string& name) const;

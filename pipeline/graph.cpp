@@ -6,10 +6,10 @@
 #include <cstring>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/config/text.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/artifact/stage_report.h"
-#include "core/base/file.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/stage_report.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

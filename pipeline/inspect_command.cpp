@@ -4,14 +4,14 @@
 #include <iostream>
 #include <set>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/base/terminal.h"
-#include "core/config/cli.h"
-#include "core/config/text.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/terminal.h"
+#include "core/foundation/config/cli.h"
+#include "core/foundation/config/text.h"
 #include "pipeline/commands.h"
 #include "pipeline/cost_model.h"
 #include "pipeline/given_inputs.h"

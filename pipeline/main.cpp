@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "core/base/current_folder.h"
-#include "core/base/error.h"
-#include "core/base/process.h"
-#include "core/base/terminal.h"
-#include "core/config/text.h"
+#include "core/foundation/base/current_folder.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/terminal.h"
+#include "core/foundation/config/text.h"
 #include "pipeline/commands.h"
 
 namespace {

@@ -2,13 +2,13 @@
 // it also shows the propagated masks in every photo. Uses the program vitrine-mark.
 #include <iostream>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/process.h"
-#include "core/config/cli.h"
-#include "core/config/text.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/cli.h"
+#include "core/foundation/config/text.h"
 #include "pipeline/browser.h"
 #include "pipeline/commands.h"
 #include "pipeline/graph.h"

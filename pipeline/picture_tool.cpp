@@ -2,10 +2,10 @@
 
 #include <charconv>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/error.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/html_report.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"

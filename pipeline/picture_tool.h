@@ -2,8 +2,8 @@
 // own artifact is linked into the output folder.
 #pragma once
 
-#include "core/base/file.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/tool_options.h"
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/config/text.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/config/text.h"
 #include "pipeline/printed_key.h"
 
 namespace vitrine {

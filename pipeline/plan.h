@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/artifact/store.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/settings.h"
 
 namespace vitrine {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/terminal.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/terminal.h"
 
 namespace vitrine {
 

@@ -2,8 +2,8 @@
 
 #include <sstream>
 
-#include "core/base/json.h"
-#include "core/base/process.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/artifact/manifest.h"
+#include "core/foundation/artifact/manifest.h"
 
 namespace vitrine {
 

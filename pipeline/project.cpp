@@ -7,13 +7,13 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/base/inside.h"
-#include "core/base/log.h"
-#include "core/config/reference.h"
-#include "core/config/yaml.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/inside.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/config/reference.h"
+#include "core/foundation/config/yaml.h"
 
 namespace vitrine {
 

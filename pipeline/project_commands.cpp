@@ -3,11 +3,11 @@
 #include <iostream>
 #include <map>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/terminal.h"
-#include "core/config/cli.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/terminal.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/plan.h"
 #include "pipeline/project.h"

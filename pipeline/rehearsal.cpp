@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/commands.h"
 
 namespace vitrine {

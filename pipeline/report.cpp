@@ -7,13 +7,13 @@
 #include <cstdio>
 #include <ctime>
 
-#include "core/base/events.h"
-#include "core/base/log.h"
-#include "core/base/machine.h"
-#include "core/base/parallel.h"
-#include "core/base/terminal.h"
-#include "core/config/reference.h"
-#include "core/config/text.h"
+#include "core/foundation/base/events.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/machine.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/terminal.h"
+#include "core/foundation/config/reference.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/timer.h"
 #include "pipeline/plan.h"
 
 namespace vitrine {

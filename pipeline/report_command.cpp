@@ -1,9 +1,9 @@
 // vitrine report PROJECT: writes the HTML report of a run.
 #include <iostream>
 
-#include "core/base/error.h"
-#include "core/base/process.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 #include "pipeline/graph.h"
 #include "pipeline/html_report.h"

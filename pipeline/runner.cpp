@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include "core/artifact/publish.h"
+#include "core/foundation/artifact/publish.h"
 #include "pipeline/export_folder.h"
 
 namespace vitrine {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/config/schema.h"
-#include "core/config/yaml.h"
+#include "core/foundation/config/schema.h"
+#include "core/foundation/config/yaml.h"
 #include "pipeline/graph.h"
 
 namespace vitrine {

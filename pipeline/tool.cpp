@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/error.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/graph.h"
 #include "pipeline/printed_key.h"
 

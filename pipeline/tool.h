@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/artifact/manifest.h"
-#include "core/base/file.h"
+#include "core/foundation/artifact/manifest.h"
+#include "core/foundation/base/file.h"
 #include "pipeline/commands.h"
 
 namespace vitrine {

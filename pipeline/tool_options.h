@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/config/cli.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 
 namespace vitrine {

@@ -1,7 +1,7 @@
 // vitrine view PROJECT: one HTML page that shows the scene in any browser, without a server; with the program vitrine-view.
 #include <iostream>
 
-#include "core/config/cli.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/browser.h"
 #include "pipeline/commands.h"
 #include "pipeline/project.h"

@@ -2,10 +2,10 @@
 
 #include <unistd.h>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/error.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
 #include "pipeline/printed_key.h"
 
 namespace vitrine {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/artifact/manifest.h"
+#include "core/foundation/artifact/manifest.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {

@@ -4,10 +4,10 @@
 
 #include <chrono>
 
-#include "core/base/error.h"
-#include "core/base/machine.h"
-#include "core/base/process.h"
-#include "core/base/terminal.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/machine.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/terminal.h"
 
 namespace vitrine {
 

@@ -1,5 +1,5 @@
 // Enforces --max-memory while a stage runs: polls the resident memory of the process and its child processes ten times a second.
-// Above the limit it requests a stop (core/base/process.h, request_stop): the stage keeps its checkpoint and exits with code 6.
+// Above the limit it requests a stop (core/foundation/base/process.h, request_stop): the stage keeps its checkpoint and exits with code 6.
 // Stages that can reduce their memory do so beforehand (ingest, sfm, optimize).
 #pragma once
 

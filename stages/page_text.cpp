@@ -1,9 +1,9 @@
 #include "stages/page_text.h"
 
-#include "core/base/base64.h"
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/hash.h"
+#include "core/foundation/base/base64.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/hash.h"
 
 namespace vitrine {
 

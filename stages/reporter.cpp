@@ -6,9 +6,9 @@
 #include <ctime>
 #include <iostream>
 
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/terminal.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/terminal.h"
 
 namespace vitrine {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/error.h"
-#include "core/base/events.h"
-#include "core/base/json.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/events.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/timer.h"
 #include "stages/stage.h"
 
 namespace vitrine {

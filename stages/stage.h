@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/artifact/stage_cost.h"
-#include "core/artifact/stage_report.h"
-#include "core/config/describe.h"
+#include "core/foundation/artifact/stage_cost.h"
+#include "core/foundation/artifact/stage_report.h"
+#include "core/foundation/config/describe.h"
 
 namespace vitrine {
 

@@ -1,13 +1,13 @@
 #include "stages/stage_cli.h"
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/config/apply.h"
-#include "core/config/reference.h"
-#include "core/config/schema.h"
-#include "core/config/text.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/config/apply.h"
+#include "core/foundation/config/reference.h"
+#include "core/foundation/config/schema.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

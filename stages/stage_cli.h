@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/config/cli.h"
+#include "core/foundation/config/cli.h"
 #include "stages/stage.h"
 
 namespace vitrine {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/process.h"
-#include "core/config/text.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/artifact/store.h"
+#include "core/foundation/artifact/store.h"
 #include "stages/stage.h"
 
 namespace vitrine {

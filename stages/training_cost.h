@@ -1,7 +1,7 @@
 // Cost of training on the photos: terms shared by the estimates of several stages.
 #pragma once
 
-#include "core/artifact/stage_cost.h"
+#include "core/foundation/artifact/stage_cost.h"
 
 namespace vitrine {
 

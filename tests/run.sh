@@ -6,7 +6,7 @@
 #
 # --fast            only the fast tier (about a minute)      --no-sanitizers   skip the sanitized build
 # --sanitize-stages the suites of stages and pipeline sanitized, too
-# --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/base/parallel.cpp says how)
+# --races           instead: the suites of multi-threaded code under ThreadSanitizer (core/foundation/base/parallel.cpp says how)
 # --external        instead: what other people's programs say about exported files, and long runs of sfm; installs them from npm
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/../pipeline/setup.sh"

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

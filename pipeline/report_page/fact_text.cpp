@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/config/text.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 

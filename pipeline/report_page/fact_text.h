@@ -1,4 +1,4 @@
-// Evaluates the values and texts that stages declare for their reports (core/artifact/stage_report.h). A path component "*"
+// Evaluates the values and texts that stages declare for their reports (core/foundation/artifact/stage_report.h). A path component "*"
 // matches all items of an array, or all members of an object. Placeholders in a text:
 //   {mesh.faces:n}          a count, digits in groups of three; several values are summed  {psnr:1}  a number with one decimal
 //   {a,b:1}                 the maximum; all must exist                                    {source}  a text

@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/median.h"
 #include "pipeline/graph.h"
 #include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"

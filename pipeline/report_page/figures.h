@@ -1,4 +1,4 @@
-// Report figures declared by the stages (core/artifact/stage_report.h): values read from the reports of a run, and ratings.
+// Report figures declared by the stages (core/foundation/artifact/stage_report.h): values read from the reports of a run, and ratings.
 #pragma once
 
 #include <map>

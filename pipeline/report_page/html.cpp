@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/base/utf8.h"
+#include "core/foundation/base/utf8.h"
 
 namespace vitrine {
 

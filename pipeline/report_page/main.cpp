@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "core/base/error.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/report_page/page.h"
 
 namespace {

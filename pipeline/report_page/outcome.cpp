@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "core/artifact/publish.h"
-#include "core/base/inside.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/inside.h"
 #include "pipeline/report_page/facts.h"
 
 namespace vitrine {

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "core/base/base64.h"
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/camera/view_set.h"
+#include "core/foundation/base/base64.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/hash.h"
+#include "core/scene/camera/view_set.h"
 #include "pipeline/report_page/assets.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"

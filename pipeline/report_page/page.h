@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

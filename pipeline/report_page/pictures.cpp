@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/base64.h"
-#include "core/base/error.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/base64.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/quantile.h"
 #include "pipeline/report_page/html.h"
 
 namespace vitrine {

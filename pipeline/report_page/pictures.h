@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "core/base/file.h"
-#include "core/image/image.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 

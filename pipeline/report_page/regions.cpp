@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/inside.h"
-#include "core/camera/projection.h"
-#include "core/image/ldr.h"
-#include "core/math/median.h"
-#include "core/objects/object_labels.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/inside.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/median.h"
+#include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 #include "pipeline/report_page/figures.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/terminal.h"
+#include "core/foundation/base/terminal.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/sections.h"

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/base/inside.h"
-#include "core/mesh/mesh_io.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/inside.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/pictures.h"
 #include "pipeline/report_page/sections.h"

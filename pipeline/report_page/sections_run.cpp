@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/inside.h"
-#include "core/base/terminal.h"
+#include "core/foundation/base/inside.h"
+#include "core/foundation/base/terminal.h"
 #include "pipeline/report_page/coverage.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/pictures.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/foundation/base/parallel.h"
 
 namespace vitrine {
 

@@ -1,9 +1,9 @@
 // Ray-cast pictures of the mesh from the cameras of the photos: shaded grey, and normals.
 #pragma once
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/trace/mesh_hits.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine {
 

@@ -1,11 +1,11 @@
-// Ratings (good, borderline, bad) by the thresholds that stages declare (core/artifact/stage_report.h), explained in README.md. A
+// Ratings (good, borderline, bad) by the thresholds that stages declare (core/foundation/artifact/stage_report.h), explained in README.md. A
 // rating advises what to improve; the measured values are shown with it.
 #pragma once
 
 #include <string>
 #include <string_view>
 
-#include "core/artifact/stage_report.h"
+#include "core/foundation/artifact/stage_report.h"
 
 namespace vitrine {
 

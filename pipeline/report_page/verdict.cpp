@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/process.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine::generate {
 namespace {

@@ -1,7 +1,7 @@
 // Pictures of a scene: radiance through a pixel filter, the first surface at the pixel centres, and the sensor behind it.
 #pragma once
 
-#include "core/image/image.h"
+#include "core/scene/image/image.h"
 #include "sample_data/generate/integrator.h"
 
 namespace vitrine::generate {

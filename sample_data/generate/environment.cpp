@@ -6,7 +6,7 @@
 
 #include <Imath/half.h>
 
-#include "core/base/parallel.h"
+#include "core/foundation/base/parallel.h"
 #include "sample_data/generate/texture.h"
 
 namespace vitrine::generate {

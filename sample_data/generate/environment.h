@@ -6,8 +6,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/image/image.h"
-#include "core/math/vec.h"
+#include "core/scene/image/image.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine::generate {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/model/kernels/refraction.h"
+#include "core/foundation/base/parallel.h"
+#include "core/render/model/kernels/refraction.h"
 
 namespace vitrine::generate {
 namespace {

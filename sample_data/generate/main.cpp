@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <iostream>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/config/cli.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <optional>
 
-#include "core/base/file.h"
-#include "core/base/rng.h"
-#include "core/camera/projection.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine::generate {
 

@@ -8,7 +8,7 @@
 //   solid glass: a closed surface; R is mirrored at every interface, 1 - R refracted (Snell)
 #pragma once
 
-#include "core/math/vec.h"
+#include "core/foundation/math/vec.h"
 #include "sample_data/generate/texture.h"
 
 namespace vitrine::generate {

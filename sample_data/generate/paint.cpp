@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 
 namespace vitrine::generate {
 namespace {

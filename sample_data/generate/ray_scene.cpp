@@ -4,7 +4,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine::generate {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "core/base/rng.h"
-#include "core/math/vec.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine::generate {
 

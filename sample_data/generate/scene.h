@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 #include "sample_data/generate/environment.h"
 #include "sample_data/generate/material.h"
 #include "sample_data/generate/shape.h"

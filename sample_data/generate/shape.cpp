@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
 
 namespace vitrine::generate {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/math/rigid.h"
-#include "core/mesh/tri_mesh.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 namespace vitrine::generate {
 

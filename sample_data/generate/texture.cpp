@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 
-#include "core/base/parallel.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
 
 namespace vitrine::generate {
 

@@ -5,14 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/mesh_io.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
 #include "sample_data/generate/marks.h"
 

@@ -10,11 +10,11 @@
 #include <iostream>
 #include <string>
 
-#include "core/base/file.h"
-#include "core/image/exr.h"
-#include "core/image/image.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/image.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 
 namespace {
 

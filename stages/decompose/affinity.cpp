@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/math/kd_tree.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/kd_tree.h"
 
 namespace vitrine {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/math/kd_tree.h"
-#include "core/model/opened_scene.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/render/model/opened_scene.h"
 
 namespace vitrine {
 

@@ -1,12 +1,12 @@
 // The light on what is seen through glass alone, the surfels of the transmittance layer. Photos show it in the picture of
-// everything but the glass (core/model/opened_scene.h): points of that picture near surfels of the layer receive light as those
+// everything but the glass (core/render/model/opened_scene.h): points of that picture near surfels of the layer receive light as those
 // of first surfaces do, through the panes of the mesh, and what stands behind glass (mesh/behind_glass.ply) throws its shadows.
 #pragma once
 
 #include <functional>
 #include <vector>
 
-#include "core/picture/trained_scene.h"
+#include "core/render/picture/trained_scene.h"
 #include "stages/decompose/spread.h"
 #include "stages/decompose/transport.h"
 

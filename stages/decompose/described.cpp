@@ -1,5 +1,5 @@
 // Options, inputs, cost estimate and report figures of the decompose stage.
-#include "core/render/renderer.h"
+#include "core/render/raster/renderer.h"
 #include "stages/decompose/decompose.h"
 
 namespace vitrine {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/config/chart.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/chart.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/passes.h"
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/scene/camera/passes.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 

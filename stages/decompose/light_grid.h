@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "core/math/vec.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine {
 

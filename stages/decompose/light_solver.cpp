@@ -7,8 +7,8 @@
 
 #include <Eigen/Dense>
 
-#include "core/base/parallel.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/image/image.h"
+#include "core/scene/image/image.h"
 #include "stages/decompose/affinity.h"
 #include "stages/decompose/transport.h"
 
@@ -41,7 +41,7 @@ LightSolution solve_light(const LightProblem& problem, const LightSolverDesc& de
 
 float luminance(const Vec3f& rgb);
 
-// The light that was found, as a lat-long map (core/light/environment.h).
+// The light that was found, as a lat-long map (core/scene/light/environment.h).
 
 // Seen walls and sky as they are, divided by `unit`; the rest as solved, and in its mean where no point told it. [height, 2
 // height]

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "core/base/rng.h"
-#include "core/render/renderer.h"
-#include "core/render/surface_depth.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/raster/renderer.h"
+#include "core/render/raster/surface_depth.h"
 
 namespace vitrine {
 

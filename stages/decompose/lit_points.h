@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/scene/layers.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine {
 

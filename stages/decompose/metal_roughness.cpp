@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
-#include "core/base/rng.h"
-#include "core/model/kernels/fresnel.h"
-#include "core/model/kernels/ggx.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/render/model/kernels/ggx.h"
 #include "stages/decompose/light_solver.h"
 
 namespace vitrine {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/vec.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine {
 

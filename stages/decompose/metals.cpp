@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/resample.h"
-#include "core/math/kd_tree.h"
-#include "core/math/median.h"
-#include "core/math/spherical_harmonics.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/scene/activation.h"
-#include "core/trace/mesh_hits.h"
-#include "core/trace/tracer.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/spherical_harmonics.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/scene/surfels/activation.h"
+#include "core/scene/mesh/mesh_hits.h"
+#include "core/render/trace/tracer.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/metal_roughness.h"
 

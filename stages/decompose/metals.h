@@ -1,4 +1,4 @@
-// Materials of mirrors and coats (core/objects). Training leaves them as they look: a mirror keeps pictures of the old
+// Materials of mirrors and coats (core/scene/objects). Training leaves them as they look: a mirror keeps pictures of the old
 // surroundings in its diffuse colours, a coat its highlights. Faces and surfels know their object. Of its pixels C and the light
 // L of their mirrored rays (the trained scene, the environment beyond):
 //   mirror  F0 = sum C / sum L  per channel, over the rays that meet what is matt of the mesh, which the photos know well;
@@ -13,13 +13,13 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/light/environment.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/model/kernels/layer_blend.h"
-#include "core/objects/object_labels.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/trained_scene.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/light/environment.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/render/model/kernels/layer_blend.h"
+#include "core/scene/objects/object_labels.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
 
 namespace vitrine {
 

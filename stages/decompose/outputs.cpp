@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "core/camera/view_set.h"
-#include "core/image/contact_sheet.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
-#include "core/math/median.h"
-#include "core/picture/surfel_colors.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/median.h"
+#include "core/render/picture/surfel_colors.h"
 
 namespace vitrine {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "core/base/json.h"
-#include "core/camera/view.h"
-#include "core/scene/layers.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/decompose/decompose.h"
 #include "stages/decompose/light_solver.h"
 #include "stages/decompose/wall_extension.h"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/math/kd_tree.h"
-#include "core/math/rigid.h"
-#include "core/math/spherical_harmonics.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/foundation/math/rigid.h"
+#include "core/foundation/math/spherical_harmonics.h"
 
 namespace vitrine {
 

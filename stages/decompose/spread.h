@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/layers.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/decompose/lit_points.h"
 
 namespace vitrine {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "core/light/environment.h"
-#include "core/math/quantile.h"
-#include "core/trace/tracer.h"
+#include "core/scene/light/environment.h"
+#include "core/foundation/math/quantile.h"
+#include "core/render/trace/tracer.h"
 
 namespace vitrine {
 

@@ -6,9 +6,9 @@
 
 #include <span>
 
-#include "core/math/rigid.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine {
 
@@ -22,7 +22,7 @@ struct SurroundingsDesc {
 struct Surroundings {
   Vec3f centre{};
   int height = 0;
-  // [height * 2 height], rows from +z to -z at equal angles, columns as those of an environment (core/light).
+  // [height * 2 height], rows from +z to -z at equal angles, columns as those of an environment (core/scene/light).
   std::vector<float> distance;  // 0: nothing there
   std::vector<Vec3f> radiance;  // of the wall, or of the sky where surfels show it
   std::vector<bool> wall;       // nearer than the sky

@@ -3,14 +3,14 @@
 #include <cmath>
 #include <optional>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/math/kd_tree.h"
-#include "core/mesh/mesh_io.h"
-#include "core/model/kernels/fresnel.h"
-#include "core/trace/mesh_hits.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine {
 

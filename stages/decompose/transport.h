@@ -3,7 +3,7 @@
 // side, which no photo shows; one that leaves brings the unknown radiance of its cell, or the known one where the surroundings
 // show sky. Irradiance is then linear in the unknown light:
 //   E_s = E_known,s + sum_j A_sj L_j,     A_sj = NoL dOmega T where the ray of point s and cell j leaves the scene
-// T: what the panes that it passes do not mirror (core/model/kernels/fresnel.h).
+// T: what the panes that it passes do not mirror (core/render/model/kernels/fresnel.h).
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
+#include "core/scene/mesh/tri_mesh.h"
 #include "stages/decompose/light_grid.h"
 #include "stages/decompose/lit_points.h"
 #include "stages/decompose/surroundings.h"

@@ -7,10 +7,10 @@
 #include <numeric>
 #include <vector>
 
-#include "core/math/median.h"
-#include "core/math/kd_tree.h"
-#include "core/scene/activation.h"
-#include "core/trace/tracer.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/scene/surfels/activation.h"
+#include "core/render/trace/tracer.h"
 #include "stages/decompose/light_solver.h"
 
 namespace vitrine {

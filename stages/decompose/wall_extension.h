@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/decompose/light_grid.h"
 #include "stages/decompose/lit_points.h"
 #include "stages/decompose/surroundings.h"

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/camera/view_set.h"
-#include "core/edit/edit_scene.h"
-#include "core/edit/selection.h"
-#include "core/render/renderer.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/view_set.h"
+#include "core/render/edit/edit_scene.h"
+#include "core/render/edit/selection.h"
+#include "core/render/raster/renderer.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/edit/edit_list.h"
 
 namespace vitrine {

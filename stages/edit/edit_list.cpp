@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/camera/photo_marks.h"
-#include "core/camera/photo_masks.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/intake/masks/photo_masks.h"
 
 namespace vitrine {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/edit/selector.h"
+#include "core/scene/camera/view.h"
+#include "core/render/edit/selector.h"
 
 namespace vitrine {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/camera/projection.h"
-#include "core/image/resample.h"
-#include "core/math/quantile.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

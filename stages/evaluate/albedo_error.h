@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {

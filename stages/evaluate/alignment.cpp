@@ -6,8 +6,8 @@
 
 #include <Eigen/Dense>
 
-#include "core/base/error.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/render/renderer.h"
+#include "core/render/raster/renderer.h"
 #include "stages/evaluate/evaluate.h"
 #include "stages/training_cost.h"
 

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/math/quantile.h"
-#include "core/mesh/mesh_distance.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/quantile.h"
+#include "core/scene/mesh/mesh_distance.h"
 #include "stages/evaluate/view_error.h"
 
 namespace vitrine {

@@ -9,10 +9,10 @@
 #include <functional>
 #include <vector>
 
-#include "core/camera/projection.h"
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/mesh/tri_mesh.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <optional>
 
-#include "core/objects/part_labels.h"
+#include "core/render/picture/part_labels.h"
 
 namespace vitrine {
 

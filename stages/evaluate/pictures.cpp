@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

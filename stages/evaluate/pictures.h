@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/camera/view.h"
-#include "core/image/contact_sheet.h"
-#include "core/image/image.h"
-#include "core/picture/view_picture.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/image.h"
+#include "core/render/picture/view_picture.h"
 
 namespace vitrine {
 

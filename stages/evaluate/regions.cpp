@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <functional>
 
-#include "core/camera/view_masks.h"
-#include "core/image/resample.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "core/image/metrics.h"
-#include "core/objects/class_pixels.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/objects/class_pixels.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {

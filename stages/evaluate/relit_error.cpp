@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/camera/projection.h"
-#include "core/image/ldr.h"
-#include "core/image/metrics.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/quantile.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/view_error.h"
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "core/math/vec.h"
-#include "core/relight/relit_painter.h"
+#include "core/foundation/math/vec.h"
+#include "core/render/relight/relit_painter.h"
 #include "stages/evaluate/regions.h"
 #include "stages/evaluate/truth.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/json.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/math/quantile.h"
 #include "stages/evaluate/view_error.h"
 
 namespace vitrine {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/camera/view_split.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/camera/view_split.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/alignment.h"
 #include "stages/evaluate/mesh_error.h"

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/camera/projection.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/mesh/mesh_io.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "stages/evaluate/alignment.h"
 
 namespace vitrine {

@@ -11,10 +11,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/camera/mask_class.h"
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/mesh/tri_mesh.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 namespace vitrine {
 

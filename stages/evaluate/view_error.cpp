@@ -6,13 +6,13 @@
 #include <numbers>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/camera/projection.h"
-#include "core/image/metrics.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
-#include "core/math/median.h"
-#include "core/math/vec.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine {
 

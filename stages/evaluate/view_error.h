@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/math/rigid.h"
-#include "core/picture/view_picture.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/foundation/math/rigid.h"
+#include "core/render/picture/view_picture.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {

@@ -3,12 +3,12 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/camera/scale_bar_length.h"
-#include "core/config/chart.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/scale_bar_length.h"
+#include "core/foundation/config/chart.h"
 
 namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/camera/view.h"
-#include "core/image/resample.h"
-#include "core/photo/linear_photo.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/resample.h"
+#include "core/intake/photos/linear_photo.h"
 
 namespace vitrine::ingest {
 

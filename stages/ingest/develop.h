@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "core/base/hash.h"
-#include "core/camera/photo_list.h"
-#include "core/image/repair.h"
-#include "core/photo/photo_color.h"
+#include "core/foundation/base/hash.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/repair.h"
+#include "core/intake/photos/photo_color.h"
 
 namespace vitrine::ingest {
 
@@ -15,7 +15,7 @@ struct Developed {
   ImageF linear;                   // upright, [h, w, 3]
   Photo photo;                     // all but name, stem and source
   RepairedValues repaired;         // of floating-point samples
-  std::vector<std::string> notes;  // what is left out or assumed (core/image/picture_file.h, core/image/exr.h)
+  std::vector<std::string> notes;  // what is left out or assumed (core/scene/image/picture_file.h, core/scene/image/exr.h)
   std::string aside;
   ColorFacts color;
 };

@@ -5,17 +5,17 @@
 #include <map>
 #include <set>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/hash.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/photo_list.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/probe.h"
-#include "core/photo/photo_files.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/probe.h"
+#include "core/intake/photos/photo_files.h"
 #include "stages/ingest/develop.h"
 
 namespace vitrine {

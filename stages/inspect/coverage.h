@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/view_set.h"
+#include "core/scene/camera/view_set.h"
 
 namespace vitrine {
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <set>
 
-#include "core/base/error.h"
-#include "core/base/utf8.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/utf8.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

@@ -1,7 +1,7 @@
 #include "stages/inspect/given_masks.h"
 
-#include "core/base/error.h"
-#include "core/camera/photo_masks.h"
+#include "core/foundation/base/error.h"
+#include "core/intake/masks/photo_masks.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-// Checks the user's masks before a run. Reads and rejects files like the stages that use masks (core/camera/photo_masks.h).
+// Checks the user's masks before a run. Reads and rejects files like the stages that use masks (core/intake/masks/photo_masks.h).
 #pragma once
 
 #include <filesystem>

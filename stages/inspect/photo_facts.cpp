@@ -2,10 +2,10 @@
 
 #include <mutex>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/photo/linear_photo.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/intake/photos/linear_photo.h"
 
 namespace vitrine {
 

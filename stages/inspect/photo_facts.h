@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "core/photo/measures.h"
-#include "core/photo/photo_files.h"
+#include "core/intake/photos/measures.h"
+#include "core/intake/photos/photo_files.h"
 
 namespace vitrine {
 
@@ -17,7 +17,7 @@ struct PhotoFacts {
   std::string camera, time, digest;
   ColorFacts color;
   PhotoMeasures measures;
-  std::vector<std::string> notes;  // content that would be ignored or assumed (core/photo/photo_files.h)
+  std::vector<std::string> notes;  // content that would be ignored or assumed (core/intake/photos/photo_files.h)
 
   bool usable() const { return failure.empty(); }
   double longest() const { return std::max(width, height); }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/base/base64.h"
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/camera/photo_marks.h"
-#include "core/config/yaml.h"
+#include "core/foundation/base/base64.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/foundation/config/yaml.h"
 #include "stages/mark/page_photos.h"
 #include "stages/mark/run_results.h"
 #include "stages/page_text.h"

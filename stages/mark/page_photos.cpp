@@ -5,12 +5,12 @@
 #include <mutex>
 #include <optional>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/photo/linear_photo.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/intake/photos/linear_photo.h"
 
 namespace vitrine {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/photo/photo_files.h"
+#include "core/intake/photos/photo_files.h"
 
 namespace vitrine {
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/json_file.h"
-#include "core/camera/photo_lenses.h"
-#include "core/camera/view_masks.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/json_file.h"
+#include "core/intake/poses/photo_lenses.h"
+#include "core/scene/camera/view_masks.h"
 
 namespace vitrine {
 

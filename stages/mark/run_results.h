@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_class.h"
-#include "core/camera/view.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

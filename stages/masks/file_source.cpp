@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 

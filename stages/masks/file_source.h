@@ -1,7 +1,7 @@
 // Masks that the user made, in photo coordinates, brought onto the undistorted photos.
 #pragma once
 
-#include "core/camera/photo_masks.h"
+#include "core/intake/masks/photo_masks.h"
 #include "stages/masks/mask_source.h"
 #include "stages/masks/masks.h"
 

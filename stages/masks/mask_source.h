@@ -7,9 +7,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "core/camera/mask_class.h"
-#include "core/camera/undistort.h"
-#include "core/camera/view_set.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/undistort.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 
@@ -34,7 +35,7 @@ class MaskSource {
   virtual std::string_view name() const = 0;  // "files", ...
   // nullopt: this source knows nothing of that photo.
   virtual std::optional<SoftMask> at(size_t view) const = 0;
-  virtual std::string_view trust() const { return "given"; }  // a word of ObjectTrust (core/objects)
+  virtual std::string_view trust() const { return "given"; }  // a word of ObjectTrust (core/scene/objects)
   virtual bool propagated() const { return false; }           // from few marks or none: edges may be off by pixels
   virtual void report(nlohmann::ordered_json& j) const = 0;   // what a reader wants to know of this class
 };

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/timer.h"
-#include "core/camera/photo_lenses.h"
-#include "core/config/yaml.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/timer.h"
+#include "core/intake/poses/photo_lenses.h"
+#include "core/foundation/config/yaml.h"
 #include "stages/masks/file_source.h"
 #include "stages/masks/outputs.h"
 

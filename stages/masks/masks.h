@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "core/camera/mask_class.h"
+#include "core/scene/camera/mask_class.h"
 #include "stages/masks/boxes/marked_source.h"
 #include "stages/masks/onnx/network_source.h"
 #include "stages/masks/proposed/proposed_source.h"

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <mutex>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/json_file.h"
-#include "core/camera/view_masks.h"
-#include "core/image/contact_sheet.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/json_file.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 

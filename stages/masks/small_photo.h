@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/stereo/edge_field.h"
+#include "core/observe/stereo/edge_field.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {

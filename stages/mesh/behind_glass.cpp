@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/iso_surface.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/model/glass_mesh.h"
-#include "core/trace/mesh_hits.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/iso_surface.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/render/model/glass_mesh.h"
+#include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine {
 

@@ -1,5 +1,5 @@
 // What stands behind glass. The fused depth is that of the first surface, so mesh.ply ends at the panes; what is in a case is in
-// this second mesh. Where a training view shows glass, the depth of everything but the glass (core/model/opened_scene.h) is
+// this second mesh. Where a training view shows glass, the depth of everything but the glass (core/render/model/opened_scene.h) is
 // fused inside the boxes of the mesh's glass parts; faces that mesh.ply has already (a table that also goes on outside) and those
 // that lie on the panes themselves are left out.
 #pragma once
@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/mesh/fusion.h"
 
 namespace vitrine {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
 
 namespace vitrine {
 

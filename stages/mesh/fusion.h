@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/mesh/tsdf_volume.h"
-#include "core/render/raster_desc.h"
+#include "core/scene/mesh/tsdf_volume.h"
+#include "core/render/raster/raster_desc.h"
 
 namespace vitrine {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
-#include "core/mesh/mesh_topology.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/mesh/mesh_topology.h"
 
 namespace vitrine {
 

@@ -1,12 +1,12 @@
 // Depth of mirrors. What surfels learn there are pictures in the mirror, at their depths and with their normals: the fused depth
-// of a mirror (core/objects) is that of its shape, as training learnt it from what it mirrors where it did. Relit metal is what
+// of a mirror (core/scene/objects) is that of its shape, as training learnt it from what it mirrors where it did. Relit metal is what
 // its normals make it. Coats keep the depth of their surfels: a glazed pot is hollow, its visual hull is not.
 #pragma once
 
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/objects/object_labels.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/objects/object_labels.h"
 #include "stages/mesh/fusion.h"
 
 namespace vitrine {

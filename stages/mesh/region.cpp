@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "core/base/error.h"
-#include "core/camera/viewing_axes.h"
-#include "core/math/median.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/viewing_axes.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/scene/layers.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine {
 

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/view_set.h"
-#include "core/image/image.h"
-#include "core/objects/object_labels.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/image.h"
+#include "core/scene/objects/object_labels.h"
 #include "stages/normals/normal_map.h"
 
 namespace vitrine {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/hash.h"
-#include "core/network/photo_network.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/hash.h"
+#include "core/observe/network/photo_network.h"
 
 // The file itself, as the compiler's assembler takes it in; the build names it.
 asm(".section .rodata\n"

@@ -1,11 +1,11 @@
-// A network that predicts normals from one photo (core/network), and the one that is built in.
+// A network that predicts normals from one photo (core/observe/network), and the one that is built in.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
-#include "core/image/image.h"
+#include "core/scene/image/image.h"
 #include "stages/normals/normal_map.h"
 #include "stages/normals/normals.h"
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 
 namespace vitrine {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 

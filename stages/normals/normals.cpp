@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <functional>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/timer.h"
 #include "stages/normals/geometric.h"
 #include "stages/normals/network.h"
 #include "stages/normals/space.h"

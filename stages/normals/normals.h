@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/network/photo_network.h"
+#include "core/observe/network/photo_network.h"
 #include "stages/stage.h"
 
 namespace vitrine {

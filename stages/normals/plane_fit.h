@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 #include "stages/normals/normal_map.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine {
 

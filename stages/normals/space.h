@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 #include "stages/normals/normal_map.h"
 
 namespace vitrine {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/mesh_topology.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/mesh_topology.h"
 #include "stages/objects/fine_hull.h"
 
 namespace vitrine {

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/stereo/revolution_fit.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/observe/stereo/revolution_fit.h"
 #include "stages/objects/masked_objects.h"
 
 namespace vitrine {

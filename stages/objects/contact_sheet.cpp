@@ -5,14 +5,14 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/image/bitmap_font.h"
-#include "core/image/contact_sheet.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/stereo/silhouette.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/image/bitmap_font.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/observe/stereo/silhouette.h"
 
 namespace vitrine {
 

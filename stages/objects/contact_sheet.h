@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "core/camera/view_set.h"
-#include "core/objects/object_labels.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/stereo/mesh_fit.h"
-#include "core/stereo/shape_fit.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/observe/stereo/mesh_fit.h"
+#include "core/observe/stereo/shape_fit.h"
 #include "stages/objects/appendages.h"
 #include "stages/objects/fine_hull.h"
 
@@ -68,7 +68,7 @@ void add_hull(const VisualHull& hull, ShapeRole role, ShapeSet& set) {
                          .exact = false});
 }
 
-// An object that is no simple shape: a closed mesh fitted to its silhouettes (core/stereo/mesh_fit.h), from its visual hull.
+// An object that is no simple shape: a closed mesh fitted to its silhouettes (core/observe/stereo/mesh_fit.h), from its visual hull.
 std::optional<ShapeSet::Entry> free_form(const MaskedObject& object, ShapeRole role) {
   TriMesh start = hull_mesh(object.hull);
   if (start.faces.empty()) return std::nullopt;

@@ -1,7 +1,7 @@
 // Which shape an object of glass or metal has, by its silhouettes.
 #pragma once
 
-#include "core/shape/shape_set.h"
+#include "core/scene/shape/shape_set.h"
 #include "stages/objects/masked_objects.h"
 
 namespace vitrine {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/math/voxel_grid.h"
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/iso_surface.h"
-#include "core/mesh/mesh_topology.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/voxel_grid.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/iso_surface.h"
+#include "core/scene/mesh/mesh_topology.h"
 
 namespace vitrine {
 

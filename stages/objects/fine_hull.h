@@ -5,10 +5,10 @@
 
 #include <functional>
 
-#include "core/math/rigid.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/stereo/carving.h"
-#include "core/stereo/visual_hull.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/observe/stereo/carving.h"
+#include "core/observe/stereo/visual_hull.h"
 
 namespace vitrine {
 

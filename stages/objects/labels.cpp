@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/camera/view_masks.h"
-#include "core/objects/object_labels.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
 

@@ -1,12 +1,12 @@
-// Label images (core/objects/object_labels.h): which object each pixel shows that the masks mark.
+// Label images (core/scene/objects/object_labels.h): which object each pixel shows that the masks mark.
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
-#include "core/camera/view.h"
-#include "core/image/image.h"
-#include "core/objects/object_set.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+#include "core/scene/objects/object_set.h"
 
 namespace vitrine {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/math/connected_components.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
+#include "core/foundation/math/connected_components.h"
 
 namespace vitrine {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/camera/mask_class.h"
-#include "core/stereo/visual_hull.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/observe/stereo/visual_hull.h"
 
 namespace vitrine {
 

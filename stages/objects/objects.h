@@ -1,6 +1,6 @@
 // Stage `objects`: the table of objects, everything that is not plain opaque, found once for all later stages (README.md).
 //   reads   sfm (cameras, photos), masks; optionally a table that a person corrected
-//   writes  objects/objects.json (core/objects), objects/labels/<photo>.png, objects/shape_<i>.ply (of shapes that are meshes),
+//   writes  objects/objects.json (core/scene/objects), objects/labels/<photo>.png, objects/shape_<i>.ply (of shapes that are meshes),
 //           objects/shapes.ply (all of them, to look at), objects/contact_sheet.png
 #pragma once
 

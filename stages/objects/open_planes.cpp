@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/stereo/plane_fit.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
+#include "core/observe/stereo/plane_fit.h"
 
 namespace vitrine {
 

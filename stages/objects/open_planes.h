@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/mask_class.h"
-#include "core/camera/view.h"
-#include "core/shape/shape_set.h"
-#include "core/stereo/silhouette.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/shape/shape_set.h"
+#include "core/observe/stereo/silhouette.h"
 
 namespace vitrine {
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/resample.h"
-#include "core/shape/surface_samples.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/resample.h"
+#include "core/scene/shape/surface_samples.h"
 #include "stages/objects/detect.h"
 
 namespace vitrine {

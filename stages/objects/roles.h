@@ -1,5 +1,5 @@
 // The one place that decides the role of an object: glass by its class of masks; of what the specular masks mark, paint under a
-// clear coat looks alike from everywhere, and what a mirror shows changes with the view (core/stereo/view_dependence).
+// clear coat looks alike from everywhere, and what a mirror shows changes with the view (core/observe/stereo/view_dependence).
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/objects/object_set.h"
-#include "core/stereo/view_dependence.h"
+#include "core/scene/objects/object_set.h"
+#include "core/observe/stereo/view_dependence.h"
 #include "stages/objects/masked_objects.h"
 
 namespace vitrine {

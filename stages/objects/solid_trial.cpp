@@ -4,18 +4,18 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/metrics.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
-#include "core/math/median.h"
-#include "core/model/kernels/fresnel.h"
-#include "core/model/thick_glass.h"
-#include "core/stereo/small_stereo.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/median.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/render/model/thick_glass.h"
+#include "core/observe/stereo/small_stereo.h"
 
 namespace vitrine {
 

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <span>
 
-#include "core/camera/view_set.h"
-#include "core/objects/object_set.h"
-#include "core/stereo/silhouette.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/objects/object_set.h"
+#include "core/observe/stereo/silhouette.h"
 
 namespace vitrine {
 

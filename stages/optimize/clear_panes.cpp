@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/log.h"
+#include "core/foundation/base/log.h"
 
 namespace vitrine {
 

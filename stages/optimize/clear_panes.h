@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "core/shape/shape_set.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/scene/shape/shape_set.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 
 namespace vitrine {
 

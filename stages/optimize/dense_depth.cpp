@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/math/color.h"
-#include "core/stereo/bare_walls.h"
-#include "core/stereo/extend_planes.h"
-#include "core/stereo/stereo_photos.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/color.h"
+#include "core/observe/stereo/bare_walls.h"
+#include "core/observe/stereo/extend_planes.h"
+#include "core/observe/stereo/stereo_photos.h"
 
 namespace vitrine {
 

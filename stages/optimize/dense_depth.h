@@ -1,11 +1,11 @@
 // Depth and normal of every pixel of the training photos, before anything is trained: PatchMatch stereo on reduced photos
-// (core/stereo/patch_match.h), with the sparse points as hints.
+// (core/observe/stereo/patch_match.h), with the sparse points as hints.
 #pragma once
 
 #include <vector>
 
-#include "core/stereo/scene_planes.h"
-#include "core/train/capture.h"
+#include "core/observe/stereo/scene_planes.h"
+#include "core/learn/trainer/capture.h"
 
 namespace vitrine {
 

@@ -6,14 +6,14 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/math/kd_tree.h"
-#include "core/math/quantile.h"
-#include "core/math/rigid.h"
-#include "core/model/opened_scene.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/foundation/math/quantile.h"
+#include "core/foundation/math/rigid.h"
+#include "core/render/model/opened_scene.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/math/median.h"
-#include "core/math/orthonormal_basis.h"
-#include "core/scene/activation.h"
-#include "core/stereo/borrowed_depth.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/orthonormal_basis.h"
+#include "core/scene/surfels/activation.h"
+#include "core/observe/stereo/borrowed_depth.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/neighbours.h"
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/math/rigid.h"
-#include "core/scene/layers.h"
-#include "core/train/capture.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/surfels/layers.h"
+#include "core/learn/trainer/capture.h"
 #include "stages/optimize/dense_depth.h"
 #include "stages/optimize/optimize.h"
 

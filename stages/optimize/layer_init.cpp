@@ -5,16 +5,16 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/camera/projection.h"
-#include "core/math/rigid.h"
-#include "core/model/diffuse_pass.h"
-#include "core/model/image_model.h"
-#include "core/model/opened_scene.h"
-#include "core/optim/adam.h"
-#include "core/render/surface_depth.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/projection.h"
+#include "core/foundation/math/rigid.h"
+#include "core/render/model/diffuse_pass.h"
+#include "core/render/model/image_model.h"
+#include "core/render/model/opened_scene.h"
+#include "core/learn/optim/adam.h"
+#include "core/render/raster/surface_depth.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/optimize/clear_panes.h"
 #include "stages/optimize/flat_mirrors.h"
 #include "stages/optimize/initialise.h"
@@ -115,7 +115,7 @@ void copy_between(const SplatLayer& from, size_t i, SplatLayer& to, size_t j, fl
   for (size_t c = 0; c < 2; ++c) to.at(Attribute::LogScale, j)[c] += std::log(growth);
 }
 
-// The standard deviation of the rasteriser's screen-space low-pass (core/render/kernels/constants.h: exp(-d^2)), in world units
+// The standard deviation of the rasteriser's screen-space low-pass (core/render/raster/kernels/constants.h: exp(-d^2)), in world units
 // where a surfel is seen: the mean over the photos that have it in the picture. Rays know no pixels; a copy that is smaller than
 // that would lose to them what the rasteriser had made of it.
 float pixel_footprint(const Capture& capture, const Vec3d& p) {

@@ -6,10 +6,10 @@
 //   transmittance  what the diffuse layer has behind glass becomes the layer's; glass itself is put on the hull of the masks
 #pragma once
 
-#include "core/scene/splat_scene.h"
-#include "core/shape/shape_set.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/scene/surfels/splat_scene.h"
+#include "core/scene/shape/shape_set.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 #include "stages/optimize/optimize.h"
 
 namespace vitrine {
@@ -43,7 +43,7 @@ struct HullCounts {
 HullCounts begin_reflection(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 HullCounts begin_transmittance(const LayerInitDesc& desc, size_t cap, size_t diffuse_cap, SplatScene& scene);
 
-// Sheets of glass that are drawn from their shapes (core/model/sheet_pass.h) need no surfels while the scene is trained: what is
+// Sheets of glass that are drawn from their shapes (core/render/model/sheet_pass.h) need no surfels while the scene is trained: what is
 // seen through them stays in the diffuse layer until the end, when begin_transmittance() gives other programs what they expect.
 bool trains_sheets(const OptimizeConfig& config, const ShapeSet& shapes);
 // The sheets, with the faces that are panes. No surfel of the diffuse layer is clear from now on.

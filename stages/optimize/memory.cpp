@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/camera/mask_class.h"
-#include "core/train/capture.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/learn/trainer/capture.h"
 #include "stages/optimize/plane_inpainting.h"
 
 namespace vitrine {

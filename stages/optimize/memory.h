@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/camera/view_set.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/optimize/optimize.h"
 #include "stages/stage_fit.h"
 

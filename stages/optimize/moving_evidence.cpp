@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/stereo/patch_score.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/observe/stereo/patch_score.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 // A pixel without texture says nothing about itself. A plain backdrop shows in the whole: most of the picture is alike in place.
 #pragma once
 
-#include "core/train/targets.h"
+#include "core/learn/trainer/targets.h"
 #include "stages/optimize/dense_depth.h"
 
 namespace vitrine {

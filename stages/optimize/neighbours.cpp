@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/base/parallel.h"
-#include "core/math/kd_tree.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/kd_tree.h"
 
 namespace vitrine {
 

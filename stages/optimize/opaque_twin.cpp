@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/log.h"
-#include "core/base/process.h"
-#include "core/math/color.h"
-#include "core/model/layered_model.h"
-#include "core/model/opaque_pass.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/math/color.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/model/opaque_pass.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-// The opaque twin of a scene with glass or gloss (core/model/opaque_pass.h), and how much of each object's pictures is the
+// The opaque twin of a scene with glass or gloss (core/render/model/opaque_pass.h), and how much of each object's pictures is the
 // layers'. Glass and gloss of some training photos are withheld from both trainings, so that they can judge.
 #pragma once
 
@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "core/model/image_options.h"
-#include "core/scene/splat_scene.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/render/model/image_options.h"
+#include "core/scene/surfels/splat_scene.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 
 namespace vitrine {
 

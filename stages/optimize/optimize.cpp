@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/timer.h"
-#include "core/objects/part_labels.h"
-#include "core/picture/trained_scene.h"
-#include "core/scene/scene_io.h"
-#include "core/train/capture.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/timer.h"
+#include "core/render/picture/part_labels.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/scene/surfels/scene_io.h"
+#include "core/learn/trainer/capture.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/opaque_twin.h"

@@ -7,9 +7,9 @@
 
 #include <string>
 
-#include "core/loss/loss_set.h"
-#include "core/optim/densify.h"
-#include "core/optim/rates.h"
+#include "core/learn/loss/loss_set.h"
+#include "core/learn/optim/densify.h"
+#include "core/learn/optim/rates.h"
 #include "stages/optimize/phases.h"
 #include "stages/stage.h"
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/math/color.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
 
 namespace vitrine {
 

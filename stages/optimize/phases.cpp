@@ -6,7 +6,7 @@ namespace vitrine {
 
 void describe(Describer& d, ShadingConfig& c) {
   d.choice("blend", c.blend, {"rtrgs", "layered"},
-           "How diffuse, reflected and transmitted light add up: layered (GLINT) or rtrgs (core/model/README.md).");
+           "How diffuse, reflected and transmitted light add up: layered (GLINT) or rtrgs (core/render/model/README.md).");
   d.choice("lobe", c.lobe, {"mirror", "sampled"},
            "Rays of rough surfaces: mirror ignores roughness, sampled draws one GGX direction a ray.");
   d.choice("glass", c.glass, {"traced", "thin"},

@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <string>
 
-#include "core/config/describe.h"
-#include "core/model/image_options.h"
-#include "core/optim/rates.h"
-#include "core/train/shape_training.h"
+#include "core/foundation/config/describe.h"
+#include "core/render/model/image_options.h"
+#include "core/learn/optim/rates.h"
+#include "core/learn/trainer/shape_training.h"
 
 namespace vitrine {
 
@@ -58,7 +58,7 @@ struct TransmittancePhase : LayerPhase {
 struct DiffusePhase {
   double specular_weight = 0.3;  // of the picture losses on gloss (specular, not transparent), until reflection begins
 };
-// How the layers become a picture (core/model).
+// How the layers become a picture (core/render/model).
 struct ShadingConfig {
   LayerBlend blend = LayerBlend::Layered;
   Lobe lobe = Lobe::Mirror;

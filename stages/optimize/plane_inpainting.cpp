@@ -6,14 +6,14 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/light/environment.h"
-#include "core/math/orthonormal_basis.h"
-#include "core/model/diffuse_pass.h"
-#include "core/model/image_model.h"
-#include "core/model/opened_scene.h"
-#include "core/optim/adam.h"
-#include "core/render/surface_depth.h"
-#include "core/scene/activation.h"
+#include "core/scene/light/environment.h"
+#include "core/foundation/math/orthonormal_basis.h"
+#include "core/render/model/diffuse_pass.h"
+#include "core/render/model/image_model.h"
+#include "core/render/model/opened_scene.h"
+#include "core/learn/optim/adam.h"
+#include "core/render/raster/surface_depth.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/layer_init.h"
 #include "stages/optimize/unobserved_cells.h"

@@ -8,9 +8,9 @@
 
 #include <span>
 
-#include "core/scene/splat_scene.h"
-#include "core/stereo/scene_planes.h"
-#include "core/train/capture.h"
+#include "core/scene/surfels/splat_scene.h"
+#include "core/observe/stereo/scene_planes.h"
+#include "core/learn/trainer/capture.h"
 
 namespace vitrine {
 

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/math/median.h"
-#include "core/math/orthonormal_basis.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/orthonormal_basis.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

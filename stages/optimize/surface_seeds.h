@@ -1,10 +1,10 @@
-// Points on the shapes of glass and mirrors (core/objects), where surfels are put when their layer begins: neither has a texture
+// Points on the shapes of glass and mirrors (core/scene/objects), where surfels are put when their layer begins: neither has a texture
 // that stays on it, and only its silhouette fixes its place.
 #pragma once
 
 #include <vector>
 
-#include "core/shape/shape_set.h"
+#include "core/scene/shape/shape_set.h"
 
 namespace vitrine {
 

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/resample.h"
 #include "stages/optimize/still_masks.h"
 
 namespace vitrine {

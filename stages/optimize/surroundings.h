@@ -6,9 +6,9 @@
 #include <functional>
 #include <string>
 
-#include "core/camera/passes.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/scene/camera/passes.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 #include "stages/optimize/dense_depth.h"
 
 namespace vitrine {

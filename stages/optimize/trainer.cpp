@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/base/log.h"
-#include "core/base/rng.h"
-#include "core/model/thick_glass.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/model/thick_glass.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/optimize/opaque_twin.h"
 #include "stages/optimize/plane_inpainting.h"
 

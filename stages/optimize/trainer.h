@@ -1,4 +1,4 @@
-// The training of the optimize stage: the loop of core/train, the phases in which its layers begin, and the growth of each.
+// The training of the optimize stage: the loop of core/learn/trainer, the phases in which its layers begin, and the growth of each.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/stereo/scene_planes.h"
-#include "core/train/training.h"
+#include "core/observe/stereo/scene_planes.h"
+#include "core/learn/trainer/training.h"
 #include "stages/optimize/layer_init.h"
 #include "stages/optimize/optimize.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine {
 

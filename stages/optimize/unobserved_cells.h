@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/train/capture.h"
+#include "core/learn/trainer/capture.h"
 
 namespace vitrine {
 

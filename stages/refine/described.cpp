@@ -1,4 +1,4 @@
-#include "core/render/renderer.h"
+#include "core/render/raster/renderer.h"
 #include "stages/refine/refine.h"
 #include "stages/training_cost.h"
 

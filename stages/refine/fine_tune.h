@@ -3,9 +3,9 @@
 // over some epochs (Polyak and Juditsky 1992) takes that out. No surfel is added, moved or dropped.
 #pragma once
 
-#include "core/optim/rates.h"
-#include "core/picture/trained_scene.h"
-#include "core/train/training.h"
+#include "core/learn/optim/rates.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/learn/trainer/training.h"
 
 namespace vitrine {
 

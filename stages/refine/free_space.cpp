@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
-#include "core/mesh/mesh_distance.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/mesh/mesh_distance.h"
 
 namespace vitrine {
 

@@ -1,9 +1,9 @@
 #include "stages/refine/glass_views.h"
 
-#include "core/base/process.h"
-#include "core/model/diffuse_pass.h"
-#include "core/model/image_model.h"
-#include "core/render/surface_depth.h"
+#include "core/foundation/base/process.h"
+#include "core/render/model/diffuse_pass.h"
+#include "core/render/model/image_model.h"
+#include "core/render/raster/surface_depth.h"
 
 namespace vitrine {
 

@@ -1,10 +1,10 @@
 // What the stage knows of every photo: its G-buffer, which pixels are glass, and the segments of their rays.
 #pragma once
 
-#include "core/model/glass_segments.h"
-#include "core/picture/trained_scene.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/render/model/glass_segments.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 
 namespace vitrine {
 

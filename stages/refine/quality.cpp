@@ -3,11 +3,11 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/process.h"
-#include "core/image/metrics.h"
-#include "core/model/diffuse_pass.h"
-#include "core/model/image_model.h"
-#include "core/picture/view_picture.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/image/metrics.h"
+#include "core/render/model/diffuse_pass.h"
+#include "core/render/model/image_model.h"
+#include "core/render/picture/view_picture.h"
 
 namespace vitrine {
 

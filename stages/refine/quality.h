@@ -1,9 +1,9 @@
 // How well a scene shows photos: PSNR inside the glass, outside it, and of whole photos.
 #pragma once
 
-#include "core/picture/trained_scene.h"
-#include "core/train/capture.h"
-#include "core/train/targets.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/learn/trainer/capture.h"
+#include "core/learn/trainer/targets.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/image/contact_sheet.h"
+#include "core/scene/image/contact_sheet.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/base/json.h"
+#include "core/foundation/base/json.h"
 #include "stages/refine/glass_views.h"
 
 namespace vitrine {

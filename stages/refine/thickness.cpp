@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/model/layered_model.h"
-#include "core/scene/splat_scene.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/render/model/layered_model.h"
+#include "core/scene/surfels/splat_scene.h"
 #include "stages/refine/segment_report.h"
 
 namespace vitrine {

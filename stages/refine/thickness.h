@@ -4,9 +4,9 @@
 // latter counts since a training on straight rays paints a picture of the bent room behind solid glass.
 #pragma once
 
-#include "core/base/json.h"
-#include "core/model/thick_glass.h"
-#include "core/objects/object_labels.h"
+#include "core/foundation/base/json.h"
+#include "core/render/model/thick_glass.h"
+#include "core/scene/objects/object_labels.h"
 #include "stages/refine/glass_views.h"
 
 namespace vitrine {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/camera/viewing_axes.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/viewing_axes.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

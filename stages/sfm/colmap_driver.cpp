@@ -5,8 +5,8 @@
 #include <cctype>
 #include <cstdlib>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
 
 namespace vitrine {
 

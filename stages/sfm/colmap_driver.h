@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/process.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <span>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 #include "stages/sfm/matcher.h"
 
 namespace vitrine {

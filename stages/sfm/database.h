@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 struct sqlite3;
 

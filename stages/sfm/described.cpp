@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/config/describe.h"
+#include "core/foundation/config/describe.h"
 #include "stages/sfm/pairs.h"
 #include "stages/sfm/sfm.h"
 #include "stages/training_cost.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/math/median.h"
-#include "core/math/vec.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/vec.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {
@@ -279,7 +279,7 @@ Diagnosis diagnosed(const Reconstruction& r, const SfmConfig& config) {
 
 namespace {
 
-// Further lines start below the first one (core/base/error.cpp puts nine columns before it).
+// Further lines start below the first one (core/foundation/base/error.cpp puts nine columns before it).
 std::string indented(const std::string& text) {
   std::string out;
   for (char c : text) out += c == '\n' ? std::string("\n         ") : std::string(1, c);

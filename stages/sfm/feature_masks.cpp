@@ -4,11 +4,11 @@
 #include <atomic>
 #include <numeric>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/config/describe.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/describe.h"
 #include "stages/sfm/reconstruct.h"
 
 namespace vitrine {

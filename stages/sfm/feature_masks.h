@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/photo_masks.h"
+#include "core/intake/masks/photo_masks.h"
 #include "stages/sfm/database.h"
 #include "stages/sfm/turntable.h"
 

@@ -8,10 +8,10 @@
 #include <map>
 #include <mutex>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/timer.h"
 #include "stages/sfm/matcher.h"
 #include "stages/sfm/sfm.h"
 

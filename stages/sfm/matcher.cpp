@@ -10,7 +10,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine {
 

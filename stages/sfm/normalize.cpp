@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/error.h"
-#include "core/math/median.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/median.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

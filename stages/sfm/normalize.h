@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/camera/colmap_model.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 

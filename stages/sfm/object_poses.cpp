@@ -6,11 +6,11 @@
 #include <numbers>
 #include <set>
 
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/camera/compacted.h"
-#include "core/camera/projection.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/intake/poses/compacted.h"
+#include "core/scene/camera/projection.h"
+#include "core/foundation/math/quantile.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/point_filter.h"
 #include "stages/sfm/sfm.h"

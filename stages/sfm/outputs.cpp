@@ -7,16 +7,16 @@
 #include <map>
 #include <mutex>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/compacted.h"
-#include "core/camera/json_file.h"
-#include "core/config/text.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/intake/poses/compacted.h"
+#include "core/foundation/config/json_file.h"
+#include "core/foundation/config/text.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
 #include "stages/sfm/diagnosis.h"
 
 namespace vitrine {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <span>
 
-#include "core/camera/photo_list.h"
-#include "core/camera/undistort.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/undistort.h"
 #include "stages/sfm/normalize.h"
 #include "stages/sfm/object_poses.h"
 #include "stages/sfm/point_filter.h"
@@ -44,7 +44,7 @@ struct SfmReportDesc {
 void write_match_matrix(const std::filesystem::path& path, const Reconstruction& r);
 
 void write_sfm_report(const std::filesystem::path& path, const SfmReportDesc& desc);
-// The lenses as photographed and undistorted, and the photos without a camera: read by core/camera/photo_lenses.h.
+// The lenses as photographed and undistorted, and the photos without a camera: read by core/intake/poses/photo_lenses.h.
 void write_lenses(const std::filesystem::path& path, const std::vector<Undistortion>& undistortions, const ColmapModel& model,
                   const Reconstruction& reconstruction);
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
 #include "stages/sfm/matcher.h"
 
 namespace vitrine {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
-#include "core/camera/compacted.h"
-#include "core/math/quantile.h"
+#include "core/intake/poses/compacted.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/passes.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/passes.h"
 #include "stages/sfm/reconstruct.h"
 
 namespace vitrine {

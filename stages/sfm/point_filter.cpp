@@ -5,11 +5,11 @@
 #include <map>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/camera/compacted.h"
-#include "core/math/kd_tree.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/intake/poses/compacted.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/colmap_model.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 

@@ -4,11 +4,11 @@
 #include <map>
 #include <set>
 
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/timer.h"
-#include "core/camera/compacted.h"
-#include "core/math/disjoint_sets.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/timer.h"
+#include "core/intake/poses/compacted.h"
+#include "core/foundation/math/disjoint_sets.h"
 #include "stages/sfm/diagnosis.h"
 #include "stages/sfm/features.h"
 #include "stages/sfm/point_filter.h"

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/pose_agreement.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/intake/poses/pose_agreement.h"
 #include "stages/sfm/colmap_driver.h"
 #include "stages/sfm/database.h"
 #include "stages/sfm/feature_masks.h"
@@ -42,7 +42,7 @@ struct PhotoReport {
   size_t features = 0, matches = 0, verified = 0, neighbours = 0, observations = 0;  // verified matches over all pairs
   bool registered = false;
   size_t group = 0;               // of photos that verified pairs connect; 0 = the largest
-  std::optional<double> blur_px;  // measured when something went wrong (core/photo/measures.h)
+  std::optional<double> blur_px;  // measured when something went wrong (core/intake/photos/measures.h)
   std::optional<double> brightness_ev;
   bool pose_missing = false;          // poses were given, but none for this photo
   bool other_pass = false;            // of a pass that shares too little of the object with the one that is reconstructed

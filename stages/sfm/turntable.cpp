@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

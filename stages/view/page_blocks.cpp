@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine {
 

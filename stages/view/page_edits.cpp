@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/edit/selection.h"
+#include "core/render/edit/selection.h"
 
 namespace vitrine {
 

@@ -1,8 +1,8 @@
-// Objects of a scene (core/objects) for its page: the list, and the object of each rendered surfel.
+// Objects of a scene (core/scene/objects) for its page: the list, and the object of each rendered surfel.
 #pragma once
 
-#include "core/base/json.h"
-#include "core/objects/object_set.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/view/page_surfels.h"
 
 namespace vitrine {

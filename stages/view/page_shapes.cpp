@@ -1,8 +1,8 @@
 #include "stages/view/page_shapes.h"
 
-#include "core/mesh/clean_openmesh.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/model/pane_pass.h"
+#include "core/scene/mesh/clean_openmesh.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/render/model/pane_pass.h"
 
 namespace vitrine {
 

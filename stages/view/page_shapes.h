@@ -2,8 +2,8 @@
 // mirror planes.
 #pragma once
 
-#include "core/base/json.h"
-#include "core/shape/shape_set.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/shape/shape_set.h"
 #include "stages/view/page_blocks.h"
 
 namespace vitrine {

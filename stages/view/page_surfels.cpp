@@ -6,10 +6,10 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/light/octahedral.h"
-#include "core/model/opened_scene.h"
-#include "core/model/sheet_pass.h"
-#include "core/scene/activation.h"
+#include "core/scene/light/octahedral.h"
+#include "core/render/model/opened_scene.h"
+#include "core/render/model/sheet_pass.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 
@@ -43,7 +43,7 @@ SplatLayer joined(const SplatScene& scene, std::span<const uint32_t> solid, std:
     for (const AttributeRow& r : kAttributes) {
       std::copy_n(from.at(r.id, i), from.width(r.id), out.at(r.id, to));
       if (from.width(r.id) == 0 && r.id != Attribute::ShRest) {
-        // The transmittance layer has no such attribute: diffuse and opaque (core/model/opened_scene.h).
+        // The transmittance layer has no such attribute: diffuse and opaque (core/render/model/opened_scene.h).
         const bool none = r.id == Attribute::SpecularWeight || r.id == Attribute::Transmission;
         std::fill_n(out.at(r.id, to), out.width(r.id), raw_value(r.activation, none ? 1e-4f : r.initial));
       }
@@ -227,7 +227,7 @@ PageLight page_light(const RelitScene& scene, const LightTransfer& transfer, con
       out.roughness[k] = m.roughness, out.specular[k] = m.specular, out.transmission[k] = m.transmission;
       continue;
     }
-    // Baked radiance relative to the light of the photos (core/relight/README.md 5); the page scales it with the light.
+    // Baked radiance relative to the light of the photos (core/render/relight/README.md 5); the page scales it with the light.
     const Vec3f before = irradiance(out.received[k], cells, captured);
     const float* dc = surfels.layer.at(Attribute::ShDc, k);
     for (size_t c = 0; c < 3; ++c)

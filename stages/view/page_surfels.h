@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/trained_scene.h"
-#include "core/relight/light_transfer.h"
-#include "core/relight/relit_scene.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/render/relight/light_transfer.h"
+#include "core/render/relight/relit_scene.h"
 #include "stages/view/page_blocks.h"
 
 namespace vitrine {

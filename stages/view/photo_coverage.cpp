@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/render/renderer.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/render/raster/renderer.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 
@@ -34,7 +34,7 @@ double alone(const SplatLayer& layer, size_t i, const View& view, double near_z)
     return Vec2d{k.fx * span * (turned(0, axis) - p.x * along), k.fy * span * (turned(1, axis) - p.y * along)};
   };
   const Vec2d u = on_screen(0), v = on_screen(1);
-  const double low_pass = std::numbers::pi;  // lower bound from the screen-space low-pass filter (core/render/README.md)
+  const double low_pass = std::numbers::pi;  // lower bound from the screen-space low-pass filter (core/render/raster/README.md)
   return double(sigmoid(*layer.at(Attribute::Opacity, i))) *
          std::max(2 * std::numbers::pi * std::abs(u.x * v.y - u.y * v.x), low_pass);
 }

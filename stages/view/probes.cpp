@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/light/octahedral.h"
-#include "core/math/quantile.h"
-#include "core/model/opened_scene.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/light/octahedral.h"
+#include "core/foundation/math/quantile.h"
+#include "core/render/model/opened_scene.h"
 
 namespace vitrine {
 

@@ -1,10 +1,10 @@
 // Light probes for reflections of polished surfaces under another light: seen from their centre, the radiance of the mesh in all
-// directions (core/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance from the
+// directions (core/render/relight/light_transfer.h) and its distance. The page marches along a reflected ray until its distance from the
 // centre matches the probe (parallax correction). (Under the light of the photos it traces rays through the reflection layer.)
 //
-// Directions: octahedral map (core/light/octahedral.h).
+// Directions: octahedral map (core/scene/light/octahedral.h).
 //
-// Directions by the octahedral map (core/light/octahedral.h).
+// Directions by the octahedral map (core/scene/light/octahedral.h).
 #pragma once
 
 #include <vector>

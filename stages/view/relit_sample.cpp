@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "core/image/ldr.h"
-#include "core/relight/exposure.h"
-#include "core/relight/relit_painter.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/relight/exposure.h"
+#include "core/render/relight/relit_painter.h"
 
 namespace vitrine {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "core/camera/view.h"
-#include "core/relight/relit_scene.h"
+#include "core/scene/camera/view.h"
+#include "core/render/relight/relit_scene.h"
 
 namespace vitrine {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "core/base/file.h"
-#include "core/base/rng.h"
-#include "core/camera/colmap_model.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/base/rng.h"
-#include "core/loss/loss_set.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/rng.h"
+#include "core/learn/loss/loss_set.h"
 
 namespace vitrine {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "core/base/rng.h"
-#include "core/mesh/iso_surface.h"
-#include "core/mesh/mesh_distance.h"
-#include "core/mesh/mesh_report.h"
-#include "tests/core/mesh/orbit.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/mesh/iso_surface.h"
+#include "core/scene/mesh/mesh_distance.h"
+#include "core/scene/mesh/mesh_report.h"
+#include "tests/core/scene/mesh/orbit.h"
 
 namespace vitrine {
 namespace {

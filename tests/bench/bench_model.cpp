@@ -7,10 +7,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/base/rng.h"
-#include "core/model/display_pass.h"
-#include "core/model/layered_model.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/model/display_pass.h"
+#include "core/render/model/layered_model.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/rng.h"
-#include "core/relight/light_transfer.h"
-#include "core/relight/relit_painter.h"
-#include "core/relight/sample_points.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/relight/light_transfer.h"
+#include "core/render/relight/relit_painter.h"
+#include "core/render/relight/sample_points.h"
 #include "tests/support/tiny_capture.h"
 
 namespace vitrine {

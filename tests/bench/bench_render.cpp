@@ -10,10 +10,10 @@
 #include <memory>
 #include <string>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/base/timer.h"
-#include "core/render/renderer.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/base/timer.h"
+#include "core/render/raster/renderer.h"
 #include "tests/support/gradcheck.h"
 #include "tests/support/tiny_scenes.h"
 

@@ -7,10 +7,10 @@
 
 #include <embree3/rtcore.h>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/scene/activation.h"
-#include "core/trace/tracer.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/surfels/activation.h"
+#include "core/render/trace/tracer.h"
 
 namespace vitrine {
 namespace {

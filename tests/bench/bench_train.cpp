@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/base/rng.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/optimize/trainer.h"
 
 namespace vitrine {

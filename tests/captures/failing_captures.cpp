@@ -7,10 +7,10 @@
 #include <numbers>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/image/resample.h"
 #include "stages/ingest/ingest.h"
 #include "stages/inspect/inspect.h"
 #include "stages/sfm/sfm.h"

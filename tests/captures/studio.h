@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
-#include "core/base/parallel.h"
-#include "core/image/ldr.h"
-#include "core/math/color.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/color.h"
 #include "sample_data/generate/ray_scene.h"
 
 namespace vitrine::test {

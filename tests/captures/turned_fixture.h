@@ -8,10 +8,10 @@
 #include <map>
 #include <memory>
 
-#include "core/base/process.h"
-#include "core/base/timer.h"
-#include "core/camera/passes.h"
-#include "core/camera/view_set.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/timer.h"
+#include "core/scene/camera/passes.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/ingest/ingest.h"
 #include "stages/sfm/sfm.h"
 #include "tests/captures/turned_object.h"

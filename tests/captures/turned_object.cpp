@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/parallel.h"
-#include "core/image/ldr.h"
-#include "core/math/color.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/color.h"
 #include "sample_data/generate/ray_scene.h"
 
 namespace vitrine::test {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
-#include "core/camera/view.h"
-#include "core/image/image.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine::test {
 

@@ -2,10 +2,10 @@
 // `vitrine run`, and `vitrine inspect` gives the same answer before anything is computed.
 #include <set>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/view_set.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 #include "tests/support/tiny_photos.h"
 #include "tests/support/vitrine_process.h"
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <thread>
 
-#include "core/base/rng.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/base/timer.h"
 #include "tests/e2e/tiny_room.h"
 
 namespace vitrine {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
 #include "tests/support/vitrine_process.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "core/base/timer.h"
+#include "core/foundation/base/timer.h"
 #include "tests/e2e/tiny_room.h"
 
 namespace vitrine {

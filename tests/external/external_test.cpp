@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/image/ldr.h"
-#include "core/math/color.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/render/renderer.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/color.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/raster/renderer.h"
 #include "stages/export/export.h"
 #include "stages/export/formats/gaussian_ply.h"
 #include "tests/external/programs.h"

@@ -1,9 +1,9 @@
 // Cameras from elsewhere: COLMAP models, transforms.json (also as a list of masks), Meshroom scenes, projection matrices. Read as
 // the sfm stage reads what a user gives with --poses.
-#include "core/camera/colmap_files.h"
-#include "core/camera/given_poses.h"
-#include "core/camera/mask_files.h"
-#include "core/camera/view_set.h"
+#include "core/scene/camera/colmap_files.h"
+#include "core/intake/poses/given_poses.h"
+#include "core/intake/masks/mask_files.h"
+#include "core/scene/camera/view_set.h"
 #include "tests/fuzz/entry.h"
 
 namespace vitrine {

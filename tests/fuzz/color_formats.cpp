@@ -1,5 +1,5 @@
 // Colour profiles: alone, and inside of photos.
-#include "core/image/color_profile.h"
+#include "core/scene/image/color_profile.h"
 #include "tests/fuzz/entry.h"
 #include "tests/stages/ingest/tagged_photos.h"
 

@@ -10,13 +10,13 @@
 #include <ImfPartType.h>
 #include <ImfRgbaFile.h>
 
-#include "core/camera/mask_files.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/light/environment.h"
-#include "core/loss/feature_network.h"
-#include "core/mesh/mesh_io.h"
-#include "core/scene/scene_io.h"
+#include "core/intake/masks/mask_files.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/light/environment.h"
+#include "core/learn/loss/feature_network.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/surfels/scene_io.h"
 #include "stages/ingest/develop.h"
 #include "stages/normals/network.h"
 #include "tests/fuzz/entry.h"

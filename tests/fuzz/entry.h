@@ -7,8 +7,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
 #include "tests/fuzz/formats.h"
 
 namespace vitrine {

@@ -2,7 +2,7 @@
 // many: VITRINE_MUTATED_FILES (34); which: VITRINE_FUZZ_SEED (1). A defect leaves its file in the folder that the message names.
 #include <set>
 
-#include "core/light/environment.h"
+#include "core/scene/light/environment.h"
 #include "tests/e2e/tiny_room.h"
 #include "tests/fuzz/mutate.h"
 

@@ -1,6 +1,6 @@
 #include "tests/fuzz/formats.h"
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine {
 

@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/timer.h"
 #include "tests/fuzz/mutate.h"
 
 namespace {

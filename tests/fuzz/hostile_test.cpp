@@ -1,16 +1,16 @@
 // What fuzzing and reading the parsers found: what would crash, take memory without end, or leave the project's folder.
 #include <gtest/gtest.h>
 
-#include "core/camera/given_poses.h"
-#include "core/camera/mask_files.h"
-#include "core/camera/photo_list.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/config/yaml.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/light/radiance_hdr.h"
-#include "core/loss/safetensors.h"
+#include "core/intake/poses/given_poses.h"
+#include "core/intake/masks/mask_files.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/foundation/config/yaml.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/light/radiance_hdr.h"
+#include "core/learn/loss/safetensors.h"
 #include "tests/fuzz/entry.h"
 #include "tests/support/error_of.h"
 

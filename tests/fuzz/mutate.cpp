@@ -8,7 +8,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "core/base/timer.h"
+#include "core/foundation/base/timer.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #include <sanitizer/asan_interface.h>

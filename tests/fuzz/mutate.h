@@ -1,7 +1,7 @@
 // Damaged copies of valid inputs, the same for a seed and a number on every machine.
 #pragma once
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 #include "tests/fuzz/formats.h"
 
 namespace vitrine {

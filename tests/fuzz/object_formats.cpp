@@ -1,8 +1,8 @@
 // Tables of objects: a JSON document, and meshes beside it.
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/objects/object_set.h"
-#include "core/shape/registry.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/objects/object_set.h"
+#include "core/scene/shape/registry.h"
 #include "tests/fuzz/entry.h"
 #include "tests/fuzz/formats.h"
 

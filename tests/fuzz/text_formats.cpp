@@ -1,14 +1,14 @@
 // YAML and JSON files: configurations, lights, marks, edits; the records that stages leave for each other and for the report.
-#include "core/artifact/manifest.h"
-#include "core/camera/photo_list.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_split.h"
-#include "core/config/apply.h"
-#include "core/light/lighting.h"
+#include "core/foundation/artifact/manifest.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_split.h"
+#include "core/foundation/config/apply.h"
+#include "core/scene/light/lighting.h"
 #include "pipeline/report_page/facts.h"
 #include "stages/edit/edit_list.h"
 #include "stages/masks/boxes/marks_file.h"
-#include "tests/core/config/example.h"
+#include "tests/core/foundation/config/example.h"
 #include "tests/fuzz/entry.h"
 
 namespace vitrine {

@@ -1,5 +1,5 @@
 // What every program and command says to --help, word for word, and the template that all of it fits.
-#include "core/base/process.h"
+#include "core/foundation/base/process.h"
 #include "tests/golden/golden.h"
 
 namespace vitrine {

@@ -1,5 +1,5 @@
 // What programs that work on a trained scene answer to mistakes: training, mesh, pictures, lights, edits, export.
-#include "tests/core/relight/relit_ball.h"
+#include "tests/core/render/relight/relit_ball.h"
 #include "tests/golden/told.h"
 
 namespace vitrine {

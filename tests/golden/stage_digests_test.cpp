@@ -2,15 +2,15 @@
 // digest of the outputs of each. The same key with other bytes means that a stage changed and its version did not: caches would
 // keep what the old program made. Its fix, and how the file is renewed, are in the messages.
 //
-// Digests are those of bytes (core/artifact/manifest.h: no time stamps, no seconds), the same for any number of processors; the
+// Digests are those of bytes (core/foundation/artifact/manifest.h: no time stamps, no seconds), the same for any number of processors; the
 // renderer takes its AVX2 path everywhere. Other compilers and libraries round differently: there the digests are not compared.
 #include <gnu/libc-version.h>
 
 #include <set>
 #include <sstream>
 
-#include "core/base/file.h"
-#include "core/image/exr.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/exr.h"
 #include "tests/e2e/tiny_room.h"
 
 namespace vitrine {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 namespace {
@@ -63,7 +63,7 @@ TEST(Errors, SayWhereOrWhyAndWhatToTry) {
   EXPECT_GT(all.size(), 150u) << "the pattern finds them";
   for (const Thrown& e : all) {
     if (e.kind == "Internal") continue;
-    if (e.text.find(", detail") != std::string::npos) continue;  // put together above the throw (core/base/file.cpp)
+    if (e.text.find(", detail") != std::string::npos) continue;  // put together above the throw (core/foundation/base/file.cpp)
     const auto has = [&](const char* field) { return e.text.find(fmt::format(".{} =", field)) != std::string::npos; };
     EXPECT_TRUE(has("code")) << e.place << " has no code: " << e.text;
     EXPECT_TRUE(has("hint")) << e.place << " does not say what to try: " << e.text;

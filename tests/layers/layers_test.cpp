@@ -1,6 +1,7 @@
-// Every #include of the sources against the ladder that core/*/CMakeLists.txt declares (vitrine_module(... DEPENDS ...)): a core
-// module includes itself and what it depends on; a stage includes core and itself, never another stage; the pipeline includes
-// core and itself; core includes neither stages nor the pipeline.
+// Every #include of the sources against the edges that core/*/*/CMakeLists.txt declare (vitrine_module(... DEPENDS ...)): a core
+// module includes itself and what it depends on, and no wing above its own; a stage includes core and itself, never another
+// stage; the pipeline includes core and itself; core includes neither stages nor the pipeline.
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -9,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 namespace {
@@ -19,8 +20,8 @@ const fs::path kRoot = VITRINE_SOURCE_DIR;
 // Words behind DEPENDS in a call of vitrine_module, closed over dependencies of dependencies.
 std::map<std::string, std::set<std::string>> declared_edges() {
   std::map<std::string, std::set<std::string>> edges;
-  for (const auto& e : fs::directory_iterator(kRoot / "core")) {
-    if (!fs::exists(e.path() / "CMakeLists.txt")) continue;
+  for (const auto& e : fs::recursive_directory_iterator(kRoot / "core")) {
+    if (!e.is_directory() || !fs::exists(e.path() / "CMakeLists.txt")) continue;
     const std::string text = std::regex_replace(read_file(e.path() / "CMakeLists.txt"), std::regex("#[^\n]*"), "");
     std::smatch call;
     if (!std::regex_search(text, call, std::regex("vitrine_module\\(\\s*(\\w+)([^)]*)\\)"))) continue;
@@ -74,7 +75,23 @@ std::vector<std::string> parts(const std::string& path) {
   return out;
 }
 
-TEST(Layers, LadderHasNoCycle) {
+// From the lowest up; core/README.md says what each holds.
+const std::vector<std::string> kWings{"foundation", "scene", "intake", "observe", "render", "learn"};
+
+size_t wing_of(const std::string& name) {
+  return static_cast<size_t>(std::find(kWings.begin(), kWings.end(), name) - kWings.begin());
+}
+
+TEST(Layers, NoWingIncludesOneAboveIt) {
+  for (const Include& i : includes_below(kRoot / "core")) {
+    const std::vector<std::string> from = parts(i.file.string()), to = parts(i.target);
+    ASSERT_LT(wing_of(from[1]), kWings.size()) << i.file.string() << " lies in no wing";
+    if (to[0] != "core") continue;
+    EXPECT_LE(wing_of(to[1]), wing_of(from[1])) << i.file.string() << ":" << i.line << " includes " << i.target;
+  }
+}
+
+TEST(Layers, ModulesHaveNoCycle) {
   for (const auto& [module, to] : declared_edges())
     EXPECT_FALSE(to.contains(module)) << "core/" << module << " depends on itself";
 }
@@ -84,15 +101,15 @@ TEST(Layers, CoreModulesIncludeOnlyWhatTheyDeclare) {
   ASSERT_GE(edges.size(), 10u);
   size_t seen = 0;
   for (const Include& i : includes_below(kRoot / "core")) {
-    const std::string module = parts(i.file.string())[1];
+    const std::string module = parts(i.file.string())[2];
     const std::vector<std::string> to = parts(i.target);
     EXPECT_TRUE(to[0] != "stages" && to[0] != "pipeline" && to[0] != "tests")
         << i.file << ":" << i.line << " includes " << i.target;
     if (to[0] != "core") continue;
     ++seen;
-    const bool allowed = to[1] == module || (edges.contains(module) && edges.at(module).contains(to[1]));
-    EXPECT_TRUE(allowed) << i.file.string() << ":" << i.line << " includes " << i.target << ", but core/" << module
-                         << "/CMakeLists.txt does not declare DEPENDS " << to[1];
+    const bool allowed = to[2] == module || (edges.contains(module) && edges.at(module).contains(to[2]));
+    EXPECT_TRUE(allowed) << i.file.string() << ":" << i.line << " includes " << i.target << ", but the CMakeLists.txt of "
+                         << module << " does not declare DEPENDS " << to[2];
   }
   EXPECT_GT(seen, 50u);
 }

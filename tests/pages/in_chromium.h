@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
+#include "core/foundation/base/json.h"
 #include "stages/page_text.h"
 #include "tests/support/child_program.h"
 

@@ -2,9 +2,10 @@
 // masks stage takes.
 #include <gtest/gtest.h>
 
-#include "core/camera/mask_class.h"
-#include "core/camera/photo_marks.h"
-#include "core/image/ldr.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/image/image.h"
+#include "core/scene/image/ldr.h"
 #include "stages/mark/mark.h"
 #include "stages/page_text.h"
 #include "tests/pages/in_chromium.h"

@@ -2,10 +2,10 @@
 // they are saved as, for `vitrine relight`.
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/image/metrics.h"
-#include "core/light/lighting.h"
-#include "core/relight/relit_painter.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/light/lighting.h"
+#include "core/render/relight/relit_painter.h"
 #include "stages/page_text.h"
 #include "stages/view/view.h"
 #include "tests/pages/in_chromium.h"

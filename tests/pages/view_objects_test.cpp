@@ -2,8 +2,8 @@
 // against what `vitrine edit` finds by the file that the page saved.
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/camera/projection.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/projection.h"
 #include "stages/edit/edit.h"
 #include "stages/page_text.h"
 #include "stages/view/view.h"

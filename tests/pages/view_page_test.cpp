@@ -1,16 +1,16 @@
 // view.html in headless Chromium, from file://: its pictures against those of the programs, and what a person does with it.
 #include <gtest/gtest.h>
 
-#include "core/camera/camera_path.h"
-#include "core/image/exr.h"
-#include "core/image/metrics.h"
-#include "core/light/lighting.h"
-#include "core/picture/view_picture.h"
-#include "core/relight/relit_painter.h"
+#include "core/scene/camera/camera_path.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/light/lighting.h"
+#include "core/render/picture/view_picture.h"
+#include "core/render/relight/relit_painter.h"
 #include "stages/page_text.h"
 #include "stages/view/photo_coverage.h"
 #include "stages/view/view.h"
-#include "tests/core/relight/relit_ball.h"
+#include "tests/core/render/relight/relit_ball.h"
 #include "tests/pages/in_chromium.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/process.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 namespace {

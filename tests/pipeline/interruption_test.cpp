@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "core/base/timer.h"
+#include "core/foundation/base/timer.h"
 #include "tests/pipeline/sandbox.h"
 
 namespace vitrine {

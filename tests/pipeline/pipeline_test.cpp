@@ -3,8 +3,8 @@
 
 #include <sstream>
 
-#include "core/base/events.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/events.h"
+#include "core/foundation/base/timer.h"
 #include "pipeline/chart.h"
 #include "pipeline/printed_key.h"
 #include "tests/pipeline/sandbox.h"

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/base/process.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/process.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/timer.h"
 #include "pipeline/cost_model.h"
 #include "pipeline/preflight.h"
 #include "tests/pipeline/built_stages.h"

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/config/apply.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/apply.h"
 #include "pipeline/settings.h"
 #include "tests/pipeline/built_stages.h"
 #include "tests/support/error_of.h"

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 #include "tests/results/results.h"
 
 namespace {

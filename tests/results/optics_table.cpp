@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 namespace {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
 #include "tests/results/optics_table.h"
 
 namespace vitrine {

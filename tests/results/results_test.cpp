@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
 #include "tests/results/optics_table.h"
 #include "tests/support/error_of.h"
 

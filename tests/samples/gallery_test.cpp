@@ -8,10 +8,10 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/camera/projection.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/projection.h"
 #include "sample_data/generate/capture.h"
 #include "sample_data/generate/marks.h"
 #include "sample_data/generate/revolve.h"

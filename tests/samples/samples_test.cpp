@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/metrics.h"
-#include "core/mesh/mesh_io.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "sample_data/generate/capture.h"
 #include "sample_data/generate/scenes/scenes.h"
 #include "sample_data/generate/truth.h"

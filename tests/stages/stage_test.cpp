@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/events.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/events.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
 #include "stages/stage_cli.h"
 #include "stages/stage_inputs.h"
 #include "tests/support/error_of.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/process.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

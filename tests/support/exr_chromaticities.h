@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "core/base/file.h"
-#include "core/image/color_profile.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/color_profile.h"
 
 namespace vitrine::test {
 

@@ -1,4 +1,4 @@
-// A small feature network in the form that core/loss/feature_network.h reads.
+// A small feature network in the form that core/learn/loss/feature_network.h reads.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/base/rng.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/rng.h"
 
 namespace vitrine::testing {
 

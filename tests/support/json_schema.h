@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/json.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine::test {
 

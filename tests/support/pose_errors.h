@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine::test {
 

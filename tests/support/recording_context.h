@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/parallel.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
 #include "stages/stage.h"
 
 namespace vitrine::test {

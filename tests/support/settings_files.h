@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "core/base/file.h"
-#include "core/config/apply.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/config/apply.h"
 #include "stages/stage.h"
 
 namespace vitrine::test {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math/rigid.h"
-#include "core/math/spherical_harmonics.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/foundation/math/rigid.h"
+#include "core/foundation/math/spherical_harmonics.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine::test {
 

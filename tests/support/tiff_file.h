@@ -8,8 +8,8 @@
 #include <half.h>
 #include <tiffio.h>
 
-#include "core/base/file.h"
-#include "core/image/image.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine::test {
 

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/mesh/mesh_io.h"
-#include "core/render/renderer.h"
-#include "core/scene/scene_io.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/render/raster/renderer.h"
+#include "core/scene/surfels/scene_io.h"
 #include "tests/support/spheres.h"
 
 namespace vitrine::test {

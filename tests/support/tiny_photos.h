@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
-#include "core/image/image.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/image.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine::test {
 

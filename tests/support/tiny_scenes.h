@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/rng.h"
-#include "core/render/raster_desc.h"
-#include "core/scene/activation.h"
-#include "core/scene/layers.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/raster/raster_desc.h"
+#include "core/scene/surfels/activation.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/shape/surface_of_revolution.h"
+#include "core/scene/shape/surface_of_revolution.h"
 
 namespace vitrine::test {
 

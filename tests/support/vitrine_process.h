@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

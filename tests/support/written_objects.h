@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "core/base/file.h"
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
-#include "core/objects/object_labels.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/objects/object_labels.h"
 
 namespace vitrine::test {
 

@@ -3,7 +3,7 @@
 // gallery_room.
 #include <cmath>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 #include "sample_data/generate/scenes/gallery_draw.h"
 #include "sample_data/generate/scenes/gallery_room.h"
 #include "sample_data/generate/scenes/scenes.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 #include "sample_data/generate/paint.h"
 
 namespace vitrine::generate {

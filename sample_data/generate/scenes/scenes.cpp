@@ -1,6 +1,6 @@
 #include "sample_data/generate/scenes/scenes.h"
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine::generate {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <unordered_map>
 
-#include "core/base/error.h"
-#include "core/math/rigid.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/rigid.h"
 #include "stages/export/bake/texels.h"
 
 namespace vitrine {

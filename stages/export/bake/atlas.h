@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
+#include "core/scene/mesh/tri_mesh.h"
 
 namespace vitrine {
 

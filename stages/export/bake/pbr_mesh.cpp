@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/error.h"
-#include "core/math/color.h"
-#include "core/math/orthonormal_basis.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/orthonormal_basis.h"
 #include "stages/export/bake/texels.h"
 
 namespace vitrine {

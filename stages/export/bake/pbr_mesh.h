@@ -1,7 +1,7 @@
 // The mesh as other programs want it: vertices split at the borders of charts, texture coordinates, tangents, faces by object and
 // class (opaque, panes of glass, solid glass), and the textures of glTF's metallic-roughness model, baked from the surfels.
 //
-// From our layers (core/model/kernels/layer_blend.h) to glTF. At normal incidence a surface of ours reflects
+// From our layers (core/render/model/kernels/layer_blend.h) to glTF. At normal incidence a surface of ours reflects
 //   R = k_s + (1 - k_s) g(k_s) f0,
 // and at any angle R + (1 - R)(1 - cos)^5: a Schlick term with f0 = R over what is below, which is what glTF's dielectric is.
 //   metalness m     0 where the mean of R <= 0.2, 1 where it is >= 0.6, a ramp between them
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image/image.h"
+#include "core/scene/image/image.h"
 #include "stages/export/bake/atlas.h"
 #include "stages/export/bake/solid_glass.h"
 #include "stages/export/bake/surface_material.h"

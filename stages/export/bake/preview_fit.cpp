@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/base/process.h"
-#include "core/picture/view_picture.h"
-#include "core/render/renderer.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
+#include "core/render/picture/view_picture.h"
+#include "core/render/raster/renderer.h"
 #include "stages/export/formats/gaussian_ply.h"
 
 namespace vitrine {

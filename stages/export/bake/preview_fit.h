@@ -9,8 +9,8 @@
 
 #include <span>
 
-#include "core/camera/view.h"
-#include "core/picture/trained_scene.h"
+#include "core/scene/camera/view.h"
+#include "core/render/picture/trained_scene.h"
 
 namespace vitrine {
 

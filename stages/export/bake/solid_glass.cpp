@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/math/median.h"
-#include "core/mesh/mesh_distance.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/median.h"
+#include "core/scene/mesh/mesh_distance.h"
 
 namespace vitrine {
 

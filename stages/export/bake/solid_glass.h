@@ -1,4 +1,4 @@
-// Which parts of an exported mesh bound solid glass (core/model/thick_glass.h), and how thick it is below them. Faces are those
+// Which parts of an exported mesh bound solid glass (core/render/model/thick_glass.h), and how thick it is below them. Faces are those
 // that lie on the shell that rays bend at; their vertices get its smooth normals, since refraction shows every step of a voxel.
 // `thickness` is what glTF's KHR_materials_volume asks for: from a place straight down to the other side.
 #pragma once
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/thick_glass.h"
+#include "core/render/model/thick_glass.h"
 
 namespace vitrine {
 

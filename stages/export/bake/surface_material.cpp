@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/math/rigid.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/rigid.h"
 
 namespace vitrine {
 

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
-#include "core/trace/tracer.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
+#include "core/render/trace/tracer.h"
 
 namespace vitrine {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 
 namespace vitrine {
 

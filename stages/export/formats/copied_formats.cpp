@@ -1,8 +1,8 @@
 // The formats that are files of earlier stages as they are.
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/camera/colmap_model.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/export/formats/format.h"
 
 namespace vitrine {
@@ -31,7 +31,7 @@ std::vector<std::string> write_colmap(ExportSource& source, const fs::path& fold
 }
 
 // environment: the light that the decompose stage found, as lat-long EXR of linear radiance. The scene's orientation: first row =
-// +z, centre = +x, counter-clockwise seen from above towards the left (core/light/environment.h). Needs the decompose stage;
+// +z, centre = +x, counter-clockwise seen from above towards the left (core/scene/light/environment.h). Needs the decompose stage;
 // without it there is no file.
 std::vector<std::string> write_environment(ExportSource& source, const std::filesystem::path& folder) {
   if (!source.decompose()) return {};

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/math/spherical_harmonics.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/spherical_harmonics.h"
 
 namespace vitrine {
 

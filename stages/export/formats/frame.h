@@ -6,9 +6,9 @@
 
 #include <string_view>
 
-#include "core/math/rigid.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 
 namespace vitrine {
 

@@ -1,6 +1,6 @@
 // The formats of surfels in the PLY dialect of Gaussian splatting.
-#include "core/math/color.h"
-#include "core/scene/activation.h"
+#include "core/foundation/math/color.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/gaussian_ply.h"
 
@@ -36,7 +36,7 @@ std::vector<std::string> write_ply_3dgs(ExportSource& source, const std::filesys
 
 // ply-albedo: the surfels as in ply-3dgs, for programs that light splats themselves. Their colour is the albedo of the decompose
 // stage, the same from all sides; their normals face out; and the materials stand behind the properties of the dialect:
-//   roughness  f0_r f0_g f0_b  specular_weight  transmission      linear, 0 to 1 (core/picture/decomposed_materials.h)
+//   roughness  f0_r f0_g f0_b  specular_weight  transmission      linear, 0 to 1 (core/render/picture/decomposed_materials.h)
 // Colours are sRGB as in all files of the dialect. Surfels that show the light of the photos are no surface and left out.
 std::vector<std::string> write_ply_albedo(ExportSource& source, const std::filesystem::path& folder) {
   const DecomposedMaterials& found = source.decomposed();

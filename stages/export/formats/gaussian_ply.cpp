@@ -6,12 +6,12 @@
 #include <cstring>
 #include <numbers>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/math/color.h"
-#include "core/math/kd_tree.h"
-#include "core/math/rigid.h"
-#include "core/math/spherical_harmonics.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/kd_tree.h"
+#include "core/foundation/math/rigid.h"
+#include "core/foundation/math/spherical_harmonics.h"
 
 namespace vitrine {
 

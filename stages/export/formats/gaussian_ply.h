@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/tri_mesh.h"
-#include "core/scene/layers.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/scene/surfels/layers.h"
 #include "stages/export/formats/frame.h"
 
 namespace vitrine {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/color.h"
-#include "core/scene/activation.h"
+#include "core/foundation/math/color.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/gaussian_ply.h"
 #include "stages/export/formats/glb_file.h"

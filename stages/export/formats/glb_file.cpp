@@ -4,8 +4,8 @@
 #include <array>
 #include <cstring>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

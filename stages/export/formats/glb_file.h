@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/base/json.h"
-#include "core/math/vec.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine {
 

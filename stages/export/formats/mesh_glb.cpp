@@ -6,7 +6,7 @@
 // the mesh's own space, like the positions, and what it absorbs is not said: nothing measured it. The file is +Y up whatever the
 // axes of the other formats: glTF knows no other. Its geometry is that of compact_mesh.h: the node "scene" has the place and the
 // size of the mesh.
-#include "core/image/ldr.h"
+#include "core/scene/image/ldr.h"
 #include "stages/export/formats/compact_mesh.h"
 #include "stages/export/formats/format.h"
 #include "stages/export/formats/glb_file.h"

@@ -1,8 +1,8 @@
 // mesh-obj: the mesh as Wavefront OBJ text with a material library and the baked textures beside it. An object of the file for
 // each one of the scene; without any a group for each class of faces: "opaque", "glass", "solid_glass". Colour is the texture
 // alone (Kd 1 1 1, no vertex colours): readers multiply the two. OBJ counts v from below.
-#include "core/base/file.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/ldr.h"
 #include "stages/export/formats/format.h"
 
 namespace vitrine {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/base/file.h"
-#include "core/math/color.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/math/color.h"
 #include "stages/export/formats/format.h"
 
 namespace vitrine {

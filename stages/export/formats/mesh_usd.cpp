@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/file.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/ldr.h"
 #include "stages/export/formats/format.h"
 
 namespace vitrine {

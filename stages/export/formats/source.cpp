@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/camera/colmap_model.h"
-#include "core/mesh/mesh_io.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/model/kernels/layer_blend.h"
-#include "core/model/opened_scene.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/render/model/kernels/layer_blend.h"
+#include "core/render/model/opened_scene.h"
+#include "core/scene/surfels/activation.h"
 #include "stages/export/bake/preview_fit.h"
 
 namespace vitrine {

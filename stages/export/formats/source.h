@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/camera/scene_info.h"
-#include "core/camera/view.h"
-#include "core/mesh/tri_mesh.h"
-#include "core/model/frame.h"
-#include "core/objects/object_set.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/trained_scene.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/mesh/tri_mesh.h"
+#include "core/render/model/frame.h"
+#include "core/scene/objects/object_set.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/formats/frame.h"
 

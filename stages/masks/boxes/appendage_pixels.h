@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/camera/view.h"
+#include "core/scene/camera/view.h"
 
 namespace vitrine {
 

@@ -5,15 +5,15 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/photo_marks.h"
-#include "core/stereo/box_fit.h"
-#include "core/stereo/revolution_edges.h"
-#include "core/stereo/shape_fit.h"
-#include "core/stereo/standing_boxes.h"
-#include "core/stereo/visual_hull.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/observe/stereo/box_fit.h"
+#include "core/observe/stereo/revolution_edges.h"
+#include "core/observe/stereo/shape_fit.h"
+#include "core/observe/stereo/standing_boxes.h"
+#include "core/observe/stereo/visual_hull.h"
 #include "stages/masks/boxes/appendage_pixels.h"
 #include "stages/masks/boxes/outlines.h"
 

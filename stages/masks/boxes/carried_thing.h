@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/stereo/small_stereo.h"
+#include "core/observe/stereo/small_stereo.h"
 #include "stages/masks/boxes/marks_file.h"
 #include "stages/masks/small_photo.h"
 

@@ -5,13 +5,13 @@
 #include <limits>
 #include <utility>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/ldr.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {

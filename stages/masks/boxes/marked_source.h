@@ -39,7 +39,7 @@ class MarkedSource final : public MaskSource {
   MaskClass kind_;
 };
 
-// masks/marked, where a thing has a name (core/camera/view_masks.h).
+// masks/marked, where a thing has a name (core/scene/camera/view_masks.h).
 void write_marked_things(const std::filesystem::path& artifact, const MaskCapture& capture, const MarkedMasks& masks);
 
 // Whether marks of `kind` say something of `of`.

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "core/base/error.h"
-#include "core/camera/photo_marks.h"
-#include "core/camera/photo_masks.h"
-#include "core/config/photo_name_finder.h"
+#include "core/foundation/base/error.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/intake/masks/photo_masks.h"
+#include "core/foundation/config/photo_name_finder.h"
 
 namespace vitrine {
 

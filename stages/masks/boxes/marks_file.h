@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/mask_class.h"
-#include "core/math/vec.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/foundation/math/vec.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {

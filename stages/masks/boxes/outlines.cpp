@@ -11,8 +11,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/base/parallel.h"
-#include "core/base/process.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 
@@ -89,7 +89,7 @@ class FlowNetwork {
 // silhouette, which pays where the pixels' errors speak against it, and less for an outline along edges of the photo (Boykov,
 // Jolly, "Interactive Graph Cuts for Optimal Boundary and Region Segmentation", 2001; minimum cut of Boost.Graph).
 //
-// [h,w] 1 = thing. `error`: unexplained() of core/stereo/background.h; unknown ones follow their neighbours. `about`: the
+// [h,w] 1 = thing. `error`: unexplained() of core/observe/stereo/background.h; unknown ones follow their neighbours. `about`: the
 // silhouette, outside of which nothing belongs to the thing.
 std::vector<uint8_t> outline_cut(const EdgePhoto& photo, std::span<const float> error, std::span<const uint8_t> about) {
   const int width = photo.srgb.width(), height = photo.srgb.height();

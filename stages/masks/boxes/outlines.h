@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/stereo/background.h"
-#include "core/stereo/small_stereo.h"
+#include "core/observe/stereo/background.h"
+#include "core/observe/stereo/small_stereo.h"
 #include "stages/masks/small_photo.h"
 
 namespace vitrine {
@@ -16,7 +16,7 @@ namespace vitrine {
 // everything, or what is found has little to do with it.
 std::vector<uint8_t> grab_cut(const SmallPhoto& photo, const std::vector<uint8_t>& about, bool tight);
 
-// Outlines of things by what the photos show behind them (core/stereo/background.h).
+// Outlines of things by what the photos show behind them (core/observe/stereo/background.h).
 class PastOutlines {
  public:
   explicit PastOutlines(const SmallStereo& stereo) : stereo_(stereo) {}  // refers to it

@@ -1,4 +1,4 @@
-"""Rooms of core/network/rooms with glass cases, polished metal and glazed things, and masks of what is what.
+"""Rooms of core/observe/network/rooms with glass cases, polished metal and glazed things, and masks of what is what.
 
 A case is a box of thin panes: light goes straight on; 2R / (1 + R) of it is mirrored where a ray enters and where it leaves, with R
 the Fresnel reflectance at index 1.5. Metal mirrors with one colour, a glaze with R over its paint. What is mirrored is cast once.

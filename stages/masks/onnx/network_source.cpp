@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/base/process.h"
-#include "core/config/describe.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/stereo/visual_hull.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/describe.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/observe/stereo/visual_hull.h"
 
 namespace vitrine {
 

@@ -1,4 +1,4 @@
-// Masks from a segmentation network that looks at one photo at a time (core/network). The photos then vote: the visual hull of
+// Masks from a segmentation network that looks at one photo at a time (core/observe/network). The photos then vote: the visual hull of
 // the masks of a class is carried to all photos; where a photo and the hull disagree, the hull counts, with little confidence.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "core/network/photo_network.h"
+#include "core/observe/network/photo_network.h"
 #include "stages/masks/mask_source.h"
 
 namespace vitrine {

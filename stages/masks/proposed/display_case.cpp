@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/log.h"
-#include "core/math/quantile.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/math/quantile.h"
 
 namespace vitrine {
 

@@ -1,12 +1,12 @@
-// A display case that nobody marked: a box that stands upright by its edges (core/stereo/standing_boxes.h), and that one sees
+// A display case that nobody marked: a box that stands upright by its edges (core/observe/stereo/standing_boxes.h), and that one sees
 // into. A crate has such edges, too, but stereo finds its sides; behind glass it finds what is in the case, or behind it.
 #pragma once
 
 #include <span>
 
-#include "core/camera/view_set.h"
-#include "core/stereo/patch_match.h"
-#include "core/stereo/standing_boxes.h"
+#include "core/scene/camera/view_set.h"
+#include "core/observe/stereo/patch_match.h"
+#include "core/observe/stereo/standing_boxes.h"
 
 namespace vitrine {
 

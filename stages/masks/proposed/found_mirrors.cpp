@@ -7,14 +7,14 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/camera/projection.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
-#include "core/stereo/unexplained_pieces.h"
-#include "core/stereo/view_dependence.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/observe/stereo/unexplained_pieces.h"
+#include "core/observe/stereo/view_dependence.h"
 
 namespace vitrine {
 

@@ -1,6 +1,6 @@
-// Mirrors that nobody marked. What neither stereo nor a large plane explains (core/stereo/unexplained_pieces.h) is carried to all
+// Mirrors that nobody marked. What neither stereo nor a large plane explains (core/observe/stereo/unexplained_pieces.h) is carried to all
 // photos like something that was marked with boxes, and is a mirror where its places change with the view as much as the photos
-// do (core/stereo/view_dependence.h): those of the hull, as a thing without texture has one colour from all sides, and those that
+// do (core/observe/stereo/view_dependence.h): those of the hull, as a thing without texture has one colour from all sides, and those that
 // stereo found on it, as texture stays in its place.
 #pragma once
 

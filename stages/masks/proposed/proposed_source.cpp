@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "core/base/json.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 

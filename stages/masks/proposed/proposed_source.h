@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/config/describe.h"
+#include "core/foundation/config/describe.h"
 #include "stages/masks/proposed/display_case.h"
 #include "stages/masks/proposed/found_mirrors.h"
 

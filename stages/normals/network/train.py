@@ -1,4 +1,4 @@
-"""Trains the small normal network of this folder on the rooms of core/network/rooms and writes it as ONNX. Needs numpy, python3-torch, python3-onnx.
+"""Trains the small normal network of this folder on the rooms of core/observe/network/rooms and writes it as ONNX. Needs numpy, python3-torch, python3-onnx.
 
     python3 train.py --out rooms.onnx [--scenes 1000] [--minutes 4] [--cache DIR]
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <memory>
 
-#include "core/base/error.h"
-#include "core/base/parallel.h"
-#include "core/math/median.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/median.h"
 
 namespace vitrine {
 

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/image/image.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 

@@ -4,7 +4,7 @@
 // pictures show it.
 #pragma once
 
-#include "core/camera/colmap_model.h"
+#include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 

@@ -34,7 +34,7 @@ export function stand_at(eye, target, camera, middle, aspect = Infinity) {
   eye.lookAt(target);
 }
 
-// Camera of the reflection in the plane dot(n, p) = offset, flipped left to right (core/model/pane_pass.h).
+// Camera of the reflection in the plane dot(n, p) = offset, flipped left to right (core/render/model/pane_pass.h).
 export function mirrored(camera, n, offset) {
   const r = camera.rotation, row = (k) => r.slice(3 * k, 3 * k + 3), dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const rotation = [0, 1, 2].flatMap((k) => row(k).map((v, i) => (k === 0 ? -1 : 1) * (v - 2 * dot(row(k), n) * n[i])));

@@ -1,4 +1,4 @@
-// Irradiance of every surfel under a light (core/relight/light_transfer.h): direct light from its open cells, and light from the
+// Irradiance of every surfel under a light (core/render/relight/light_transfer.h): direct light from its open cells, and light from the
 // scene by spherical harmonics of degree 1.
 import { DataUtils } from 'three';
 

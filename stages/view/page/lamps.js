@@ -11,7 +11,7 @@ const kWidth = 512;  // width of the map with lamps
 const kSavedWidth = 1024, kMostSaved = 4096;
 const kTexelsAcross = 2;  // across the smallest disc: avoids holes
 const kSubsamples = 4;  // per texel and axis: coverage of a texel by a disc
-const kCell = 9;  // degrees; size of the cells that shadows use (core/relight/light_transfer.h)
+const kCell = 9;  // degrees; size of the cells that shadows use (core/render/relight/light_transfer.h)
 const kFar = 1000;  // distance of lamps in a file, in radii of the camera ring
 
 export const kLampRanges = { azimuth: [-180, 180], elevation: [-90, 90], size: [0.5, 60], power: [0, 20] };
@@ -126,7 +126,7 @@ export function saved_map(map, state) {
   return composed(map, state, width, 0);
 }
 
-// The lamps only, for `vitrine relight --lights`: distant discs (core/light/lighting.h).
+// The lamps only, for `vitrine relight --lights`: distant discs (core/scene/light/lighting.h).
 export function lamps_yaml(map, lamps) {
   const short = (v) => String(Number(v.toPrecision(6))), list = (v) => `[${v.map(short).join(', ')}]`;
   const lines = lamps.filter((l) => l.on && l.power > 0).map((lamp) => {

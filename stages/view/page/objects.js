@@ -1,4 +1,4 @@
-// Objects of the scene (core/objects/object_set.h): visibility, and the panel section that lists them. Page address: hide=NAME
+// Objects of the scene (core/scene/objects/object_set.h): visibility, and the panel section that lists them. Page address: hide=NAME
 // for each hidden object.
 import { button, element } from '../../page/elements.js';
 import { section } from './controls.js';

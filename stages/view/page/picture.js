@@ -25,7 +25,7 @@ import surface_glsl from './surface.glsl';
 const kMostPictures = 8;  // mirrored pictures per frame; further panes use the probes
 const kMirrorNear = 1e-3;
 const kProbes = 4;
-const kCellSide = 24, kTransferSteps = 48;  // core/relight/light_transfer.h, stages/view/page_surfels.cpp
+const kCellSide = 24, kTransferSteps = 48;  // core/render/relight/light_transfer.h, stages/view/page_surfels.cpp
 
 // Modes, their labels, and whether they need materials.
 export const kModes = {

@@ -1,4 +1,4 @@
-// Surfels selected by a selector of `vitrine edit` (core/edit/selection.h). Classes, objects and components were computed when
+// Surfels selected by a selector of `vitrine edit` (core/render/edit/selection.h). Classes, objects and components were computed when
 // the page was written; positions are tested here. Surfels that the page does not render (glass of known shape, omitted ones)
 // follow the rendered ones and are counted.
 import { resized } from './cameras.js';

@@ -1,4 +1,4 @@
-// Environment maps: lat-long maps of linear radiance, first row +z, centre +x, u = 3/4 is -y (core/light/README.md); their
+// Environment maps: lat-long maps of linear radiance, first row +z, centre +x, u = 3/4 is -y (core/scene/light/README.md); their
 // spherical harmonics; dropped files.
 import { DataTexture, DataUtils, FloatType, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat } from 'three';
 import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
@@ -28,7 +28,7 @@ export function sh_basis([x, y, z]) {
 }
 
 // Light of a map rotated about +z by `radians` in each of side x side cells of the octahedral map
-// (core/relight/light_transfer.h): flux [3 cells] and mean direction [3 cells].
+// (core/render/relight/light_transfer.h): flux [3 cells] and mean direction [3 cells].
 export function cell_light({ width, height, data }, radians, side) {
   const flux = new Float32Array(3 * side * side), towards = new Float64Array(3 * side * side), middle = new Float64Array(3 * side * side);
   const cell = (v) => Math.min(side - 1, Math.max(0, Math.floor((0.5 * v + 0.5) * side)));

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/base/error.h"
-#include "core/config/text.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/config/text.h"
 
 namespace vitrine {
 namespace {

@@ -4,12 +4,12 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/artifact/publish.h"
-#include "core/base/error.h"
-#include "core/base/log.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/config/cli.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/project.h"
 #include "tests/bench/optics/programs.h"
 #include "tests/bench/optics/record.h"

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/base/process.h"
-#include "core/camera/mask_class.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/mask_class.h"
 #include "pipeline/plan.h"
 
 namespace vitrine {

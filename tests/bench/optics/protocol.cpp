@@ -5,8 +5,8 @@
 #include <optional>
 #include <thread>
 
-#include "core/base/error.h"
-#include "core/base/process.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine {
 namespace {

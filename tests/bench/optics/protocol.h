@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 #include "tests/bench/optics/figures.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/json.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 namespace {

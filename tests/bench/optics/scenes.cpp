@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/hash.h"
 
 namespace vitrine {
 namespace {

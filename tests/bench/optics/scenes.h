@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 
 namespace vitrine {
 

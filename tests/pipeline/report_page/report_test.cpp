@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/base64.h"
-#include "core/base/inside.h"
-#include "core/base/json.h"
+#include "core/foundation/base/base64.h"
+#include "core/foundation/base/inside.h"
+#include "core/foundation/base/json.h"
 #include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
 #include "pipeline/report_page/html.h"

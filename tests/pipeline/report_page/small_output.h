@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/mesh/mesh_io.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/mesh/mesh_io.h"
 #include "pipeline/report_page/page.h"
 
 namespace vitrine::test {

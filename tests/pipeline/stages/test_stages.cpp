@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/log.h"
-#include "core/base/process.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/process.h"
 
 namespace vitrine::test_stages {
 

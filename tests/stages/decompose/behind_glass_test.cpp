@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/picture/decomposed_materials.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/decompose/decompose.h"
 #include "stages/decompose/transport.h"
 #include "tests/stages/decompose/shared_room.h"

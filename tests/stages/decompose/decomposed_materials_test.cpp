@@ -1,8 +1,8 @@
-#include "core/picture/decomposed_materials.h"
+#include "core/render/picture/decomposed_materials.h"
 
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -6,14 +6,14 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/camera/passes.h"
+#include "core/foundation/base/hash.h"
+#include "core/scene/camera/passes.h"
 
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
-#include "core/light/environment.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/surfel_colors.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/light/environment.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/surfel_colors.h"
 #include "stages/decompose/grey_card.h"
 #include "tests/stages/decompose/shared_room.h"
 #include "tests/support/error_of.h"

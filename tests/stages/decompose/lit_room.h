@@ -7,19 +7,19 @@
 #include <functional>
 #include <numbers>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/mesh/mesh_io.h"
-#include "core/model/kernels/fresnel.h"
-#include "core/picture/trained_scene.h"
-#include "core/scene/activation.h"
-#include "core/scene/scene_io.h"
-#include "core/trace/mesh_hits.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/scene/surfels/activation.h"
+#include "core/scene/surfels/scene_io.h"
+#include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine::test {
 

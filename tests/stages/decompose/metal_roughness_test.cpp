@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/rng.h"
-#include "core/model/kernels/fresnel.h"
-#include "core/model/kernels/ggx.h"
+#include "core/foundation/base/rng.h"
+#include "core/render/model/kernels/fresnel.h"
+#include "core/render/model/kernels/ggx.h"
 
 namespace vitrine {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/light/environment.h"
+#include "core/scene/light/environment.h"
 #include "stages/decompose/light_solver.h"
 #include "tests/support/tiny_capture.h"
 #include "tests/support/written_objects.h"

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/math/rigid.h"
-#include "core/math/spherical_harmonics.h"
-#include "core/scene/activation.h"
+#include "core/foundation/math/rigid.h"
+#include "core/foundation/math/spherical_harmonics.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine {
 namespace {

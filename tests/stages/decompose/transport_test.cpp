@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 #include "stages/decompose/affinity.h"
 #include "stages/decompose/spread.h"
 

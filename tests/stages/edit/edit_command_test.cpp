@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
 #include "pipeline/commands.h"
 #include "tests/stages/edit/two_balls.h"
 #include "tests/support/error_of.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/thick_glass.h"
-#include "core/relight/relit_scene.h"
-#include "core/scene/activation.h"
-#include "tests/core/mesh/shapes.h"
+#include "core/render/model/thick_glass.h"
+#include "core/render/relight/relit_scene.h"
+#include "core/scene/surfels/activation.h"
+#include "tests/core/scene/mesh/shapes.h"
 #include "tests/stages/edit/two_balls.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

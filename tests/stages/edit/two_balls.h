@@ -2,9 +2,9 @@
 // class "specular" in the masks and component 1 of the mesh, ball B component 2; each has something in it that only glass shows.
 #pragma once
 
-#include "core/light/environment.h"
-#include "core/objects/part_labels.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/scene/light/environment.h"
+#include "core/render/picture/part_labels.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "tests/support/tiny_capture.h"
 #include "tests/support/written_objects.h"
 

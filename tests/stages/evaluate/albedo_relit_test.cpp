@@ -1,10 +1,10 @@
 // Albedo and relit pictures against a truth in another frame and unit.
 #include <gtest/gtest.h>
 
-#include "core/image/resample.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/surfel_colors.h"
-#include "core/relight/relit_painter.h"
+#include "core/scene/image/resample.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/surfel_colors.h"
+#include "core/render/relight/relit_painter.h"
 #include "stages/evaluate/evaluate.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

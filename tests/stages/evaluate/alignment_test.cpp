@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
-#include "core/base/rng.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/rng.h"
 #include "tests/support/tiny_capture.h"
 
 namespace vitrine {

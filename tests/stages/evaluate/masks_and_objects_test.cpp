@@ -1,9 +1,9 @@
 // Masks and the table of objects: what is judged, and by which regions.
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
-#include "core/base/rng.h"
-#include "core/math/color.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/color.h"
 #include "tests/stages/evaluate/metrics_of.h"
 #include "tests/support/error_of.h"
 #include "tests/support/tiny_capture.h"

@@ -1,8 +1,8 @@
 // What the evaluate stage measures of a capture, as its tests read it.
 #pragma once
 
-#include "core/base/file.h"
-#include "core/base/json.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
 #include "stages/evaluate/evaluate.h"
 #include "tests/support/recording_context.h"
 

@@ -1,9 +1,9 @@
 // The parts of the stage against values worked out by hand.
 #include <gtest/gtest.h>
 
-#include "core/base/error.h"
-#include "core/camera/view_split.h"
-#include "core/math/color.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/view_split.h"
+#include "core/foundation/math/color.h"
 #include "stages/evaluate/albedo_error.h"
 #include "stages/evaluate/mesh_error.h"
 #include "stages/evaluate/pictures.h"

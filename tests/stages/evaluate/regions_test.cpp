@@ -1,7 +1,7 @@
 // Regions of coats and of mirrors, on a capture whose scene is the truth itself.
 #include <gtest/gtest.h>
 
-#include "core/math/color.h"
+#include "core/foundation/math/color.h"
 #include "stages/evaluate/evaluate.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

@@ -1,10 +1,10 @@
 // What one factor per channel between albedo and light does to relit pictures of glass.
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/camera/view_set.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/evaluate/relit_error.h"
-#include "tests/core/relight/relit_ball.h"
+#include "tests/core/render/relight/relit_ball.h"
 
 namespace vitrine::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/rng.h"
-#include "core/math/spherical_harmonics.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/spherical_harmonics.h"
 #include "stages/export/bake/atlas.h"
 #include "stages/export/bake/pbr_mesh.h"
 #include "stages/export/bake/texels.h"

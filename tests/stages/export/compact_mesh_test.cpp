@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "core/base/rng.h"
-#include "core/math/rigid.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/rigid.h"
 #include "stages/export/formats/compact_mesh.h"
 
 namespace vitrine {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/artifact/publish.h"
-#include "core/artifact/store.h"
-#include "core/base/json.h"
+#include "core/foundation/artifact/publish.h"
+#include "core/foundation/artifact/store.h"
+#include "core/foundation/base/json.h"
 #include "pipeline/commands.h"
 #include "pipeline/export_folder.h"
 #include "stages/export/export.h"

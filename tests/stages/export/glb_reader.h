@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine::test {
 

@@ -1,7 +1,7 @@
 // The GLB, read by a parser of its own: container, accessors, materials, and what was baked where.
 #include <gtest/gtest.h>
 
-#include "core/math/color.h"
+#include "core/foundation/math/color.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/glb_reader.h"
 #include "tests/stages/export/pane_scene.h"

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image/ldr.h"
-#include "core/math/color.h"
-#include "core/picture/decomposed_materials.h"
-#include "core/picture/trained_scene.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/color.h"
+#include "core/render/picture/decomposed_materials.h"
+#include "core/render/picture/trained_scene.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"
 #include "tests/support/error_of.h"

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/camera/colmap_model.h"
-#include "core/image/exr.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/image/exr.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/export/bake/preview_fit.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/pane_scene.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/objects/object_set.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/export/export.h"
 #include "tests/stages/export/float_ply.h"
 #include "tests/stages/export/glb_reader.h"

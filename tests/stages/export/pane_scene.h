@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/camera/scene_info.h"
-#include "core/math/rigid.h"
-#include "core/mesh/mesh_io.h"
-#include "core/scene/activation.h"
-#include "core/scene/scene_io.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/surfels/activation.h"
+#include "core/scene/surfels/scene_io.h"
 
 namespace vitrine::test {
 

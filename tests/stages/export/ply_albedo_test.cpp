@@ -1,9 +1,9 @@
 // ply-albedo: the header, every value, which side normals face, and what is said without the decompose stage.
 #include <gtest/gtest.h>
 
-#include "core/base/rng.h"
-#include "core/math/color.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/math/color.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/export/export.h"
 #include "stages/export/formats/gaussian_ply.h"
 #include "tests/stages/export/float_ply.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/camera/colmap_model.h"
-#include "core/camera/projection.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/projection.h"
 
 namespace vitrine::test {
 

@@ -1,9 +1,9 @@
 // The floor and the pane of pane_scene.h and a ball of solid glass beside the pane.
 #pragma once
 
-#include "core/model/thick_glass.h"
-#include "core/picture/trained_scene.h"
-#include "tests/core/mesh/shapes.h"
+#include "core/render/model/thick_glass.h"
+#include "core/render/picture/trained_scene.h"
+#include "tests/core/scene/mesh/shapes.h"
 #include "tests/stages/export/pane_scene.h"
 #include "tests/support/spheres.h"
 

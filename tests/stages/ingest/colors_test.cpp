@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/rng.h"
-#include "core/camera/photo_list.h"
-#include "core/image/color_profile.h"
-#include "core/image/exr.h"
-#include "core/image/segments.h"
-#include "core/math/color.h"
-#include "core/photo/linear_photo.h"
+#include "core/foundation/base/rng.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/color_profile.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/segments.h"
+#include "core/foundation/math/color.h"
+#include "core/intake/photos/linear_photo.h"
 #include "stages/ingest/develop.h"
 #include "stages/ingest/ingest.h"
 #include "tests/stages/ingest/tagged_photos.h"

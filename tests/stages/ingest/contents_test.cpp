@@ -1,9 +1,9 @@
 // What is said of photos whose files hold something else, or more, than their name says.
 #include <gtest/gtest.h>
 
-#include "core/camera/photo_list.h"
-#include "core/image/exr.h"
-#include "core/photo/photo_files.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/exr.h"
+#include "core/intake/photos/photo_files.h"
 #include "stages/ingest/develop.h"
 #include "stages/ingest/ingest.h"
 #include "tests/support/error_of.h"

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/base/hash.h"
-#include "core/base/rng.h"
-#include "core/camera/photo_list.h"
-#include "core/image/exr.h"
-#include "core/image/probe.h"
-#include "core/math/color.h"
-#include "core/photo/exif.h"
-#include "core/photo/photo_files.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/rng.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/probe.h"
+#include "core/foundation/math/color.h"
+#include "core/intake/photos/exif.h"
+#include "core/intake/photos/photo_files.h"
 #include "stages/ingest/develop.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/image/color_profile.h"
+#include "core/scene/image/color_profile.h"
 #include "tests/support/exr_chromaticities.h"
 #include "tests/support/tiny_photos.h"
 

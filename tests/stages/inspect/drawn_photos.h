@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/rng.h"
-#include "core/image/image.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine::test {
 

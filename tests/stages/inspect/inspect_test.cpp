@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/image/ldr.h"
 #include "stages/inspect/coverage.h"
 #include "stages/inspect/photo_facts.h"
 #include "tests/stages/inspect/drawn_photos.h"

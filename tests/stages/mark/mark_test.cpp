@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/camera/photo_lenses.h"
-#include "core/camera/photo_marks.h"
-#include "core/camera/view_masks.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/json.h"
+#include "core/intake/poses/photo_lenses.h"
+#include "core/intake/masks/photo_marks.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/image/ldr.h"
 #include "stages/mark/page_photos.h"
 #include "stages/mark/run_results.h"
 #include "stages/page_text.h"

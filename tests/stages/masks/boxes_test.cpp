@@ -1,8 +1,8 @@
 // Marks of the user's: what is wrong with a file is shown at its line, and few marks become masks of all photos.
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/stereo/box_fit.h"
+#include "core/foundation/base/hash.h"
+#include "core/observe/stereo/box_fit.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/ball_capture.h"
 #include "tests/stages/masks/tiny_masks.h"

@@ -2,8 +2,8 @@
 // lie beside the photos. A class without a pixel is absent.
 #include <gtest/gtest.h>
 
-#include "core/camera/mask_classes.h"
-#include "core/camera/photo_masks.h"
+#include "core/intake/masks/mask_classes.h"
+#include "core/intake/masks/photo_masks.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/tiny_masks.h"
 #include "tests/support/error_of.h"

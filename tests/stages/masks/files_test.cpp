@@ -1,7 +1,7 @@
 // Masks of the user's: every naming and polarity ends in the same bytes, and what cannot be right is refused with a reason.
 #include <gtest/gtest.h>
 
-#include "core/camera/json_file.h"
+#include "core/foundation/config/json_file.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/tiny_masks.h"
 #include "tests/support/error_of.h"

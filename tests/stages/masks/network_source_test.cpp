@@ -2,9 +2,9 @@
 // the reason. The networks are single operators, so that their answer is known: what goes in comes out.
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/masks/ball_capture.h"
 #include "tests/stages/normals/tiny_onnx.h"

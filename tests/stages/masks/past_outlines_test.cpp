@@ -2,10 +2,10 @@
 // where nobody marked it.
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/parallel.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/parallel.h"
 #include "stages/masks/masks.h"
-#include "tests/core/stereo/textured_room.h"
+#include "tests/core/observe/stereo/textured_room.h"
 #include "tests/stages/masks/ball_capture.h"
 #include "tests/support/recording_context.h"
 

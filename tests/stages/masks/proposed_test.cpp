@@ -1,7 +1,7 @@
 // Proposals: display cases are found where they are, and an opaque scene is left alone.
 #include <gtest/gtest.h>
 
-#include "core/camera/json_file.h"
+#include "core/foundation/config/json_file.h"
 #include "stages/masks/masks.h"
 #include "tests/stages/optimize/tiny_capture.h"
 #include "tests/support/recording_context.h"

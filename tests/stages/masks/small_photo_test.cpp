@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/stereo/view_dependence.h"
+#include "core/observe/stereo/view_dependence.h"
 #include "tests/stages/masks/ball_capture.h"
 
 namespace vitrine::test {

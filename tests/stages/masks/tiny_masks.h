@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/undistort.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/undistort.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine::test {
 

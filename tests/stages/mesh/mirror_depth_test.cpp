@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/image/ldr.h"
-#include "core/mesh/mesh_topology.h"
-#include "core/stereo/revolution_fit.h"
-#include "tests/core/mesh/orbit.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/observe/stereo/revolution_fit.h"
+#include "tests/core/scene/mesh/orbit.h"
 #include "tests/support/written_objects.h"
 
 namespace vitrine {

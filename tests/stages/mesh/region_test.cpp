@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/rng.h"
-#include "core/camera/view_set.h"
-#include "tests/core/mesh/orbit.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/view_set.h"
+#include "tests/core/scene/mesh/orbit.h"
 
 namespace vitrine {
 namespace {

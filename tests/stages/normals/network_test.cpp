@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/network/onnx_graph.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/observe/network/onnx_graph.h"
 #include "tests/stages/normals/still_life.h"
 #include "tests/stages/normals/tiny_onnx.h"
 #include "tests/support/error_of.h"
@@ -34,7 +34,7 @@ TEST(Sha256, IsThatOfTheStandard) {
 }
 
 // --- the network that is built in -------------------------------------------------------------------------------------------
-// tests/stages/normals/rooms: pictures of core/network/rooms with seeds that training never drew (README there).
+// tests/stages/normals/rooms: pictures of core/observe/network/rooms with seeds that training never drew (README there).
 TEST(BuiltInNetwork, SeesTheWallsOfRoomsItNeverSaw) {
   NormalNetwork network(std::nullopt, built_in_network_config());
   EXPECT_TRUE(network.built_in());

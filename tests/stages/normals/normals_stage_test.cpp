@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
 #include "tests/stages/normals/still_life.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 
 namespace vitrine {
 namespace {

@@ -9,13 +9,13 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
 #include "tests/support/written_objects.h"
 
 namespace vitrine::test {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 #include "tests/stages/objects/rod.h"
 
 namespace vitrine {

@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/camera/view_masks.h"
-#include "core/mesh/mesh_io.h"
-#include "core/objects/object_labels.h"
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/objects/object_labels.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 #include "tests/stages/objects/rod.h"
 #include "tests/stages/objects/written_capture.h"
 #include "tests/support/error_of.h"

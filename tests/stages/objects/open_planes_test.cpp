@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {

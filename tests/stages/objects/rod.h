@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/math/vec.h"
+#include "core/foundation/math/vec.h"
 
 namespace vitrine::test {
 

@@ -3,13 +3,13 @@
 
 #include <cmath>
 
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/math/rigid.h"
-#include "core/objects/object_set.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/math/rigid.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/objects/objects.h"
 #include "stages/objects/roles.h"
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 #include "tests/stages/objects/written_capture.h"
 #include "tests/support/recording_context.h"
 

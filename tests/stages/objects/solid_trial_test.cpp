@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/parallel.h"
-#include "core/objects/object_set.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/objects/objects.h"
-#include "tests/core/model/snell_ball.h"
-#include "tests/core/stereo/silhouettes_of_rays.h"
-#include "tests/core/stereo/textured_room.h"
+#include "tests/core/render/model/snell_ball.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/textured_room.h"
 #include "tests/stages/objects/written_capture.h"
 #include "tests/support/recording_context.h"
 

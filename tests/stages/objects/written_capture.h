@@ -3,15 +3,16 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/mask_class.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_masks.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/stereo/silhouette.h"
+#include "core/foundation/base/file.h"
+#include "core/observe/stereo/silhouette.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/image.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine::test {
 

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "core/base/rng.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/surfels/activation.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
 

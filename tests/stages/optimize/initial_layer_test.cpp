@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 #include "stages/optimize/neighbours.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

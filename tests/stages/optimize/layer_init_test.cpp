@@ -1,8 +1,8 @@
 // Materials that layers begin with: masks of one class say nothing about the surfaces of another.
 #include <gtest/gtest.h>
 
-#include "core/scene/activation.h"
-#include "core/stereo/box_fit.h"
+#include "core/scene/surfels/activation.h"
+#include "core/observe/stereo/box_fit.h"
 #include "stages/optimize/layer_init.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

@@ -1,14 +1,14 @@
 // Runs of more than one layer, on a tiny scene with a mirror whose photos our own image model took.
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/parallel.h"
-#include "core/model/thick_glass.h"
-#include "core/picture/trained_scene.h"
-#include "core/scene/scene_io.h"
-#include "core/shape/shape_file.h"
-#include "core/stereo/box_fit.h"
-#include "core/stereo/revolution_fit.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/parallel.h"
+#include "core/render/model/thick_glass.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/scene/surfels/scene_io.h"
+#include "core/scene/shape/shape_file.h"
+#include "core/observe/stereo/box_fit.h"
+#include "core/observe/stereo/revolution_fit.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

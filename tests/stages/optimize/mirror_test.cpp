@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/camera/view_set.h"
-#include "core/picture/trained_scene.h"
-#include "core/scene/scene_io.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/view_set.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/scene/surfels/scene_io.h"
 #include "stages/optimize/optimize.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"

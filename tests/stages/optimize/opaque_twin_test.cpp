@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "core/math/color.h"
-#include "core/model/opaque_pass.h"
-#include "tests/core/model/ball_before_wall.h"
+#include "core/foundation/math/color.h"
+#include "core/render/model/opaque_pass.h"
+#include "tests/core/render/model/ball_before_wall.h"
 
 namespace vitrine {
 namespace {

@@ -6,11 +6,11 @@
 #include <functional>
 #include <limits>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/base/parallel.h"
-#include "core/base/process.h"
-#include "core/scene/scene_io.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/surfels/scene_io.h"
 #include "stages/optimize/initialise.h"
 #include "stages/optimize/memory.h"
 #include "stages/optimize/plane_inpainting.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/optim/adam.h"
+#include "core/learn/optim/adam.h"
 #include "tests/stages/optimize/tiny_capture.h"
 
 namespace vitrine {

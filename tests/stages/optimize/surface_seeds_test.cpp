@@ -5,10 +5,10 @@
 
 #include <limits>
 
-#include "core/scene/activation.h"
-#include "core/train/frozen_surfels.h"
+#include "core/scene/surfels/activation.h"
+#include "core/learn/trainer/frozen_surfels.h"
 #include "stages/optimize/clear_panes.h"
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 
 namespace vitrine {
 namespace {

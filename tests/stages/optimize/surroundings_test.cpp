@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/base/json.h"
-#include "core/scene/scene_io.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/surfels/scene_io.h"
 #include "stages/optimize/optimize.h"
-#include "tests/core/stereo/silhouettes_of_rays.h"
+#include "tests/core/observe/stereo/silhouettes_of_rays.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/tiny_capture.h"
 

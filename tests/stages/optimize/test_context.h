@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "core/base/file.h"
+#include "core/foundation/base/file.h"
 #include "stages/optimize/optimize.h"
 #include "stages/stage.h"
 

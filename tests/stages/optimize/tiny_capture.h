@@ -5,15 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/file.h"
-#include "core/base/rng.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/model/layered_model.h"
-#include "core/scene/activation.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/model/layered_model.h"
+#include "core/scene/surfels/activation.h"
 
 namespace vitrine::testing {
 

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/math/color.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/foundation/math/color.h"
 
 namespace vitrine::testing {
 

@@ -1,11 +1,11 @@
 // Turntables: what turns with the object is trained, the room is not.
 #include <gtest/gtest.h>
 
-#include "core/base/hash.h"
-#include "core/base/json.h"
-#include "core/camera/view_masks.h"
-#include "core/model/layered_model.h"
-#include "core/picture/trained_scene.h"
+#include "core/foundation/base/hash.h"
+#include "core/foundation/base/json.h"
+#include "core/scene/camera/view_masks.h"
+#include "core/render/model/layered_model.h"
+#include "core/render/picture/trained_scene.h"
 #include "stages/optimize/surroundings.h"
 #include "tests/stages/optimize/test_context.h"
 #include "tests/stages/optimize/turntable_capture.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image/ldr.h"
-#include "core/picture/view_picture.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/picture/view_picture.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/math/color.h"
-#include "core/picture/view_picture.h"
+#include "core/foundation/math/color.h"
+#include "core/render/picture/view_picture.h"
 #include "stages/refine/refine.h"
-#include "tests/core/model/snell_ball.h"
+#include "tests/core/render/model/snell_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

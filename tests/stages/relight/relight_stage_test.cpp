@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/math/color.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/foundation/math/color.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/relight/turntable.h"
-#include "tests/core/relight/relit_ball.h"
+#include "tests/core/render/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/image/metrics.h"
-#include "core/picture/picture_views.h"
-#include "core/picture/trained_scene.h"
+#include "core/scene/image/metrics.h"
+#include "core/render/picture/picture_views.h"
+#include "core/render/picture/trained_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 #include "tests/support/error_of.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "core/base/error.h"
+#include "core/foundation/base/error.h"
 #include "stages/sfm/matcher.h"
 
 namespace vitrine {

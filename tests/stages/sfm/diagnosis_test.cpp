@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/math/vec.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/math/vec.h"
 #include "stages/sfm/sfm.h"
 
 namespace vitrine {

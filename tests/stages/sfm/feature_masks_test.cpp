@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "core/base/error.h"
-#include "core/base/rng.h"
-#include "core/image/ldr.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/image/ldr.h"
 #include "stages/sfm/reconstruct.h"
 #include "tests/stages/sfm/sfm_support.h"
 

@@ -1,14 +1,14 @@
-#include "core/camera/given_poses.h"
+#include "core/intake/poses/given_poses.h"
 
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/camera/view_set.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/sfm/sfm.h"
-#include "tests/core/camera/synthetic_model.h"
+#include "tests/core/intake/poses/synthetic_model.h"
 #include "tests/stages/sfm/sfm_support.h"
 #include "tests/support/error_of.h"
 

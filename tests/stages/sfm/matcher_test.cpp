@@ -7,8 +7,8 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/base/rng.h"
-#include "core/base/timer.h"
+#include "core/foundation/base/rng.h"
+#include "core/foundation/base/timer.h"
 
 namespace vitrine {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/core/camera/synthetic_model.h"
+#include "tests/core/intake/poses/synthetic_model.h"
 
 namespace vitrine {
 namespace {

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
 #include "stages/sfm/matcher.h"
 
 namespace vitrine {

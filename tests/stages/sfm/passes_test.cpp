@@ -5,8 +5,8 @@
 
 #include <numbers>
 
-#include "core/base/rng.h"
-#include "core/camera/passes.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/passes.h"
 
 namespace vitrine {
 namespace {

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.h"
-#include "core/base/parallel.h"
-#include "core/camera/photo_list.h"
-#include "core/camera/view.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/image/resample.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/intake/photos/photo_list.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
 #include "stages/stage.h"
 
 namespace vitrine {

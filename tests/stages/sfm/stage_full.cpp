@@ -4,11 +4,11 @@
 
 #include <cstdlib>
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
-#include "core/camera/colmap_model.h"
-#include "core/camera/scene_info.h"
-#include "core/camera/view_set.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/hash.h"
+#include "core/scene/camera/colmap_model.h"
+#include "core/scene/camera/scene_info.h"
+#include "core/scene/camera/view_set.h"
 #include "stages/sfm/sfm.h"
 #include "tests/stages/sfm/sfm_support.h"
 #include "tests/support/pose_errors.h"

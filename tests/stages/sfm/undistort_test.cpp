@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.h"
-#include "tests/core/camera/synthetic_model.h"
+#include "core/foundation/base/error.h"
+#include "tests/core/intake/poses/synthetic_model.h"
 
 namespace vitrine {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/camera/mask_class.h"
+#include "core/scene/camera/mask_class.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/view.h"
 #include "tests/stages/edit/two_balls.h"

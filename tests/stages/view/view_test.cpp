@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "core/image/ldr.h"
-#include "core/picture/decomposed_materials.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/picture/decomposed_materials.h"
 #include "stages/page_text.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
 #include "stages/view/photo_coverage.h"
-#include "tests/core/relight/relit_ball.h"
+#include "tests/core/render/relight/relit_ball.h"
 #include "tests/support/error_of.h"
 #include "tests/support/recording_context.h"
 #include "tests/support/tiny_capture.h"

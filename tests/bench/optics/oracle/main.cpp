@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <exception>
 
-#include "core/base/error.h"
-#include "core/base/json.h"
-#include "core/config/cli.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/config/cli.h"
 #include "tests/bench/optics/oracle/mirror_oracle.h"
 
 namespace {

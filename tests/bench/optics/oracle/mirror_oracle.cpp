@@ -5,19 +5,19 @@
 #include <cmath>
 #include <map>
 
-#include "core/base/error.h"
-#include "core/camera/view_set.h"
-#include "core/camera/view_split.h"
-#include "core/image/exr.h"
-#include "core/image/metrics.h"
-#include "core/image/resample.h"
-#include "core/light/octahedral.h"
-#include "core/math/color.h"
-#include "core/mesh/mesh_io.h"
-#include "core/objects/object_labels.h"
-#include "core/optim/adam.h"
-#include "core/picture/view_picture.h"
-#include "core/trace/tracer.h"
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/camera/view_split.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/metrics.h"
+#include "core/scene/image/resample.h"
+#include "core/scene/light/octahedral.h"
+#include "core/foundation/math/color.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/objects/object_labels.h"
+#include "core/learn/optim/adam.h"
+#include "core/render/picture/view_picture.h"
+#include "core/render/trace/tracer.h"
 
 namespace vitrine {
 

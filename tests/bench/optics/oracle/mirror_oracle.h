@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/base/json.h"
+#include "core/foundation/base/json.h"
 
 namespace vitrine {
 

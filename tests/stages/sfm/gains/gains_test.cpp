@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/base/parallel.h"
-#include "core/base/rng.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/rng.h"
 
 namespace vitrine {
 namespace {

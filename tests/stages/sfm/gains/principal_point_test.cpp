@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/rng.h"
+#include "core/foundation/base/rng.h"
 
 namespace vitrine {
 namespace {

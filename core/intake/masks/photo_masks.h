@@ -1,0 +1,78 @@
+// The user's masks of one class for a list of photos: which file belongs to which photo, read with the right polarity, and
+// looked at before anything uses them. Whoever needs masks (features in sfm, the masks stage) refuses the same files for the same
+// reasons: no file called like a photo, another shape than the photo, a negative. Masks that mark nothing are a class that the
+// scene does not have, unless no other class has pixels: throw_all_black() is for the caller, who knows the others.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/intake/masks/mask_files.h"
+
+namespace vitrine {
+
+struct PhotoMasksDesc {
+  const MaskFolder& folder;
+  MaskClass kind = MaskClass::Object;
+  std::vector<std::string> photos;  // names, "left/b.jpg"
+  std::string polarity = "auto";    // what belongs to the class: "white", "black", or white after a look ("auto")
+  std::string polarity_option;      // what the user sets: "masks.object.polarity"
+  std::string off_setting;          // and how to do without: "masks.object.source=none"
+  // May throw (throw_wrong_mask_size) or say that this mask takes no part. Called from several threads.
+  std::function<bool(size_t photo, const MaskFile&, const ImageF&)> usable = {};
+};
+
+class PhotoMasks {
+ public:
+  // Reads every file once. Throws Error{Input}.
+  explicit PhotoMasks(const PhotoMasksDesc& desc);
+
+  size_t photo_count() const { return files_.size(); }
+  size_t matched() const { return matched_; }  // photos with a mask
+  const std::optional<MaskFile>& file(size_t photo) const { return files_[photo]; }
+  ImageF at(size_t photo) const;  // of a photo with a mask; 1 = belongs to the class; size as in the file
+  bool black_belongs() const { return black_belongs_; }
+  bool nothing() const {
+    return extent_.masks > 0 && extent_.empty == extent_.masks;
+  }  // no pixel of any photo belongs to the class
+  bool everything() const { return extent_.masks > 0 && extent_.full == extent_.masks; }  // every pixel of every mask does
+  [[noreturn]] void throw_all_black() const;
+  // "all masks of the class 'object' are black"
+  std::string all_black_text() const;
+  std::set<std::string> conventions() const;
+  const Notes& notes() const { return notes_; }  // on names
+
+ private:
+  ImageF with_polarity(ImageF mask) const;
+  MaskClass kind_;
+  std::string where_, polarity_option_, off_setting_;
+  MaskExtent extent_;
+  bool black_belongs_ = false;
+  Notes notes_;
+  std::vector<std::optional<MaskFile>> files_;
+  size_t matched_ = 0;
+};
+
+// The masks of one class by the photos' names alone. Throws Error{Input} when no photo has one; `off_setting` is how to do
+// without.
+std::vector<std::optional<MaskFile>> matching_masks(const MaskFolder& folder, MaskClass kind,
+                                                    const std::vector<std::string>& photos, const std::string& off_setting,
+                                                    Notes* notes = nullptr);
+
+// What a run would refuse of masks by their names, before anything is computed: nothing there, folders that are no classes, no
+// file called like a photo. Returns sentences on photos without a mask. `photos`: as ingest calls them; `used`: classes that are
+// taken from files.
+std::vector<std::string> check_mask_names(const std::filesystem::path& masks, MaskClass flat,
+                                          const std::vector<std::string>& photos, std::span<const MaskClass> used = kMaskClasses);
+
+[[noreturn]] void throw_no_mask_file(const std::filesystem::path& masks);
+
+// Same picture at another size: sides in proportion, up to the rounding of one pixel of the smaller one.
+bool same_shape(int width, int height, double other_width, double other_height);
+[[noreturn]] void throw_wrong_mask_size(const MaskFile& file, const ImageF& mask, int photo_width, int photo_height, bool turned);
+
+}  // namespace vitrine

@@ -1,0 +1,134 @@
+#include "core/intake/photos/exif.h"
+
+#include <cmath>
+#include <memory>
+
+#include <libexif/exif-data.h>
+
+namespace vitrine {
+
+namespace {
+
+using ExifPtr = std::unique_ptr<ExifData, decltype(&exif_data_unref)>;
+
+const ExifEntry* entry_of(ExifData* data, ExifIfd ifd, ExifTag tag) {
+  ExifEntry* e = exif_content_get_entry(data->ifd[ifd], tag);
+  return e && e->data && e->components > 0 ? e : nullptr;
+}
+
+// The first value of a numeric entry; nullopt unless finite and positive, since every number we ask for is.
+std::optional<double> positive(ExifData* data, ExifIfd ifd, ExifTag tag) {
+  const ExifEntry* e = entry_of(data, ifd, tag);
+  if (!e || e->size < exif_format_get_size(e->format)) return std::nullopt;
+  const ExifByteOrder order = exif_data_get_byte_order(data);
+  double v = 0;
+  switch (e->format) {
+    case EXIF_FORMAT_SHORT:
+      v = exif_get_short(e->data, order);
+      break;
+    case EXIF_FORMAT_LONG:
+      v = exif_get_long(e->data, order);
+      break;
+    case EXIF_FORMAT_RATIONAL: {
+      const ExifRational r = exif_get_rational(e->data, order);
+      v = r.denominator ? double(r.numerator) / r.denominator : 0;
+      break;
+    }
+    default:
+      return std::nullopt;
+  }
+  return v > 0 ? std::optional(v) : std::nullopt;
+}
+
+// Printable ASCII without the padding that cameras add.
+std::string text(ExifData* data, ExifIfd ifd, ExifTag tag) {
+  const ExifEntry* e = entry_of(data, ifd, tag);
+  if (!e || e->format != EXIF_FORMAT_ASCII) return "";
+  std::string s;
+  for (unsigned i = 0; i < e->size && e->data[i] != 0; ++i)
+    s += e->data[i] >= 0x20 && e->data[i] < 0x7f ? static_cast<char>(e->data[i]) : '?';
+  const size_t first = s.find_first_not_of(' '), last = s.find_last_not_of(' ');
+  return first == std::string::npos ? "" : s.substr(first, last - first + 1);
+}
+
+std::string camera_name(const std::string& maker, const std::string& model) {
+  if (maker.empty() || model.starts_with(maker)) return model;
+  return model.empty() ? maker : maker + " " + model;
+}
+
+std::optional<double> millimetres_per_unit(double unit) {  // FocalPlaneResolutionUnit
+  switch (static_cast<int>(unit)) {
+    case 2:
+      return 25.4;
+    case 3:
+      return 10.0;
+    case 4:
+      return 1.0;
+    case 5:
+      return 0.001;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+Exif parse_exif(std::string_view block) {
+  Exif exif;
+  if (block.empty()) return exif;
+  const ExifPtr data(exif_data_new(), &exif_data_unref);
+  if (!data) return exif;
+  // Our reader wants the values as they stand; "fixing" would rewrite formats and drop entries.
+  exif_data_unset_option(data.get(), EXIF_DATA_OPTION_FOLLOW_SPECIFICATION);
+  exif_data_load_data(data.get(), reinterpret_cast<const unsigned char*>(block.data()), static_cast<unsigned>(block.size()));
+  ExifData* d = data.get();
+  const double orientation = positive(d, EXIF_IFD_0, EXIF_TAG_ORIENTATION).value_or(1);
+  if (orientation <= 8) exif.orientation = static_cast<int>(orientation);
+  exif.focal_35mm = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM);
+  exif.focal_mm = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH);
+  const auto resolution = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION);
+  const auto unit_mm = millimetres_per_unit(positive(d, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT).value_or(2));
+  if (resolution && unit_mm) exif.pixels_per_mm = *resolution / *unit_mm;
+  exif.pixel_x = positive(d, EXIF_IFD_EXIF, EXIF_TAG_PIXEL_X_DIMENSION).value_or(0);
+  exif.pixel_y = positive(d, EXIF_IFD_EXIF, EXIF_TAG_PIXEL_Y_DIMENSION).value_or(0);
+  exif.exposure_s = positive(d, EXIF_IFD_EXIF, EXIF_TAG_EXPOSURE_TIME);
+  exif.f_number = positive(d, EXIF_IFD_EXIF, EXIF_TAG_FNUMBER);
+  exif.iso = positive(d, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
+  exif.camera = camera_name(text(d, EXIF_IFD_0, EXIF_TAG_MAKE), text(d, EXIF_IFD_0, EXIF_TAG_MODEL));
+  exif.time = text(d, EXIF_IFD_EXIF, EXIF_TAG_DATE_TIME_ORIGINAL);
+  if (exif.time.empty()) exif.time = text(d, EXIF_IFD_0, EXIF_TAG_DATE_TIME);
+  if (const auto space = positive(d, EXIF_IFD_EXIF, EXIF_TAG_COLOR_SPACE)) exif.color_space = static_cast<int>(*space);
+  exif.interoperability = text(d, EXIF_IFD_INTEROPERABILITY, EXIF_TAG_INTEROPERABILITY_INDEX);
+  return exif;
+}
+
+std::optional<Focal> focal_of(const Exif& exif, int width, int height) {
+  const double longest = std::max(width, height), shortest = std::min(width, height);
+  // The camera's own picture, before anyone cropped or resized it. A crop that keeps one side whole is recognised, since the
+  // other side shrinks more.
+  const bool size_written = exif.pixel_x > 0 && exif.pixel_y > 0;
+  const double camera_longest = size_written ? std::max(exif.pixel_x, exif.pixel_y) : longest;
+  const double camera_shortest = size_written ? std::min(exif.pixel_x, exif.pixel_y) : shortest;
+  const double scale = std::max(longest / camera_longest, shortest / camera_shortest);
+  // From a fisheye of 10 mm to a telescope: outside of it the field was filled with nonsense.
+  const auto plausible = [&](double px) { return px > 0.25 * longest && px < 40 * longest; };
+  if (exif.focal_35mm) {
+    constexpr double kFilmDiagonalMm = 43.2666153;  // 36 mm x 24 mm
+    const double px = *exif.focal_35mm * std::hypot(camera_longest, camera_shortest) / kFilmDiagonalMm * scale;
+    if (plausible(px)) return Focal{px, "exif FocalLengthIn35mmFilm"};
+  }
+  if (exif.focal_mm && exif.pixels_per_mm) {
+    // Sensors are between a phone's front camera and a large-format back; nonsense in the fields falls outside.
+    const double sensor_mm = camera_longest / *exif.pixels_per_mm;
+    const double px = *exif.focal_mm * *exif.pixels_per_mm * scale;
+    if (sensor_mm > 2 && sensor_mm < 130 && plausible(px)) return Focal{px, "exif FocalLength and FocalPlaneXResolution"};
+  }
+  return std::nullopt;
+}
+
+std::optional<double> exposure_ev(const Exif& exif) {
+  if (!exif.exposure_s || !exif.f_number || !exif.iso) return std::nullopt;
+  return std::log2(*exif.f_number * *exif.f_number / *exif.exposure_s) - std::log2(*exif.iso / 100);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,145 @@
+#include "core/intake/photos/photo_files.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/utf8.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/picture_file.h"
+#include "core/intake/photos/sorted_pictures.h"
+
+namespace vitrine {
+
+namespace {
+
+const char* const kExtensions[] = {".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr"};
+const char* const kPhotoLike[] = {".cr2",  ".cr3",  ".nef", ".arw", ".dng", ".orf", ".rw2", ".raf", ".heic", ".heif",
+                                  ".webp", ".avif", ".bmp", ".gif", ".jp2", ".hdr", ".mp4", ".mov", ".avi",  ".mkv"};
+
+template <size_t N>
+bool contains(const char* const (&list)[N], const std::string& word) {
+  return std::find(std::begin(list), std::end(list), word) != std::end(list);
+}
+
+[[noreturn]] void throw_unreadable(const fs::path& folder, const std::string& why) {
+  throw Error(ErrorKind::Input, "cannot read the folder of photos",
+              {.where = folder.string(), .why = why, .hint = "check the path and its permissions", .code = "PHOTOS_UNREADABLE"});
+}
+
+// Control characters and bytes that are no UTF-8 cannot travel through JSON and text lists; they become '_'.
+std::string printable(const std::string& s) {
+  std::string out;
+  for (size_t i = 0; i < s.size();) {
+    const size_t length = utf8_length(std::string_view(s).substr(i));
+    if (length == 0 || (length == 1 && static_cast<unsigned char>(s[i]) < 0x20) || s[i] == 0x7f) {
+      out += '_';
+      ++i;
+    } else {
+      out.append(s, i, length);
+      i += length;
+    }
+  }
+  return out;
+}
+
+// "; 2 links lead to nothing; 1 folder cannot be opened", for a folder without photos.
+std::string closed_text(const FolderFiles& listed) {
+  std::string text;
+  const auto add = [&](size_t n, const char* one, const char* several) {
+    if (n > 0) text += fmt::format("; {} {}", n, n == 1 ? one : several);
+  };
+  add(listed.dangling.size(), "link leads to nothing", "links lead to nothing");
+  add(listed.unreadable.size(), "folder cannot be opened", "folders cannot be opened");
+  return text;
+}
+
+}  // namespace
+
+PhotoFolder find_photos(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) throw_unreadable(folder, "it does not exist");
+  if (!fs::is_directory(folder, error)) throw_unreadable(folder, "it is not a folder");
+  PhotoFolder found;
+  found.folder = folder;
+  found.listed = files_below(folder, ReachedTwice::Once, error);
+  if (error) throw_unreadable(folder, error.message());
+  for (const fs::path& file : found.listed.files) {
+    const std::string extension = lowered(file.extension().string());
+    if (contains(kExtensions, extension))
+      found.photos.push_back({folder / file, file.generic_string(), {}, {}});
+    else
+      ++found.skipped[extension];
+  }
+  found.listed.files.clear();
+  if (found.photos.empty()) {
+    const std::string others = skipped_text(found);
+    throw Error(ErrorKind::Input, "there are no photos in this folder",
+                {.where = folder.string(),
+                 .why = "looked for .jpg .jpeg .png .tif .tiff .exr (also in sub-folders); found " +
+                        (others.empty() ? "no files" : others) + closed_text(found.listed),
+                 .hint = "give the folder that holds the photos; convert raw or HEIC photos to JPEG or 16-bit TIFF first",
+                 .code = "NO_PHOTOS"});
+  }
+  sort_pictures(found);
+  assign_names(found.photos);
+  return found;
+}
+
+void assign_names(std::vector<PhotoFile>& photos) {
+  std::set<std::string> taken;
+  for (PhotoFile& photo : photos) {
+    const fs::path source(printable(photo.source));
+    std::string extension = source.extension().string();
+    const std::string plain = fs::path(source).replace_extension().generic_string();
+    photo.stem = plain;
+    for (int n = 1; !taken.insert(photo.stem).second; ++n) {
+      photo.stem = fmt::format("{}_{}", plain, extension.substr(1));
+      if (n > 1) photo.stem += fmt::format("_{}", n);
+    }
+    // The sfm stage writes an 8-bit picture under this name, which an .exr cannot be.
+    if (lowered(extension) == ".exr") extension = ".png";
+    photo.name = photo.stem + extension;
+  }
+}
+
+PhotoHead read_photo_head(const fs::path& path) {
+  const auto throw_unusable = [&](std::string why) {
+    throw Error(
+        ErrorKind::Input, "a photo cannot be used",
+        {.where = path.string(), .why = std::move(why), .hint = "replace it or take it out of the folder", .code = "BAD_PHOTO"});
+  };
+  const std::string bytes = read_file(path);
+  PictureFile file = examine_picture(bytes, path.extension().string());
+  if (!file.refusal.empty()) throw_unusable(file.refusal);
+  if (file.probe.format == PhotoFormat::Exr) file.notes = exr_notes(path);
+  PhotoHead head{.probe = file.probe,
+                 .exif = parse_exif(exif_block(bytes)),
+                 .digest = digest_bytes(bytes),
+                 .notes = std::move(file.notes),
+                 .aside = std::move(file.aside),
+                 .color = {},
+                 .alpha = has_alpha(bytes, file.probe.format)};
+  if (file.probe.format == PhotoFormat::Tiff) head.exif.orientation = file.probe.orientation;  // of the page that is read
+  head.color = color_of(bytes, head.probe, head.exif);
+  if (!head.color.refusal.empty()) throw_unusable(head.color.refusal);
+  return head;
+}
+
+std::string skipped_text(const PhotoFolder& folder) {
+  std::string text;
+  for (const auto& [extension, count] : folder.skipped)
+    text +=
+        fmt::format("{}{} x {}", text.empty() ? "" : ", ", count, extension.empty() ? "without extension" : printable(extension));
+  return text;
+}
+
+size_t skipped_photo_like(const PhotoFolder& folder) {
+  size_t count = 0;
+  for (const auto& [extension, n] : folder.skipped)
+    if (contains(kPhotoLike, extension)) count += n;
+  return count;
+}
+
+}  // namespace vitrine

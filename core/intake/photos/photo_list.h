@@ -1,0 +1,37 @@
+// ingest/photos.json: the photos of a capture as the ingest stage left them, sorted by name.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vitrine {
+
+struct Photo {
+  // Unique path of the photo from here on, "left/IMG_0001.JPG": as the user has it, except that an .exr is called .png and that
+  // a second photo of the same stem gets its extension into the stem (a.jpg, a.png -> a.jpg, a_png.png).
+  std::string name;
+  std::string stem;                             // name without extension, unique: ingest/linear/<stem>.exr, ingest/ldr/<stem>.png
+  std::string source;                           // path below the user's photo folder
+  int width = 0, height = 0;                    // upright, as ingested
+  int original_width = 0, original_height = 0;  // upright, before the limit on the longest side
+  int orientation = 1;                // EXIF 1..8: how the stored pixels were turned to be upright (core/scene/image/resample.h)
+  std::optional<double> focal_px;     // at the ingested size
+  std::string focal_source;           // "exif FocalLengthIn35mmFilm", "exif FocalLength and FocalPlaneXResolution", or empty
+  std::optional<double> exposure_ev;  // log2(N^2 / (t S/100)): the scene luminance this photo was exposed for
+  std::string camera;                 // maker and model, or empty
+  std::string time;                   // EXIF DateTimeOriginal, "YYYY:MM:DD HH:MM:SS", or empty
+  std::string color_profile;          // "sRGB", "Display P3", "linear Rec. 709": what the file's numbers stood for
+  std::string color_source;           // what said so: "icc", "exif ColorSpace", "png cICP", "float linear", "assumed sRGB", ...
+  bool operator==(const Photo&) const = default;
+};
+
+// `folder` is an ingest artifact. Throws Error{Input} with file and cause.
+std::vector<Photo> read_photo_list(const std::filesystem::path& folder);
+void write_photo_list(const std::filesystem::path& folder, const std::vector<Photo>& photos);
+
+std::filesystem::path ingested_linear_path(const std::filesystem::path& folder, const Photo& photo);
+std::filesystem::path ingested_ldr_path(const std::filesystem::path& folder, const Photo& photo);
+
+}  // namespace vitrine

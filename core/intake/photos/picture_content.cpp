@@ -1,0 +1,219 @@
+#include "core/intake/photos/picture_content.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/probe.h"
+#include "core/scene/image/resample.h"
+#include "core/intake/photos/exif.h"
+#include "core/intake/photos/measures.h"
+
+namespace vitrine {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr float kGreyTolerance = 0.03f;  // noise of a JPEG between the channels of a grey picture
+constexpr double kColourShare = 0.02;    // of pixels: more colour than this is no grey picture
+constexpr float kLabelLimit = 0.1f;      // 8-bit labels up to 25
+constexpr int kReach = 6;                // levels around a level that a JPEG spreads it over
+constexpr double kFewLevels = 0.9;       // of the pixels of a mask are of its two commonest levels
+constexpr double kEnds = 0.75;           // or near its ends: soft outlines are in between
+constexpr size_t kFewColours = 32;       // labels or painted parts; a photo has thousands
+constexpr double kBothShare = 0.001;     // of pixels: less is no class
+constexpr size_t kHeadBytes = 1 << 18;   // EXIF with a thumbnail ends well before
+
+PictureHead head_of(const fs::path& path) {
+  std::string bytes(kHeadBytes, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  Probe probe = probe_photo(bytes);
+  if (probe.format == PhotoFormat::Tiff) probe = probe_photo(read_file(path));  // directories often stand at the end
+  PictureHead head{
+      .format = probe.format, .width = double(probe.width), .height = double(probe.height), .orientation = probe.orientation};
+  if (probe.format == PhotoFormat::Jpeg || probe.format == PhotoFormat::Png)
+    head.orientation = parse_exif(exif_block(bytes)).orientation;
+  constexpr size_t kBitDepthAt = 24, kColourTypeAt = 25;  // in the header of a PNG, which comes first
+  if (probe.format == PhotoFormat::Png && bytes.size() > kColourTypeAt) {
+    head.bits = static_cast<unsigned char>(bytes[kBitDepthAt]);
+    head.grey = bytes[kColourTypeAt] == 0;
+  }
+  if (head.orientation >= 5) std::swap(head.width, head.height);
+  return head;
+}
+
+template <class F>
+bool unless_undecodable(F&& f) {
+  try {
+    return f();
+  } catch (const Error& e) {
+    if (e.kind() != ErrorKind::Input) throw;
+    return false;
+  }
+}
+
+double colour_share(const ImageF& image) {
+  if (image.channels() < 3 || image.empty()) return 0;
+  size_t coloured = 0;
+  for (size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* p = &image.data()[i * size_t(image.channels())];
+    coloured += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > kGreyTolerance;
+  }
+  return double(coloured) / double(image.pixel_count());
+}
+
+// Of one channel of an image.
+bool few_levels(const ImageF& image, int channel, bool both) {
+  float highest = 0;
+  const size_t n = image.pixel_count(), step = size_t(image.channels());
+  const auto value = [&](size_t i) { return image.data()[i * step + size_t(channel)]; };
+  for (size_t i = 0; i < n; ++i) highest = std::max(highest, value(i));
+  const float scale = highest > 0 && highest < kLabelLimit ? 1 / highest : 1;
+  std::array<double, 256> levels{};
+  for (size_t i = 0; i < n; ++i) levels[size_t(std::clamp(value(i) * scale, 0.f, 1.f) * 255 + 0.5f)] += 1 / double(n);
+  const auto around = [&](int level) {
+    double sum = 0;
+    for (int l = std::max(level - kReach, 0); l <= std::min(level + kReach, 255); ++l) sum += levels[size_t(l)];
+    return sum;
+  };
+  const auto commonest = [&](int away_from) {
+    int best = -1;
+    for (int l = 0; l < 256; ++l)
+      if ((away_from < 0 || std::abs(l - away_from) > 2 * kReach) && (best < 0 || levels[size_t(l)] > levels[size_t(best)]))
+        best = l;
+    return best;
+  };
+  const int first = commonest(-1), second = commonest(first);
+  if (both && (around(first) < kBothShare || around(second) < kBothShare)) return false;
+  const int top = int(std::min(highest * scale, 1.f) * 255 + 0.5f);
+  size_t used = 0;
+  for (double share : levels) used += share > 0;
+  return around(first) + around(second) >= kFewLevels || used <= kFewColours ||
+         (top > 4 * kReach && around(0) + around(top) >= kEnds);
+}
+
+bool few_colours(const ImageF& image) {
+  std::set<uint32_t> colours;
+  for (size_t i = 0; i < image.pixel_count() && colours.size() <= kFewColours; ++i) {
+    uint32_t packed = 0;
+    for (size_t c = 0; c < 3; ++c)
+      packed = packed << 8 | uint32_t(std::clamp(image.data()[i * size_t(image.channels()) + c], 0.f, 1.f) * 255.f + 0.5f);
+    colours.insert(packed);
+  }
+  return colours.size() <= kFewColours;
+}
+
+// Small, upright: its thumbnail is what counts.
+PhotoMeasures small_measures(const fs::path& path, const PictureHead& head) {
+  if (head.format == PhotoFormat::Exr) return measured(srgb8_from_linear(read_exr_rgb(path)));
+  constexpr double kEnough = 200;  // pixels of the longest side
+  int reduction = 1;
+  while (reduction < 8 && std::max(head.width, head.height) / (2 * reduction) >= kEnough) reduction *= 2;
+  const Image8 small = read_srgb8(path, reduction);
+  if (head.orientation == 1) return measured(small);
+  ImageF values(small.width(), small.height(), small.channels());
+  for (size_t i = 0; i < values.data().size(); ++i) values.data()[i] = float(small.data()[i]);
+  values = upright(values, head.orientation);
+  Image8 turned(values.width(), values.height(), values.channels());
+  for (size_t i = 0; i < turned.data().size(); ++i) turned.data()[i] = uint8_t(values.data()[i]);
+  return measured(turned);
+}
+
+}  // namespace
+
+bool looks_like_mask(const fs::path& path, const MaskLook& look) {
+  // Hundreds of masks of many pixels take long to decode, and no photograph is a PNG of a tenth of a byte per pixel.
+  if (const PictureHead head = head_of(path); look.quick && head.format == PhotoFormat::Png) {
+    constexpr double kPlain = 0.1;
+    std::error_code ec;
+    if (double(fs::file_size(path, ec)) < kPlain * head.width * head.height && !ec) return true;
+  }
+  return unless_undecodable([&] {
+    const ImageF image = read_unchanged(path);
+    const int channels = image.channels();
+    if (look.alpha && (channels == 2 || channels == 4)) {
+      bool varies = false;
+      const size_t last = size_t(channels) - 1;
+      for (size_t i = 0; i < image.pixel_count() && !varies; ++i)
+        varies = image.data()[i * size_t(channels) + last] != image.data()[last];
+      if (varies) return few_levels(image, channels - 1, look.both);
+    }
+    return colour_share(image) > kColourShare ? few_colours(image) : few_levels(image, 0, look.both);
+  });
+}
+
+bool looks_like_depth(const fs::path& path, const fs::path& photo) {
+  const PictureHead head = head_of(path), beside = head_of(photo);
+  // Nobody takes photographs as EXR beside those that a camera writes; and many depth maps have a channel Z alone.
+  if (head.format == PhotoFormat::Exr && beside.format != PhotoFormat::Exr) return true;
+  constexpr int kManyBits = 16;
+  if (head.grey && head.bits == kManyBits && !(beside.grey && beside.bits == kManyBits)) return true;
+  return unless_undecodable([&] {
+    const auto pixels = [](const fs::path& p, const PictureHead& h) {
+      return h.format == PhotoFormat::Exr ? read_exr_rgb(p) : read_unchanged(p);
+    };
+    const ImageF map = pixels(path, head);
+    if (colour_share(map) > kColourShare) return false;
+    const ImageF other = pixels(photo, beside);
+    return colour_share(other) > kColourShare || map.channels() < other.channels();
+  });
+}
+
+bool looks_like_normals(const fs::path& path) {
+  const PictureHead head = head_of(path);
+  return unless_undecodable([&] {
+    const bool exr = head.format == PhotoFormat::Exr;
+    const ImageF map = exr ? read_exr_rgb(path) : read_unchanged(path);
+    if (map.channels() < 3) return false;
+    constexpr float kLow = 0.85f, kHigh = 1.15f;
+    constexpr double kShare = 0.9;
+    size_t unit = 0, none = 0;
+    for (size_t i = 0; i < map.pixel_count(); ++i) {
+      const float* p = &map.data()[i * size_t(map.channels())];
+      const auto length = [&](float scale, float shift) {
+        return std::hypot(scale * p[0] - shift, scale * p[1] - shift, scale * p[2] - shift);
+      };
+      const auto is_unit = [&](float l) { return l > kLow && l < kHigh; };
+      const float spread = std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]});
+      if (spread < kGreyTolerance)
+        ++none;  // black, grey or white: no normal there
+      else
+        unit += is_unit(length(2, 1)) || (exr && is_unit(length(1, 0)));
+    }
+    constexpr size_t kLeast = 20;  // one pixel in so many has a normal at least
+    return unit * kLeast > map.pixel_count() && double(unit) >= kShare * double(map.pixel_count() - none);
+  });
+}
+
+const PictureHead& CopyFinder::head(const fs::path& path) {
+  const auto known = heads_.find(path);
+  return known != heads_.end() ? known->second : heads_.emplace(path, head_of(path)).first->second;
+}
+
+bool CopyFinder::looks_like_copy(const fs::path& copy, const fs::path& of, bool shrunk) {
+  // Thumbnails of copies of 80 x 60 pixels agree to 0.994, of larger ones to 0.9995; of the next photo of a rig to less than
+  // 0.97.
+  constexpr double kShrunk = 1.4, kAlike = 0.985, kMuchAlike = 0.6;
+  const PictureHead &small = head(copy), &large = head(of);
+  if (small.width < 1 || large.width < 1) return false;
+  const double across = large.width / small.width, down = large.height / small.height;
+  if (shrunk) {
+    // Rounding of the small sides, up or down.
+    const bool proportional =
+        std::abs(large.height - across * small.height) <= across + 1 || std::abs(large.width - down * small.width) <= down + 1;
+    if (across < kShrunk || !proportional) return false;
+  }
+  return unless_undecodable(
+      [&] { return likeness(small_measures(copy, small), small_measures(of, large)) >= (shrunk ? kAlike : kMuchAlike); });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,188 @@
+#include "core/intake/poses/pose_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/utf8.h"
+#include "core/scene/camera/colmap_model.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr size_t kDeepest = 4;         // "colmap/dense/0/sparse"
+constexpr size_t kMostFolders = 2000;  // looked into: data sets have a few; a home folder has no end
+const std::array kUsual{"sparse/0",
+                        "sparse",
+                        "colmap/sparse/0",
+                        "colmap/sparse",
+                        "dense/sparse",
+                        "dense/0/sparse",
+                        "dense/0",
+                        "undistorted/sparse/0",
+                        "undistorted/sparse",
+                        ".",
+                        "0",
+                        "colmap/0",
+                        "colmap",
+                        "distorted/sparse/0",
+                        "distorted/sparse"};
+
+std::vector<fs::path> sorted_entries(const fs::path& folder) {
+  std::vector<fs::path> out;
+  std::error_code ec;
+  for (fs::directory_iterator at(folder, ec), end; !ec && at != end; at.increment(ec)) out.push_back(at->path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+// An output folder of this program: its cameras are those of undistorted photos, and it is not part of what surrounds it.
+bool is_own_output(const fs::path& folder) {
+  std::error_code ec;
+  return fs::exists(folder / "scene.json", ec) && fs::exists(folder / "sparse", ec) && fs::exists(folder / "linear", ec);
+}
+
+std::vector<fs::path> colmap_folders(const fs::path& root) {
+  std::vector<fs::path> found, level{root};
+  std::set<fs::path> seen;  // a folder counts once, by whatever links it is reached
+  for (size_t depth = 0; depth <= kDeepest && !level.empty(); ++depth) {
+    std::vector<fs::path> next;
+    for (const fs::path& folder : level) {
+      std::error_code ignored;
+      if (seen.size() >= kMostFolders || !seen.insert(fs::weakly_canonical(folder, ignored)).second) continue;
+      if (holds_colmap_model(folder)) found.push_back(folder);
+      if (depth == kDeepest) continue;
+      std::error_code ec;
+      for (const fs::path& entry : sorted_entries(folder))
+        if (fs::is_directory(entry, ec) && !entry.filename().native().starts_with('.') && !is_own_output(entry))
+          next.push_back(entry);
+    }
+    level = std::move(next);
+  }
+  const auto rank = [&](const fs::path& folder) {
+    const std::string relative = folder.lexically_relative(root).generic_string();
+    const auto at = std::find(kUsual.begin(), kUsual.end(), relative);
+    return std::tuple(at - kUsual.begin(), relative.size(), relative);
+  };
+  std::sort(found.begin(), found.end(), [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
+  return found;
+}
+
+std::vector<fs::path> transforms_files(const fs::path& root) {
+  std::vector<fs::path> out, others;
+  const char* usual[] = {"transforms.json", "transforms_train.json", "transforms_val.json", "transforms_test.json"};
+  std::error_code ec;
+  for (const char* name : usual)
+    if (fs::is_regular_file(root / name, ec)) out.push_back(root / name);
+  for (const fs::path& entry : sorted_entries(root))
+    if (const std::string name = entry.filename().string(); name.starts_with("transforms") && name.ends_with(".json") &&
+                                                            fs::is_regular_file(entry, ec) &&
+                                                            std::find(out.begin(), out.end(), entry) == out.end())
+      others.push_back(entry);
+  out.insert(out.end(), others.begin(), others.end());
+  return out;
+}
+
+constexpr const char* kHint =
+    "give a COLMAP model (cameras, images: .bin or .txt), a transforms.json, or a folder of 3x4 matrices (P/*.txt)";
+
+// Files of formats that are not read. nullopt: it may be JSON.
+std::optional<std::string> other_format(const fs::path& file) {
+  static const std::map<std::string, const char*> known{{".nvm", "a VisualSFM scene"},
+                                                        {".out", "a Bundler scene"},
+                                                        {".xml", "an XML file (Metashape, ContextCapture)"},
+                                                        {".csv", "a table (RealityCapture)"},
+                                                        {".ply", "points, meshes or splats, not cameras"},
+                                                        {".splat", "splats, not cameras"},
+                                                        {".db", "COLMAP's database: it holds matches, not poses"},
+                                                        {".ini", "COLMAP's project file: it holds settings, not poses"},
+                                                        {".mvs", "an OpenMVS scene"},
+                                                        {".psx", "a Metashape project"},
+                                                        {".psz", "a Metashape project"},
+                                                        {".sfm", "a Meshroom scene"},
+                                                        {".abc", "an Alembic scene"},
+                                                        {".usd", "a USD scene"},
+                                                        {".fbx", "an FBX scene"},
+                                                        {".npy", "a NumPy array (LLFF: poses_bounds.npy)"},
+                                                        {".npz", "a NumPy archive"},
+                                                        {".zip", "an archive: unpack it"}};
+  if (const auto at = known.find(lowered(file.extension().string())); at != known.end()) return at->second;
+  const std::string text = read_text_file(file);
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || text[first] == '{' || text[first] == '[' || lowered(file.extension().string()) == ".json")
+    return std::nullopt;
+  return "no JSON";
+}
+
+[[noreturn]] void throw_missing(const fs::path& path, std::string why, const char* hint = kHint) {
+  throw Error(ErrorKind::Input, "no camera poses found",
+              {.where = path.string(), .why = std::move(why), .hint = hint, .code = "POSES_MISSING"});
+}
+
+}  // namespace
+
+fs::path meant_poses(const fs::path& path) {
+  const std::string extension = path.extension().string(), stem = path.stem().string();
+  std::error_code ec;
+  const bool part = (extension == ".txt" || extension == ".bin") &&
+                    (stem == "cameras" || stem == "images" || stem == "points3D" || stem == "rigs" || stem == "frames");
+  return part && fs::is_regular_file(path, ec) ? path.parent_path() : path;
+}
+
+std::vector<fs::path> matrix_files(const fs::path& folder) {
+  for (const fs::path& place : {folder / "P", folder}) {
+    std::vector<fs::path> out;
+    std::error_code ec;
+    for (const fs::path& entry : sorted_entries(place))
+      if ((entry.extension() == ".txt" || entry.extension() == ".P") && fs::is_regular_file(entry, ec)) out.push_back(entry);
+    if (!out.empty()) return out;
+  }
+  return {};
+}
+
+std::vector<PoseFile> find_pose_files(const fs::path& given) {
+  const fs::path path = meant_poses(given);
+  std::error_code ec;
+  if (path != given && !holds_colmap_model(path)) {
+    const fs::path missing = path / (given.stem() == "images" ? "cameras" : "images");
+    throw_missing(given, fmt::format("it belongs to a COLMAP model, and {}.bin or .txt is not beside it", missing.string()));
+  }
+  if (fs::is_regular_file(path, ec)) {
+    if (const auto what = other_format(path)) throw_missing(path, "this is " + *what);
+    return {{PoseFile::Kind::Transforms, path}};
+  }
+  std::vector<PoseFile> found;
+  for (const fs::path& folder : colmap_folders(path)) found.push_back({PoseFile::Kind::Colmap, folder});
+  for (const fs::path& file : transforms_files(path)) found.push_back({PoseFile::Kind::Transforms, file});
+  if (found.empty() && !matrix_files(path).empty()) found.push_back({PoseFile::Kind::Matrices, path});
+  if (found.empty())
+    throw_missing(path, "neither a COLMAP model (cameras, images: .bin or .txt), nor transforms.json, nor 3x4 matrices (P/*.txt)",
+                  "give one of these with --poses");
+  return found;
+}
+
+std::vector<fs::path> picture_folders(const PoseFile& file) {
+  if (file.kind == PoseFile::Kind::Transforms) return {file.path.parent_path()};
+  std::vector<fs::path> out;
+  if (file.kind != PoseFile::Kind::Colmap) return out;
+  std::error_code ec;
+  fs::path up = fs::absolute(file.path, ec).lexically_normal();
+  if (!up.has_filename()) up = up.parent_path();
+  const bool distorted = std::find(up.begin(), up.end(), "distorted") != up.end();
+  for (size_t i = 0; i < kDeepest; ++i) {
+    for (const char* name : {distorted ? "input" : "images", distorted ? "images" : "input", ""}) out.push_back(up / name);
+    if (up == up.parent_path()) break;
+    up = up.parent_path();
+  }
+  return out;
+}
+
+}  // namespace vitrine

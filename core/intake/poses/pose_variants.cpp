@@ -1,0 +1,269 @@
+#include "core/intake/poses/pose_variants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace vitrine {
+
+namespace {
+
+// Columns: where x, y and z of the file's camera frame point in ours.
+struct CameraAxes {
+  const char* text;
+  Mat3d ours_from_file;
+};
+const CameraAxes kOpenCv{"x right, y down, z forward (OpenCV's)", Mat3d::identity()};
+const CameraAxes kOpenGl{"x right, y up, z backward (OpenGL's)", {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
+const CameraAxes kRobots{"x forward, y left, z up (ROS's)", {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}}};
+const CameraAxes kUnity{"x right, y up, z forward (left-handed)", {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+const CameraAxes kUnreal{"x forward, y right, z up (left-handed)", {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}};
+
+int inverse_orientation(int orientation) { return orientation == 6 ? 8 : orientation == 8 ? 6 : orientation; }
+
+// The pose before it was turned with its photo, changed, and turned again.
+class Unturned {
+ public:
+  explicit Unturned(const PosePixels& pixels) {
+    for (const PosedPhoto& p : pixels.photos) turn_[p.name] = p.for_stored ? p.orientation : 1;
+  }
+  template <class F>
+  ColmapModel changed(const ColmapModel& model, const F& change) const {
+    ColmapModel out = model;
+    for (ColmapImage& image : out.images) {
+      const auto found = turn_.find(image.name);
+      const int orientation = found == turn_.end() ? 1 : found->second;
+      const Rigid as_read = upright_pose(image.cam_from_world(), inverse_orientation(orientation));
+      const Rigid pose = upright_pose(change(as_read), orientation);
+      image.rotation = quaternion(pose.rotation);
+      image.translation = pose.translation;
+    }
+    return out;
+  }
+
+ private:
+  std::map<std::string, int> turn_;
+};
+
+// Digits count as numbers: "img2" before "img10".
+bool counts_before(const std::string& a, const std::string& b) {
+  size_t i = 0, j = 0;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  while (i < a.size() && j < b.size()) {
+    if (digit(a[i]) && digit(b[j])) {
+      size_t ie = i, je = j;
+      while (ie < a.size() && digit(a[ie])) ++ie;
+      while (je < b.size() && digit(b[je])) ++je;
+      std::string na = a.substr(i, ie - i), nb = b.substr(j, je - j);
+      na.erase(0, std::min(na.find_first_not_of('0'), na.size()));
+      nb.erase(0, std::min(nb.find_first_not_of('0'), nb.size()));
+      if (na.size() != nb.size()) return na.size() < nb.size();
+      if (na != nb) return na < nb;
+      i = ie, j = je;
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+    }
+  }
+  return a.size() - i < b.size() - j;
+}
+
+}  // namespace
+
+std::string rule_of(PoseSource source) {
+  switch (source) {
+    case PoseSource::Transforms:
+      return "in transforms.json a transform_matrix is world-from-camera, with camera axes x right, y up, z backward";
+    case PoseSource::Colmap:
+      return "in images.txt a pose is camera-from-world (QW QX QY QZ TX TY TZ), with camera axes x right, y down, z forward";
+    case PoseSource::Matrices:
+      return "a projection matrix is P = K [R | t] in pixels, camera-from-world, with camera axes x right, y down, z forward";
+  }
+  return {};
+}
+
+namespace {
+
+// The commonest mistakes have a recipe, the others the rule.
+std::string fix_of(PoseSource source, const CameraAxes& axes, bool inverted) {
+  const bool transforms = source == PoseSource::Transforms;
+  const CameraAxes &format = transforms ? kOpenGl : kOpenCv, &other = transforms ? kOpenCv : kOpenGl;
+  std::string fix;
+  if (inverted) fix = transforms ? "invert every transform_matrix" : "invert every pose";
+  if (&axes == &other)
+    fix +=
+        std::string(fix.empty() ? "" : ", then ") + (transforms ? "negate the second and third column of every transform_matrix"
+                                                                : "negate the second and third row of every [R | t]");
+  else if (&axes != &format)
+    fix.clear();
+  const std::string rule = rule_of(source);
+  return fix.empty() ? "change the poses: " + rule : fix + ": " + rule;
+}
+
+}  // namespace
+
+std::vector<PoseVariant> convention_variants(const ColmapModel& model, const PosePixels& pixels) {
+  std::vector<PoseVariant> out;
+  const bool transforms = pixels.source == PoseSource::Transforms;
+  const CameraAxes& format = transforms ? kOpenGl : kOpenCv;
+  const Unturned unturned(pixels);
+  const char* const inverse_text =
+      transforms ? "they are camera-from-world, not world-from-camera" : "they are world-from-camera, not camera-from-world";
+  const auto add = [&](const CameraAxes& axes, bool inverted) {
+    const bool mirrors = determinant(axes.ours_from_file) < 0;
+    const Mat3d turn = inverted ? axes.ours_from_file : axes.ours_from_file * transposed(format.ours_from_file);
+    PoseVariant& v = out.emplace_back();
+    v.hint = fix_of(pixels.source, axes, inverted);
+    if (inverted) v.what = inverse_text;
+    if (&axes != &format)
+      v.what += fmt::format("{}their camera axes are {}, not {}", inverted ? ", and " : "", axes.text, format.text);
+    v.model = unturned.changed(model, [&](const Rigid& as_read) {
+      const Rigid pose = inverted ? inverse(as_read) : as_read;
+      Rigid turned{turn * pose.rotation, turn * pose.translation};
+      if (mirrors) turned.rotation = turned.rotation * kUnity.ours_from_file;  // the world is mirrored with the camera
+      return turned;
+    });
+  };
+  add(transforms ? kOpenCv : kOpenGl, false);
+  add(kRobots, false);
+  for (const CameraAxes* axes : {&kOpenCv, &kOpenGl, &kRobots}) add(*axes, true);
+  for (const bool inverted : {false, true})
+    for (const CameraAxes* axes : {&kUnity, &kUnreal}) add(*axes, inverted);
+  if (pixels.source != PoseSource::Colmap) return out;
+  for (const bool inverted : {false, true})
+    out.push_back({std::string("their quaternions are in the order x y z w, not w x y z") +
+                       (inverted ? ", they are world-from-camera" : ""),
+                   rule_of(pixels.source), unturned.changed(model, [&](Rigid pose) {
+                     const Quatd q = quaternion(pose.rotation);
+                     pose.rotation = rotation_matrix(normalized(Quatd{q.z, q.w, q.x, q.y}));
+                     return inverted ? inverse(pose) : pose;
+                   })});
+  out.push_back({"their translations are the camera centres, not -R C", rule_of(pixels.source),
+                 unturned.changed(model, [](const Rigid& pose) {
+                   return Rigid{pose.rotation, -(pose.rotation * pose.translation)};
+                 })});
+  return out;
+}
+
+std::vector<PoseVariant> order_variants(const ColmapModel& model) {
+  std::vector<std::string> words;
+  for (const ColmapImage& image : model.images) words.push_back(image.name);
+  const size_t n = words.size();
+  std::vector<PoseVariant> out;
+  // Image i of the model becomes that of the photo `name_of(i)`.
+  const auto add = [&](std::string what, const auto& name_of) {
+    PoseVariant v{std::move(what), "give every pose the name of the photo that it belongs to", model};
+    for (size_t i = 0; i < n; ++i) v.model.images[i].name = name_of(i);
+    out.push_back(std::move(v));
+  };
+  for (const size_t k : {size_t{1}, size_t{2}}) {
+    if (k >= n) continue;
+    const char* const by = k == 1 ? "" : " but one";
+    add(fmt::format("each photo has the pose of the photo before it{}", by), [&](size_t i) { return words[(i + n - k) % n]; });
+    add(fmt::format("each photo has the pose of the photo after it{}", by), [&](size_t i) { return words[(i + k) % n]; });
+  }
+  add("they are in reverse order", [&](size_t i) { return words[n - 1 - i]; });
+  std::vector<std::string> numbers = words;
+  std::stable_sort(numbers.begin(), numbers.end(), counts_before);
+  if (numbers != words) {
+    std::map<std::string, size_t> place_in_numbers;
+    for (size_t i = 0; i < n; ++i) place_in_numbers[numbers[i]] = i;
+    add("they were written in the order of numbers (2, 10), and named in the order of words (10, 2)",
+        [&](size_t i) { return numbers[i]; });
+    add("they were written in the order of words (10, 2), and named in the order of numbers (2, 10)",
+        [&](size_t i) { return words[place_in_numbers.at(words[i])]; });
+  }
+  return out;
+}
+
+std::vector<PoseVariant> focal_variants(const ColmapModel& model) {
+  std::vector<PoseVariant> out;
+  for (const double factor : {2.0, 0.5, 4.0, 0.25, 8.0, 0.125}) {
+    PoseVariant v{{}, {}, model};
+    double before = 0;
+    for (ColmapCamera& camera : v.model.cameras) {
+      before = camera.params[0];
+      const std::string_view type = colmap_camera_type(camera.model_id)->name;
+      camera.params[0] *= factor;
+      if (type == "PINHOLE" || type == "OPENCV") camera.params[1] *= factor;
+    }
+    v.what = fmt::format("the focal length is about {:.3g} times as long ({:.0f} instead of {:.0f} pixels)", factor,
+                         factor * before, before);
+    v.hint = fmt::format("give the focal length in pixels of a picture of {} x {}, like width and height", model.cameras[0].width,
+                         model.cameras[0].height);
+    out.push_back(std::move(v));
+  }
+  return out;
+}
+
+ColmapModel turned_other_way(ColmapModel model, PosePixels& pixels) {
+  std::map<std::string, const PosedPhoto*> open;
+  bool mirrored = false;
+  for (PosedPhoto& p : pixels.photos) {
+    if (p.settled) continue;
+    p.for_stored = !p.for_stored;
+    mirrored |= is_mirrored(p.orientation);
+    open[p.name] = &p;
+  }
+  // Cameras of open photos are theirs alone (given_poses.cpp): each is turned once.
+  std::map<uint32_t, int> cameras;
+  for (ColmapImage& image : model.images) {
+    const auto found = open.find(image.name);
+    if (found == open.end()) continue;
+    const PosedPhoto& p = *found->second;
+    const int turn = p.for_stored ? p.orientation : inverse_orientation(p.orientation);
+    const PixelSize from = p.for_stored ? p.stored : p.upright;
+    const Rigid pose = upright_pose(image.cam_from_world(), turn);
+    image.rotation = quaternion(pose.rotation);
+    image.translation = pose.translation;
+    for (ColmapPoint2D& q : image.points) {
+      const Vec2d to = upright_pixel({q.x, q.y}, turn, from);
+      q.x = to.x, q.y = to.y;
+    }
+    cameras[image.camera_id] = turn;
+  }
+  for (ColmapCamera& camera : model.cameras)
+    if (const auto found = cameras.find(camera.id); found != cameras.end()) camera = upright_camera(camera, found->second);
+  if (mirrored)
+    for (ColmapPoint3D& p : model.points) p.position = mirrored_world(p.position);
+  return model;
+}
+
+ColmapModel as_cropped(ColmapModel model, const PosePixels& pixels) {
+  std::map<std::string, const PosedPhoto*> photo_of;
+  for (const PosedPhoto& p : pixels.photos) photo_of[p.name] = &p;
+  std::map<uint32_t, const PosedPhoto*> cameras;
+  // In the upright photo: from pixels of the resized picture to those of its middle part.
+  const auto middle = [](const PosedPhoto& p) {
+    const bool swapped = p.for_stored && swaps_sides(p.orientation);
+    const PixelSize given = swapped ? PixelSize{p.given.height, p.given.width} : p.given;
+    struct {
+      double sx, sy, x0, y0;
+    } m{given.width / p.upright.width, given.height / p.upright.height, 0.5 * (p.upright.width - given.width),
+        0.5 * (p.upright.height - given.height)};
+    return m;
+  };
+  for (ColmapImage& image : model.images) {
+    const PosedPhoto& p = *photo_of.at(image.name);
+    const auto m = middle(p);
+    for (ColmapPoint2D& q : image.points) q.x = m.sx * q.x + m.x0, q.y = m.sy * q.y + m.y0;
+    cameras[image.camera_id] = &p;
+  }
+  for (ColmapCamera& camera : model.cameras) {
+    const auto found = cameras.find(camera.id);
+    if (found == cameras.end()) continue;
+    const auto m = middle(*found->second);
+    const std::string_view type = colmap_camera_type(camera.model_id)->name;
+    const bool two = type == "PINHOLE" || type == "OPENCV";
+    const size_t centre = two ? 2 : 1;
+    camera.params[0] *= two ? m.sx : 0.5 * (m.sx + m.sy);
+    if (two) camera.params[1] *= m.sy;
+    camera.params[centre] = m.sx * camera.params[centre] + m.x0;
+    camera.params[centre + 1] = m.sy * camera.params[centre + 1] + m.y0;
+  }
+  return model;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,43 @@
+// Step sizes of the attributes, from the attribute table. The position's rate is in units of the scene radius and falls over a
+// run, rate(f) = rate * mean_end_factor^f; the others stay.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/learn/optim/adam.h"
+
+namespace vitrine {
+
+struct RatesConfig {
+  std::array<float, kAttributeCount> rate = [] {
+    std::array<float, kAttributeCount> r{};
+    for (size_t i = 0; i < kAttributeCount; ++i) r[i] = kAttributes[i].rate;
+    return r;
+  }();
+  double factor = 1;              // of all
+  double mean_end_factor = 0.02;  // of the position's rate at the end of the run, exponential decay
+  double rarest = 2;              // most that the steps of surfels grow by which few photos show (SurfelAccumulator::rarity)
+};
+
+// At `fraction` of the run, for a scene of this radius.
+inline AttributeRates rates_at(const RatesConfig& c, double fraction, double scene_radius) {
+  AttributeRates rates{};
+  const double mean_decay = std::pow(c.mean_end_factor, fraction);
+  for (const AttributeRow& r : kAttributes) {
+    const auto i = static_cast<size_t>(r.id);
+    rates[i] = static_cast<float>(c.factor * c.rate[i] * (r.id == Attribute::Mean ? mean_decay * scene_radius : 1));
+  }
+  return rates;
+}
+
+// Photos see angles: what stands far from the cameras moves in proportion to its distance, so that a step, or a random walk, is
+// the same angle wherever it is taken. // 1 near the cameras, whose radius is 1 around the origin; from a few radii on the
+// distance over that.
+inline float far_factor(const float* mean) {
+  constexpr float kFar = 5;
+  return std::max(1.f, std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]) / kFar);
+}
+
+}  // namespace vitrine

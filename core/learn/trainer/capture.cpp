@@ -1,0 +1,125 @@
+#include "core/learn/trainer/capture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/projection.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/scene/image/resample.h"
+#include "core/foundation/math/color.h"
+#include "core/foundation/math/quantile.h"
+
+namespace vitrine {
+
+namespace {
+
+Intrinsics level_intrinsics(const Intrinsics& photo, int max_side, size_t level) {
+  const Intrinsics full = photo.limited_to(max_side);
+  const int divisor = 1 << level;
+  return photo.scaled_to(std::max(1, full.width / divisor), std::max(1, full.height / divisor));
+}
+
+std::vector<uint16_t> encoded(const ImageF& linear) {
+  const ImageF srgb = srgb_from_linear_image(linear);
+  const size_t pixels = srgb.pixel_count();
+  std::vector<uint16_t> planes(3 * pixels);
+  const auto data = srgb.data();
+  for (size_t i = 0; i < pixels; ++i)
+    for (size_t c = 0; c < 3; ++c)
+      planes[c * pixels + i] = static_cast<uint16_t>(std::lround(std::clamp(data[3 * i + c], 0.f, 1.f) * 65535.f));
+  return planes;
+}
+
+}  // namespace
+
+PhotoPyramid make_photo(const View& view, const ImageF& linear, int max_side) {
+  PhotoPyramid photo;
+  ImageF image = linear;
+  for (size_t level = 0; level < kLevels; ++level) {
+    PhotoLevel& l = photo.levels[level];
+    l.view = view;
+    l.view.intrinsics = level_intrinsics(view.intrinsics, max_side, level);
+    if (image.width() != l.view.intrinsics.width || image.height() != l.view.intrinsics.height)
+      image = resized(image, l.view.intrinsics.width, l.view.intrinsics.height);
+    l.srgb = encoded(image);
+  }
+  return photo;
+}
+
+Vec3f linear_at(const PhotoLevel& photo, size_t pixel) {
+  const size_t pixels = photo.srgb.size() / 3;
+  Vec3f linear;
+  for (size_t c = 0; c < 3; ++c)
+    linear[c] = linear_from_srgb(float(photo.srgb[c * pixels + pixel]) / 65535.f) / float(photo.view.gain[c]);
+  return linear;
+}
+
+void decode(const PhotoLevel& level, std::vector<float>& srgb) {
+  srgb.resize(level.srgb.size());
+  constexpr size_t kChunk = 1 << 16;
+  parallel_chunks(srgb.size(), kChunk, [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) srgb[i] = static_cast<float>(level.srgb[i]) * (1.f / 65535.f);
+  });
+}
+
+size_t pyramid_bytes(const ViewSet& view_set, int max_side) {
+  size_t bytes = 0;
+  for (const View& view : view_set.views)
+    for (size_t level = 0; level < kLevels; ++level) {
+      const Intrinsics k = level_intrinsics(view.intrinsics, max_side, level);
+      bytes += 3 * sizeof(uint16_t) * static_cast<size_t>(k.width) * static_cast<size_t>(k.height);
+    }
+  return bytes;
+}
+
+float near_plane(const ViewSet& set) {
+  constexpr float kLeast = 0.01f, kMost = 0.1f, kPart = 0.5f;
+  constexpr double kQuantile = 0.01;
+  std::vector<float> depths;
+  for (const View& view : set.views)
+    for (const auto& point : set.points)
+      if (const auto at = image_point(point.position, view)) depths.push_back(float(at->z));
+  if (depths.empty()) return kLeast;
+  return std::clamp(kPart * quantile_of(depths, kQuantile), kLeast, kMost);
+}
+
+Capture load_capture(const std::filesystem::path& sfm_folder, int max_side, int holdout_every) {
+  Capture capture;
+  capture.view_set = load_view_set(sfm_folder);
+  const auto& views = capture.view_set.views;
+  capture.photos.resize(views.size());
+  parallel_for(views.size(), 1, [&](size_t i) {
+    if (interrupt_signal() != 0) return;
+    const auto path = linear_image_path(sfm_folder, views[i]);
+    const ImageF linear = read_exr_rgb(path);
+    const Intrinsics& k = views[i].intrinsics;
+    if (linear.width() != k.width || linear.height() != k.height)
+      throw Error(ErrorKind::Input, "a photo and its camera have different sizes",
+                  {.where = path.string(),
+                   .why = fmt::format("the file has {} x {} pixels, the camera model {} x {}", linear.width(), linear.height(),
+                                      k.width, k.height),
+                   .hint = "run the sfm stage again",
+                   .code = "SIZE_MISMATCH"});
+    capture.photos[i] = make_photo(views[i], linear, max_side);
+  });
+  throw_if_interrupted();
+  for (size_t i = 0; i < views.size(); ++i) {
+    (is_heldout(i, holdout_every) ? capture.heldout : capture.train).push_back(static_cast<uint32_t>(i));
+    capture.largest_pixel_count = std::max(capture.largest_pixel_count, capture.photos[i].levels[0].srgb.size() / 3);
+  }
+  if (capture.train.empty())
+    throw Error(ErrorKind::Input, "no photo is left to train on",
+                {.where = sfm_folder.string(),
+                 .why = fmt::format("{} photos have poses and every {} is kept for the evaluation", views.size(), holdout_every),
+                 .hint = "--set optimize.holdout_every=0, or take more photos",
+                 .code = "NO_TRAINING_VIEW"});
+  capture.near_z = near_plane(capture.view_set);
+  capture.memory_bytes = pyramid_bytes(capture.view_set, max_side);
+  return capture;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,275 @@
+#include "core/learn/trainer/training.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/foundation/base/log.h"
+#include "core/foundation/base/parallel.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/rng.h"
+#include "core/learn/trainer/checkpoint.h"
+#include "core/learn/trainer/frozen_surfels.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kRecentLossDecay = 0.02;
+// Broken gradients: single ones happen at grazing surfels. A hundredth of all, or pictures without any surfel, ten steps in
+// a row, is a failing run.
+constexpr double kBadShare = 0.01;
+constexpr uint32_t kBadStreak = 10;
+// Fewer pictures in a row that show no surfel say nothing of the scene: a photo of the lens cap.
+constexpr uint32_t kBlankPictures = 3;
+
+LossRays loss_rays(const SecondaryRays& rays) {
+  return {.first_hit = rays.values.first_hit,
+          .mean_distance = rays.mean_distance,
+          .alpha = rays.alpha,
+          .wall = {},
+          .weight = rays.weight};
+}
+
+// Of the last reverse: sums over all passes that show surfels of the layer. nullptr: none did.
+const SurfelStatistics* statistics_of(const Frame& frame, LayerKind kind) {
+  if (kind == LayerKind::Diffuse) return &frame.statistics;
+  const SecondaryRays& rays = kind == LayerKind::Reflection ? frame.reflection : frame.transmission;
+  return rays.took_part ? &rays.statistics : nullptr;
+}
+
+}  // namespace
+
+std::vector<uint32_t> photo_order(std::span<const uint32_t> photos, uint64_t seed, uint64_t epoch) {
+  constexpr uint64_t kOrderStream = 0x7401;
+  std::vector<uint32_t> order(photos.begin(), photos.end());
+  Rng rng(seed, mix64(kOrderStream, epoch));
+  for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[rng.below(static_cast<uint32_t>(i + 1))]);
+  return order;
+}
+
+Training::Training(const TrainingDesc& desc, const ImageOptions& image, SplatScene start)
+    : scene_(std::move(start)), model_(image), desc_(desc) {
+  for (LayerKind kind : kAllLayers) layers_.emplace_back(scene_.layer(kind));
+}
+
+void Training::step() {
+  const StepPlan plan = this->plan();
+  const std::vector<uint32_t>& photos = desc_.capture.train;
+  const uint32_t photo = photo_order(photos, desc_.seed, step_ / photos.size())[step_ % photos.size()];
+  const PhotoLevel& level = desc_.capture.photos[photo].levels[plan.level];
+  model_.options() = plan.image;
+  for (const LossTerm& term : desc_.losses.terms())
+    model_.options().diffuse.distortion |= term.factory->name == "distortion" && term.schedule.at(plan.fraction) > 0;
+  decode(level, target_);
+  decode(desc_.targets.photos[photo][plan.level], images_);
+  weigh_pixels(plan.specular_weight, !plan.withheld.empty() && plan.withheld[photo] != 0);
+  choose_ray_pixels(plan);
+  model_.forward(scene_, level.view, frame_);
+  const double l1 = write_error_image(), loss = learn(plan, level.view);
+  if (!std::isfinite(loss))
+    throw Error(
+        ErrorKind::Diverged, "training broke down: the loss is not a number",
+        {.where = fmt::format("step {}, photo {}", step_, level.view.name), .hint = desc_.remedy, .code = "LOSS_NOT_FINITE"});
+  update(plan);
+  record(loss, l1);
+  ++step_;
+  end_step();
+}
+
+// No loss where the ignore mask says so, nor around an object that is trained alone: what surrounds it did not stand still. Less
+// on gloss until there is a layer to explain it; glass counts in full, as most of what it shows stands behind it.
+void Training::weigh_pixels(float specular_weight, bool withheld) {
+  const auto ignore = images_.mask(MaskClass::Ignore), object = images_.mask(MaskClass::Object);
+  const auto specular = images_.mask(MaskClass::Specular), transparent = images_.mask(MaskClass::Transparent);
+  weight_.clear();
+  const auto weigh = [&](std::span<const float> mask, const auto& weight_at) {
+    if (!mask.empty()) weight_.resize(mask.size(), 1.f);
+    for (size_t i = 0; i < mask.size(); ++i) weight_[i] *= weight_at(i);
+  };
+  weigh(ignore, [&](size_t i) { return 1 - ignore[i]; });
+  weigh(object, [&](size_t i) { return object[i]; });
+  if (withheld)
+    for (const std::span<const float> mask : {specular, transparent, std::span<const float>(images_.coat)})
+      weigh(mask, [&](size_t i) { return 1 - mask[i]; });
+  if (specular_weight == 1) return;
+  weigh(specular,
+        [&](size_t i) { return 1 + (specular_weight - 1) * (specular[i] * (transparent.empty() ? 1 : 1 - transparent[i])); });
+}
+
+void Training::choose_ray_pixels(const StepPlan& plan) {
+  const auto specular = images_.mask(MaskClass::Specular), transparent = images_.mask(MaskClass::Transparent);
+  gloss_.assign(specular.begin(), specular.end());
+  for (size_t i = 0; i < gloss_.size(); ++i) {
+    if (!plan.glass_sends_rays && !transparent.empty()) gloss_[i] *= 1 - transparent[i];
+    if (plan.coats_send_rays && !images_.coat.empty()) gloss_[i] = std::max(gloss_[i], images_.coat[i]);
+  }
+  frame_.seed = desc_.seed;
+  frame_.step = step_;
+  frame_.specular_mask = gloss_;
+  frame_.transparent_mask = plan.glass_sends_rays ? transparent : std::span<const float>();
+}
+
+// The difference in the displayed picture, a mean over the channels, weighted. Returns its unweighted mean.
+double Training::write_error_image() {
+  const size_t pixels = frame_.pixel_count();
+  frame_.error_image.resize(pixels);
+  constexpr size_t kChunk = 1 << 14;
+  std::vector<double> sums(chunk_count(pixels, kChunk));
+  parallel_chunks(pixels, kChunk, [&](size_t chunk, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      frame_.error_image[i] = (std::abs(frame_.srgb[i] - target_[i]) + std::abs(frame_.srgb[pixels + i] - target_[pixels + i]) +
+                               std::abs(frame_.srgb[2 * pixels + i] - target_[2 * pixels + i])) /
+                              3.f;
+    for (size_t i = begin; i < end; ++i) sums[chunk] += frame_.error_image[i];
+    for (size_t i = begin; i < end && !weight_.empty(); ++i) frame_.error_image[i] *= weight_[i];
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / double(pixels);
+}
+
+// Losses of a frame that went forward; `grad_` becomes their gradient.
+double Training::learn(const StepPlan& plan, const View& view) {
+  for (LayerKind kind : kAllLayers) {
+    const SplatLayer& layer = scene_.layer(kind);
+    SplatLayer& grad = grad_.layer(kind);
+    if (grad.size() != layer.size() || grad.sh_degree() != layer.sh_degree()) grad = layer.zeros_like();
+    grad.fill(0.f);
+  }
+  const LossInput input{.view = &view,
+                        .raster = &frame_.diffuse,
+                        .prediction_srgb = frame_.srgb,
+                        .target_srgb = target_,
+                        .weight = weight_,
+                        .diffuse = &scene_.diffuse,
+                        .targets = images_.spans(),
+                        .step = step_,
+                        .reflection = loss_rays(frame_.reflection),
+                        .transmission = loss_rays(frame_.transmission)};
+  LossGradient gradient{.raster = &frame_.grad_diffuse,
+                        .prediction_srgb = frame_.grad_srgb,
+                        .diffuse = &grad_.diffuse,
+                        .reflection_first_hit = frame_.reflection.gradients.first_hit,
+                        .transmission_first_hit = frame_.transmission.gradients.first_hit};
+  const LossValues values = desc_.losses.evaluate(plan.fraction, input, gradient);
+  model_.backward(scene_, frame_, grad_);
+  return values.total;
+}
+
+void Training::update(const StepPlan& plan) {
+  damping_.clear();
+  if (plan.glass_factor) freeze_glass(scene_.diffuse, *plan.glass_factor, damping_, frame_.statistics.error, grad_.diffuse);
+  if (plan.known_gloss) freeze_mirrors(scene_.diffuse, *plan.known_gloss, plan.gloss_factor, damping_);
+  DescentCounts worst;
+  bool blank = false;
+  broken_ = false;
+  for (LayerKind kind : kAllLayers) {
+    const SurfelStatistics* const statistics = statistics_of(frame_, kind);
+    if (!statistics) continue;
+    const bool diffuse = kind == LayerKind::Diffuse;
+    const DescentCounts done =
+        training(kind).descend(grad_.layer(kind), *statistics,
+                               {.rates = plan.rates[static_cast<size_t>(kind)],
+                                .damping = diffuse ? std::span<const float>(damping_) : std::span<const float>(),
+                                .rarest = plan.rarest,
+                                .trained = scene_.layer(kind).size() - (diffuse ? plan.untrained : 0)},
+                               scene_.layer(kind));
+    const bool bad = double(done.skipped) > kBadShare * double(done.active);
+    if (bad && !broken_) worst = done;
+    broken_ |= bad;
+    blank |= diffuse && done.active == 0;
+  }
+  if (plan.shapes) plan.shapes->descend(model_.shape().gradients(), plan.shape_rates);
+  if (plan.one_glass) share_glass(scene_.diffuse);
+  bad_streak_ = broken_ || blank ? bad_streak_ + 1 : 0;
+  if (bad_streak_ >= kBadStreak)
+    throw Error(ErrorKind::Diverged, "training broke down: the surfels are gone or their gradients are not numbers",
+                {.where = fmt::format("step {}, photo {}", step_, frame_.view->name),
+                 .why = worst.active == 0 ? fmt::format("{} pictures in a row show no surfel", bad_streak_)
+                                          : fmt::format("{} of {} gradients of visible surfels are broken, {} steps in a row",
+                                                        worst.skipped, worst.active, bad_streak_),
+                 .hint = desc_.remedy,
+                 .code = "GRADIENTS_NOT_FINITE"});
+}
+
+bool Training::sound() const {
+  if (broken_ || bad_streak_ >= kBlankPictures) return false;
+  size_t all = 0, broken = 0;
+  for (LayerKind kind : kAllLayers) {
+    const SplatLayer& layer = scene_.layer(kind);
+    std::vector<float> poison(layer.size(), 0.f);  // x * 0 is 0 for numbers alone
+    for (const AttributeRow& r : kAttributes)
+      for (size_t i = 0, width = layer.width(r.id); width > 0 && i < layer.size(); ++i)
+        for (size_t c = 0; c < width; ++c) poison[i] += layer.at(r.id, i)[c] * 0.f;
+    all += layer.size();
+    broken += layer.size() - static_cast<size_t>(std::count(poison.begin(), poison.end(), 0.f));
+  }
+  return double(broken) <= kBadShare * double(all);
+}
+
+void Training::record(double loss, double l1) {
+  recent_loss_ = step_ == 0 ? loss : recent_loss_ + kRecentLossDecay * (loss - recent_loss_);
+  const size_t photos = desc_.capture.train.size();
+  epoch_.loss += loss / double(photos);
+  epoch_.l1 += l1 / double(photos);
+  if ((step_ + 1) % photos != 0) return;
+  epoch_.step = step_ + 1;
+  epoch_.surfels = scene_.diffuse.size();
+  epochs_.push_back(epoch_);
+  epoch_ = {};
+}
+
+void Training::run(const Run& run) {
+  const auto keep = [&] {
+    const bool worth = sound();
+    if (worth) {
+      Archive state;
+      transfer(state);
+      write_checkpoint(run.checkpoint, state.bytes());
+      run.after_checkpoint();
+    } else {
+      log_info("step {}: surfels are gone or no numbers; the checkpoint before it stays", step_);
+    }
+    return worth;
+  };
+  while (!finished()) {
+    if (interrupt_signal() != 0) {
+      if (keep()) log_info("checkpoint saved (step {})", step_);
+      throw_if_interrupted();
+    }
+    step();
+    run.after_step();
+    const auto every = static_cast<uint64_t>(run.checkpoint_every);
+    if (finished() || (every > 0 && step_ % every == 0)) keep();
+  }
+}
+
+bool Training::resume(const std::filesystem::path& checkpoint, const std::function<void(const std::string&)>& damaged) {
+  try {
+    const std::optional<std::string> state = read_checkpoint(checkpoint);
+    if (!state) return false;
+    Archive archive(*state);
+    transfer(archive);
+    if (!archive.at_end()) archive.fail();
+  } catch (const Error& error) {
+    damaged(error.what());
+    return false;
+  }
+  log_info("continues at step {}", step_);
+  return true;
+}
+
+void Training::transfer(Archive& archive) {
+  archive.value(step_);
+  archive.value(bad_streak_);
+  archive.value(recent_loss_);
+  archive.value(epoch_);
+  archive.array(epochs_);
+  for (LayerKind kind : kAllLayers) {
+    SplatLayer& layer = scene_.layer(kind);
+    archive.layer(layer);
+    training(kind).transfer(archive);
+    if (layer.kind() != kind || training(kind).size() != layer.size()) archive.fail("its parts have different sizes");
+  }
+}
+
+}  // namespace vitrine

@@ -1,0 +1,49 @@
+// A silhouette: the pixels of a photo that show an object, as its camera sees them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/scene/camera/mask_class.h"
+#include "core/scene/camera/view.h"
+#include "core/scene/image/image.h"
+
+namespace vitrine {
+
+struct Silhouette {
+  View view;     // intrinsics of the size of `value`
+  ImageF value;  // [h,w,1] coverage: at least one half = shows the object; negative = unknown
+};
+
+// Coverage 0 or 1, [h,w] of the view.
+Silhouette silhouette(const View& view, const std::vector<uint8_t>& inside);
+
+// Coverage between pixel centres, at (x, y) of the picture; negative where one of the four pixels is unknown or outside.
+float coverage_at(const ImageF& value, double x, double y);
+
+// 1 where meets(pixel, eye, direction of the pixel's ray), [h,w] of the view.
+template <class Meets>
+std::vector<uint8_t> mask_of_rays(const View& view, const Meets& meets) {
+  const Intrinsics& k = view.intrinsics;
+  std::vector<uint8_t> inside(k.pixel_count(), 0);
+  const Vec3d eye = view.centre_in_world();
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x) {
+      const size_t pixel = k.index(x, y);
+      inside[pixel] = meets(pixel, eye, view.ray(x + 0.5, y + 0.5));
+    }
+  return inside;
+}
+
+// That of a class of masks, as the masks stage leaves them (core/scene/camera/view_masks.h), in one photo, `size` pixels large;
+// nullopt: the class has no mask of it. Pixels of glass are unknown in the silhouettes of other classes: what they mark is seen
+// through it.
+std::optional<Silhouette> mask_silhouette(const std::filesystem::path& masks, MaskClass kind, const View& photo,
+                                          const Intrinsics& size);
+
+// Some pixel shows an object.
+bool marks_something(const Silhouette& silhouette);
+
+}  // namespace vitrine

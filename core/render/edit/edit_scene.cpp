@@ -1,0 +1,147 @@
+#include "core/render/edit/edit_scene.h"
+
+#include <algorithm>
+
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/parallel.h"
+#include "core/scene/mesh/mesh_distance.h"
+#include "core/scene/mesh/mesh_io.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/render/model/thick_glass.h"
+#include "core/scene/surfels/scene_io.h"
+#include "core/scene/surfels/splat_scene.h"
+#include "core/scene/shape/shape_set.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kOnShape = 1.7;  // maximum distance to a shape, in units of its tolerance
+constexpr size_t kShellFaces = 256;
+
+template <class T>
+std::vector<T> remaining(const std::vector<T>& values, const std::vector<uint8_t>& keep) {
+  std::vector<T> out;
+  for (size_t i = 0; i < values.size(); ++i)
+    if (keep[i]) out.push_back(values[i]);
+  return out;
+}
+
+DecomposedMaterials remaining(const DecomposedMaterials& m, const Parts& keep) {
+  return {remaining(m.albedo, keep.diffuse),       remaining(m.roughness, keep.diffuse),
+          remaining(m.f0, keep.diffuse),           remaining(m.specular_weight, keep.diffuse),
+          remaining(m.transmission, keep.diffuse), remaining(m.albedo_behind_glass, keep.transmittance)};
+}
+
+// Keeps a shape while at least half of the surfels that show it remain: mirrors, coats, sheets of glass. A sheet without surfels
+// is kept. Appendages go with the shape they are attached to.
+std::shared_ptr<const ShapeSet> remaining(std::shared_ptr<const ShapeSet> set, const SplatLayer& surfels,
+                                          const std::vector<uint8_t>& keep) {
+  if (!set || std::ranges::all_of(keep, [](uint8_t there) { return there != 0; })) return set;
+  std::vector<uint8_t> stays;
+  for (const ShapeSet::Entry& e : set->entries) {
+    size_t all = 0, left = 0;
+    for (size_t i = 0; i < surfels.size(); ++i) {
+      if (!shows_shape(e, surfels, i)) continue;
+      ++all, left += keep[i];
+    }
+    stays.push_back(all > 0 ? 2 * left >= all : is_glass(e.role));
+  }
+  ShapeSet out = set->kept(stays);
+  return out.entries.empty() ? nullptr : std::make_shared<const ShapeSet>(std::move(out));
+}
+
+fs::path behind_glass_path(const fs::path& mesh) { return mesh / "mesh" / "behind_glass.ply"; }
+
+// The shell was smoothed from the mesh: each shell face follows its nearest mesh face.
+std::shared_ptr<const ThickGlass> remaining(std::shared_ptr<const ThickGlass> glass, const TriMesh& mesh,
+                                            const std::vector<uint8_t>& faces) {
+  if (!glass || std::ranges::all_of(faces, [](uint8_t there) { return there != 0; })) return glass;
+  const MeshDistance places(mesh);
+  const TriMesh& shell = glass->mesh();
+  std::vector<uint8_t> keep(shell.faces.size());
+  parallel_for(keep.size(), kShellFaces, [&](size_t f) {
+    const auto& v = shell.faces[f];
+    keep[f] = faces[places.closest((shell.positions[v[0]] + shell.positions[v[1]] + shell.positions[v[2]]) / 3.f).face];
+  });
+  TriMesh left = submesh(shell, keep);
+  if (left.faces.empty()) return nullptr;
+  return std::make_shared<const ThickGlass>(std::move(left), glass->ior(), glass->tolerance());
+}
+
+// Faces that keep all their vertices.
+std::vector<uint8_t> whole_faces(const TriMesh& mesh, const std::vector<uint8_t>& vertices) {
+  std::vector<uint8_t> keep(mesh.faces.size());
+  for (size_t f = 0; f < keep.size(); ++f)
+    keep[f] = std::ranges::all_of(mesh.faces[f], [&](uint32_t v) { return vertices[v] != 0; });
+  return keep;
+}
+
+}  // namespace
+
+bool shows_shape(const ShapeSet::Entry& entry, const SplatLayer& surfels, size_t i) {
+  if (entry.role == ShapeRole::Mirror && *surfels.at(Attribute::SpecularWeight, i) < 0) return false;  // k_s < 1/2
+  if (is_glass(entry.role) && *surfels.at(Attribute::Transmission, i) < 0) return false;               // tau < 1/2
+  const float* m = surfels.at(Attribute::Mean, i);
+  const Vec3d p{m[0], m[1], m[2]};
+  return length(nearest(entry.shape, p).position - p) <= kOnShape * entry.tolerance;
+}
+
+EditScene read_edit_scene(const EditFolders& folders) {
+  EditScene scene;
+  scene.trained = read_trained_scene(folders.optimize, folders.refine);
+  scene.mesh = read_mesh_ply(folders.mesh / "mesh" / "mesh.ply");
+  if (scene.mesh.faces.empty())
+    throw Error(ErrorKind::Input, "the mesh is empty",
+                {.where = (folders.mesh / "mesh" / "mesh.ply").string(),
+                 .hint = "run the stage mesh again, with other options",
+                 .code = "EMPTY_MESH"});
+  if (folders.decompose) {
+    scene.materials = read_decomposed_materials(*folders.decompose, scene.trained.surfels);
+    const fs::path walls = decomposed_surroundings_path(*folders.decompose);
+    std::error_code ec;
+    if (fs::exists(walls, ec)) scene.surroundings = read_mesh_ply(walls);
+  }
+  if (const fs::path content = behind_glass_path(folders.mesh); fs::exists(content)) scene.content = read_mesh_ply(content);
+  scene.there.diffuse.assign(scene.trained.surfels.diffuse.size(), 1);
+  scene.there.transmittance.assign(scene.trained.surfels.transmittance.size(), 1);
+  scene.there.vertices.assign(scene.mesh.positions.size(), 1);
+  scene.there.faces.assign(scene.mesh.faces.size(), 1);
+  scene.there.walls.assign(scene.surroundings.positions.size(), 1);
+  scene.there.content.assign(scene.content.positions.size(), 1);
+  return scene;
+}
+
+void write_edit_scene(const EditScene& scene, const EditFolders& from, const fs::path& folder) {
+  for (const char* sub : {"gaussians", "optimize", "mesh"}) make_folders(folder / sub);
+  const SplatScene& surfels = scene.trained.surfels;
+  const auto write = [&](const SplatLayer& layer) {
+    if (layer.size() > 0) write_layer(folder / "gaussians" / fmt::format("{}.ply", name(layer.kind())), layer);
+  };
+  write(kept_surfels(surfels.diffuse, scene.there.diffuse));
+  write(surfels.reflection);  // the opaque twin is not written: it shows the scene before all edits
+  write(kept_surfels(surfels.transmittance, scene.there.transmittance));
+  write_mesh_ply(folder / "mesh" / "mesh.ply", submesh(scene.mesh, scene.there.faces));
+  const auto copy = [&](const fs::path& source, const fs::path& relative) {
+    std::error_code ec;
+    if (fs::exists(source / relative, ec)) write_file(folder / relative, read_file(source / relative));
+  };
+  if (const TriMesh content = submesh(scene.content, whole_faces(scene.content, scene.there.content)); !content.faces.empty())
+    write_mesh_ply(behind_glass_path(folder), content);
+  ImageOptions image = scene.trained.image;
+  image.transmission.thick = remaining(image.transmission.thick, scene.mesh, scene.there.faces);
+  image.shape.set = remaining(image.shape.set, surfels.diffuse, scene.there.diffuse);
+  if (image.panes.mirrored < scene.there.diffuse.size())
+    image.panes.mirrored = static_cast<size_t>(
+        std::count(scene.there.diffuse.begin(), scene.there.diffuse.begin() + static_cast<ptrdiff_t>(image.panes.mirrored), 1));
+  write_image_options(folder / "optimize" / "model.json", image);
+  copy(from.optimize, fs::path("optimize") / "views.json");
+  if (!from.decompose) return;
+  write_decomposed_materials(folder, remaining(*scene.materials, scene.there));
+  copy(*from.decompose, fs::path("decompose") / "environment.exr");
+  const TriMesh walls = submesh(scene.surroundings, whole_faces(scene.surroundings, scene.there.walls));
+  if (!walls.faces.empty()) write_mesh_ply(decomposed_surroundings_path(folder), walls);
+}
+
+}  // namespace vitrine

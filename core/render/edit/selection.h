@@ -1,0 +1,71 @@
+// Surfels and mesh parts that a Selector selects.
+//   class      surfels and vertices that the photos show inside the masks. Parts that no photo sees are selected if they project
+//              into the masks of nearly all photos (core/render/picture/part_labels.h).
+//   object     surfels and vertices that store the id of the object (core/scene/objects)
+//   box        positions inside the box
+//   marks      positions that project into the marked region of every marked photo
+//   component  a connected component of the mesh, the surfels near it, and the content behind its glass
+// The mesh behind glass is selected like the surfels behind glass. A face is selected if two of its vertices are. Nothing selects
+// the reflection layer: it holds mirrored positions.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/scene/camera/view.h"
+#include "core/render/edit/edit_scene.h"
+#include "core/render/edit/selector.h"
+#include "core/scene/image/image.h"
+#include "core/scene/mesh/mesh_distance.h"
+#include "core/scene/mesh/mesh_topology.h"
+#include "core/scene/objects/object_labels.h"
+
+namespace vitrine {
+
+struct MeshComponent {
+  size_t faces = 0;
+  Bounds3 box;
+};
+
+class SceneSelector {
+ public:
+  // All arguments but the pixels must outlive this object. Material edits and deletions do not change selections.
+  SceneSelector(const EditScene& scene, std::span<const View> views, ClassPixels pixels);
+
+  // Includes deleted parts. Throws Error{Input} at `where` when a class has no masks, or an object or component does not exist.
+  Parts select(const Selector& selector, const std::string& where);
+  const std::vector<MeshComponent>& components() const { return components_; }  // largest first
+
+  const ObjectSet& objects() const { return pixels_.objects(); }
+  // Classes with at least one mask.
+  std::vector<MaskClass> classes() const;
+  // Component of each surfel, numbered as in Selector; 0: none.
+  struct SurfelComponents {
+    std::vector<uint32_t> diffuse, transmittance;
+  };
+  const SurfelComponents& surfel_components() const;
+
+ private:
+  const Parts& of_class(MaskClass kind, const std::string& where);
+  Parts of_object(const std::string& name, const std::string& where) const;
+  // component_near: within reach of a component. component_around: also behind its surface (content of glass). 0: none.
+  uint32_t component_near(const Vec3f& p) const;
+  uint32_t component_around(const Vec3f& p) const;
+  Parts of_component(size_t component, const std::string& where) const;
+  Parts where_place(const std::function<bool(const Vec3d&)>& inside) const;
+
+  const EditScene& scene_;
+  std::span<const View> views_;
+  ClassPixels pixels_;
+  std::map<MaskClass, Parts> classes_;
+  MeshDistance distance_;
+  float reach_ = 0;
+  std::vector<uint32_t> component_of_face_;  // index into components_
+  std::vector<MeshComponent> components_;
+  mutable std::optional<SurfelComponents> surfel_components_;  // cached
+};
+
+}  // namespace vitrine

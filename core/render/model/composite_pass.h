@@ -1,0 +1,34 @@
+// Puts the layers together in linear light (kernels/layer_blend.h):  linear = w_d C_d + w_r C_r + w_t C_t  in shaded pixels; the
+// others keep the diffuse radiance. The reverse turns frame.grad_linear into the gradient of the diffuse radiance and leaves
+// those of the other radiances and of the materials with the groups of pixels.
+#pragma once
+
+#include "core/render/model/pass.h"
+
+namespace vitrine {
+
+class GBuffer;
+
+class CompositePass final : public Pass {
+ public:
+  std::string_view name() const override { return "composite"; }
+  PassAccess access() const override {
+    return {.reads = {FramePart::DiffuseChannels, FramePart::Surfaces, FramePart::ReflectionAskers, FramePart::TransmissionAskers,
+                      FramePart::BehindGlass, FramePart::Panes, FramePart::ReflectedRadiance, FramePart::TransmittedRadiance,
+                      FramePart::Coats},
+            .writes = {FramePart::PictureWeights, FramePart::LayerImages},
+            .adds = {FramePart::Linear}};
+  }
+
+  void forward(const SplatScene& scene, Frame& frame) override;
+  void backward(const SplatScene& scene, Frame& frame, SplatScene& grad) override;
+
+ private:
+  float gate(const Frame& frame, uint32_t pixel) const;
+  void behind_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
+  void mirrors_backward(Frame& frame, const GBuffer& buffer, size_t group) const;
+
+  std::vector<float> reflected_;  // [h,w] sqrt of the mean of w_r C_r, for the gate
+};
+
+}  // namespace vitrine

@@ -1,0 +1,46 @@
+// Visible surfels -> a list per tile, roughly by depth (README 6): radix sort by the depth of the mean, exact ellipse/tile test,
+// counting scatter. The result depends on the input alone, not on the threads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/foundation/base/plain_array.h"
+#include "core/render/raster/cpu/raster_pass.h"
+#include "core/render/raster/cpu/wanted_pixels.h"
+
+namespace vitrine::cpu {
+
+class TileBinning {
+ public:
+  // `visible`: indices into bounds, ascending. Tiles are numbered row by row; those without a wanted pixel get no surfels.
+  void build(const std::vector<uint32_t>& visible, const SplatBounds* bounds, const WantedPixels& wanted, int width, int height);
+
+  int tiles_x() const { return tiles_x_; }
+  size_t tile_count() const { return tile_begin_.size() - 1; }
+  size_t instance_count() const { return tile_begin_.back(); }
+  uint32_t tile_begin(size_t tile) const { return tile_begin_[tile]; }
+  uint32_t tile_size(size_t tile) const { return tile_begin_[tile + 1] - tile_begin_[tile]; }
+  // Surfels of all tiles, tile after tile.
+  const uint32_t* instances() const { return instances_.data(); }
+
+  // The other way round: where the instances of a surfel are, in tile order. `rank` is its place in the sorted order.
+  const uint32_t* rank() const { return rank_.data(); }
+  const uint32_t* surfel_begin() const { return surfel_begin_.data(); }  // by rank, one more than surfels
+  const uint32_t* instance_of_surfel() const { return instance_of_surfel_.data(); }
+
+ private:
+  struct Chunk {                  // of consecutive surfels in sorted order
+    std::vector<uint32_t> tiles;  // of each surfel, one after the other
+    std::vector<uint32_t> count;  // per tile; later the next free instance
+  };
+  void sort_by_depth(const std::vector<uint32_t>& visible, const SplatBounds* bounds);
+
+  int tiles_x_ = 0, tiles_y_ = 0;
+  std::vector<uint32_t> order_, keys_, other_order_, other_keys_;
+  std::vector<Chunk> chunks_;
+  std::vector<uint32_t> tile_begin_, surfel_begin_;
+  PlainArray<uint32_t> instances_, instance_of_surfel_, rank_;
+};
+
+}  // namespace vitrine::cpu

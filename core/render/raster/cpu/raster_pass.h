@@ -1,0 +1,124 @@
+// Between the renderer and its SIMD passes: plain data and a table of functions, one table per instruction set. The passes are
+// compiled from the same source (pass.inc) in two translation units with different flags; only plain structs and raw pointers
+// cross, so that no inline function of a shared header can be emitted with AVX-512 instructions and linked into the AVX2 path.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/render/raster/kernels/splat_weight.h"
+
+namespace vitrine::cpu {
+
+inline constexpr int kTileSide = 16, kBlockSide = 4, kBlocks = 16;  // a SIMD vector is a block of 4x4 pixels
+inline constexpr int kLanes = 16;
+inline constexpr size_t kMaxFeatureSlots = 12;
+inline constexpr size_t kMaxChannels = kMaxFeatureSlots + 5;
+inline constexpr size_t kRecordFloats = 32;
+inline constexpr uint32_t kSpareSlots = 8;
+// Lists start at multiples of a vector.
+inline constexpr uint32_t list_capacity(uint32_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+// Everything that the inner loops read of one surfel. Two cache lines.
+struct alignas(64) RasterSplat {
+  SplatConstants<float> constants;
+  float features[kMaxFeatureSlots];
+  uint32_t id;  // index in the layer
+  uint32_t unused[7];
+};
+static_assert(sizeof(RasterSplat) == 128);
+
+// Where the surfel can be seen: the ellipse rho3d <= cut as y^2 inv_yy + (x - shear_xy y)^2 inv_xx <= 1 around (ex, ey), and the
+// disc of the low-pass around the projected mean. Boxes are pixels, inclusive.
+struct alignas(64) SplatBounds {
+  float ex, ey, inv_yy, inv_xx, shear_xy, shear_yx;
+  float disc_r2;        // negative: no low-pass
+  float z_low, z_high;  // of the part of the disc u^2 + v^2 <= cut in front of the eye
+  float cx, cy, z0, h0, h1;
+  int16_t x_first, x_last, y_first, y_last;
+};
+static_assert(sizeof(SplatBounds) == 64);
+
+struct LayerPointers {  // raw values or gradients; material pointers are null where the layer has none
+  float *mean, *rotation, *log_scale, *opacity, *sh_dc, *sh_rest;
+  float* material[4];
+  int sh_rest_width;
+};
+
+struct PassView {
+  float fx, fy, cx, cy;
+  float rotation[9], translation[3], eye[3];  // columns of cam_from_world
+  float near_z, far_z, low_pass;
+  float background[3];
+  int width, height, sh_degree, features;
+  bool distortion;
+  // Per pixel the forward pass keeps this many floats for the backward pass: median_z and, with distortion, alpha, sum w q,
+  // sum w q^2, pivot.
+  int kept_channels() const { return distortion ? 5 : 1; }
+};
+
+struct TileTask {
+  int x0, y0;
+  const uint32_t* instances;  // [count], indices into splats and bounds
+  uint32_t count;
+  const RasterSplat* splats;
+  const SplatBounds* bounds;
+  float* kept;             // [kBlocks][kept_channels][kLanes], written by forward, read by backward
+  const uint16_t* wanted;  // [kBlocks] bits of the pixels that are; null: all
+  uint16_t wanted_blocks;  // bits of the blocks that have one
+  // Scratch of the calling thread.
+  float* pixels;       // [kMaxChannels][kBlocks][kLanes], channels in the order of TileImages
+  RasterSplat* local;  // [count]
+  // Lists of the blocks, list b from list_offset[b] on. Forward: unsorted first, with the smallest z of each surfel in the block;
+  // then `list` has, in order, the surfels that were blended. Backward reads that. Indices are within the tile.
+  uint32_t* list;
+  float* z_min;
+  uint32_t* list_offset;  // [kBlocks + 1]
+  uint32_t* list_size;    // [kBlocks]
+  uint32_t* sorted;       // one list
+  float* sorted_z;
+  unsigned char* slots;  // [count + kSpareSlots] of the pass's own slot type
+  uint32_t* fragments;   // [2] out: fragments, vectors evaluated
+};
+
+// Whole images, out of forward; their gradients, into backward, where null stands for zero. The pixels of a tile have the
+// features as their first channels, then the others in this order.
+template <class Plane>
+struct TilePlanes {
+  Plane features[kMaxFeatureSlots];
+  Plane zdepth, alpha, median_z, distortion;
+};
+using TileImages = TilePlanes<float*>;
+struct TileGradients : TilePlanes<const float*> {
+  const float* error;  // the error image, one channel more
+  float* records;      // [count][kRecordFloats]
+};
+
+struct GradientTask {
+  const LayerPointers* values;
+  const LayerPointers* grad;
+  const RasterSplat* splats;
+  const uint32_t* batch;         // splats of this batch, [count <= kLanes], in the order of the layer
+  uint32_t count, available;     // `available`: splats from batch[0] to the end of the layer
+  const uint32_t* rank;          // of a splat in the sorted order
+  const uint32_t* record_begin;  // by rank, into record_index
+  const uint32_t* record_index;
+  const float* records;
+  float *screen_gradient, *weight, *error;  // null: no statistics
+};
+
+struct PassTable {
+  const char* tag;
+  size_t forward_slot_bytes, backward_slot_bytes;
+  // Projects surfels [first, first + count) of the layer; writes the visible ones one after the other, returns how many.
+  uint32_t (*project)(const LayerPointers& layer, const PassView& view, uint32_t first, uint32_t count, RasterSplat* splats,
+                      SplatBounds* bounds);
+  void (*forward_tile)(const PassView& view, const TileTask& task, const TileImages& images);
+  void (*backward_tile)(const PassView& view, const TileTask& task, const TileGradients& gradients);
+  void (*gradients)(const PassView& view, const GradientTask& task);
+};
+
+const PassTable& avx2_passes();
+const PassTable& avx512_passes();
+
+}  // namespace vitrine::cpu

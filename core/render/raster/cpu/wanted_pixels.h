@@ -1,0 +1,35 @@
+// Which pixels of a picture are wanted (RasterDesc::wanted), as the tiles, the blocks and the surfels of a pass ask for it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/render/raster/cpu/raster_pass.h"
+
+namespace vitrine::cpu {
+
+class WantedPixels {
+ public:
+  // `wanted`: [height, width]; empty: all pixels are, and nothing is kept.
+  void build(std::span<const uint8_t> wanted, int width, int height);
+
+  bool all() const { return tiles_.empty(); }
+  // Not to be called when all are wanted. Bit b: a pixel of block b is wanted.
+  uint16_t blocks(size_t tile) const { return tiles_[tile].blocks; }
+  // The pixels of each block of the tile, bit by bit, in the order of lanes. [kBlocks]
+  const uint16_t* pixels(size_t tile) const { return tiles_[tile].pixels; }
+  // Whether a tile that this surfel's box meets has a wanted pixel.
+  bool meets(const SplatBounds& bounds) const;
+
+ private:
+  struct Tile {
+    uint16_t pixels[kBlocks];
+    uint16_t blocks;
+  };
+  int tiles_x_ = 0;
+  std::vector<Tile> tiles_;
+  std::vector<uint32_t> before_;  // tiles with a wanted pixel above and to the left of a corner, [tiles_y + 1, tiles_x + 1]
+};
+
+}  // namespace vitrine::cpu

@@ -1,0 +1,56 @@
+// Renders a scene under another light (README). The surface of each pixel is rasterised from the surfels and shaded with the
+// materials of the decompose stage; rays for shadows, reflections and one bounce are traced through the mesh.
+//
+//   RelitPainter painter(scene);
+//   painter.set_lighting(lighting);                     // computes the light on the mesh and behind glass, once
+//   RelitPicture p = painter.picture(view, {.samples = 64});
+//
+// Same scene, lighting, view and desc give the same bytes for any number of threads.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "core/render/model/layered_model.h"
+#include "core/render/relight/glass_content.h"
+
+namespace vitrine {
+
+struct RelitPictureDesc {
+  int samples = 64;  // per pixel; each traces one ray to the light and one into the material's lobe
+  uint64_t seed = 1;
+  std::function<void(double)> progress = {};  // fraction done; called from one thread
+};
+
+struct RelitPicture {
+  ImageF radiance;  // [h, w, 3] linear, in the units of the lighting; the environment where there is no surface
+  ImageF albedo;    // [h, w, 3] of the surface, times coverage
+  ImageF coverage;  // [h, w, 1] of the surfels
+};
+
+class RelitPainter {
+ public:
+  explicit RelitPainter(RelitScene scene);
+  RelitPainter(const RelitPainter&) = delete;
+  RelitPainter& operator=(const RelitPainter&) = delete;
+
+  // Takes seconds to a minute; throws (core/foundation/base/process.h) when the program is asked to stop.
+  void set_lighting(Lighting lighting, const LitSceneDesc& desc = {});
+  // At the size of the view's intrinsics; its gain is ignored.
+  RelitPicture picture(const View& view, const RelitPictureDesc& desc = {});
+
+  const RelitScene& scene() const { return scene_; }
+  const LitScene& lit() const { return *lit_; }
+
+ private:
+  RelitScene scene_;
+  SceneSurface surface_;
+  GlassContent glass_;
+  SplatScene shown_;  // diffuse surfels with albedo and materials
+  LayeredModel model_;
+  Frame frame_;
+  Lighting lighting_;
+  std::unique_ptr<LitScene> lit_;
+};
+
+}  // namespace vitrine

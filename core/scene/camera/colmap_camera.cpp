@@ -1,0 +1,105 @@
+// Projection of the COLMAP camera models that a rectilinear photo needs. With (u, v) the ideal direction and r2 = u^2 + v^2:
+//   SIMPLE_RADIAL, RADIAL:  d = (k1 r2 + k2 r2^2) (u, v)
+//   OPENCV:                 d = (k1 r2 + k2 r2^2) (u, v) + (2 p1 u v + p2 (r2 + 2 u^2), 2 p2 u v + p1 (r2 + 2 v^2))
+//   pixel = f (u + d_u, v + d_v) + c
+#include <cmath>
+
+#include "core/foundation/base/error.h"
+#include "core/scene/camera/colmap_model.h"
+
+namespace vitrine {
+
+namespace {
+
+enum Model { kSimplePinhole = 0, kPinhole = 1, kSimpleRadial = 2, kRadial = 3, kOpenCv = 4 };
+
+struct Lens {
+  double fx, fy, cx, cy;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
+};
+
+Lens lens_of(const ColmapCamera& camera) {
+  const std::vector<double>& p = camera.params;
+  switch (camera.model_id) {
+    case kSimplePinhole:
+      return {p[0], p[0], p[1], p[2]};
+    case kPinhole:
+      return {p[0], p[1], p[2], p[3]};
+    case kSimpleRadial:
+      return {p[0], p[0], p[1], p[2], p[3]};
+    case kRadial:
+      return {p[0], p[0], p[1], p[2], p[3], p[4]};
+    case kOpenCv:
+      return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]};
+    default:
+      break;
+  }
+  const ColmapCameraType* type = colmap_camera_type(camera.model_id);
+  throw Error(
+      ErrorKind::Input, "this camera model cannot be undistorted",
+      {.where = fmt::format("camera {}", camera.id),
+       .why = fmt::format("its model is {} (id {}); supported are SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV",
+                          type ? type->name : "unknown", camera.model_id),
+       .hint = "undistort the model first: colmap image_undistorter --output_type COLMAP",
+       .code = "CAMERA_MODEL_UNSUPPORTED"});
+}
+
+// The distorted direction, and its Jacobian (row-major 2x2) when asked for.
+Vec2d distorted(const Lens& lens, const Vec2d& d, double* jacobian) {
+  const double u = d.x, v = d.y, r2 = u * u + v * v;
+  const double radial = 1 + r2 * (lens.k1 + lens.k2 * r2);
+  if (jacobian) {
+    const double slope = 2 * (lens.k1 + 2 * lens.k2 * r2);  // d radial / d (r2 / 2)
+    jacobian[0] = radial + slope * u * u + 2 * lens.p1 * v + 6 * lens.p2 * u;
+    jacobian[1] = slope * u * v + 2 * lens.p1 * u + 2 * lens.p2 * v;
+    jacobian[2] = jacobian[1];
+    jacobian[3] = radial + slope * v * v + 2 * lens.p2 * u + 6 * lens.p1 * v;
+  }
+  return {u * radial + 2 * lens.p1 * u * v + lens.p2 * (r2 + 2 * u * u),
+          v * radial + 2 * lens.p2 * u * v + lens.p1 * (r2 + 2 * v * v)};
+}
+
+}  // namespace
+
+Vec2d project(const ColmapCamera& camera, const Vec2d& direction) {
+  const Lens lens = lens_of(camera);
+  const Vec2d d = distorted(lens, direction, nullptr);
+  return {lens.fx * d.x + lens.cx, lens.fy * d.y + lens.cy};
+}
+
+std::optional<Vec2d> unproject(const ColmapCamera& camera, const Vec2d& pixel) {
+  const Lens lens = lens_of(camera);
+  const Vec2d target{(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
+  Vec2d d = target;
+  if (lens.k1 == 0 && lens.k2 == 0 && lens.p1 == 0 && lens.p2 == 0) return d;
+  // Newton's method from the undistorted guess: quadratic, 3 to 6 steps for real lenses.
+  constexpr int kMaxSteps = 50;
+  constexpr double kTolerance = 1e-12;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    double j[4];
+    const Vec2d miss = distorted(lens, d, j) - target;
+    const double det = j[0] * j[3] - j[1] * j[2];
+    // Where the Jacobian turns over, the lens maps two directions to one pixel: there is no honest answer beyond.
+    if (!(det > 0)) return std::nullopt;
+    const Vec2d move{(j[3] * miss.x - j[1] * miss.y) / det, (j[0] * miss.y - j[2] * miss.x) / det};
+    d = d - move;
+    if (std::hypot(move.x, move.y) < kTolerance * (1 + std::hypot(d.x, d.y))) return d;
+  }
+  return std::nullopt;
+}
+
+Intrinsics pinhole_part(const ColmapCamera& camera) {
+  const Lens lens = lens_of(camera);
+  return {static_cast<int>(camera.width), static_cast<int>(camera.height), lens.fx, lens.fy, lens.cx, lens.cy};
+}
+
+bool is_distorted(const ColmapCamera& camera) {
+  const Lens lens = lens_of(camera);
+  return lens.k1 != 0 || lens.k2 != 0 || lens.p1 != 0 || lens.p2 != 0;
+}
+
+ColmapCamera colmap_pinhole(uint32_t id, const Intrinsics& k) {
+  return {id, kPinhole, static_cast<uint64_t>(k.width), static_cast<uint64_t>(k.height), {k.fx, k.fy, k.cx, k.cy}};
+}
+
+}  // namespace vitrine

@@ -1,0 +1,28 @@
+// The classes of masks: which pixels belong to the object, show glass, reflect, or are to be ignored.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace vitrine {
+
+enum class MaskClass : unsigned char { Object, Transparent, Specular, Ignore };
+inline constexpr size_t kMaskClassCount = 4;
+inline constexpr std::array<MaskClass, kMaskClassCount> kMaskClasses{MaskClass::Object, MaskClass::Transparent,
+                                                                     MaskClass::Specular, MaskClass::Ignore};
+
+constexpr std::string_view name(MaskClass kind) {
+  constexpr std::string_view names[] = {"object", "transparent", "specular", "ignore"};
+  return names[static_cast<size_t>(kind)];
+}
+
+// By its name, lower case.
+inline std::optional<MaskClass> mask_class(std::string_view word) {
+  for (MaskClass kind : kMaskClasses)
+    if (word == name(kind)) return kind;
+  return std::nullopt;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,86 @@
+#include "core/scene/camera/undistort.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/foundation/base/error.h"
+#include "core/scene/image/resample.h"
+
+namespace vitrine {
+
+namespace {
+
+constexpr double kInvisible = 0.01;  // px: a hundredth of a pixel is below the noise of SfM
+
+Vec2d landing(const ColmapCamera& camera, const Intrinsics& pinhole, const Vec2d& pixel) {
+  const std::optional<Vec2d> d = unproject(camera, pixel);
+  if (!d)
+    throw Error(ErrorKind::Input, "the lens distortion cannot be removed",
+                {.where = fmt::format("camera {}", camera.id),
+                 .why = fmt::format("its model folds over at pixel ({:.0f}, {:.0f})", pixel.x, pixel.y),
+                 .hint = "--set sfm.camera_model=SIMPLE_RADIAL, or give undistorted photos with --poses",
+                 .code = "SFM_BAD_DISTORTION"});
+  return {d->x * pinhole.fx + pinhole.cx, d->y * pinhole.fy + pinhole.cy};
+}
+
+}  // namespace
+
+Undistortion undistortion(const ColmapCamera& camera) {
+  Undistortion u{.source = camera, .target = pinhole_part(camera), .identity = !is_distorted(camera)};
+  if (u.identity) return u;
+  const Intrinsics pinhole = u.target;
+  const double w = pinhole.width, h = pinhole.height;
+  double left = -1e9, right = 1e9, top = -1e9, bottom = 1e9, moved = 0;
+  const auto note = [&](const Vec2d& from) {
+    const Vec2d to = landing(camera, pinhole, from);
+    moved = std::max(moved, std::hypot(to.x - from.x, to.y - from.y));
+    return to;
+  };
+  // The curves bend smoothly: pixel steps on the border miss nothing visible.
+  for (int i = 0; i <= pinhole.height; ++i) {
+    left = std::max(left, note({0, double(i)}).x);
+    right = std::min(right, note({w, double(i)}).x);
+  }
+  for (int i = 0; i <= pinhole.width; ++i) {
+    top = std::max(top, note({double(i), 0}).y);
+    bottom = std::min(bottom, note({double(i), h}).y);
+  }
+  if (moved < kInvisible) {
+    u.identity = true;
+    return u;
+  }
+  const int x0 = static_cast<int>(std::ceil(left)), x1 = static_cast<int>(std::floor(right));
+  const int y0 = static_cast<int>(std::ceil(top)), y1 = static_cast<int>(std::floor(bottom));
+  if (2 * (x1 - x0) < pinhole.width || 2 * (y1 - y0) < pinhole.height)
+    throw Error(ErrorKind::Input, "the lens distortion is implausible",
+                {.where = fmt::format("camera {}", camera.id),
+                 .why = fmt::format("undistorted, a photo of {} x {} pixels would keep {} x {}", pinhole.width, pinhole.height,
+                                    x1 - x0, y1 - y0),
+                 .hint = "--set sfm.camera_model=SIMPLE_PINHOLE",
+                 .code = "SFM_BAD_DISTORTION"});
+  u.target = {x1 - x0, y1 - y0, pinhole.fx, pinhole.fy, pinhole.cx - x0, pinhole.cy - y0};
+  return u;
+}
+
+ImageF undistorted(const ImageF& linear, const Undistortion& u) {
+  VITRINE_CHECK(linear.width() == int(u.source.width) && linear.height() == int(u.source.height),
+                "picture {} x {} for a camera of {} x {}", linear.width(), linear.height(), u.source.width, u.source.height);
+  if (u.identity) return linear;
+  ImageF out(u.target.width, u.target.height, linear.channels());
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x) {
+      const Vec3d ray = u.target.ray(x + 0.5, y + 0.5);
+      const Vec2d from = project(u.source, {ray.x, ray.y});
+      sample_bicubic(linear, from.x, from.y, out.pixel(x, y));
+    }
+  return out;
+}
+
+std::optional<Vec2d> undistorted(const Vec2d& pixel, const Undistortion& u) {
+  if (u.identity) return pixel;
+  const std::optional<Vec2d> d = unproject(u.source, pixel);
+  if (!d) return std::nullopt;
+  return Vec2d{d->x * u.target.fx + u.target.cx, d->y * u.target.fy + u.target.cy};
+}
+
+}  // namespace vitrine

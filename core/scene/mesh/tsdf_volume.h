@@ -1,0 +1,94 @@
+// A truncated signed distance field fused from depth maps, in blocks of 8^3 voxels (Curless and Levoy 1996; README).
+// Voxel (i,j,k) is the grid point origin + voxel * (i,j,k). Per voxel: D in [-1,1] = signed distance / truncation, positive in
+// front of the surface; W = sum of weights, 0 = never seen; linear colour with its own weight.
+// Two rounds over the views: touch() marks the blocks near any surface, allocate() makes them, integrate() fuses. A block
+// therefore sees every view, whatever their order, and memory is known before the first sample.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/scene/camera/view.h"
+#include "core/foundation/math/rigid.h"
+
+namespace vitrine {
+
+struct TsdfDesc {
+  Bounds3 bounds;    // nothing is stored outside
+  double voxel = 0;  // edge of a voxel, scene units
+  double truncation_voxels = 4;
+  double free_space_weight = 0.2;  // of a sample in front of the truncation band, at z = 1
+  double weight_cap = 64;
+  double discontinuity_truncations = 3;  // a depth sample whose 2x2 neighbours differ by more is no surface
+};
+
+// One depth map with what it weighs. Planar, row by row.
+struct DepthView {
+  Intrinsics intrinsics;
+  Rigid cam_from_world;
+  std::span<const float> zdepth;  // [h,w] camera z, 0 = no surface known
+  std::span<const float> weight;  // [h,w] of a surface sample; 0 = do not use the pixel
+  std::span<const float> color;   // [3,h,w] linear, or empty
+};
+
+struct TsdfBlock {
+  static constexpr int kSide = 8;
+  static constexpr int kVoxels = kSide * kSide * kSide;
+  static constexpr int index(int x, int y, int z) { return (z * kSide + y) * kSide + x; }
+  alignas(32) std::array<float, kVoxels> distance{};
+  alignas(32) std::array<float, kVoxels> weight{};
+  alignas(32) std::array<std::array<float, kVoxels>, 3> color{};
+  alignas(32) std::array<float, kVoxels> color_weight{};
+};
+
+struct BlockCoord {
+  int x = 0, y = 0, z = 0;
+  bool operator==(const BlockCoord&) const = default;
+};
+
+class TsdfVolume {
+ public:
+  // Throws Error{Resource} when the block table itself would be absurdly large.
+  explicit TsdfVolume(const TsdfDesc& desc);
+
+  const TsdfDesc& desc() const { return desc_; }
+  double truncation() const { return desc_.voxel * desc_.truncation_voxels; }
+  Vec3d voxel_position(const BlockCoord& block, int x, int y, int z) const {
+    return desc_.bounds.low + desc_.voxel * Vec3d{double(block.x * TsdfBlock::kSide + x), double(block.y * TsdfBlock::kSide + y),
+                                                  double(block.z * TsdfBlock::kSide + z)};
+  }
+
+  void touch(const DepthView& view);
+  void touch_all();  // every block of the bounds: for dense fields
+  size_t touched_count() const;
+  static constexpr size_t bytes_per_block() { return sizeof(TsdfBlock) + sizeof(BlockCoord) + sizeof(int32_t); }
+  void allocate();  // once, after the last touch()
+  // Returns the number of voxels that were updated.
+  size_t integrate(const DepthView& view);
+
+  // Blocks in a fixed order (z, y, x of the block grid).
+  size_t block_count() const { return blocks_.size(); }
+  const BlockCoord& coord(size_t block) const { return coords_[block]; }
+  const TsdfBlock& block(size_t block) const { return blocks_[block]; }
+  TsdfBlock& block(size_t block) { return blocks_[block]; }
+  // nullptr: outside, or not allocated.
+  const TsdfBlock* find(const BlockCoord& coord) const;
+  int32_t find_index(const BlockCoord& coord) const;  // -1 when absent
+
+ private:
+  bool inside(const BlockCoord& c) const {
+    return c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x < dims_.x && c.y < dims_.y && c.z < dims_.z;
+  }
+  size_t slot(const BlockCoord& c) const { return (size_t(c.z) * size_t(dims_.y) + size_t(c.y)) * size_t(dims_.x) + size_t(c.x); }
+
+  TsdfDesc desc_;
+  BlockCoord dims_;
+  std::vector<uint8_t> touched_;  // [dims]
+  std::vector<int32_t> index_;    // [dims] block number or -1
+  std::vector<BlockCoord> coords_;
+  std::vector<TsdfBlock> blocks_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,15 @@
+// The project's own scene files: one binary PLY per layer, raw values of every attribute row, bit-exact round trip; ids
+// of objects, where they are known, as a last property object_id.
+#pragma once
+
+#include <filesystem>
+
+#include "core/scene/surfels/layers.h"
+
+namespace vitrine {
+
+void write_layer(const std::filesystem::path& path, const SplatLayer& layer);
+// Throws Error{Input} with file and cause (truncated, unknown layer, wrong property, non-finite value, absurd count).
+SplatLayer read_layer(const std::filesystem::path& path);
+
+}  // namespace vitrine
