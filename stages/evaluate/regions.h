@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/scene/image/metrics.h"
-#include "core/scene/objects/class_pixels.h"
+#include "core/scene/objects/object_labels.h"
 #include "stages/evaluate/truth.h"
 
 namespace vitrine {
