@@ -1,4 +1,5 @@
-// Surfels and mesh parts that a Selector selects.
+// Selections for editing: the conditions of an edit (Selector, stages/edit/README.md), and the surfels and mesh parts they
+// select.
 //   class      surfels and vertices that the photos show inside the masks. Parts that no photo sees are selected if they project
 //              into the masks of nearly all photos (core/render/picture/part_labels.h).
 //   object     surfels and vertices that store the id of the object (core/scene/objects)
@@ -9,10 +10,12 @@
 // the reflection layer: it holds mirrored positions.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/scene/camera/view.h"
@@ -24,6 +27,25 @@
 #include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
+
+// A region of a photo; it selects positions at any depth.
+struct EditMark {
+  size_t view = 0;
+  std::vector<Vec2d> polygon;  // pixels of the undistorted photo
+};
+
+// All given conditions must hold. No condition selects everything.
+struct Selector {
+  std::optional<MaskClass> kind = {};
+  std::optional<std::string> object = {};  // name in the object table
+  std::optional<Bounds3> box = {};
+  std::vector<EditMark> marks = {};
+  std::optional<size_t> component = {};  // of the mesh, 1 = most faces
+  std::vector<Selector> except = {};     // at most one; its selection is subtracted
+
+  // True if the selection depends on position alone, not on masks or mesh.
+  bool geometric() const { return !kind && !object && !component; }
+};
 
 struct MeshComponent {
   size_t faces = 0;
