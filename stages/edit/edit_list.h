@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/scene/camera/view.h"
-#include "core/render/edit/selector.h"
+#include "core/render/raster/edit/selector.h"
 
 namespace vitrine {
 

@@ -12,7 +12,7 @@
 #include "core/scene/image/exr.h"
 #include "core/scene/image/ldr.h"
 #include "core/render/picture/picture_views.h"
-#include "core/render/relight/exposure.h"
+#include "core/render/raster/relight/exposure.h"
 #include "core/render/relight/relit_painter.h"
 #include "stages/relight/turntable.h"
 

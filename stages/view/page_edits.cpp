@@ -29,6 +29,22 @@ void take_class(const std::vector<uint8_t>& selected, MaskClass kind, LayerParts
 
 }  // namespace
 
+Json add_objects(const ObjectSet& set, const SplatScene& scene, const PageSurfels& surfels, PageBlocks& blocks) {
+  Json list = Json::array();
+  if (set.empty()) return list;
+  for (const Object& o : set.objects)
+    list.push_back({{"id", o.id}, {"name", o.name}, {"role", name(o.role)}, {"trust", name(o.trust)}});
+  const auto id_at = [](std::span<const uint16_t> ids, uint32_t i) { return i < ids.size() ? ids[i] : uint16_t(0); };
+  std::vector<uint16_t> ids;
+  for (size_t k = 0; k < surfels.drawn; ++k) {
+    const uint32_t i = surfels.of_diffuse[k];
+    ids.push_back(i != UINT32_MAX ? id_at(scene.diffuse.object_ids(), i)
+                                  : id_at(scene.transmittance.object_ids(), surfels.of_inside[k]));
+  }
+  blocks.words("part_object", ids, 1);
+  return list;
+}
+
 Json no_edits(const std::string& why) { return {{"there", false}, {"why", why}}; }
 
 Json add_edits(const EditScene& scene, std::span<const View> views, const ClassPixels& pixels, const PageSurfels& surfels,

@@ -23,7 +23,7 @@ constexpr size_t kGrain = 1024;
 
 // Unoccluded blending weight of surfel i summed over the pixels, from the affine approximation of its projection; 0 if its centre
 // is outside the image.
-double alone(const SplatLayer& layer, size_t i, const View& view, double near_z) {
+double unoccluded_weight(const SplatLayer& layer, size_t i, const View& view, double near_z) {
   const float *m = layer.at(Attribute::Mean, i), *q = layer.at(Attribute::Rotation, i), *s = layer.at(Attribute::LogScale, i);
   const Vec3d p = view.cam_from_world * Vec3d{m[0], m[1], m[2]};
   const Intrinsics& k = view.intrinsics;
@@ -56,7 +56,7 @@ void mark_seen(const SplatLayer& layer, size_t first, const View& photo, float n
   renderer.backward({.gradients = &gradients}, unused, &statistics);
   parallel_for(layer.size() - first, kGrain, [&](size_t k) {
     const size_t i = first + k;
-    const double whole = alone(layer, i, photo, near_z);
+    const double whole = unoccluded_weight(layer, i, photo, near_z);
     seen[i] = whole > 0 && statistics.weight[i] >= kSeenShare * whole;
   });
 }

@@ -14,21 +14,21 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kPolished = 0.3f;  // minimum k_s or f0 of a polished surfel, as in ShapeOptions
-constexpr double kAround = 0.05;   // quantile of the positions of polished surfels: robust extent
-constexpr float kLift = 4;         // in grains of the mesh: ray offset from a known shape, clear of its mesh
-constexpr int kMostLumps = 4;
+constexpr float kPolished = 0.3f;         // minimum k_s or f0 of a polished surfel, as in ShapeOptions
+constexpr double kExtentQuantile = 0.05;  // quantile of the positions of polished surfels: robust extent
+constexpr float kLift = 4;                // in grains of the mesh: ray offset from a known shape, clear of its mesh
+constexpr int kMostBumps = 4;
 constexpr float kFree = 0.1f;     // in grains
 constexpr float kBeyond = 1.02f;  // relative to the boundary of the extent: outside the object
 
-struct Stand {
+struct ProbeSite {
   Vec3d centre{};
   Bounds3 extent;                // of the object; empty: none
   const Shape* shape = nullptr;  // known shape of the object, or nullptr
 };
 
-std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
-  std::vector<Stand> out;
+std::vector<ProbeSite> probe_sites(const RelitScene& scene, const Vec3d& middle) {
+  std::vector<ProbeSite> out;
   if (const ShapeSet* set = scene.trained.image.shape.set.get())
     for (const ShapeSet::Entry& e : set->entries) {
       if (is_glass(e.role) || e.parent >= 0 || out.size() == kMostProbes) continue;
@@ -48,23 +48,23 @@ std::vector<Stand> stands(const RelitScene& scene, const Vec3d& middle) {
   Vec3d low, high;
   for (size_t c = 0; c < 3; ++c) {
     std::vector<float> values = places[c];
-    low[c] = double(quantile_of(values, kAround));
+    low[c] = double(quantile_of(values, kExtentQuantile));
     values = places[c];
-    high[c] = double(quantile_of(values, 1 - kAround));
+    high[c] = double(quantile_of(values, 1 - kExtentQuantile));
   }
   b.extend(low), b.extend(high);
   return {{.centre = 0.5 * (low + high), .extent = b}};
 }
 
 // Distance from the centre along a ray at which it has left the object; for a known shape its outermost hit.
-float way_out(const Stand& stand, const Vec3f& direction, float near) {
-  if (stand.shape != nullptr) {
-    const double far = 2 * length(stand.extent.high - stand.extent.low);
+float exit_distance(const ProbeSite& site, const Vec3f& direction, float near) {
+  if (site.shape != nullptr) {
+    const double far = 2 * length(site.extent.high - site.extent.low);
     const Vec3d d = cast<double>(direction);
-    if (const auto hit = intersect(*stand.shape, {stand.centre + far * d, -d})) return static_cast<float>(far - hit->t) + near;
+    if (const auto hit = intersect(*site.shape, {site.centre + far * d, -d})) return static_cast<float>(far - hit->t) + near;
   }
   double out = 0;
-  const Vec3d half = 0.5 * (stand.extent.high - stand.extent.low);
+  const Vec3d half = 0.5 * (site.extent.high - site.extent.low);
   if (!(half.x >= 0)) return 0;
   out = 1e30;
   for (size_t c = 0; c < 3; ++c) out = std::min(out, half[c] / std::max(double(std::abs(direction[c])), 1e-9));
@@ -81,24 +81,24 @@ std::vector<Probe> probes(const RelitScene& scene, const LightTransfer& transfer
   constexpr size_t n = size_t(kProbeSide) * size_t(kProbeSide);
   const float lift = clear_of_surface(scene, transfer);
   std::vector<Probe> out;
-  for (const Stand& stand : stands(scene, middle)) {
+  for (const ProbeSite& site : probe_sites(scene, middle)) {
     Probe p{
-        .centre = stand.centre, .sent = std::vector<Transfer>(n), .open = std::vector<float>(n), .depth = std::vector<float>(n)};
+        .centre = site.centre, .sent = std::vector<Transfer>(n), .open = std::vector<float>(n), .depth = std::vector<float>(n)};
     parallel_for(n, size_t(kProbeSide), [&](size_t i) {
       throw_if_interrupted();
       const Vec3f d = octahedral_direction(2 * (float(i % kProbeSide) + 0.5f) / kProbeSide - 1,
                                            2 * (float(i / kProbeSide) + 0.5f) / kProbeSide - 1);
-      const Vec3f middle_of = cast<float>(stand.centre);
-      float out_at = way_out(stand, d, lift);
+      const Vec3f centre = cast<float>(site.centre);
+      float start = exit_distance(site, d, lift);
       // Skips bumps of the object's own mesh.
-      for (int lumps = 0; lumps < kMostLumps; ++lumps) {
-        const auto hit = transfer.surface().first_hit(middle_of + out_at * d, d);
+      for (int bumps = 0; bumps < kMostBumps; ++bumps) {
+        const auto hit = transfer.surface().first_hit(centre + start * d, d);
         if (!hit || !hit->from_inside) break;
-        out_at += hit->t + kFree * transfer.surface().grain();
+        start += hit->t + kFree * transfer.surface().grain();
       }
-      const LightTransfer::Arrival a = transfer.arriving(middle_of + out_at * d, d);
+      const LightTransfer::Arrival a = transfer.arriving(centre + start * d, d);
       p.sent[i] = a.from_scene, p.open[i] = a.from_outside;
-      p.depth[i] = a.distance > 0 ? a.distance + out_at : 0.f;
+      p.depth[i] = a.distance > 0 ? a.distance + start : 0.f;
     });
     out.push_back(std::move(p));
   }

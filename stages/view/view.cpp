@@ -18,12 +18,10 @@
 #include "core/scene/mesh/mesh_topology.h"
 #include "stages/page_text.h"
 #include "stages/view/page_edits.h"
-#include "stages/view/page_objects.h"
 #include "stages/view/page_shapes.h"
 #include "stages/view/page_surfels.h"
 #include "stages/view/photo_coverage.h"
 #include "stages/view/probes.h"
-#include "stages/view/relit_sample.h"
 
 namespace vitrine {
 
@@ -32,6 +30,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kPhotoQuality = 75;
+constexpr double kTurned_deg = 150;
+constexpr size_t kRays = 5'000'000;  // per picture; about ten seconds on one core
+constexpr size_t kLeastSamples = 16, kMostSamples = 64;
+constexpr int kSampleQuality = 90;
 constexpr int kEnvironmentWidth = 128;  // width of the photo environment in the page
 
 struct Scene {
@@ -143,6 +145,19 @@ void add_environment(const Environment& light, PageBlocks& blocks) {
   ImageF map = light.map();
   if (map.width() > kEnvironmentWidth) map = resized(map, kEnvironmentWidth, kEnvironmentWidth / 2);
   blocks.floats("captured", map.data(), 3);
+}
+
+// The relit picture at the top of the report, a JPEG at the size of the view: the first held-out view under the light of the
+// photos, rotated about the vertical, so that shadows and reflections differ.
+std::string relit_sample(const RelitScene& scene, const View& view) {
+  RelitPainter painter(scene);
+  Lighting lighting;
+  lighting.environment = scene.captured.rotated(kTurned_deg);
+  painter.set_lighting(lighting);
+  const size_t pixels = static_cast<size_t>(view.intrinsics.width) * static_cast<size_t>(view.intrinsics.height);
+  const auto samples = static_cast<int>(std::clamp(kRays / std::max<size_t>(pixels, 1), kLeastSamples, kMostSamples));
+  const RelitPicture picture = painter.picture(view, {.samples = samples});
+  return jpeg_bytes(developed(picture.radiance, exposure_of_scene(painter.lit())), kSampleQuality);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@
 
 #include "core/scene/camera/view.h"
 #include "core/render/edit/edit_scene.h"
-#include "core/render/edit/selector.h"
+#include "core/render/raster/edit/selector.h"
 #include "core/scene/image/image.h"
 #include "core/scene/mesh/mesh_distance.h"
 #include "core/scene/mesh/mesh_topology.h"

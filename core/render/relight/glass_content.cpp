@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFluenceSamples = 48, kPatchSamples = 192;
 constexpr float kAbove = 0.3f;       // in grains: offset of rays above a surface behind glass
-constexpr float kMostBrighter = 50;  // ratio of new to old light; larger ratios at dark places are noise
+constexpr float kMostBrighter = 50;  // maximum ratio of new to old light; larger ones at dark places are noise
 constexpr float kLeastFluence_rel = 1e-3f;
 constexpr float kGlassReach = 3;  // in grains: distance up to which a surfel belongs to the mesh
 constexpr float kBeyond = 1;      // in grains: offset of rays behind thick glass, clear of the mesh it was smoothed from
@@ -39,7 +39,7 @@ GlassContent::GlassContent(const RelitScene& scene, const SceneSurface& surface)
   opaque_ = std::move(opened.opaque);
   merged_ = std::move(opened.surfels);
   if (image.transmission.thick) matt_ = merged_;
-  if (!scene.behind_glass.faces.empty()) things_.emplace(scene.behind_glass);
+  if (!scene.behind_glass.faces.empty()) content_mesh_.emplace(scene.behind_glass);
   const SplatLayer& inside = scene.trained.surfels.transmittance;
   for (size_t i = 0; i < inside.size(); ++i)
     for (size_t c = 0; c < 3; ++c) middle_[c] += inside.at(Attribute::Mean, i)[c] / float(inside.size());
@@ -85,14 +85,14 @@ Vec3f GlassContent::arriving_inside(const LitScene& lit, size_t inside) const {
   float nearest = reach;
   std::optional<LitScene::Patch> front;
   for (const Vec3f& n : {normal, -normal}) {
-    if (!things_) break;
-    const auto hit = things_->first_face(mean + reach * n, -n, 0, 2 * reach);
+    if (!content_mesh_) break;
+    const auto hit = content_mesh_->first_face(mean + reach * n, -n, 0, 2 * reach);
     if (!hit || hit->from_inside || !(std::abs(hit->t - reach) < nearest)) continue;
     nearest = std::abs(hit->t - reach);
     front = {mean + (reach - hit->t + kAbove * surface_->grain()) * n, n};
   }
   const auto blocked = [&](const Vec3f& direction) {
-    return front && things_->occluded(front->point, direction, 0, MeshHits::kFar);
+    return front && content_mesh_->occluded(front->point, direction, 0, MeshHits::kFar);
   };
   const LitScene::Patch patch = front.value_or(LitScene::Patch{mean, dot(normal, mean - middle_) > 0 ? normal : -normal});
   return lit.irradiance_in_the_open(patch, blocked, inside, kPatchSamples);

@@ -47,11 +47,11 @@ class GlassContent {
 
   const RelitScene* scene_;
   const SceneSurface* surface_;
-  std::vector<uint32_t> opaque_;    // indices in the diffuse layer
-  SplatLayer merged_;               // opaque_, then the transmittance layer, with materials of a diffuse layer
-  SplatLayer matt_;                 // merged_ for bent rays, without specular shading; empty without thick glass
-  std::optional<MeshHits> things_;  // RelitScene::behind_glass
-  Vec3f middle_{};                  // centroid of the transmittance layer
+  std::vector<uint32_t> opaque_;          // indices in the diffuse layer
+  SplatLayer merged_;                     // opaque_, then the transmittance layer, with materials of a diffuse layer
+  SplatLayer matt_;                       // merged_ for bent rays, without specular shading; empty without thick glass
+  std::optional<MeshHits> content_mesh_;  // RelitScene::behind_glass
+  Vec3f middle_{};                        // centroid of the transmittance layer
   std::vector<Vec3f> fluence_before_;
   std::unique_ptr<Renderer> renderer_;
   Frame picture_;                   // diffuse channels of merged_

@@ -53,4 +53,10 @@ class RelitPainter {
   std::unique_ptr<LitScene> lit_;
 };
 
+// Stops that map the mean radiance of the mesh to middle grey, rounded to a tenth. Equal for all pictures of a lighting.
+double exposure_of_scene(const LitScene& lit);
+
+// Converts linear radiance [h, w, 3] to sRGB, brightened by `stops`.
+Image8 developed(const ImageF& radiance, double stops);
+
 }  // namespace vitrine

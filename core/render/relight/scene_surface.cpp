@@ -10,9 +10,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr float kTellingCoverage = 0.05f;  // minimum coverage by surfels along a vertex's short ray
-constexpr float kReach = 3;                // in grains: search distance for surfels around the mesh
-constexpr float kLeastGlass = 0.05f;       // below this transmittance a surface is opaque
+constexpr float kLeastSurfelCoverage = 0.05f;  // minimum coverage by surfels along a vertex's short ray
+constexpr float kReach = 3;                    // in grains: search distance for surfels around the mesh
+constexpr float kLeastGlass = 0.05f;           // below this transmittance a surface is opaque
 
 TriMesh with_normals(TriMesh mesh) {
   if (mesh.normals.size() != mesh.positions.size()) mesh.normals = vertex_normals(mesh);
@@ -48,7 +48,7 @@ std::vector<Vec3f> colors_at_vertices(const SplatLayer& layer, const TriMesh& me
   tracer->forward({.origins = origins, .directions = directions, .far = far}, {.sh_degree = 0}, values, nullptr);
   for (size_t v = 0; v < origins.size(); ++v) {
     const float coverage = 1 - values.transmittance[v];
-    values.color[v] = coverage > kTellingCoverage ? values.color[v] / coverage : rest;
+    values.color[v] = coverage > kLeastSurfelCoverage ? values.color[v] / coverage : rest;
   }
   return std::move(values.color);
 }
