@@ -76,25 +76,25 @@ class Judge {
     return v;
   }
   bool many(const std::vector<size_t>& photos) const { return 2 * photos.size() > usable_.size(); }
-  void say(Finding finding) { out_.list.push_back(std::move(finding)); }
+  void add(Finding finding) { out_.list.push_back(std::move(finding)); }
 
   void files() {
     std::vector<size_t> broken;
     for (size_t i = 0; i < photos_.size(); ++i)
       if (!photos_[i].usable()) broken.push_back(i);
     if (!broken.empty())
-      say({"unreadable_photos", Severity::Problem, fmt::format("{} of {} photos cannot be read", broken.size(), photos_.size()),
+      add({"unreadable_photos", Severity::Problem, fmt::format("{} of {} photos cannot be read", broken.size(), photos_.size()),
            photos_[broken[0]].failure, "copy them from the camera again, or take them out of the folder", broken});
     for (const FolderNote& note : notes_of(folder_)) {
       const std::string code = note.code == "PHOTO_TYPES_NOT_READ" ? "types_not_read" : lowered(note.code);
-      say({code, note.warning ? Severity::Warning : Severity::Note, note.what, note.why, note.hint, {}});
+      add({code, note.warning ? Severity::Warning : Severity::Note, note.what, note.why, note.hint, {}});
     }
   }
 
   void count() {
     if (usable_.size() >= kFewPhotos) return;
     const bool hopeless = usable_.size() < kLeastPhotos;
-    say({"few_photos",
+    add({"few_photos",
          hopeless ? Severity::Problem : Severity::Warning,
          usable_.size() == 1 ? std::string("there is one photo") : fmt::format("there are {} photos", usable_.size()),
          hopeless ? "depth needs the same thing seen from three places" : "every part should be seen by four photos",
@@ -105,7 +105,7 @@ class Judge {
   void size() {
     const double side = upper_median(all([](const PhotoFacts& p) { return p.longest(); }));
     if (side >= kSmallSide) return;
-    say({"small_photos",
+    add({"small_photos",
          side < kTinySide ? Severity::Problem : Severity::Warning,
          fmt::format("the photos are small: {:.0f} pixels on the longest side", side),
          side < kTinySide ? "too few pixels to find the same points again" : "fine structure is lost",
@@ -124,7 +124,7 @@ class Judge {
       std::string list;
       for (const auto& [model, n] : models)
         list += fmt::format("{}{} x {}", list.empty() ? "" : ", ", n, model.empty() ? "unknown" : model);
-      say({"mixed_cameras",
+      add({"mixed_cameras",
            Severity::Warning,
            fmt::format("the photos are from {} cameras", models.size()),
            list,
@@ -134,7 +134,7 @@ class Judge {
     if (sizes.size() > 1) {
       std::string list;
       for (const auto& [s, n] : sizes) list += fmt::format("{}{} x {}x{}", list.empty() ? "" : ", ", n, s.second, s.first);
-      say({"mixed_sizes",
+      add({"mixed_sizes",
            Severity::Warning,
            fmt::format("the photos have {} sizes", sizes.size()),
            list,
@@ -154,14 +154,14 @@ class Judge {
     }
     for (const auto& [model, range] : focal)
       if (range.second > kFocalStep * range.first)
-        say({"mixed_focal",
+        add({"mixed_focal",
              Severity::Warning,
              fmt::format("the focal length changes{}", model.empty() ? "" : " (" + model + ")"),
              fmt::format("{:.2f} to {:.2f} times the longest side: a zoom was used", range.first, range.second),
              "leave the zoom where it is; walk instead",
              {}});
     if (known > 0 && known < usable_.size())
-      say({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
+      add({"focal_missing", Severity::Note, photos(usable_.size() - known, " has no focal length", " have no focal length"),
            "their EXIF data was removed or is incomplete", "use the photos as the camera wrote them",
            those([](const PhotoFacts& p) { return !p.focal_px; })});
   }
@@ -170,7 +170,7 @@ class Judge {
     std::vector<const ColorFacts*> facts;
     for (const PhotoFacts& p : photos_) facts.push_back(p.usable() ? &p.color : nullptr);
     for (ColorNote& note : color_notes(facts))
-      say({note.finding, note.warning_code.empty() ? Severity::Note : Severity::Warning, std::move(note.what),
+      add({note.finding, note.warning_code.empty() ? Severity::Note : Severity::Warning, std::move(note.what),
            std::move(note.why), std::move(note.hint), std::move(note.photos)});
   }
 
@@ -182,7 +182,7 @@ class Judge {
     for (auto& [note, of] : by_note) {
       std::string what = of.size() == 1 ? fmt::format("{} is {}", photos_[of[0]].name, note)
                                         : fmt::format("{} photos are each {}", of.size(), note);
-      say({"photo_content", Severity::Note, std::move(what), "this is how ingest reads it",
+      add({"photo_content", Severity::Note, std::move(what), "this is how ingest reads it",
            "export the picture alone if another one is meant", std::move(of)});
     }
   }
@@ -195,7 +195,7 @@ class Judge {
     const double typical = upper_median(blurs);
     out_.figures.blur = typical;
     if (typical > kSoftSet) {
-      say({"soft_set",
+      add({"soft_set",
            Severity::Problem,
            fmt::format("most photos are soft: edges are smeared over {:.1f} pixels", typical),
            fmt::format("at {:.0f} pixels a side; below {:.1f} is usual", kBlurSide, kSoftPhoto),
@@ -220,7 +220,7 @@ class Judge {
       moved += p.measures.blur_ratio > kMotionRatio;
     }
     if (soft.empty()) return;
-    say({"soft_photos", 4 * soft.size() > usable_.size() ? Severity::Problem : Severity::Warning,
+    add({"soft_photos", 4 * soft.size() > usable_.size() ? Severity::Problem : Severity::Warning,
          photos(soft.size(), " is less sharp than its neighbours", " are less sharp than their neighbours"),
          moved == 0 ? "out of focus, or too small an aperture"
                     : fmt::format("{} of them smeared in one direction: the camera moved", moved),
@@ -231,7 +231,7 @@ class Judge {
     out_.figures.texture = upper_median(all([](const PhotoFacts& p) { return p.measures.texture; }));
     const double t = out_.figures.texture;
     if (t < kFewCorners) {
-      say({"low_texture",
+      add({"low_texture",
            t < kHardlyCorners ? Severity::Problem : Severity::Warning,
            fmt::format("only {:.0f} % of a picture holds anything to recognise", 100 * t),
            "poses come from points that are found again in other photos",
@@ -241,7 +241,7 @@ class Judge {
     }
     const std::vector<size_t> bare = those([](const PhotoFacts& p) { return p.measures.texture < kHardlyCorners; });
     if (!bare.empty())
-      say({"bare_photos", Severity::Warning, photos(bare.size(), " shows hardly any texture", " show hardly any texture"),
+      add({"bare_photos", Severity::Warning, photos(bare.size(), " shows hardly any texture", " show hardly any texture"),
            "such photos seldom get a pose", "keep more of the surroundings in the picture", bare});
   }
 
@@ -279,7 +279,7 @@ class Judge {
     const double least = ev.empty() ? 0 : range(ev);
     if (least > kExposureStep || !jumped.empty()) {
       const bool severe = 4 * jumped.size() >= usable_.size() && !jumped.empty();
-      say({"mixed_exposure", severe ? Severity::Problem : Severity::Warning,
+      add({"mixed_exposure", severe ? Severity::Problem : Severity::Warning,
            least > kExposureStep ? fmt::format("the exposure changes by {:.1f} EV", least)
                                  : photos(jumped.size(), " is much brighter or darker than its neighbours",
                                           " are much brighter or darker than their neighbours"),
@@ -294,7 +294,7 @@ class Judge {
     out_.figures.white_balance_range = std::max(range(all([](const PhotoFacts& p) { return p.measures.red_green; })),
                                                 range(all([](const PhotoFacts& p) { return p.measures.blue_green; })));
     if (!tinted.empty())
-      say({"mixed_white_balance", Severity::Warning, "the colour balance jumps in " + photos(tinted.size(), "", ""),
+      add({"mixed_white_balance", Severity::Warning, "the colour balance jumps in " + photos(tinted.size(), "", ""),
            fmt::format("red or blue against green ranges over {:.1f} stops", *out_.figures.white_balance_range),
            "fixed white balance, no mixed lamps", tinted});
   }
@@ -305,12 +305,12 @@ class Judge {
     const std::vector<size_t> high = those([](const PhotoFacts& p) { return p.measures.clipped_high > kClippedHigh; });
     const std::vector<size_t> low = those([](const PhotoFacts& p) { return p.measures.clipped_low > kClippedLow; });
     if (!high.empty())
-      say({"clipped_highlights", many(high) ? Severity::Warning : Severity::Note,
+      add({"clipped_highlights", many(high) ? Severity::Warning : Severity::Note,
            "highlights are clipped in " + photos(high.size(), "", ""),
            fmt::format("more than {:.0f} % of their pixels are at the end of the scale", 100 * kClippedHigh),
            "expose one stop less: clipped light cannot be measured", high});
     if (!low.empty())
-      say({"black_shadows", many(low) ? Severity::Warning : Severity::Note,
+      add({"black_shadows", many(low) ? Severity::Warning : Severity::Note,
            "large parts are black in " + photos(low.size(), "", ""),
            fmt::format("more than {:.0f} % of their pixels", 100 * kClippedLow),
            "more light; and do not cut the object out: the surroundings carry the poses", low});
@@ -330,7 +330,7 @@ class Judge {
       }
     if (again.empty()) return;
     const size_t different = usable_.size() - again.size();
-    say({"near_duplicates", many(again) || different < kLeastPhotos ? Severity::Problem : Severity::Warning,
+    add({"near_duplicates", many(again) || different < kLeastPhotos ? Severity::Problem : Severity::Warning,
          photos(again.size(), " repeats another", " repeat others") + fmt::format(": {} different ones remain", different),
          bytes ? "some are the same file again" : "the same view again tells nothing new",
          "move between photos; take the copies out", again});
