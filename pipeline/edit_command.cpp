@@ -6,13 +6,12 @@
 #include "core/foundation/config/cli.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
-#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
 namespace {
 
-void tell(const fs::path& report) {
+void print_selections(const fs::path& report) {
   const auto json = nlohmann::json::parse(read_file(report));
   for (const auto& edit : json["edits"]) {
     const bool deleted = edit.contains("delete");
@@ -46,7 +45,7 @@ int edit_command(const Words& words) {
   const EditedScene edited = edited_scene(project, rest.size() == 2 ? fs::path(rest[1]) : fs::path(), call);
   if (edited.exit_code != 0) return edited.exit_code;
   if (how.quiet) return 0;
-  tell(edited.folder / "report.json");
+  print_selections(edited.folder / "report.json");
   fmt::print("{}\n", edited_folder(project).string());
   return 0;
 }

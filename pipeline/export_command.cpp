@@ -13,7 +13,6 @@
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
-#include "pipeline/tool_options.h"
 
 namespace vitrine {
 

@@ -19,14 +19,14 @@ using Names = std::set<std::string>;  // of files, relative to the export folder
 constexpr std::string_view kFolder = "export/";       // of the artifact
 constexpr std::string_view kReport = "formats.json";  // list of formats and their files
 
-fs::path asked_file(const fs::path& project) { return store_of(project) / "exported.json"; }
+fs::path exported_list(const fs::path& project) { return store_of(project) / "exported.json"; }
 
 // Existing files that `vitrine export` wrote into PROJECT/export.
-Names asked_for(const fs::path& project) {
+Names exported_files(const fs::path& project) {
   Names names;
   std::error_code ec;
-  if (!fs::exists(asked_file(project), ec)) return names;
-  const Json json = Json::parse(read_file(asked_file(project)), nullptr, false);
+  if (!fs::exists(exported_list(project), ec)) return names;
+  const Json json = Json::parse(read_file(exported_list(project)), nullptr, false);
   if (!json.is_array()) return names;
   for (const Json& name : json)
     if (name.is_string() && fs::exists(project / kFolder / name.get<std::string>(), ec)) names.insert(name.get<std::string>());
@@ -40,7 +40,7 @@ bool same_bytes(const fs::path& a, const fs::path& b) {
 }
 
 // Reads formats.json; nullopt if it is missing or not written by vitrine.
-std::optional<Json> report_at(const fs::path& path) {
+std::optional<Json> read_formats(const fs::path& path) {
   std::error_code ec;
   if (!fs::is_regular_file(path, ec)) return std::nullopt;
   Json json = Json::parse(read_file(path), nullptr, false);
@@ -75,44 +75,45 @@ Names names_of(const Manifest& manifest) {
 }
 
 // Updates the list of exported files. Files identical to those of the run's export are removed: the next run may replace them.
-void remember(const fs::path& project, const fs::path& entry, const Names& names) {
-  Names asked = asked_for(project);
+void record_exported(const fs::path& project, const fs::path& entry, const Names& names) {
+  Names exported = exported_files(project);
   const auto current = current_key(project, kExportStage);
   const fs::path of_run = current ? store_of(project) / kExportStage / *current / kFolder : fs::path();
   for (const std::string& name : names)
     if (name == kReport || (current && same_bytes(entry / kFolder / name, of_run / name)))
-      asked.erase(name);
+      exported.erase(name);
     else
-      asked.insert(name);
-  write_file(asked_file(project), Json(asked).dump(1) + "\n");
+      exported.insert(name);
+  write_file(exported_list(project), Json(exported).dump(1) + "\n");
 }
 
 }  // namespace
 
 void put_export(const fs::path& entry, const Manifest& manifest, const ExportDesc& desc) {
   const Names names = names_of(manifest);
-  const std::optional<Json> told = report_at(desc.target / kReport);
-  std::vector<std::string> in_the_way;
+  const std::optional<Json> existing = read_formats(desc.target / kReport);
+  std::vector<std::string> conflicts;
   std::error_code ec;
   for (const std::string& name : names) {
     const fs::path there = desc.target / name;
     if (!fs::exists(fs::symlink_status(there, ec))) continue;
     // formats.json grows with every export.
-    if (name == kReport ? !told : !same_bytes(entry / kFolder / name, there)) in_the_way.push_back(name);
+    if (name == kReport ? !existing : !same_bytes(entry / kFolder / name, there)) conflicts.push_back(name);
   }
-  if (!in_the_way.empty() && !desc.overwrite) {
+  if (!conflicts.empty() && !desc.overwrite) {
     std::string list;
     constexpr size_t kNamed = 5;
-    for (size_t i = 0; i < std::min(kNamed, in_the_way.size()); ++i) list += (i > 0 ? ", " : "") + in_the_way[i];
-    if (in_the_way.size() > kNamed) list += ", ...";
+    for (size_t i = 0; i < std::min(kNamed, conflicts.size()); ++i) list += (i > 0 ? ", " : "") + conflicts[i];
+    if (conflicts.size() > kNamed) list += ", ...";
     throw Error(ErrorKind::Input, "nothing was exported: files with other contents are in the way",
                 {.where = desc.target.string(),
-                 .why = fmt::format("{} would be replaced: {}", in_the_way.size(), list),
+                 .why = fmt::format("{} would be replaced: {}", conflicts.size(), list),
                  .hint = "--overwrite, or another folder with -o",
                  .code = "EXPORT_EXISTS"});
   }
   // Written before the files, so that after a kill the files are still listed as exported.
-  if ((desc.target / "").lexically_normal() == (desc.project / kFolder).lexically_normal()) remember(desc.project, entry, names);
+  if ((desc.target / "").lexically_normal() == (desc.project / kFolder).lexically_normal())
+    record_exported(desc.project, entry, names);
   for (const std::string& name : names) {
     const fs::path from = entry / kFolder / name, to = desc.target / name;
     if (name != kReport && !same_bytes(from, to)) link_or_copy(from, to);
@@ -120,8 +121,8 @@ void put_export(const fs::path& entry, const Manifest& manifest, const ExportDes
   // Formats in the existing report are kept unless this export rewrote them.
   const Json fresh = Json::parse(read_file(entry / kFolder / kReport));
   Json report = Json::array();
-  if (told)
-    for (const Json& old : *told)
+  if (existing)
+    for (const Json& old : *existing)
       if (find_format(fresh, old["format"]) == nullptr) report.push_back(old);
   for (const Json& format : fresh) report.push_back(format);
   write_report(desc.target / kReport, report);
@@ -129,9 +130,9 @@ void put_export(const fs::path& entry, const Manifest& manifest, const ExportDes
 
 std::vector<std::string> publish_export(const fs::path& entry, const Manifest& manifest, const fs::path& project,
                                         const Manifest* before) {
-  const Names asked = asked_for(project);
-  const std::optional<Json> told = asked.empty() ? std::nullopt : report_at(project / kFolder / kReport);
-  if (asked.empty()) {
+  const Names exported = exported_files(project);
+  const std::optional<Json> existing = exported.empty() ? std::nullopt : read_formats(project / kFolder / kReport);
+  if (exported.empty()) {
     publish(entry, manifest, project, before);
     return {};
   }
@@ -141,20 +142,20 @@ std::vector<std::string> publish_export(const fs::path& entry, const Manifest& m
   std::vector<std::string> formats;
   std::error_code ec;
   for (const Json& format : fresh) {
-    if (!writes_any(format, asked)) {
+    if (!writes_any(format, exported)) {
       report.push_back(format);
       continue;
     }
-    const Json* old = told ? find_format(*told, format["format"]) : nullptr;
+    const Json* old = existing ? find_format(*existing, format["format"]) : nullptr;
     report.push_back(old ? *old : format);
     formats.push_back(format["format"].get<std::string>());
     for (const Json& file : format["files"])
       if (fs::exists(project / kFolder / file.get<std::string>(), ec))
         kept.insert(std::string(kFolder) + file.get<std::string>());
   }
-  if (told)
-    for (const Json& old : *told)
-      if (find_format(fresh, old["format"]) == nullptr && writes_any(old, asked)) report.push_back(old);
+  if (existing)
+    for (const Json& old : *existing)
+      if (find_format(fresh, old["format"]) == nullptr && writes_any(old, exported)) report.push_back(old);
   kept.insert(std::string(kFolder) + std::string(kReport));
   publish(entry, manifest, project, before, kept);
   write_report(project / kFolder / kReport, report);

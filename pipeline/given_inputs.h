@@ -44,4 +44,10 @@ void check_given_inputs(const Planner& planner, const Settings& settings);
 // inputs are compared.
 std::string changed_settings(const Settings& before, const Settings& now);
 
+// Checks of --grey-card (`text`: "photo:x,y,w,h") and --scale-bar (`text`: core/config/scale_bar.h): format of the text,
+// existence of the photos. The stage that uses them checks whether the positions lie inside the undistorted photos. Throws
+// Error{Usage} with the code GREY_CARD or SCALE_BAR.
+void check_grey_card(const std::string& text, const fs::path& photos);
+void check_scale_bar(const std::string& text, const fs::path& photos);
+
 }  // namespace vitrine

@@ -2,11 +2,13 @@
 // inputs, version and options. The pipeline neither links nor names a stage.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/foundation/artifact/manifest.h"
 #include "core/foundation/artifact/stage_report.h"
 #include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
@@ -50,5 +52,16 @@ class Graph {
 fs::path stage_folder();
 fs::path own_folder();
 Graph load_graph(const fs::path& folder);
+
+// Output of --print-key.
+struct PrintedKey {
+  std::string key;
+  KeyTerms terms;
+};
+// nullopt if `output` contains no key. Other output, from libraries, may precede or follow it.
+std::optional<PrintedKey> printed_key(std::string_view output);
+
+// Key of the command `words` (program and arguments); empty if the program fails, which is reported when it is run.
+std::string key_of_run(std::vector<std::string> words);
 
 }  // namespace vitrine

@@ -19,7 +19,6 @@
 #include "pipeline/project.h"
 #include "pipeline/rehearsal.h"
 #include "pipeline/tool.h"
-#include "pipeline/tool_options.h"
 
 namespace vitrine {
 
@@ -191,7 +190,7 @@ Json costs_json(const std::vector<PresetCost>& costs, int threads) {
 constexpr size_t kColumns = 80, kIndent = 12;
 
 // Prints "label      text"; further lines are indented to the text.
-void say(std::string_view label, std::string_view text) {
+void print_row(std::string_view label, std::string_view text) {
   std::string head(label);
   for (const std::string& line : wrapped(text, kColumns - kIndent)) {
     fmt::print("{:<{}}{}\n", head, kIndent, line);
@@ -206,7 +205,7 @@ std::string some_names(const Json& photos, size_t shown) {
   return text;
 }
 
-void say_photos(const Json& report) {
+void print_photos(const Json& report) {
   const Json& set = report["set"];
   std::set<std::string> cameras;
   std::set<std::pair<int, int>> sizes;
@@ -222,61 +221,64 @@ void say_photos(const Json& report) {
   const std::string camera = cameras.size() > 1         ? fmt::format("{} cameras", cameras.size())
                              : cameras.begin()->empty() ? "camera not named"
                                                         : *cameras.begin();
-  say("photos", fmt::format("{}  {}  {}  focal length known for {}", set["usable"].get<size_t>(), size, camera, focal));
+  print_row("photos", fmt::format("{}  {}  {}  focal length known for {}", set["usable"].get<size_t>(), size, camera, focal));
   const Json& blur = set["blur_px_at_1600"];
-  say("sharpness", fmt::format("{}; {:.0f} % of a picture holds something to recognise",
-                               blur.is_null() ? std::string("too few edges to tell")
-                                              : fmt::format("edges smeared over {:.1f} px of 1600", blur.get<double>()),
-                               100 * set["texture"].get<double>()));
-  say("exposure", fmt::format("{}, brightness ranges over {:.1f} EV; clipped {:.1f} %, black {:.1f} %",
-                              set["exposure_range_ev"].is_null()
-                                  ? std::string("not in EXIF")
-                                  : fmt::format("changes by {:.1f} EV", set["exposure_range_ev"].get<double>()),
-                              set["brightness_range_ev"].get<double>(), 100 * set["clipped_high"].get<double>(),
-                              100 * set["clipped_low"].get<double>()));
+  print_row("sharpness", fmt::format("{}; {:.0f} % of a picture holds something to recognise",
+                                     blur.is_null() ? std::string("too few edges to tell")
+                                                    : fmt::format("edges smeared over {:.1f} px of 1600", blur.get<double>()),
+                                     100 * set["texture"].get<double>()));
+  print_row("exposure", fmt::format("{}, brightness ranges over {:.1f} EV; clipped {:.1f} %, black {:.1f} %",
+                                    set["exposure_range_ev"].is_null()
+                                        ? std::string("not in EXIF")
+                                        : fmt::format("changes by {:.1f} EV", set["exposure_range_ev"].get<double>()),
+                                    set["brightness_range_ev"].get<double>(), 100 * set["clipped_high"].get<double>(),
+                                    100 * set["clipped_low"].get<double>()));
 }
 
-void say_findings(const Json& report) {
+void print_findings(const Json& report) {
   constexpr size_t kNamed = 6;
   for (const Json& f : report["findings"]) {
     fmt::print("\n");
-    say(f["severity"].get<std::string>(), f["what"].get<std::string>() + "  [" + f["code"].get<std::string>() + "]");
-    say("  why", f["why"].get<std::string>());
-    if (!f["photos"].empty()) say("  see", some_names(f["photos"], kNamed));
-    if (!f["try"].get<std::string>().empty()) say("  try", f["try"].get<std::string>());
+    print_row(f["severity"].get<std::string>(), f["what"].get<std::string>() + "  [" + f["code"].get<std::string>() + "]");
+    print_row("  why", f["why"].get<std::string>());
+    if (!f["photos"].empty()) print_row("  see", some_names(f["photos"], kNamed));
+    if (!f["try"].get<std::string>().empty()) print_row("  try", f["try"].get<std::string>());
   }
 }
 
-void say_coverage(const Json& c) {
+void print_coverage(const Json& c) {
   fmt::print("\n");
   if (!c["inward"].get<bool>()) {
-    say("cameras", fmt::format("{} with a pose; they do not look at one place: no ring to close", c["cameras"].get<size_t>()));
+    print_row("cameras",
+              fmt::format("{} with a pose; they do not look at one place: no ring to close", c["cameras"].get<size_t>()));
     return;
   }
-  say("cameras", fmt::format("{} around one place, {:.0f} to {:.0f} degrees above it; {:.0f} % of the points are seen by two "
-                             "photos only",
-                             c["cameras"].get<size_t>(), c["lowest_deg"].get<double>(), c["highest_deg"].get<double>(),
-                             100 * c["points_seen_by_two"].get<double>()));
+  print_row("cameras",
+            fmt::format("{} around one place, {:.0f} to {:.0f} degrees above it; {:.0f} % of the points are seen by two "
+                        "photos only",
+                        c["cameras"].get<size_t>(), c["lowest_deg"].get<double>(), c["highest_deg"].get<double>(),
+                        100 * c["points_seen_by_two"].get<double>()));
   constexpr size_t kShown = 4;
   for (size_t i = 0; i < std::min(kShown, c["gaps"].size()); ++i) {
     const Json& g = c["gaps"][i];
     constexpr double kOneSided = 150;
     if (g["width_deg"].get<double>() > kOneSided) {
-      say("gap",
+      print_row(
+          "gap",
           fmt::format("seen from one side only: nothing from azimuth {:.0f} to {:.0f}, between {} and {}. If the back matters: "
                       "{} photos",
                       g["from_deg"].get<double>(), g["to_deg"].get<double>(), g["from"].get<std::string>(),
                       g["to"].get<std::string>(), g["photos_to_add"].get<size_t>()));
       continue;
     }
-    say("gap", fmt::format("{:.0f} degrees at azimuth {:.0f}-{:.0f}, between {} and {}: add {} photos",
-                           g["width_deg"].get<double>(), g["from_deg"].get<double>(), g["to_deg"].get<double>(),
-                           g["from"].get<std::string>(), g["to"].get<std::string>(), g["photos_to_add"].get<size_t>()));
+    print_row("gap", fmt::format("{:.0f} degrees at azimuth {:.0f}-{:.0f}, between {} and {}: add {} photos",
+                                 g["width_deg"].get<double>(), g["from_deg"].get<double>(), g["to_deg"].get<double>(),
+                                 g["from"].get<std::string>(), g["to"].get<std::string>(), g["photos_to_add"].get<size_t>()));
   }
-  if (c["gaps"].empty()) say("", "no gap above 30 degrees all round");
+  if (c["gaps"].empty()) print_row("", "no gap above 30 degrees all round");
   constexpr double kOneHeight = 15;
   if (c["highest_deg"].get<double>() - c["lowest_deg"].get<double>() < kOneHeight)
-    say("gap", "all from one height: add a ring about 30 degrees higher");
+    print_row("gap", "all from one height: add a ring about 30 degrees higher");
 }
 
 std::string short_time(double s) {
@@ -289,7 +291,7 @@ std::string short_bytes(double bytes) {
   return mib < 999.5 ? fmt::format("{:.0f}M", mib) : fmt::format("{:.1f}G", mib / 1024);
 }
 
-void say_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
+void print_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
   fmt::print("\n{:<10}", "");
   for (const PresetCost& c : costs) fmt::print("  {:>21}", c.preset);
   fmt::print("\n{:<10}", "stage");
@@ -308,14 +310,14 @@ void say_costs(const std::vector<PresetCost>& costs, int threads, bool masks) {
     fmt::print("  {:>7}{:>7}{:>7}", short_time(c.seconds), short_bytes(double(c.memory)), short_bytes(double(c.disk)));
   fmt::print("\n");
   if (const auto& unknown = costs.front().unknown; !unknown.empty())
-    say("", fmt::format("? = no estimate, and not in the sum: {}", fmt::join(unknown, ", ")));
-  say("",
-      fmt::format("estimates for {} threads of a recent processor with AVX-512{}; poses that are hard to find take up to three "
-                  "times as long",
-                  threads, masks ? ", with layers" : ", without masks of yours"));
+    print_row("", fmt::format("? = no estimate, and not in the sum: {}", fmt::join(unknown, ", ")));
+  print_row("", fmt::format(
+                    "estimates for {} threads of a recent processor with AVX-512{}; poses that are hard to find take up to three "
+                    "times as long",
+                    threads, masks ? ", with layers" : ", without masks of yours"));
 }
 
-void say_each_photo(const Json& report) {
+void print_each_photo(const Json& report) {
   fmt::print("\n{:<34}{:>8}{:>10}{:>9}{:>9}{:>9}\n", "photo", "blur px", "texture %", "clip %", "black %", "bright");
   for (const Json& p : report["photos"]) {
     const std::string name = cut_to_columns(p["name"].get<std::string>(), 33);
@@ -377,16 +379,16 @@ int inspect_command(const Words& words) {
     std::cout << report.dump() << "\n";
     return 0;
   }
-  say("verdict", verdict_text(report));
-  say_photos(report);
-  say_findings(report);
-  if (report.contains("coverage")) say_coverage(report["coverage"]);
-  if (report.contains("passes")) say("passes", report["passes"].get<std::string>());
-  if (a.verbose) say_each_photo(report);
-  say_costs(costs, threads, subject.has_masks());
+  print_row("verdict", verdict_text(report));
+  print_photos(report);
+  print_findings(report);
+  if (report.contains("coverage")) print_coverage(report["coverage"]);
+  if (report.contains("passes")) print_row("passes", report["passes"].get<std::string>());
+  if (a.verbose) print_each_photo(report);
+  print_costs(costs, threads, subject.has_masks());
   if (!subject.has_masks())
-    say("masks", "Glass, polished metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
-                     join_command({"vitrine", "mark", given}));
+    print_row("masks", "Glass, polished metal or a mirror? Without masks a run finds display cases at most. Draw them: " +
+                           join_command({"vitrine", "mark", given}));
   return 0;
 }
 

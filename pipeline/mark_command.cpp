@@ -9,12 +9,10 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/config/cli.h"
 #include "core/foundation/config/text.h"
-#include "pipeline/browser.h"
 #include "pipeline/commands.h"
 #include "pipeline/graph.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
-#include "pipeline/tool_options.h"
 
 namespace vitrine {
 

@@ -6,7 +6,7 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/json.h"
 #include "core/foundation/config/text.h"
-#include "pipeline/printed_key.h"
+#include "pipeline/graph.h"
 
 namespace vitrine {
 

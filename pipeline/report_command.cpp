@@ -2,43 +2,12 @@
 #include <iostream>
 
 #include "core/foundation/base/error.h"
-#include "core/foundation/base/process.h"
 #include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
-#include "pipeline/graph.h"
-#include "pipeline/html_report.h"
+#include "pipeline/pages.h"
 #include "pipeline/project.h"
 
 namespace vitrine {
-
-namespace {
-
-// The path as typed in the current folder.
-fs::path typed(const fs::path& project) {
-  const fs::path here = project.lexically_relative(fs::current_path());
-  return here.empty() || *here.begin() == ".." ? project : here;
-}
-
-}  // namespace
-
-fs::path html_report_path(const fs::path& project) { return project / "report.html"; }
-
-std::optional<std::string> write_html_report(const fs::path& project, bool only_if_changed) {
-  const fs::path program = own_folder() / "vitrine-report";
-  std::error_code ec;
-  if (!fs::exists(program, ec)) return "the program vitrine-report is missing";
-  std::vector<std::string> words = {program.string(), project.string(), "--typed", typed(project).string()};
-  if (only_if_changed) words.push_back("--if-changed");
-  try {
-    const ProcessResult result =
-        run_process({.arguments = words, .on_line = [](std::string_view) {}, .forward_interrupts = false});
-    if (result.ok()) return std::nullopt;
-    const std::string first = result.tail.substr(0, result.tail.find('\n'));
-    return first.empty() ? fmt::format("vitrine-report ended with {}", result.signal != 0 ? "a signal" : "an error") : first;
-  } catch (const Error& e) {  // the program cannot be started
-    return e.message();
-  }
-}
 
 int report_command(const Words& words) {
   bool help = false;

@@ -11,14 +11,12 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/terminal.h"
 #include "core/foundation/config/cli.h"
-#include "pipeline/chart.h"
 #include "pipeline/commands.h"
+#include "pipeline/cost_model.h"
 #include "pipeline/given_inputs.h"
-#include "pipeline/html_report.h"
-#include "pipeline/preflight.h"
+#include "pipeline/pages.h"
 #include "pipeline/project.h"
 #include "pipeline/runner.h"
-#include "pipeline/view_page.h"
 
 namespace vitrine {
 

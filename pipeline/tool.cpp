@@ -1,15 +1,15 @@
 #include "pipeline/tool.h"
 
 #include <unistd.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 #include "core/foundation/artifact/publish.h"
 #include "core/foundation/artifact/store.h"
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/process.h"
 #include "pipeline/graph.h"
-#include "pipeline/printed_key.h"
 
 namespace vitrine {
 
@@ -18,6 +18,38 @@ namespace {
 bool replaced_by_edits(const std::string& stage) { return stage == "optimize" || stage == "mesh" || stage == "decompose"; }
 
 }  // namespace
+
+void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool) {
+  cli.values("set", 0, "OPTION=VALUE", o.sets, fmt::format("An option of vitrine-{}.", tool));
+}
+
+void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view results) {
+  cli.value("threads", 'j', "N", o.threads, 0, fmt::format("Threads; 0 = all. {} not depend on it.", results));
+  cli.flag("no-progress", 0, o.no_progress, "No progress bar, no progress lines.");
+  cli.flag("quiet", 'q', o.quiet, "Warnings and errors only.");
+  cli.flag("help", 'h', o.help, "Print this text.");
+}
+
+const std::string& only_argument(const Words& rest, const char* question, const char* usage) {
+  if (rest.size() != 1)
+    throw Error(ErrorKind::Usage, rest.empty() ? std::string(question) : fmt::format("unexpected argument \"{}\"", rest[1]),
+                {.hint = usage, .code = "USAGE"});
+  return rest[0];
+}
+
+Words work_words(const ToolOptions& o) {
+  Words words;
+  for (const std::string& set : o.sets) words.insert(words.end(), {"--set", set});
+  if (o.threads > 0) words.insert(words.end(), {"--threads", std::to_string(o.threads)});
+  return words;
+}
+
+Words quietness(const ToolOptions& o) {
+  Words words;
+  if (o.no_progress) words.emplace_back("--no-progress");
+  if (o.quiet) words.emplace_back("--quiet");
+  return words;
+}
 
 fs::path tool_program(const std::string& tool) {
   const fs::path program = stage_folder() / ("vitrine-" + tool);
@@ -91,6 +123,15 @@ EditedScene edited_scene(const fs::path& project, const fs::path& edits, const W
   publish(result.entry, result.manifest, project, before ? &*before : nullptr);
   set_current_key(project, "edit", result.key);
   return {.folder = result.entry / "edited"};
+}
+
+void open_in_browser(const fs::path& page) {
+  const auto opener = find_program("xdg-open");
+  if (opener && run_and_tell({opener->string(), page.string()}) == 0) return;
+  throw Error(ErrorKind::Dependency, "no program opens a browser here",
+              {.why = opener ? "xdg-open found none" : "xdg-open is missing",
+               .hint = "open the page by hand: " + page.string(),
+               .code = "NO_BROWSER"});
 }
 
 }  // namespace vitrine

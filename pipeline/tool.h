@@ -3,13 +3,34 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/foundation/artifact/manifest.h"
 #include "core/foundation/base/file.h"
+#include "core/foundation/config/cli.h"
 #include "pipeline/commands.h"
 
 namespace vitrine {
+
+// Common options of commands that start one program on a project: render, relight, view, mark, export, edit.
+struct ToolOptions {
+  std::vector<std::string> sets;
+  int threads = 0;
+  bool no_progress = false, quiet = false, help = false;
+};
+// --set OPTION=VALUE, for the program vitrine-<tool>.
+void add_set_option(CommandLine& cli, ToolOptions& o, std::string_view tool);
+// --threads, --no-progress, --quiet and --help, at the end of a list of options. `results`, for the help text: "Files do" not
+// depend on the number of threads.
+void add_usual_options(CommandLine& cli, ToolOptions& o, std::string_view results);
+
+// The one argument of a command. Throws Error{Usage} with `question` where there is none.
+const std::string& only_argument(const Words& rest, const char* question, const char* usage);
+
+// Arguments for the program: threads and output.
+Words work_words(const ToolOptions& o);
+Words quietness(const ToolOptions& o);
 
 struct ToolInputs {
   std::vector<std::string> stages;         // required artifacts
@@ -41,5 +62,8 @@ inline fs::path edited_folder(const fs::path& project) { return project / "edite
 // Runs a program with its own output; returns its exit code.
 int run_and_tell(const Words& words);
 fs::path tool_program(const std::string& tool);
+
+// Opens an HTML page in the user's browser (--open). Throws Error{Dependency} if no program opens a browser.
+void open_in_browser(const fs::path& page);
 
 }  // namespace vitrine

@@ -2,11 +2,10 @@
 #include <iostream>
 
 #include "core/foundation/config/cli.h"
-#include "pipeline/browser.h"
 #include "pipeline/commands.h"
+#include "pipeline/pages.h"
 #include "pipeline/project.h"
-#include "pipeline/tool_options.h"
-#include "pipeline/view_page.h"
+#include "pipeline/tool.h"
 
 namespace vitrine {
 

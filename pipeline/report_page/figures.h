@@ -1,15 +1,27 @@
-// Report figures declared by the stages (core/foundation/artifact/stage_report.h): values read from the reports of a run, and ratings.
+// Report figures declared by the stages (core/foundation/artifact/stage_report.h): values read from the reports of a run, and
+// ratings by the declared thresholds (README.md). A rating advises what to improve; the measured values are shown with it.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/foundation/artifact/stage_report.h"
 #include "pipeline/report_page/outcome.h"
-#include "pipeline/report_page/thresholds.h"
 
 namespace vitrine {
+
+// Unknown: too few samples (figure_of); never returned by `rate`.
+enum class Rating { Good, Borderline, Bad, Unknown };
+std::string_view name(Rating rating);  // "good", "borderline", "bad", "unknown"
+
+Rating rate(const ReportFigure& figure, double value);
+// Position of the value on a scale of three equal parts bad | borderline | good, in [0,1]; clamped slightly inside the ends.
+double place_on_scale(const ReportFigure& figure, double value);
+std::string shown(const ReportFigure& figure, double value);  // "24.9 dB", "97 %"
+std::string thresholds_text(const ReportFigure& figure);      // "good from 27 dB, borderline from 22 dB"
 
 struct Figure {
   ReportFigure rule;

@@ -1,11 +1,13 @@
-// Pictures of the output folder, reduced and embedded as data URIs.
+// Pictures of the output folder, reduced and embedded as data URIs, and ray-cast pictures of the mesh.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "core/foundation/base/file.h"
+#include "core/scene/camera/view.h"
 #include "core/scene/image/image.h"
+#include "core/scene/mesh/mesh_hits.h"
 
 namespace vitrine {
 
@@ -27,5 +29,13 @@ enum class AovKind { Radiance, Weight, Normal, Depth };
 // Displayable version of an OpenEXR layer (stages/render/README.md): radiance in sRGB, weights as grey, normals as colours, depth
 // from near (bright) to far (dark).
 std::optional<Picture> picture_of_layer(const fs::path& exr, AovKind kind, int max_side);
+
+// The mesh from the camera of a photo, ray cast.
+struct SurfaceView {
+  Image8 clay;     // lit from the camera, slightly from above
+  Image8 normals;  // in the camera's frame: red right, green up, blue towards the camera
+};
+
+SurfaceView surface_view(const MeshHits& mesh, const View& view, int max_side);
 
 }  // namespace vitrine

@@ -6,9 +6,9 @@
 
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/inside.h"
+#include "core/foundation/math/median.h"
 #include "core/scene/camera/projection.h"
 #include "core/scene/image/ldr.h"
-#include "core/foundation/math/median.h"
 #include "core/scene/objects/object_labels.h"
 
 namespace vitrine {
@@ -94,7 +94,7 @@ std::optional<double> mean_psnr(const std::vector<PhotoScore>& views, const char
 }
 
 // Rates by held-out PSNR; at most medium if the training views are much better, or if few photos support the region.
-void judge(RegionTrust& r, const ReportFigure& by_psnr) {
+void rate_region(RegionTrust& r, const ReportFigure& by_psnr) {
   if (!r.psnr) return;
   int step = int(rate(by_psnr, *r.psnr));
   std::vector<std::string> why = {step == 0   ? "drawn well from new places"
@@ -152,7 +152,7 @@ std::vector<RegionTrust> region_trust(const fs::path& project, const ViewSet& vi
       if (psnr != nullptr) out.psnr = psnr->value, out.heldout_views = psnr->rating == Rating::Unknown ? 1 : 2;
       if (psnr != nullptr && gap != nullptr) out.train_psnr = psnr->value + gap->value;
     }
-    judge(out, *by_psnr);
+    rate_region(out, *by_psnr);
   }
   return regions;
 }

@@ -6,11 +6,10 @@
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/inside.h"
 #include "core/scene/mesh/mesh_io.h"
+#include "pipeline/pages.h"
 #include "pipeline/report_page/html.h"
 #include "pipeline/report_page/pictures.h"
 #include "pipeline/report_page/sections.h"
-#include "pipeline/report_page/surface_views.h"
-#include "pipeline/view_page.h"
 
 namespace vitrine {
 

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "core/render/edit/selection.h"
 #include "core/scene/camera/view.h"
-#include "core/render/raster/edit/selector.h"
 
 namespace vitrine {
 

@@ -1,5 +1,5 @@
-// Data for previewing edits in the page as `vitrine edit` would apply them (core/render/edit): mask classes and mesh component of every
-// surfel, positions of surfels that the page does not render, and the surfels of each known shape.
+// Data for previewing edits in the page as `vitrine edit` would apply them (core/render/edit): mask classes and mesh component of
+// every surfel, positions of surfels that the page does not render, and the surfels of each known shape.
 #pragma once
 
 #include <span>
@@ -7,6 +7,7 @@
 #include "core/foundation/base/json.h"
 #include "core/render/edit/edit_scene.h"
 #include "core/scene/objects/object_labels.h"
+#include "core/scene/objects/object_set.h"
 #include "stages/view/page_surfels.h"
 
 namespace vitrine {

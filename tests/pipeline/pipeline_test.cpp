@@ -5,8 +5,8 @@
 
 #include "core/foundation/base/events.h"
 #include "core/foundation/base/timer.h"
-#include "pipeline/chart.h"
-#include "pipeline/printed_key.h"
+#include "pipeline/given_inputs.h"
+#include "pipeline/graph.h"
 #include "tests/pipeline/sandbox.h"
 #include "tests/support/error_of.h"
 

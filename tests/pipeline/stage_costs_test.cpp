@@ -7,7 +7,6 @@
 #include "core/foundation/base/process.h"
 #include "core/foundation/base/timer.h"
 #include "pipeline/cost_model.h"
-#include "pipeline/preflight.h"
 #include "tests/pipeline/built_stages.h"
 
 namespace vitrine {

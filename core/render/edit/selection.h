@@ -18,9 +18,9 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/camera/view.h"
+#include "core/foundation/math/rigid.h"
 #include "core/render/edit/edit_scene.h"
-#include "core/render/raster/edit/selector.h"
+#include "core/scene/camera/view.h"
 #include "core/scene/image/image.h"
 #include "core/scene/mesh/mesh_distance.h"
 #include "core/scene/mesh/mesh_topology.h"

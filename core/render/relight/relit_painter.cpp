@@ -9,6 +9,7 @@
 #include "core/render/model/gbuffer.h"
 #include "core/render/relight/lit_place.h"
 #include "core/render/relight/pixel_shader.h"
+#include "core/scene/image/ldr.h"
 
 namespace vitrine {
 

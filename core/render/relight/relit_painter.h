@@ -13,6 +13,8 @@
 
 #include "core/render/model/layered_model.h"
 #include "core/render/relight/glass_content.h"
+#include "core/render/relight/lit_scene.h"
+#include "core/scene/image/image.h"
 
 namespace vitrine {
 

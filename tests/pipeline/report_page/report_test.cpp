@@ -8,8 +8,8 @@
 #include "core/foundation/base/json.h"
 #include "pipeline/report_page/fact_text.h"
 #include "pipeline/report_page/facts.h"
+#include "pipeline/report_page/figures.h"
 #include "pipeline/report_page/html.h"
-#include "pipeline/report_page/thresholds.h"
 #include "pipeline/report_page/verdict.h"
 #include "tests/pipeline/report_page/small_output.h"
 

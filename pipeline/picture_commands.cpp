@@ -1,18 +1,35 @@
-#include "pipeline/picture_tool.h"
-
+// vitrine render PROJECT: pictures of the trained scene, with the program vitrine-render; vitrine relight PROJECT --env HDRI:
+// pictures under another light, with the program vitrine-relight. The pictures are linked into the output folder.
 #include <charconv>
+#include <iostream>
 
 #include "core/foundation/artifact/publish.h"
 #include "core/foundation/artifact/store.h"
 #include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
 #include "core/foundation/base/process.h"
-#include "pipeline/html_report.h"
+#include "core/foundation/config/cli.h"
+#include "pipeline/commands.h"
+#include "pipeline/pages.h"
 #include "pipeline/project.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {
 
 namespace {
+
+struct PictureArguments : ToolOptions {
+  std::string output, views = "heldout", size;
+  bool edited = false, force = false;
+};
+struct PictureTool {
+  std::string name;                                       // "render": runs vitrine-render; also its folder in the store
+  std::string folder;                                     // folder of the pictures
+  std::vector<std::string> stages;                        // required artifacts
+  std::vector<std::string> optional_stages = {"refine"};  // optional artifacts
+  std::string missing;                                    // error message: "there is no trained scene yet"
+  Words words;                                            // additional arguments of the program
+};
 
 void add_size(const std::string& size, Words& words) {
   int width = 0, height = 0;
@@ -23,6 +40,15 @@ void add_size(const std::string& size, Words& words) {
     throw Error(ErrorKind::Usage, fmt::format("--size must look like 1280x720, got \"{}\"", size),
                 {.hint = "--size 1280x720", .code = "USAGE"});
   words.insert(words.end(), {"--set", fmt::format("width={}", width), "--set", fmt::format("height={}", height)});
+}
+
+// Adds --input NAME=PATH for a file of the user. Throws Error{Input} if it does not exist.
+void add_input_file(const std::string& name, const std::string& path, const std::string& hint, Words& words) {
+  std::error_code ec;
+  if (!fs::is_regular_file(path, ec))
+    throw Error(ErrorKind::Input, fmt::format("there is no such {}", name == "path" ? "camera path" : "file"),
+                {.where = path, .hint = hint, .code = "MISSING_INPUT"});
+  words.insert(words.end(), {"--input", name + "=" + fs::absolute(path).string()});
 }
 
 void add_views(const std::string& views, Words& words) {
@@ -45,8 +71,6 @@ std::optional<Manifest> pictures_before(ArtifactStore& store, const std::string&
   return before && pictures_folder(*before) == pictures_folder(now) ? before : std::nullopt;
 }
 
-}  // namespace
-
 void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureTool& tool) {
   cli.value("views", 0, "WHICH", a.views,
             "heldout, train, all, or a camera path: a file like the scene's transforms.json, in its frame.");
@@ -58,15 +82,8 @@ void add_picture_options(CommandLine& cli, PictureArguments& a, const PictureToo
   add_usual_options(cli, a, "Pictures do");
 }
 
+// The project folder among the remaining command-line words, or the current folder.
 fs::path picture_project(const Words& rest) { return project_of(rest.empty() ? "." : rest[0]); }
-
-void add_input_file(const std::string& name, const std::string& path, const std::string& hint, Words& words) {
-  std::error_code ec;
-  if (!fs::is_regular_file(path, ec))
-    throw Error(ErrorKind::Input, fmt::format("there is no such {}", name == "path" ? "camera path" : "file"),
-                {.where = path, .hint = hint, .code = "MISSING_INPUT"});
-  words.insert(words.end(), {"--input", name + "=" + fs::absolute(path).string()});
-}
 
 int run_picture_tool(const PictureTool& tool, const fs::path& project, const PictureArguments& a) {
   const ProjectLock lock(project);
@@ -105,6 +122,69 @@ int run_picture_tool(const PictureTool& tool, const fs::path& project, const Pic
     if (why_not && !a.quiet) fmt::print("note: report.html does not show these pictures yet: {}\n", *why_not);
   }
   return 0;
+}
+
+}  // namespace
+
+int render_command(const Words& words) {
+  PictureArguments a;
+  bool layers = false;
+  PictureTool tool{.name = "render",
+                   .folder = "render",
+                   .stages = {"sfm", "optimize"},
+                   .missing = "there is no trained scene yet",
+                   .words = {}};
+  CommandLine cli("vitrine render", "[PROJECT] [options]",
+                  "Pictures of the trained scene. PROJECT is the output folder of `vitrine run`; default: the current folder.");
+  cli.flag("layers", 'l', layers, "Also write what the pictures are made of, as EXR.");
+  add_picture_options(cli, a, tool);
+  const Words rest = cli.parse(words, 1);
+  if (a.help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  if (layers) tool.words = {"--set", "layers=true"};
+  return run_picture_tool(tool, picture_project(rest), a);
+}
+
+int relight_command(const Words& words) {
+  PictureArguments a;
+  std::string environment, lights, rotate, exposure;
+  int turntable = 0, samples = 0;
+  PictureTool tool{.name = "relight",
+                   .folder = "relit",
+                   .stages = {"sfm", "optimize", "mesh", "decompose"},
+                   .missing = "this scene cannot be relit yet",
+                   .words = {}};
+  CommandLine cli(
+      "vitrine relight", "[PROJECT] [options]",
+      "Pictures of the scene under another light. PROJECT is the output folder of `vitrine run`; default: the current "
+      "folder. Without --env and --lights: under the light of the photos.");
+  cli.value("env", 'e', "FILE", environment, "Environment map: lat-long, 2:1, OpenEXR or Radiance HDR.");
+  cli.value("lights", 0, "FILE", lights, "Point, directional and area lights: a YAML file (stages/relight/README.md).");
+  cli.value("rotate", 0, "DEG", rotate, "Turn the environment about the vertical, counter-clockwise seen from above.");
+  cli.value("turntable", 0, "N", turntable, 0, "N frames of a camera that goes around the scene, and a film if ffmpeg is there.");
+  cli.value("spp", 0, "N", samples, 0, "Samples a pixel; default 64. Noise halves with four times as many.");
+  cli.value("exposure", 0, "STOPS", exposure,
+            "How many stops brighter the PNG are than the EXR; default: surfaces become middle grey.");
+  add_picture_options(cli, a, tool);
+  const Words rest = cli.parse(words, 1);
+  if (a.help) {
+    std::cout << cli.help();
+    return 0;
+  }
+  const auto set = [&](const char* option, const std::string& value) {
+    if (!value.empty()) tool.words.insert(tool.words.end(), {"--set", std::string(option) + "=" + value});
+  };
+  if (!environment.empty())
+    add_input_file("env", environment, "a lat-long map as OpenEXR (.exr) or Radiance HDR (.hdr)", tool.words);
+  if (!lights.empty()) add_input_file("lights", lights, "a YAML file of lights: stages/relight/README.md shows one", tool.words);
+  set("rotate", rotate);
+  set("exposure", exposure);
+  if (!exposure.empty()) set("auto_exposure", "false");
+  if (turntable > 0) set("turntable", std::to_string(turntable));
+  if (samples > 0) set("samples", std::to_string(samples));
+  return run_picture_tool(tool, picture_project(rest), a);
 }
 
 }  // namespace vitrine

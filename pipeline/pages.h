@@ -1,17 +1,23 @@
-// Writes view.html of an output folder with the program vitrine-view (stages/view): for `vitrine view`, and at the end of every
-// `vitrine run` that trained a scene.
+// The HTML pages of an output folder: report.html by the program vitrine-report (pipeline/report_page), at the end of every
+// `vitrine run`, including failed ones, and by `vitrine report`; view.html by the program vitrine-view (stages/view), at the end
+// of every `vitrine run` that trained a scene, and by `vitrine view`.
 #pragma once
 
 #include <optional>
 #include <string>
 
 #include "core/foundation/artifact/manifest.h"
+#include "core/foundation/base/file.h"
 #include "pipeline/tool.h"
 
 namespace vitrine {
 
+fs::path html_report_path(const fs::path& project);
+// Returns nothing on success, otherwise the reason. The signal that stopped the run does not stop it.
+std::optional<std::string> write_html_report(const fs::path& project, bool only_if_changed);
+
 fs::path view_page_path(const fs::path& project);
-// The relit picture made with the page (stages/view/relit_sample.h).
+// The relit picture made with the page (stages/view/view.cpp).
 fs::path relit_sample_path(const fs::path& project);
 // Inputs of the page.
 ToolInputs view_inputs(const fs::path& edited = {});

@@ -1,4 +1,4 @@
-#include "pipeline/view_page.h"
+#include "pipeline/pages.h"
 
 #include <unistd.h>
 
@@ -6,12 +6,39 @@
 #include "core/foundation/artifact/store.h"
 #include "core/foundation/base/error.h"
 #include "core/foundation/base/process.h"
-#include "pipeline/printed_key.h"
+#include "pipeline/graph.h"
 
 namespace vitrine {
 
 namespace {
+
 constexpr const char* kTool = "view";
+
+// The path as typed in the current folder.
+fs::path typed(const fs::path& project) {
+  const fs::path here = project.lexically_relative(fs::current_path());
+  return here.empty() || *here.begin() == ".." ? project : here;
+}
+
+}  // namespace
+
+fs::path html_report_path(const fs::path& project) { return project / "report.html"; }
+
+std::optional<std::string> write_html_report(const fs::path& project, bool only_if_changed) {
+  const fs::path program = own_folder() / "vitrine-report";
+  std::error_code ec;
+  if (!fs::exists(program, ec)) return "the program vitrine-report is missing";
+  std::vector<std::string> words = {program.string(), project.string(), "--typed", typed(project).string()};
+  if (only_if_changed) words.push_back("--if-changed");
+  try {
+    const ProcessResult result =
+        run_process({.arguments = words, .on_line = [](std::string_view) {}, .forward_interrupts = false});
+    if (result.ok()) return std::nullopt;
+    const std::string first = result.tail.substr(0, result.tail.find('\n'));
+    return first.empty() ? fmt::format("vitrine-report ended with {}", result.signal != 0 ? "a signal" : "an error") : first;
+  } catch (const Error& e) {  // the program cannot be started
+    return e.message();
+  }
 }
 
 fs::path view_page_path(const fs::path& project) { return project / "view.html"; }
@@ -47,8 +74,8 @@ ViewPageOutcome write_view_page(const fs::path& project) {
                                          .forward_interrupts = false});
     if (!r.ok()) {
       const size_t error = r.tail.find("error: ");
-      const std::string told = error == std::string::npos ? r.tail : r.tail.substr(error + 7);
-      const std::string first = told.substr(0, told.find('\n'));
+      const std::string message = error == std::string::npos ? r.tail : r.tail.substr(error + 7);
+      const std::string first = message.substr(0, message.find('\n'));
       return {ViewPage::Failed, first.empty() ? "vitrine-view ended without a word" : first};
     }
     const ArtifactStore store(store_of(project));
