@@ -11,6 +11,7 @@
 // key, the echo in the manifest, the reference YAML and the generic tests.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -106,6 +107,11 @@ class Describer {
     const ChoiceTarget target{&v, [](const void* p) { return static_cast<size_t>(*static_cast<const Enum*>(p)); },
                               [](void* p, size_t i) { *static_cast<Enum*>(p) = static_cast<Enum>(i); }};
     return add(name, target, doc, std::move(words));
+  }
+  // Words from an array beside the enum, where files and messages use them too.
+  template <class Enum, size_t N>
+  OptionRef choice(std::string_view name, Enum& v, const std::array<std::string_view, N>& words, std::string_view doc) {
+    return choice(name, v, std::vector<std::string>(words.begin(), words.end()), doc);
   }
   template <class Config>
   void group(std::string_view name, Config& config, std::string_view doc) {
