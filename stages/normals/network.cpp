@@ -70,7 +70,7 @@ OnnxConfig built_in_network_config() {
   c.input.multiple = 16;
   c.input.mean = {0.5, 0.5, 0.5};
   c.input.deviation = {0.25, 0.25, 0.25};
-  c.doubt = "kappa";
+  c.doubt = NormalDoubt::Kappa;
   c.space = "camera-opencv";
   return c;
 }
@@ -97,7 +97,7 @@ std::pair<int, int> NormalNetwork::input_size(int width, int height) const { ret
 NormalMap NormalNetwork::predict(const ImageF& srgb) {
   const OnnxConfig& c = state_->config;
   const NetworkOutput out = state_->network.run(srgb);
-  if (c.doubt == "kappa" && out.channels != 4)
+  if (c.doubt == NormalDoubt::Kappa && out.channels != 4)
     throw Error(ErrorKind::Input, "the network has no fourth channel",
                 {.where = state_->network.desc().where,
                  .why = fmt::format("its shape is {}", out.shape),
@@ -106,13 +106,13 @@ NormalMap NormalNetwork::predict(const ImageF& srgb) {
   NormalMap map(out.width, out.height);
   for (size_t i = 0; i < out.pixel_count(); ++i) {
     Vec3f n{out.at(i, 0), out.at(i, 1), out.at(i, 2)};
-    if (c.output == "rgb") n = 2.f * n - Vec3f{1, 1, 1};
+    if (c.output == NormalEncoding::Rgb) n = 2.f * n - Vec3f{1, 1, 1};
     const float size = length(n);
     if (!std::isfinite(size) || size < kShortest) continue;
-    const double angle = c.doubt == "kappa" ? expected_angle(std::max(0.01, double(out.at(i, 3)))) / kHalfSure : 0;
+    const double angle = c.doubt == NormalDoubt::Kappa ? expected_angle(std::max(0.01, double(out.at(i, 3)))) / kHalfSure : 0;
     map.set(int(i % size_t(out.width)), int(i / size_t(out.width)), n / size, float(1 / (1 + angle * angle)));
   }
-  if (c.doubt == "smoothness") smoothness_confidence(map);
+  if (c.doubt == NormalDoubt::Smoothness) smoothness_confidence(map);
   return map;
 }
 

@@ -36,15 +36,21 @@ class NormalsRun {
         network_(context.optional_input("network")) {}
 
   void run() {
-    const std::string source = config_.source != "auto" ? config_.source : folder_ ? "files" : network_ ? "onnx" : "geometric";
-    report_["source"] = source;
-    if (source == "geometric") geometric();
-    if (source == "files") files();
-    if (source == "onnx") onnx();
+    const NormalSource source = chosen_source();
+    report_["source"] = kNormalSourceWords[size_t(source)];
+    if (source == NormalSource::Geometric) geometric();
+    if (source == NormalSource::Files) files();
+    if (source == NormalSource::Onnx) onnx();
     finish(source);
   }
 
  private:
+  NormalSource chosen_source() const {
+    if (config_.source != NormalSource::Auto) return config_.source;
+    if (folder_) return NormalSource::Files;
+    return network_ ? NormalSource::Onnx : NormalSource::Geometric;
+  }
+
   std::vector<uint32_t> all_views() const {
     std::vector<uint32_t> views;
     for (uint32_t v = 0; v < capture_.set.views.size(); ++v) views.push_back(v);
@@ -186,21 +192,21 @@ class NormalsRun {
     sure_ += known > 0 ? sure / known : 0;
   }
 
-  void finish(const std::string& source) {
+  void finish(NormalSource source) {
     report_["photos"] = photos_;
     make_folders(context_.output() / "normals");
     write_file(context_.output() / "normals" / "report.json", report_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     context_.metric("maps", double(photos_.size()));
     if (photos_.empty()) {
-      context_.summary(source == "none" ? "none wanted" : "none");
+      context_.summary(source == NormalSource::None ? "none wanted" : "none");
       return;
     }
     const double known = known_ / double(photos_.size()), sure = sure_ / double(photos_.size());
     context_.metric("known", known);
     context_.metric("confidence", sure);
     std::string space = report_.contains("space") ? ", " + report_["space"]["name"].get<std::string>() : std::string();
-    context_.summary(fmt::format("{}{}: {} maps, {:.0f} % of the pixels, confidence {:.2f}", source, space, photos_.size(),
-                                 100 * known, sure));
+    context_.summary(fmt::format("{}{}: {} maps, {:.0f} % of the pixels, confidence {:.2f}", kNormalSourceWords[size_t(source)],
+                                 space, photos_.size(), 100 * known, sure));
   }
 
   const NormalsConfig& config_;
@@ -230,14 +236,14 @@ void describe(Describer& d, NormalFilesConfig& c) { describe_space(d, c.space); 
 void describe(Describer& d, OnnxConfig& c) {
   describe_space(d, c.space);
   describe_input(d, c.input);
-  d.option("output", c.output, "vector: the normal itself; rgb: (n + 1) / 2.").choices({"vector", "rgb"});
-  d.option("doubt", c.doubt, "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.")
-      .choices({"smoothness", "kappa"});
+  d.choice("output", c.output, {"vector", "rgb"}, "vector: the normal itself; rgb: (n + 1) / 2.");
+  d.choice("doubt", c.doubt, {"smoothness", "kappa"},
+           "Where the confidence comes from: a fourth channel kappa, or how smooth the normals are.");
 }
 
 void describe(Describer& d, NormalsConfig& c) {
-  d.option("source", c.source, "Where normals come from; auto = files or onnx where such an input is given, else geometric.")
-      .choices({"auto", "files", "onnx", "geometric", "none"});
+  d.choice("source", c.source, kNormalSourceWords,
+           "Where normals come from; auto = files or onnx where such an input is given, else geometric.");
   d.option("max_side", c.max_side, "Longest side of the written maps, pixels; what is known more coarsely stays so.")
       .range(16, 16384);
   d.option("holdout_every", c.holdout_every,

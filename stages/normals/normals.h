@@ -3,13 +3,19 @@
 //   writes  normals/<stem>.exr (X Y Z, OpenCV camera frame; 0 0 0 = unknown), normals/<stem>_confidence.png, normals/report.json
 #pragma once
 
+#include <array>
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "core/observe/network/photo_network.h"
 #include "stages/stage.h"
 
 namespace vitrine {
+
+enum class NormalSource { Auto, Files, Onnx, Geometric, None };
+inline constexpr std::array<std::string_view, 5> kNormalSourceWords{"auto", "files", "onnx", "geometric", "none"};
+enum class NormalEncoding { Vector, Rgb };     // of a network's output; Rgb: (n + 1) / 2
+enum class NormalDoubt { Smoothness, Kappa };  // what the confidence of a network's normals comes from
 
 struct GeometricConfig {
   int max_side = 240;
@@ -24,13 +30,13 @@ void describe(Describer& d, NormalFilesConfig& c);
 struct OnnxConfig {
   std::string space = "auto";
   NetworkInput input{};
-  std::string output = "vector";
-  std::string doubt = "smoothness";
+  NormalEncoding output = NormalEncoding::Vector;
+  NormalDoubt doubt = NormalDoubt::Smoothness;
 };
 void describe(Describer& d, OnnxConfig& c);
 
 struct NormalsConfig {
-  std::string source = "auto";
+  NormalSource source = NormalSource::Auto;
   int max_side = 480;
   int holdout_every = 8;
   GeometricConfig geometric;

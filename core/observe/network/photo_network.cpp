@@ -38,8 +38,8 @@ void describe_input(Describer& d, NetworkInput& c) {
   d.option("height", c.height, "Height of the network's input; 0 = from max_side.").range(0, 8192);
   d.option("max_side", c.max_side, "Longest side of its input, when its size is free.").range(16, 8192);
   d.option("multiple", c.multiple, "Both sides of its input are a multiple of this, when its size is free.").range(1, 1024);
-  d.option("layout", c.layout, "Order of its input: planes of channels, or channels of pixels.").choices({"nchw", "nhwc"});
-  d.option("channels", c.channels, "Order of the channels.").choices({"rgb", "bgr"});
+  d.choice("layout", c.layout, {"nchw", "nhwc"}, "Order of its input: planes of channels, or channels of pixels.");
+  d.choice("channels", c.channels, {"rgb", "bgr"}, "Order of the channels.");
   d.option("mean", c.mean, "Subtracted from the photo, sRGB in [0,1], per channel.");
   d.option("deviation", c.deviation, "What that is divided by, per channel.");
   d.option("sha256", c.sha256, "SHA-256 that the network's file must have; empty = any.");
@@ -85,14 +85,14 @@ NetworkOutput PhotoNetwork::run(const ImageF& srgb) {
   State& s = *state_;
   const NetworkInput& c = s.desc.input;
   const int w = srgb.width(), h = srgb.height();
-  const bool planes_first = c.layout == "nchw";
+  const bool planes_first = c.layout == TensorLayout::Nchw;
   const int nchw[] = {1, 3, h, w}, nhwc[] = {1, h, w, 3};
   cv::Mat blob(4, planes_first ? nchw : nhwc, CV_32F);
   float* in = blob.ptr<float>();
   const size_t pixels = size_t(w) * size_t(h);
   for (size_t i = 0; i < pixels; ++i)
     for (size_t channel = 0; channel < 3; ++channel) {
-      const size_t source = c.channels == "bgr" ? 2 - channel : channel;
+      const size_t source = c.channels == ChannelOrder::Bgr ? 2 - channel : channel;
       const float value = (srgb.data()[3 * i + source] - float(c.mean[channel])) / float(c.deviation[channel]);
       in[planes_first ? channel * pixels + i : 3 * i + channel] = value;
     }

@@ -15,14 +15,17 @@ namespace vitrine {
 
 class Describer;
 
+enum class TensorLayout { Nchw, Nhwc };  // planes of channels, channels of pixels
+enum class ChannelOrder { Rgb, Bgr };
+
 // What goes into the network: the size, and which number of which colour stands where. Every stage with such a network declares
 // these options among its own.
 struct NetworkInput {
   int width = 0, height = 0;
   int max_side = 384;
   int multiple = 32;
-  std::string layout = "nchw";
-  std::string channels = "rgb";
+  TensorLayout layout = TensorLayout::Nchw;
+  ChannelOrder channels = ChannelOrder::Rgb;
   std::vector<double> mean{0, 0, 0};
   std::vector<double> deviation{1, 1, 1};
   std::string sha256 = "";

@@ -104,7 +104,7 @@ TEST(GivenNetwork, IsRefusedWithTheReasonWhenItCannotBeRun) {
   EXPECT_NE(crash.detail().why.find("CumSum"), std::string::npos);
   EXPECT_EQ(refusal(one_operator_network("Conv", 64, 48)).detail().code, "UNSUPPORTED_NETWORK");  // without weights
   EXPECT_EQ(refusal(one_operator_network("GlobalAveragePool", 64, 48)).detail().code, "BAD_NETWORK_OUTPUT");
-  EXPECT_EQ(refusal(relu, {.doubt = "kappa"}).detail().code, "BAD_NETWORK_OUTPUT");
+  EXPECT_EQ(refusal(relu, {.doubt = NormalDoubt::Kappa}).detail().code, "BAD_NETWORK_OUTPUT");
   const Error digest = refusal(relu, {.input = {.sha256 = std::string(64, '0')}});
   EXPECT_EQ(digest.detail().code, "WRONG_DIGEST");
   EXPECT_NE(digest.detail().why.find(sha256_hex(relu)), std::string::npos);
@@ -121,8 +121,8 @@ TEST(GivenNetwork, TakesChannelsMeanAndEncodingAsDeclared) {
   const auto first = [&](const OnnxConfig& config) { return NormalNetwork(file.file, config).predict(photo).at(5, 7); };
   const auto near = [](const Vec3f& a, const Vec3f& b) { return length(a - normalized(b)) < 1e-5f; };
   EXPECT_TRUE(near(first({}), {0.9f, 0.5f, 0.4f}));
-  EXPECT_TRUE(near(first({.input = {.channels = "bgr"}}), {0.4f, 0.5f, 0.9f}));
-  EXPECT_TRUE(near(first({.output = "rgb"}), {0.8f, 0.f, -0.2f}));
+  EXPECT_TRUE(near(first({.input = {.channels = ChannelOrder::Bgr}}), {0.4f, 0.5f, 0.9f}));
+  EXPECT_TRUE(near(first({.output = NormalEncoding::Rgb}), {0.8f, 0.f, -0.2f}));
   EXPECT_TRUE(near(first({.input = {.mean = {0.1, 0.1, 0.1}, .deviation = {1, 2, 0.5}}}), {0.8f, 0.2f, 0.6f}));
   EXPECT_EQ(NormalNetwork(file.file, {.input = {.max_side = 64, .multiple = 16}}).input_size(4000, 3000), std::make_pair(64, 48));
   EXPECT_EQ(NormalNetwork(file.file, {.input = {.width = 32, .height = 40}}).input_size(4000, 3000), std::make_pair(32, 40));
