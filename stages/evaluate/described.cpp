@@ -19,7 +19,7 @@ constexpr double kFewestAligned = 5;  // cameras: three always fit the truth aft
 }  // namespace
 
 void describe(Describer& d, EvaluateConfig& c) {
-  d.option("backend", c.backend, "Renderer: cpu, or reference (slow, double precision).").choices({"cpu", "reference"});
+  d.choice("backend", c.backend, {"reference", "cpu"}, "Renderer: cpu, or reference (slow, double precision).");
   d.option("score_train_views", c.score_train_views, "Score the training views too, for reference.");
   d.option("write_pictures", c.write_pictures, "Write photo, render and error of every held-out view.");
   d.option("write_layers", c.write_layers, "Write the layers of the views on the contact sheet, where there is more than one.");

@@ -29,8 +29,6 @@ constexpr int kMeshViewSide = 640;                       // visibility needs no 
 constexpr size_t kSheetRows = 4;                         // views on the contact sheet
 constexpr double kRenderShare = 0.7, kRelitShare = 0.2;  // of the progress bar
 
-Backend backend_of(const EvaluateConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
-
 // `count` of [0, n), evenly spread.
 std::vector<size_t> spread(size_t n, size_t count) {
   std::vector<size_t> picked;
@@ -47,7 +45,7 @@ class Evaluator {
         sfm_(context.input("sfm")),
         views_(load_view_set(sfm_).views),
         painter_(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
-                 {.backend = backend_of(config), .layers = true, .samples = config.samples}),
+                 {.backend = config.backend, .layers = true, .samples = config.samples}),
         layered_(painter_.surfels().reflection.size() + painter_.surfels().transmittance.size() > 0) {
     result_.split = read_view_split(context.input("optimize") / "optimize" / "views.json", views_);
     result_.registered_views = views_.size();

@@ -6,12 +6,13 @@
 //           eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 #pragma once
 
+#include "core/render/renderer.h"
 #include "stages/stage.h"
 
 namespace vitrine {
 
 struct EvaluateConfig {
-  std::string backend = "cpu";
+  Backend backend = Backend::Cpu;
   bool score_train_views = true;
   bool write_pictures = true;
   bool write_layers = true;

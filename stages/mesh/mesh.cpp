@@ -3,24 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/foundation/base/error.h"
-#include "core/foundation/base/file.h"
-#include "core/foundation/base/json.h"
-#include "core/foundation/base/log.h"
-#include "core/foundation/base/process.h"
-#include "core/foundation/base/timer.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/camera/view_split.h"
-#include "core/scene/mesh/clean_openmesh.h"
-#include "core/scene/mesh/iso_surface.h"
-#include "core/scene/mesh/mesh_io.h"
-#include "core/scene/mesh/mesh_report.h"
-#include "core/scene/mesh/mesh_topology.h"
-#include "core/scene/mesh/repair_cgal.h"
-#include "core/render/model/opened_scene.h"
-#include "core/render/picture/part_labels.h"
-#include "core/render/picture/trained_scene.h"
-#include "core/render/raster/renderer.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/base/log.h"
+#include "core/base/process.h"
+#include "core/base/timer.h"
+#include "core/camera/view_set.h"
+#include "core/camera/view_split.h"
+#include "core/mesh/clean_openmesh.h"
+#include "core/mesh/iso_surface.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_report.h"
+#include "core/mesh/mesh_topology.h"
+#include "core/mesh/repair_cgal.h"
+#include "core/model/opened_scene.h"
+#include "core/objects/part_labels.h"
+#include "core/picture/trained_scene.h"
 #include "stages/mesh/behind_glass.h"
 #include "stages/mesh/fusion.h"
 #include "stages/mesh/mirror_depth.h"
@@ -33,8 +32,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kSolidVoxels = 0.75;  // vertices so near to a solid that training learnt lie on it
 constexpr double kMirrorVoxels = 3;    // a surface so far in front of a mirror is another object
-
-Backend backend_of(const MeshConfig& config) { return config.backend == "reference" ? Backend::Reference : Backend::Cpu; }
 
 Json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
@@ -86,7 +83,7 @@ Error nothing_left(std::string why) {
 class RenderedDepth {
  public:
   RenderedDepth(const MeshConfig& config, const SplatLayer& layer, float near_z, const std::vector<View>& views)
-      : layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(backend_of(config))) {}
+      : layer_(layer), near_z_(near_z), views_(views), renderer_(make_renderer(config.backend)) {}
 
   RgbdFrame operator()(size_t i, double voxel) {
     const View& v = views_[i];
@@ -309,7 +306,7 @@ void describe(Describer& d, MeshConfig& c) {
   d.option("voxel", c.voxel, "Edge of a voxel in scene units (the cameras' ring has radius 1); 0 = from the resolution.")
       .range(0, 10);
   d.option("faces", c.faces, "mesh.ply has at most about so many triangles.").range(4, 100000000);
-  d.option("backend", c.backend, "Rasteriser that renders the depth maps.").choices({"cpu", "reference"});
+  d.choice("backend", c.backend, {"reference", "cpu"}, "Rasteriser that renders the depth maps.");
   d.group("region", c.region, "Where the mesh is made.");
   d.group("fusion", c.fusion, "How depth maps become a distance field.");
   d.group("clean", c.clean, "What happens to the raw surface.");

@@ -3,8 +3,7 @@
 // (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
 #pragma once
 
-#include <string>
-
+#include "core/render/renderer.h"
 #include "stages/mesh/region.h"
 #include "stages/stage.h"
 
@@ -29,7 +28,7 @@ struct MeshConfig {
   int resolution = 384;
   double voxel = 0;
   int faces = 200000;
-  std::string backend = "cpu";
+  Backend backend = Backend::Cpu;
   RegionDesc region;
   MeshFusionConfig fusion;
   MeshCleanConfig clean;
