@@ -2,18 +2,17 @@
 
 #include <algorithm>
 
-#include "core/foundation/base/error.h"
-#include "core/foundation/base/file.h"
-#include "core/foundation/base/json.h"
-#include "core/foundation/base/process.h"
-#include "core/foundation/base/rng.h"
-#include "core/render/picture/picture_views.h"
-#include "core/render/relight/relit_painter.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/image/contact_sheet.h"
-#include "core/scene/image/exr.h"
-#include "core/scene/image/ldr.h"
-#include "core/scene/image/resample.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/json.h"
+#include "core/base/process.h"
+#include "core/base/rng.h"
+#include "core/camera/view_set.h"
+#include "core/image/contact_sheet.h"
+#include "core/image/exr.h"
+#include "core/image/ldr.h"
+#include "core/relight/exposure.h"
+#include "core/relight/relit_painter.h"
 #include "stages/relight/turntable.h"
 
 namespace vitrine {
@@ -56,7 +55,7 @@ std::vector<View> chosen_views(const RelightConfig& config, const StageContext& 
                         .width = config.width,
                         .height = config.height};
   if (config.turntable == 0) return picture_views(desc);
-  desc.which = "all";
+  desc.which = ViewChoice::All;
   return turntable_views(picture_views(desc), config.turntable);
 }
 
@@ -115,8 +114,7 @@ void write_settings(const fs::path& path, const RelightConfig& c, double exposur
 }  // namespace
 
 void describe(Describer& d, RelightConfig& c) {
-  d.option("views", c.views, "Cameras: held-out photos, training photos, both, or those of the input `path`.")
-      .choices({"heldout", "train", "all", "path"});
+  d.choice("views", c.views, kViewChoiceWords, "Cameras: held-out photos, training photos, both, or those of the input `path`.");
   d.option("turntable", c.turntable, "Frames of a camera that goes around the scene; 0 = the views.").range(0, 100000);
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
@@ -175,7 +173,7 @@ void run_relight(const RelightConfig& config, StageContext& context) {
   write_transforms_json(out / "transforms.json", views, ".");
   write_settings(out / "settings.json", config, exposure, lighting, solid_glass);
   std::string film;
-  if (config.turntable > 0 || config.views == "path") {
+  if (config.turntable > 0 || config.views == ViewChoice::Path) {
     if (const auto ffmpeg = find_program("ffmpeg")) {
       film = config.turntable > 0 ? "turntable.mp4" : "path.mp4";
       write_film(*ffmpeg, out, out / film, config.frame_rate);

@@ -4,12 +4,13 @@
 //   writes  relit/<light>/<view>.{exr,png}, contact_sheet.png, turntable.mp4, transforms.json (the cameras), settings.json
 #pragma once
 
+#include "core/picture/picture_views.h"
 #include "stages/stage.h"
 
 namespace vitrine {
 
 struct RelightConfig {
-  std::string views = "heldout";
+  ViewChoice views = ViewChoice::Heldout;
   int turntable = 0;  // number of frames
   int width = 0, height = 0, samples = 64, seed = 1;
   double rotate = 0, exposure = 0;

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 
-#include "core/foundation/base/error.h"
-#include "core/foundation/base/file.h"
-#include "core/foundation/base/process.h"
-#include "core/scene/camera/view_set.h"
-#include "core/scene/image/ldr.h"
-#include "core/render/picture/picture_views.h"
-#include "core/render/picture/trained_scene.h"
-#include "core/render/picture/view_picture.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/process.h"
+#include "core/camera/view_set.h"
+#include "core/image/ldr.h"
+#include "core/picture/trained_scene.h"
+#include "core/picture/view_picture.h"
 
 namespace vitrine {
 
@@ -22,13 +21,12 @@ std::string problem_of(const RenderConfig& c) {
 }  // namespace
 
 void describe(Describer& d, RenderConfig& c) {
-  d.option("views", c.views, "Cameras: held-out photos, training photos, both, or those of the input `path`.")
-      .choices({"heldout", "train", "all", "path"});
+  d.choice("views", c.views, kViewChoiceWords, "Cameras: held-out photos, training photos, both, or those of the input `path`.");
   d.option("layers", c.layers, "Also write what the pictures are made of, as EXR.");
   d.option("width", c.width, "Width of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
   d.option("height", c.height, "Height of the pictures; 0 = as trained, or as the path says.").range(0, kMaxPictureSide);
   d.option("samples", c.samples, "Rays that a rough pixel reflects; 0 = the way the scene was trained.").range(0, 4096);
-  d.option("backend", c.backend, "Renderer: cpu, or reference (slow, double precision).").choices({"cpu", "reference"});
+  d.choice("backend", c.backend, {"reference", "cpu"}, "Renderer: cpu, or reference (slow, double precision).");
 }
 
 void run_render(const RenderConfig& config, StageContext& context) {
@@ -39,9 +37,7 @@ void run_render(const RenderConfig& config, StageContext& context) {
                                            .width = config.width,
                                            .height = config.height});
   ScenePainter painter(read_trained_scene(context.input("optimize"), context.optional_input("refine")),
-                       {.backend = config.backend == "reference" ? Backend::Reference : Backend::Cpu,
-                        .layers = config.layers,
-                        .samples = config.samples});
+                       {.backend = config.backend, .layers = config.layers, .samples = config.samples});
   const fs::path out = context.output() / "render";
   for (size_t i = 0; i < views.size(); ++i) {
     throw_if_interrupted();

@@ -4,15 +4,17 @@
 //   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
 #pragma once
 
+#include "core/picture/picture_views.h"
+#include "core/render/renderer.h"
 #include "stages/stage.h"
 
 namespace vitrine {
 
 struct RenderConfig {
-  std::string views = "heldout";
+  ViewChoice views = ViewChoice::Heldout;
   bool layers = false;
   int width = 0, height = 0, samples = 0;
-  std::string backend = "cpu";
+  Backend backend = Backend::Cpu;
 };
 void describe(Describer& d, RenderConfig& c);
 

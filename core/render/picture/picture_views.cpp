@@ -16,11 +16,12 @@ std::vector<View> photo_views(const PictureViewsDesc& desc) {
   const std::filesystem::path list = desc.optimize / "optimize" / "views.json";
   const ViewSplit split = read_view_split(list, all);
   std::vector<size_t> chosen;
-  if (desc.which != "train") chosen = split.heldout;
-  if (desc.which != "heldout") chosen.insert(chosen.end(), split.train.begin(), split.train.end());
+  if (desc.which != ViewChoice::Train) chosen = split.heldout;
+  if (desc.which != ViewChoice::Heldout) chosen.insert(chosen.end(), split.train.begin(), split.train.end());
   std::vector<View> views = at_trained_size(all, chosen, split);
   if (views.empty())
-    throw Error(ErrorKind::Input, fmt::format("the scene has no {} views", desc.which == "train" ? "training" : "held-out"),
+    throw Error(ErrorKind::Input,
+                fmt::format("the scene has no {} views", desc.which == ViewChoice::Train ? "training" : "held-out"),
                 {.where = list.string(), .hint = "--views all", .code = "NO_VIEWS"});
   std::ranges::sort(views, {}, &View::name);
   return views;
@@ -29,7 +30,7 @@ std::vector<View> photo_views(const PictureViewsDesc& desc) {
 std::vector<View> path_views(const PictureViewsDesc& desc) {
   CameraPathDesc path{.file = *desc.path, .size = {}, .usual_size = [&] {
                         PictureViewsDesc all = desc;
-                        all.which = "all";
+                        all.which = ViewChoice::All;
                         const Intrinsics k = photo_views(all).front().intrinsics;
                         return PictureSize{k.width, k.height};
                       }};
@@ -46,10 +47,10 @@ Intrinsics covering(const Intrinsics& k, int width, int height) {
 }
 
 std::vector<View> picture_views(const PictureViewsDesc& desc) {
-  if (desc.which == "path" && !desc.path)
+  if (desc.which == ViewChoice::Path && !desc.path)
     throw Error(ErrorKind::Usage, "which camera path?",
                 {.hint = "--input path=FILE, a transforms.json", .code = "MISSING_INPUT"});
-  std::vector<View> views = desc.which == "path" ? path_views(desc) : photo_views(desc);
+  std::vector<View> views = desc.which == ViewChoice::Path ? path_views(desc) : photo_views(desc);
   for (View& v : views) {
     if (desc.width > 0) v.intrinsics = covering(v.intrinsics, desc.width, desc.height);
     if (v.intrinsics.longest_side() > kMaxPictureSide)

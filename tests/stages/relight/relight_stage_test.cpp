@@ -111,7 +111,7 @@ TEST_F(RelightStage, MissingViewsAreCalledByTheirName) {
   EXPECT_NE(std::string(heldout.what()).find("no held-out views"), std::string::npos) << heldout.what();
   EXPECT_EQ(heldout.detail().hint, "--views all");
   capture.write_split({1, 2}, {});
-  const Error train = error_with({}, {.views = "train", .samples = 1});
+  const Error train = error_with({}, {.views = ViewChoice::Train, .samples = 1});
   EXPECT_NE(std::string(train.what()).find("no training views"), std::string::npos) << train.what();
 }
 
@@ -173,7 +173,7 @@ TEST_F(RelightStage, BadInputIsRefusedBeforeAnythingIsWritten) {
   write_file(folder.path() / "path.json",
              R"({"w": 32, "h": 24, "fl_x": 30, "frames": [{"file_path": "a.png", "transform_matrix":
                 [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]}]})");
-  const Error singular = error_with({{"path", folder.path() / "path.json"}}, {.views = "path"});
+  const Error singular = error_with({{"path", folder.path() / "path.json"}}, {.views = ViewChoice::Path});
   EXPECT_EQ(singular.kind(), ErrorKind::Input);
   EXPECT_NE(std::string(singular.what()).find("flattens space"), std::string::npos) << singular.what();
   write_file(folder.path() / "lamps.yaml", "lights:\n  - {type: candle}\n");

@@ -42,9 +42,9 @@ TEST(RenderStage, HeldOutViewsLookLikeTheirPhotos) {
 TEST(RenderStage, AllViewsAreThoseOfTheCapture) {
   const TinyCapture capture;
   RecordingContext train(inputs(capture)), all(inputs(capture));
-  run_render({.views = "train"}, train);
+  run_render({.views = ViewChoice::Train}, train);
   EXPECT_EQ(pictures_in(train.output() / "render"), 7u);
-  run_render({.views = "all"}, all);
+  run_render({.views = ViewChoice::All}, all);
   EXPECT_EQ(pictures_in(all.output() / "render"), 8u);
   EXPECT_EQ(read_transforms_json(all.output() / "render/transforms.json").size(), 8u);
 }
@@ -77,7 +77,7 @@ TEST(RenderStage, APathIsRenderedWithItsOwnCameras) {
   cameras[0].name = "../../x/b.png", cameras[1].name = "../../x/a.png";
   write_transforms_json(folder.path() / "path.json", cameras, "images");
   RecordingContext context(inputs(capture, folder.path() / "path.json"));
-  run_render({.views = "path"}, context);
+  run_render({.views = ViewChoice::Path}, context);
   const fs::path out = context.output() / "render";
   EXPECT_EQ(pictures_in(out), 2u);
   // In the order of the file: b first. Cameras of a path have no photo, and so no gain.
@@ -109,7 +109,7 @@ TEST(RenderStage, BadPathsAreToldApart) {
   const auto fails = [&](const std::string& text, const std::string& why) {
     write_file(path, text);
     RecordingContext context(inputs(capture, path));
-    const auto error = error_of([&] { run_render({.views = "path"}, context); });
+    const auto error = error_of([&] { run_render({.views = ViewChoice::Path}, context); });
     EXPECT_EQ(error.kind(), ErrorKind::Input) << text;
     EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("path.json"), std::string::npos) << error.what();
@@ -123,7 +123,7 @@ TEST(RenderStage, BadPathsAreToldApart) {
   fails("{" + frame + "[[1,0,0],[0,1,0]]}]}", "4x4");
   fails(R"({"w": 0, "h": 24, "fl_x": 30, "frames": [{"file_path": "a.png", "transform_matrix": []}]})", "not a size in pixels");
   RecordingContext nothing(inputs(capture));
-  EXPECT_EQ(error_of([&] { run_render({.views = "path"}, nothing); }).kind(), ErrorKind::Usage);
+  EXPECT_EQ(error_of([&] { run_render({.views = ViewChoice::Path}, nothing); }).kind(), ErrorKind::Usage);
 }
 
 TEST(RenderStage, WithoutHeldOutViewsThereIsNothingToShow) {
