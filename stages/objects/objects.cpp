@@ -55,10 +55,10 @@ class ObjectsRun {
   void run() {
     read_masks();
     const auto given = context_.optional_input("objects");
-    given_ = given && config_.source == "auto";
+    given_ = given && config_.source == ObjectSource::Auto;
     if (given_)
       take(*given);
-    else if (config_.source != "none")
+    else if (config_.source != ObjectSource::None)
       fit();
     const fs::path folder = context_.output() / "objects";
     make_folders(folder / "labels");
@@ -359,8 +359,8 @@ fs::path meant_objects(const fs::path& path) {
 }
 
 void describe(Describer& d, ObjectsConfig& c) {
-  d.option("source", c.source, "auto: the given table, else shapes fitted to the masks; none: masks alone, no shape is known.")
-      .choices({"auto", "fitted", "none"});
+  d.choice("source", c.source, {"auto", "fitted", "none"},
+           "auto: the given table, else shapes fitted to the masks; none: masks alone, no shape is known.");
   d.option("max_side", c.max_side, "Longest side of the masks that shapes are fitted to, pixels.").range(64, 4096);
   d.option("coat_below", c.coat_below,
            "An object of the specular masks whose view dependence is less has the role coat: it keeps its paint; 0: none has.")

@@ -10,8 +10,11 @@
 
 namespace vitrine {
 
+// Auto: the given table, else Fitted. Fitted: shapes fitted to the masks. None: masks alone.
+enum class ObjectSource { Auto, Fitted, None };
+
 struct ObjectsConfig {
-  std::string source = "auto";
+  ObjectSource source = ObjectSource::Auto;
   int max_side = 480;
   int hull_voxels = 128;  // along the longest side of the visual hull; no option: tests with small masks take fewer
   double coat_below = 0.3;
