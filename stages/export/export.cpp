@@ -14,10 +14,9 @@ namespace vitrine {
 void describe(Describer& d, ExportConfig& c) {
   d.option("formats", c.formats, "What to write; the stage's README says what each format holds and loses.")
       .choices(export_format_names());
-  d.option("axes", c.axes,
+  d.choice("axes", c.axes, kExportAxesWords,
            "Handedness and up axis of the files: right or left, z or y. GLB is always rhyu, USD always right-handed; the COLMAP "
-           "copy stays as it is.")
-      .choices({"rhzu", "rhyu", "lhzu", "lhyu"});
+           "copy stays as it is.");
   d.option("scale", c.scale,
            "File units per scene unit (the radius of the camera ring); 0 = metres where the scene knows them, else 1.")
       .range(0, 1e6);

@@ -10,7 +10,7 @@ namespace vitrine {
 
 struct ExportConfig {
   std::vector<std::string> formats = export_format_names();
-  std::string axes = "rhzu";
+  ExportAxes axes = ExportAxes::Rhzu;
   double scale = 0;
   std::string scale_bar = {};
   int texture_size = 0;

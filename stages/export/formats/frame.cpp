@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/foundation/base/error.h"
-#include "core/foundation/math/spherical_harmonics.h"
+#include "core/math/spherical_harmonics.h"
 
 namespace vitrine {
 
@@ -40,13 +39,12 @@ BandMatrix turned_bands(const Mat3d& axes, int degree) {
 
 }  // namespace
 
-ExportFrame ExportFrame::named(std::string_view axes, double scale) {
+ExportFrame ExportFrame::of(ExportAxes axes, double scale) {
   // Columns: where the scene's x, y and z go.
-  if (axes == "rhzu") return {.scale = scale};
-  if (axes == "rhyu") return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, scale};
-  if (axes == "lhzu") return {{{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, scale};
-  VITRINE_CHECK(axes == "lhyu", "'{}' passed the list of choices", axes);
-  return {{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, scale};
+  if (axes == ExportAxes::Rhzu) return {.scale = scale};
+  if (axes == ExportAxes::Rhyu) return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, scale};
+  if (axes == ExportAxes::Lhzu) return {{{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, scale};
+  return {{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, scale};  // Lhyu
 }
 
 TriMesh in_frame(const TriMesh& mesh, const ExportFrame& frame) {

@@ -4,6 +4,7 @@
 //   lhzu  left-handed, z up (x, -y, z): Unreal    lhyu  left-handed, y up (x, z, y): Unity
 #pragma once
 
+#include <array>
 #include <string_view>
 
 #include "core/foundation/math/rigid.h"
@@ -12,12 +13,14 @@
 
 namespace vitrine {
 
+enum class ExportAxes { Rhzu, Rhyu, Lhzu, Lhyu };
+inline constexpr std::array<std::string_view, 4> kExportAxesWords{"rhzu", "rhyu", "lhzu", "lhyu"};
+
 struct ExportFrame {
   Mat3d axes = Mat3d::identity();  // orthogonal; determinant -1 where the handedness changes
   double scale = 1;                // file units per scene unit
 
-  // Of one of the four words above.
-  static ExportFrame named(std::string_view axes, double scale);
+  static ExportFrame of(ExportAxes axes, double scale);
 
   bool identity() const { return axes == Mat3d::identity() && scale == 1; }
   bool mirrored() const { return determinant(axes) < 0; }

@@ -17,7 +17,7 @@ namespace {
 
 std::vector<std::string> write_gaussians_glb(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "gaussians.glb";
-  const ExportFrame frame = source.frame("rhyu");
+  const ExportFrame frame = source.frame(ExportAxes::Rhyu);
   const SplatLayer layer = in_frame(source.preview(), frame);
   const size_t n = layer.size();
   std::vector<Vec3f> positions(n), scales(n);

@@ -62,7 +62,7 @@ Json material(GlbFile& glb, const PbrMesh& mesh, const TextureIndices& texture, 
 std::vector<std::string> write_mesh_glb(ExportSource& source, const std::filesystem::path& folder) {
   const std::string file = "mesh.glb";
   const PbrMesh& mesh = source.pbr_mesh();
-  const ExportFrame frame = source.frame("rhyu");
+  const ExportFrame frame = source.frame(ExportAxes::Rhyu);
   std::vector<Vec3f> positions, normals, tangents;
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     positions.push_back(frame.point(mesh.positions[i]));

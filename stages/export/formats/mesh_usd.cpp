@@ -151,8 +151,8 @@ std::vector<std::string> write_mesh_usd(ExportSource& source, const std::filesys
   // A stage has an up axis and is right-handed: a left-handed frame would show a mirror image.
   ExportFrame frame = source.frame();
   if (frame.mirrored()) {
-    const char* axes = frame.y_up() ? "rhyu" : "rhzu";
-    source.add_note(fmt::format("USD is right-handed: written in {}", axes));
+    const ExportAxes axes = frame.y_up() ? ExportAxes::Rhyu : ExportAxes::Rhzu;
+    source.add_note(fmt::format("USD is right-handed: written in {}", kExportAxesWords[size_t(axes)]));
     frame = source.frame(axes);
   }
   std::string out = fmt::format(R"(#usda 1.0

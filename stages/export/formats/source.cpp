@@ -114,13 +114,13 @@ const SceneInfo& ExportSource::scene_info() {
 
 bool ExportSource::metric() { return settings_.scale > 0 || scene_info().scale_known; }
 
-ExportFrame ExportSource::frame(std::string_view axes) {
+ExportFrame ExportSource::frame(ExportAxes axes) {
   double scale = settings_.scale;
   if (!settings_.scale_note.empty() && std::ranges::find(notes_, settings_.scale_note) == notes_.end())
     notes_.push_back(settings_.scale_note);
   // The poses' own frame is in metres when their scale is known.
   if (!(scale > 0)) scale = scene_info().scale_known ? 1 / scene_info().scene_from_colmap.scale : 1;
-  return ExportFrame::named(axes.empty() ? std::string_view(settings_.axes) : axes, scale);
+  return ExportFrame::of(axes, scale);
 }
 
 const ObjectSet& ExportSource::objects() {

@@ -26,7 +26,7 @@ struct ExportInputs {
 };
 
 struct ExportSettings {
-  std::string axes = "rhzu";
+  ExportAxes axes = ExportAxes::Rhzu;
   double scale = 0;             // file units per scene unit; 0: metres where their size is known, else 1
   std::string scale_note = {};  // where the scale comes from, for the notes of formats that have lengths
   int texture_size = 0;         // 0: by the mesh
@@ -41,9 +41,9 @@ class ExportSource {
   const std::filesystem::path& sfm() const { return inputs_.sfm; }
   const std::optional<std::filesystem::path>& decompose() const { return inputs_.decompose; }
 
-  // The frame of the settings; `axes` replaces theirs for formats that have only one.
-  ExportFrame frame(std::string_view axes = {});
-  bool metric();  // lengths are metres
+  ExportFrame frame() { return frame(settings_.axes); }  // of the settings
+  ExportFrame frame(ExportAxes axes);                    // other axes, for formats that have only one
+  bool metric();                                         // lengths are metres
   // Of the table of objects. 0, and what has none: "scene"; an id that the table does not know: "object-7".
   std::string object_name(uint16_t id);
   // `lines` and, where surfels have an id, one line an object: "object 3: vase, mirror".

@@ -207,11 +207,12 @@ TEST(ExportFrame, TurnsSurfelsWithTheirColours) {
     for (size_t k = 1; k < 16; ++k) v += basis[k] * l.at(Attribute::ShRest, i)[3 * (k - 1) + c];
     return v;
   };
-  for (const char* axes : {"rhzu", "rhyu", "lhzu", "lhyu"}) {
-    const ExportFrame frame = ExportFrame::named(axes, 2.5);
-    EXPECT_EQ(frame.mirrored(), axes[0] == 'l');
-    EXPECT_EQ(frame.y_up(), axes[2] == 'y');
-    EXPECT_EQ(frame.direction({0, 0, 1}), (axes[2] == 'y' ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1}));
+  for (size_t choice = 0; choice < kExportAxesWords.size(); ++choice) {
+    const std::string_view word = kExportAxesWords[choice];
+    const ExportFrame frame = ExportFrame::of(ExportAxes(choice), 2.5);
+    EXPECT_EQ(frame.mirrored(), word[0] == 'l');
+    EXPECT_EQ(frame.y_up(), word[2] == 'y');
+    EXPECT_EQ(frame.direction({0, 0, 1}), (word[2] == 'y' ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1}));
     const SplatLayer out = in_frame(layer, frame);
     for (size_t i = 0; i < layer.size(); ++i) {
       for (int trial = 0; trial < 4; ++trial) {

@@ -149,7 +149,7 @@ TEST_F(ExportCommand, ARunLeavesAloneWhatWasAskedFor) {
   const std::string asked = read_file(project() / "export/mesh.ply"), splats = read_file(project() / "export/gaussians_3dgs.ply");
   EXPECT_NE(asked, mesh_of_run);
   // The same run again, and one with other options.
-  for (const auto& [key, axes] : {std::pair{first, "rhzu"}, {second, "rhyu"}}) {
+  for (const auto& [key, axes] : {std::pair{first, ExportAxes::Rhzu}, {second, ExportAxes::Rhyu}}) {
     EXPECT_EQ(run_writes(key, {.formats = {"mesh-ply", "mesh-obj", "ply-2dgs"}, .axes = axes, .texture_size = 64}),
               Names{"mesh-ply"});
     EXPECT_EQ(read_file(project() / "export/mesh.ply"), asked);
@@ -177,7 +177,8 @@ TEST_F(ExportCommand, FormatsDoNotShareFiles) {
   const std::string asked = read_file(project() / "export/textures/usd/base_color.png");
   EXPECT_NE(asked, texture);
   // Asked for was USD, so a later run writes its OBJ anew, and leaves the USD.
-  EXPECT_EQ(run_writes(second, {.formats = {"mesh-obj", "mesh-usd"}, .axes = "rhyu", .texture_size = 32}), Names{"mesh-usd"});
+  EXPECT_EQ(run_writes(second, {.formats = {"mesh-obj", "mesh-usd"}, .axes = ExportAxes::Rhyu, .texture_size = 32}),
+            Names{"mesh-usd"});
   EXPECT_NE(read_file(project() / "export/textures/obj/base_color.png"), texture);
   EXPECT_EQ(read_file(project() / "export/textures/usd/base_color.png"), asked);
 }

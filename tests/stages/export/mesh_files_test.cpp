@@ -132,17 +132,17 @@ TEST_F(PaneFiles, ObjHasTexturedGroupsForFloorAndGlass) {
 }
 
 TEST_F(PaneFiles, FacesStayFrontFacingInMirroredFrames) {
-  for (const char* axes : {"rhyu", "lhzu", "lhyu"}) {
+  for (const ExportAxes axes : {ExportAxes::Rhyu, ExportAxes::Lhzu, ExportAxes::Lhyu}) {
     RecordingContext c = context();
     run_export({.formats = {"mesh-obj"}, .axes = axes, .scale = 2, .texture_size = 256}, c);
     const Obj obj(c.output() / "export/mesh.obj");
     Vec3f high{};
     for (const Vec3f& p : obj.v)
       for (size_t k = 0; k < 3; ++k) high[k] = std::max(high[k], p[k]);
-    EXPECT_NEAR(axes[2] == 'y' ? high.y : high.z, 1.8f, 1e-4);
+    EXPECT_NEAR(axes == ExportAxes::Lhzu ? high.z : high.y, 1.8f, 1e-4);
     for (const Obj::Face& f : obj.faces) {
       const Vec3f a = obj.v[f.corner[0][0]], b = obj.v[f.corner[1][0]], d = obj.v[f.corner[2][0]];
-      EXPECT_GT(dot(cross(b - a, d - a), obj.vn[f.corner[0][2]]), 0) << axes;
+      EXPECT_GT(dot(cross(b - a, d - a), obj.vn[f.corner[0][2]]), 0) << kExportAxesWords[size_t(axes)];
     }
   }
 }

@@ -149,13 +149,13 @@ std::vector<double> numbers_of(const std::string& text, const std::string& decla
 }
 
 TEST_F(MoreFormats, UsdHasTheMeshItsSubsetsAndTheirMaterials) {
-  for (const char* axes : {"rhzu", "rhyu"}) {
+  for (const bool y_up : {false, true}) {
     RecordingContext c = context();
-    run_export({.formats = {"mesh-usd"}, .axes = axes, .texture_size = 256}, c);
+    run_export({.formats = {"mesh-usd"}, .axes = y_up ? ExportAxes::Rhyu : ExportAxes::Rhzu, .texture_size = 256}, c);
     const fs::path folder = c.output() / "export";
     const std::string text = read_file(folder / "mesh.usda");
     EXPECT_TRUE(text.starts_with("#usda 1.0\n"));
-    EXPECT_NE(text.find(axes[2] == 'y' ? "upAxis = \"Y\"" : "upAxis = \"Z\""), std::string::npos);
+    EXPECT_NE(text.find(y_up ? "upAxis = \"Y\"" : "upAxis = \"Z\""), std::string::npos);
     for (const auto& [open, close] : {std::pair{'{', '}'}, {'[', ']'}, {'(', ')'}})
       EXPECT_EQ(std::ranges::count(text, open), std::ranges::count(text, close));
     const auto points = numbers_of(text, "point3f[] points");
@@ -168,7 +168,7 @@ TEST_F(MoreFormats, UsdHasTheMeshItsSubsetsAndTheirMaterials) {
     for (double i : indices) ASSERT_LT(i, double(points.size() / 3));
     double high[3] = {0, 0, 0};
     for (size_t i = 0; i < points.size(); ++i) high[i % 3] = std::max(high[i % 3], points[i]);
-    EXPECT_NEAR(high[axes[2] == 'y' ? 1 : 2], 0.9, 1e-5);
+    EXPECT_NEAR(high[y_up ? 1 : 2], 0.9, 1e-5);
     // Two subsets share the faces; each has a material that exists, whose textures exist.
     const size_t glass = text.find("def GeomSubset \"glass\"");
     ASSERT_NE(glass, std::string::npos);
@@ -198,7 +198,7 @@ TEST_F(MoreFormats, UsdHasTheMeshItsSubsetsAndTheirMaterials) {
 }
 
 TEST_F(MoreFormats, UsdStaysRightHanded) {
-  for (const auto& [left, right] : {std::pair{"lhyu", "rhyu"}, {"lhzu", "rhzu"}}) {
+  for (const auto& [left, right] : {std::pair{ExportAxes::Lhyu, ExportAxes::Rhyu}, {ExportAxes::Lhzu, ExportAxes::Rhzu}}) {
     RecordingContext a = context(), b = context();
     run_export({.formats = {"mesh-usd"}, .axes = left, .texture_size = 256}, a);
     run_export({.formats = {"mesh-usd"}, .axes = right, .texture_size = 256}, b);

@@ -90,11 +90,12 @@ TEST_F(PlyAlbedo, HasTheMaterialsBehindThePropertiesOfTheDialect) {
 
 TEST_F(PlyAlbedo, NormalsFaceOutInEveryFrame) {
   const size_t floor = 40 * 40;
-  for (const auto& [axes, up] : {std::pair{"rhzu", "nz"}, {"rhyu", "ny"}, {"lhyu", "ny"}, {"lhzu", "nz"}}) {
+  for (const auto& [axes, up] :
+       {std::pair{ExportAxes::Rhzu, "nz"}, {ExportAxes::Rhyu, "ny"}, {ExportAxes::Lhyu, "ny"}, {ExportAxes::Lhzu, "nz"}}) {
     const FloatPly ply = written({.formats = {"ply-albedo"}, .axes = axes, .scale = 3});
     for (size_t row = 0; row < ply.rows.size(); ++row) {
       const bool on_floor = row + 1 < floor;
-      EXPECT_NEAR(ply.value(row, on_floor ? up : "nx"), 1, 1e-5) << axes << " " << row;
+      EXPECT_NEAR(ply.value(row, on_floor ? up : "nx"), 1, 1e-5) << kExportAxesWords[size_t(axes)] << " " << row;
     }
   }
 }
