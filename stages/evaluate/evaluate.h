@@ -6,7 +6,7 @@
 //           eval/layers/<layer>/<stem>.exr, eval/relit/<environment>/<stem>.png
 #pragma once
 
-#include "core/render/renderer.h"
+#include "core/render/raster/renderer.h"
 #include "stages/stage.h"
 
 namespace vitrine {

@@ -26,7 +26,7 @@ void check_class(const MaskFolder& folder, MaskClass kind, const std::vector<Pho
   const PhotoMasks masks({.folder = folder,
                           .kind = kind,
                           .photos = names,
-                          .polarity = "auto",
+                          .polarity = MaskPolarity::Auto,
                           .polarity_option = fmt::format("masks.{}.polarity", name(kind)),
                           .off_setting = fmt::format("masks.{}.source=none", name(kind)),
                           .usable = [&](size_t i, const MaskFile& file, const ImageF& mask) {

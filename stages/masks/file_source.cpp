@@ -12,19 +12,21 @@ namespace {
 
 enum class Shape { Photo, Undistorted, Turned, Wrong };
 
-Shape shape_of(const ImageF& mask, const Undistortion& u, const std::string& frame) {
+Shape shape_of(const ImageF& mask, const Undistortion& u, MaskFrame frame) {
   const int w = mask.width(), h = mask.height();
   const double photo_w = double(u.source.width), photo_h = double(u.source.height);
   const bool exact_target = w == u.target.width && h == u.target.height;
-  if (frame == "undistorted") return same_shape(w, h, u.target.width, u.target.height) ? Shape::Undistorted : Shape::Wrong;
+  if (frame == MaskFrame::Undistorted)
+    return same_shape(w, h, u.target.width, u.target.height) ? Shape::Undistorted : Shape::Wrong;
   // A mask of exactly the undistorted size was made on the undistorted photo, unless both sizes are one.
-  if (frame == "auto" && exact_target && !(w == int(u.source.width) && h == int(u.source.height))) return Shape::Undistorted;
+  if (frame == MaskFrame::Auto && exact_target && !(w == int(u.source.width) && h == int(u.source.height)))
+    return Shape::Undistorted;
   if (same_shape(w, h, photo_w, photo_h)) return Shape::Photo;
   return same_shape(w, h, photo_h, photo_w) ? Shape::Turned : Shape::Wrong;
 }
 
 PhotoMasks checked(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
-                   const std::string& frame) {
+                   MaskFrame frame) {
   const std::string class_name(name(kind));
   std::vector<std::string> photos;
   for (const View& view : capture.set.views) photos.push_back(view.name);
@@ -37,7 +39,7 @@ PhotoMasks checked(const MaskCapture& capture, const MaskFolder& folder, MaskCla
                      .usable = [&](size_t view, const MaskFile& file, const ImageF& mask) {
                        const Undistortion& u = capture.undistortions[view];
                        const Shape shape = shape_of(mask, u, frame);
-                       const bool straight = frame == "undistorted";
+                       const bool straight = frame == MaskFrame::Undistorted;
                        if (shape == Shape::Turned || shape == Shape::Wrong)
                          throw_wrong_mask_size(file, mask, straight ? u.target.width : int(u.source.width),
                                                straight ? u.target.height : int(u.source.height), shape == Shape::Turned);
@@ -52,7 +54,7 @@ void clamp(ImageF& image) {
 }  // namespace
 
 FileSource::FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
-                       const std::string& frame)
+                       MaskFrame frame)
     : capture_(capture), frame_(frame), masks_(checked(capture, folder, kind, config, frame)) {}
 
 std::optional<SoftMask> FileSource::at(size_t view) const {

@@ -1,7 +1,6 @@
 // Masks that the user made, in photo coordinates, brought onto the undistorted photos.
 #pragma once
 
-#include "core/intake/masks/photo_masks.h"
 #include "stages/masks/mask_source.h"
 #include "stages/masks/masks.h"
 
@@ -12,7 +11,7 @@ class FileSource final : public MaskSource {
   // Looks at every file first: throws Error{Input} when no photo has a mask, when a mask has the wrong shape, or when
   // they look like negatives and nobody said that this is meant. `capture` must outlive the source.
   FileSource(const MaskCapture& capture, const MaskFolder& folder, MaskClass kind, const MaskClassConfig& config,
-             const std::string& frame);
+             MaskFrame frame);
 
   std::string_view name() const override { return "files"; }
   std::optional<SoftMask> at(size_t view) const override;
@@ -23,7 +22,7 @@ class FileSource final : public MaskSource {
 
  private:
   const MaskCapture& capture_;
-  std::string frame_;
+  MaskFrame frame_;
   PhotoMasks masks_;
 };
 

@@ -17,21 +17,22 @@ namespace vitrine {
 namespace {
 
 // What makes this class's masks, as the option says or, for "auto", as the inputs allow.
-std::string chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
-                          const std::vector<MarkedThing>& marked, bool network) {
-  if (config.of(kind).source != "auto") return config.of(kind).source;
-  if (std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); })) return "boxes";
-  if (folder && folder->file_count(kind) > 0) return "files";
-  if (network && !config.onnx.channels_of(kind).empty()) return "onnx";
-  if (folder || !marked.empty() || network) return "none";
-  return kind == MaskClass::Transparent || kind == MaskClass::Specular ? "proposed" : "none";
+MaskOrigin chosen_source(MaskClass kind, const MasksConfig& config, const std::optional<MaskFolder>& folder,
+                         const std::vector<MarkedThing>& marked, bool network) {
+  if (config.of(kind).source != MaskOrigin::Auto) return config.of(kind).source;
+  if (std::any_of(marked.begin(), marked.end(), [&](const MarkedThing& t) { return marks_class(t.kind, kind); }))
+    return MaskOrigin::Boxes;
+  if (folder && folder->file_count(kind) > 0) return MaskOrigin::Files;
+  if (network && !config.onnx.channels_of(kind).empty()) return MaskOrigin::Onnx;
+  if (folder || !marked.empty() || network) return MaskOrigin::None;
+  return kind == MaskClass::Transparent || kind == MaskClass::Specular ? MaskOrigin::Proposed : MaskOrigin::None;
 }
 
 void tell_all_white(MaskClass kind, const MasksConfig& config, const PhotoMasks& masks, StageContext& context) {
   const std::string text =
       fmt::format("all masks of the class '{}' are {} everywhere", name(kind), masks.black_belongs() ? "black" : "white");
   const std::string turned = fmt::format("--set masks.{}.polarity={} turns them round", name(kind),
-                                         config.of(kind).polarity == "black" ? "white" : "black");
+                                         config.of(kind).polarity == MaskPolarity::Black ? "white" : "black");
   if (kind == MaskClass::Ignore)
     throw Error(ErrorKind::Input, text,
                 {.why = fmt::format("{} masks, and no pixel is left to learn from", masks.matched()),
@@ -104,10 +105,10 @@ void tell_unused_network(const MasksConfig& config, const fs::path& file, StageC
 
 std::string problem(const MasksConfig& c) {
   for (MaskClass kind : {MaskClass::Object, MaskClass::Ignore})
-    if (c.of(kind).source == "proposed")
+    if (c.of(kind).source == MaskOrigin::Proposed)
       return fmt::format("masks.{}.source cannot be proposed: only glass and mirrors can be", name(kind));
   for (MaskClass kind : kMaskClasses)
-    if (c.of(kind).source == "onnx" && c.onnx.channels_of(kind).empty())
+    if (c.of(kind).source == MaskOrigin::Onnx && c.onnx.channels_of(kind).empty())
       return fmt::format("masks.{0}.source is onnx, and masks.onnx.{0} names none of the network's channels", name(kind));
   return c.onnx.problem();
 }
@@ -128,13 +129,11 @@ const MaskClassConfig& MasksConfig::of(MaskClass kind) const {
 }
 
 void describe(Describer& d, MaskClassConfig& c) {
-  d.option("source", c.source,
+  d.choice("source", c.source, {"auto", "files", "boxes", "onnx", "proposed", "none"},
            "Where its masks come from; auto: files, boxes or onnx where masks, marks or a network of the class are given; "
-           "without any, a proposal for glass and mirrors.")
-      .choices({"auto", "files", "boxes", "onnx", "proposed", "none"});
-  d.option("polarity", c.polarity,
-           "What belongs to the class in files: white, black, or white after a check that this can be (auto).")
-      .choices({"auto", "white", "black"});
+           "without any, a proposal for glass and mirrors.");
+  d.choice("polarity", c.polarity, {"auto", "white", "black"},
+           "What belongs to the class in files: white, black, or white after a check that this can be (auto).");
 }
 
 void describe(Describer& d, MasksConfig& c) {
@@ -142,12 +141,10 @@ void describe(Describer& d, MasksConfig& c) {
   d.group("transparent", c.transparent, "Glass: what is behind it shows through.");
   d.group("specular", c.specular, "What mirrors: polished metal, mirrors, glass.");
   d.group("ignore", c.ignore, "What no photo should be held to: passers-by, a tripod, a hand.");
-  d.option("flat", c.flat, "Class of mask files that do not lie in a folder called like a class.")
-      .choices({"object", "transparent", "specular", "ignore"});
-  d.option(
-       "frame", c.frame,
-       "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).")
-      .choices({"auto", "photo", "undistorted"});
+  d.choice("flat", c.flat, kMaskClassWords, "Class of mask files that do not lie in a folder called like a class.");
+  d.choice(
+      "frame", c.frame, {"auto", "photo", "undistorted"},
+      "What the files were drawn on: the photos as taken (photo), the undistorted ones (undistorted), or told by size (auto).");
   d.group("onnx", c.onnx, "The segmentation network given as input.mask_network: what goes in, what comes out.");
   d.group("proposed", c.proposed, "Masks that nobody drew: display cases, and mirrors.");
 }
@@ -167,18 +164,18 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   } else if (path) {
     std::vector<std::string> photos = capture.without_camera;
     for (const View& view : capture.set.views) photos.push_back(view.name);
-    folder.emplace(*path, mask_class(config.flat).value(), photos);
+    folder.emplace(*path, config.flat, photos);
     for (const Note& note : folder->notes()) context.warning(note.code, note.text);
     size_t files = 0;
     for (MaskClass kind : kMaskClasses) files += folder->file_count(kind);
     if (files == 0) throw_no_mask_file(*path);
   }
   const std::optional<fs::path> network = context.optional_input("mask_network");
-  std::array<std::string, kMaskClassCount> chosen;
+  std::array<MaskOrigin, kMaskClassCount> chosen{};
   std::vector<MaskClass> from_network;
   for (MaskClass kind : kMaskClasses) {
     chosen[size_t(kind)] = chosen_source(kind, config, folder, marked, network.has_value());
-    if (chosen[size_t(kind)] == "onnx") from_network.push_back(kind);
+    if (chosen[size_t(kind)] == MaskOrigin::Onnx) from_network.push_back(kind);
   }
   MaskSources sources;
   if (!from_network.empty())
@@ -189,13 +186,14 @@ void run_masks(const MasksConfig& config, StageContext& context) {
   std::shared_ptr<const MarkedMasks> carried;
   std::array<std::unique_ptr<FileSource>, kMaskClassCount> from_files;
   for (MaskClass kind : kMaskClasses)
-    if (chosen[size_t(kind)] == "files") from_files[size_t(kind)] = file_source(kind, config, capture, folder, context);
-  leave_out_empty(from_files, std::ranges::any_of(chosen, [](const std::string& c) { return c != "files" && c != "none"; }),
+    if (chosen[size_t(kind)] == MaskOrigin::Files) from_files[size_t(kind)] = file_source(kind, config, capture, folder, context);
+  leave_out_empty(from_files,
+                  std::ranges::any_of(chosen, [](MaskOrigin c) { return c != MaskOrigin::Files && c != MaskOrigin::None; }),
                   context);
   for (MaskClass kind : kMaskClasses) {
-    const std::string& source = chosen[size_t(kind)];
-    if (source == "files") sources[size_t(kind)] = std::move(from_files[size_t(kind)]);
-    if (source == "boxes") {
+    const MaskOrigin source = chosen[size_t(kind)];
+    if (source == MaskOrigin::Files) sources[size_t(kind)] = std::move(from_files[size_t(kind)]);
+    if (source == MaskOrigin::Boxes) {
       if (marked.empty())
         throw Error(
             ErrorKind::Usage, fmt::format("masks.{}.source is 'boxes', and nothing is marked", name(kind)),
@@ -206,7 +204,7 @@ void run_masks(const MasksConfig& config, StageContext& context) {
         });
       sources[size_t(kind)] = std::make_unique<MarkedSource>(carried, kind);
     }
-    if (source != "proposed") continue;
+    if (source != MaskOrigin::Proposed) continue;
     if (!proposal) {
       const Timer timer;
       proposal = propose(config.proposed, capture, [&](double f) {

@@ -4,9 +4,7 @@
 //           masks/contact_sheet.png; a class that is empty everywhere has no folder
 #pragma once
 
-#include <string>
-
-#include "core/scene/camera/mask_class.h"
+#include "core/intake/masks/photo_masks.h"
 #include "stages/masks/boxes/marked_source.h"
 #include "stages/masks/onnx/network_source.h"
 #include "stages/masks/proposed/proposed_source.h"
@@ -14,16 +12,19 @@
 
 namespace vitrine {
 
+enum class MaskOrigin { Auto, Files, Boxes, Onnx, Proposed, None };
+enum class MaskFrame { Auto, Photo, Undistorted };  // what mask files were drawn on; Auto: found by their size
+
 struct MaskClassConfig {
-  std::string source = "auto";
-  std::string polarity = "auto";
+  MaskOrigin source = MaskOrigin::Auto;
+  MaskPolarity polarity = MaskPolarity::Auto;
 };
 void describe(Describer& d, MaskClassConfig& c);
 
 struct MasksConfig {
   MaskClassConfig object, transparent, specular, ignore;
-  std::string flat = "object";
-  std::string frame = "auto";
+  MaskClass flat = MaskClass::Object;
+  MaskFrame frame = MaskFrame::Auto;
   int hull_voxels = kHullVoxels;  // no option: a test with small photos takes fewer
   NetworkMasksConfig onnx;
   ProposedConfig proposed;

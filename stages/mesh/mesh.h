@@ -3,7 +3,7 @@
 // (mesh/behind_glass.ply) and mesh/report.json. README.md teaches the options.
 #pragma once
 
-#include "core/render/renderer.h"
+#include "core/render/raster/renderer.h"
 #include "stages/mesh/region.h"
 #include "stages/stage.h"
 

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/json.h"
-#include "core/base/process.h"
-#include "core/base/rng.h"
-#include "core/camera/view_set.h"
-#include "core/image/contact_sheet.h"
-#include "core/image/exr.h"
-#include "core/image/ldr.h"
-#include "core/relight/exposure.h"
-#include "core/relight/relit_painter.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/json.h"
+#include "core/foundation/base/process.h"
+#include "core/foundation/base/rng.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/contact_sheet.h"
+#include "core/scene/image/exr.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/relight/exposure.h"
+#include "core/render/relight/relit_painter.h"
 #include "stages/relight/turntable.h"
 
 namespace vitrine {

@@ -4,7 +4,7 @@
 //   writes  relit/<light>/<view>.{exr,png}, contact_sheet.png, turntable.mp4, transforms.json (the cameras), settings.json
 #pragma once
 
-#include "core/picture/picture_views.h"
+#include "core/render/picture/picture_views.h"
 #include "stages/stage.h"
 
 namespace vitrine {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/base/error.h"
-#include "core/base/file.h"
-#include "core/base/process.h"
-#include "core/camera/view_set.h"
-#include "core/image/ldr.h"
-#include "core/picture/trained_scene.h"
-#include "core/picture/view_picture.h"
+#include "core/foundation/base/error.h"
+#include "core/foundation/base/file.h"
+#include "core/foundation/base/process.h"
+#include "core/scene/camera/view_set.h"
+#include "core/scene/image/ldr.h"
+#include "core/render/picture/trained_scene.h"
+#include "core/render/picture/view_picture.h"
 
 namespace vitrine {
 

@@ -4,8 +4,8 @@
 //   writes  render/<view>.png, render/layers/<layer>/<view>.exr, render/transforms.json (the cameras)
 #pragma once
 
-#include "core/picture/picture_views.h"
-#include "core/render/renderer.h"
+#include "core/render/picture/picture_views.h"
+#include "core/render/raster/renderer.h"
 #include "stages/stage.h"
 
 namespace vitrine {

@@ -30,17 +30,15 @@ void describe(Describer& d, SfmConfig& c) {
   d.option("retries", c.retries, "Rungs of the retry ladder: 1 relaxes the mapper, 2 also finds more features.").range(0, 2);
   d.option("min_registered", c.min_registered, "Share of photos that need a pose; fewer is an error.").range(0, 1);
   d.option("seed", c.seed, "Seed of every random choice.").range(0, 2147483647);
-  d.option("up", c.up, "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.")
-      .choices({"auto", "level", "ring", "mean", "nadir"});
-  d.option("principal_point", c.principal_point,
-           "Where the lens's axis meets the picture: in its middle, or (auto) elsewhere if the photos then fit clearly better.")
-      .choices({"auto", "middle"});
+  d.choice("up", c.up, kUpMethodWords,
+           "Where up comes from: auto, level cameras, plane of the ring, mean camera up, or views straight down.");
+  d.choice("principal_point", c.principal_point, {"auto", "middle"},
+           "Where the lens's axis meets the picture: in its middle, or (auto) elsewhere if the photos then fit clearly better.");
   d.option("pose_scale", c.pose_scale, "Scale of given projection matrices; 0 = found from their principal points.")
       .range(0, 100);
-  d.option("turntable", c.turntable,
+  d.choice("turntable", c.turntable, kTurntableWords,
            "Does the object turn before a camera that stands still? Then features outside its masks are not used; auto: shown by "
-           "matches that stand still around an object that moves.")
-      .choices({"auto", "yes", "no"});
+           "matches that stand still around an object that moves.");
   d.group("masks", c.masks, "Which masks keep features out.");
 }
 

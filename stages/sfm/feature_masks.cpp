@@ -18,9 +18,9 @@ namespace {
 constexpr uint8_t bit(MaskClass kind) { return uint8_t(1u << unsigned(kind)); }
 constexpr float kInside = 0.5f;
 
-const std::string& word_of(const FeatureMasksConfig& c, MaskClass kind) {
-  const std::string* words[] = {&c.object, &c.transparent, &c.specular, &c.ignore};
-  return *words[size_t(kind)];
+FeatureMaskUse use_of(const FeatureMasksConfig& c, MaskClass kind) {
+  const FeatureMaskUse uses[] = {c.object, c.transparent, c.specular, c.ignore};
+  return uses[size_t(kind)];
 }
 
 // What the masks did, for the reader of the log.
@@ -38,20 +38,19 @@ void log_mask_effect(const MaskEffect& effect) {
 }  // namespace
 
 void describe(Describer& d, FeatureMasksConfig& c) {
-  d.option("flat", c.flat, "Class of mask files that do not lie in a folder called like a class.")
-      .choices({"object", "transparent", "specular", "ignore"});
-  const auto polarity = [&](const char* key, std::string& value, const char* doc) {
-    d.option(key, value, doc).choices({"auto", "white", "black", "off"});
+  d.choice("flat", c.flat, kMaskClassWords, "Class of mask files that do not lie in a folder called like a class.");
+  const auto use = [&](const char* key, FeatureMaskUse& value, const char* doc) {
+    d.choice(key, value, {"auto", "white", "black", "off"}, doc);
   };
-  polarity("object", c.object,
-           "On a turntable features outside are not used. What belongs to the class in files: white, black, or white after a "
-           "check that this can be (auto); off: these masks are not used here.");
-  polarity("transparent", c.transparent, "Features inside are not used; words as above.");
-  polarity("specular", c.specular, "Features inside are not used; words as above.");
-  polarity("ignore", c.ignore, "Features inside are not used; words as above.");
+  use("object", c.object,
+      "On a turntable features outside are not used. What belongs to the class in files: white, black, or white after a "
+      "check that this can be (auto); off: these masks are not used here.");
+  use("transparent", c.transparent, "Features inside are not used; words as above.");
+  use("specular", c.specular, "Features inside are not used; words as above.");
+  use("ignore", c.ignore, "Features inside are not used; words as above.");
 }
 
-FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
+FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, Turntable turntable,
                            const std::vector<SfmPhoto>& photos)
     : turntable_(turntable) {
   std::vector<std::string> names;
@@ -60,12 +59,12 @@ FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMas
     sizes_.push_back({p.width, p.height});
     sides_.push_back(std::max(p.width, p.height));
   }
-  const MaskFolder files(folder, mask_class(config.flat).value(), names);
+  const MaskFolder files(folder, config.flat, names);
   bool unread = false;  // a class has files that are not looked at here
   for (MaskClass kind : kMaskClasses) {
-    const std::string& polarity = word_of(config, kind);
+    const FeatureMaskUse use = use_of(config, kind);
     if (files.file_count(kind) == 0) continue;
-    if (polarity == "off" || (kind == MaskClass::Object && turntable == "no")) {
+    if (use == FeatureMaskUse::Off || (kind == MaskClass::Object && turntable == Turntable::No)) {
       unread = true;
       continue;
     }
@@ -74,7 +73,7 @@ FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMas
     masks_[size_t(kind)].emplace(PhotoMasksDesc{.folder = files,
                                                 .kind = kind,
                                                 .photos = names,
-                                                .polarity = polarity,
+                                                .polarity = static_cast<MaskPolarity>(use),
                                                 .polarity_option = option,
                                                 .off_setting = option + "=off",
                                                 .usable = [&](size_t photo, const MaskFile& file, const ImageF& mask) {
@@ -96,7 +95,7 @@ FeatureMasks::FeatureMasks(const std::filesystem::path& folder, const FeatureMas
     log_info("sfm: {}: no feature is held to them", masks->all_black_text());
     masks.reset();
   }
-  if (turntable == "yes" && !has(MaskClass::Object))
+  if (turntable == Turntable::Yes && !has(MaskClass::Object))
     throw Error(ErrorKind::Input, "a turntable needs masks of the object",
                 {.where = folder.string(),
                  .why = "sfm.turntable=yes says that the room moves against the object, and no mask says which is which",
@@ -171,8 +170,8 @@ std::vector<std::vector<uint32_t>> suppress_features(const FeatureMasks& masks, 
   }
   const bool by_turntable = used == UsedFeatures::ByTurntable;
   effect.turntable = masks.turntable();
-  effect.object_applied = by_turntable && masks.turntable() == "yes";
-  if (by_turntable && masks.turntable() == "auto" && masks.has(MaskClass::Object)) {
+  effect.object_applied = by_turntable && masks.turntable() == Turntable::Yes;
+  if (by_turntable && masks.turntable() == Turntable::Auto && masks.has(MaskClass::Object)) {
     // Mirrors and passers-by have no vote: what they show moves by laws of its own.
     std::vector<std::vector<uint8_t>> inside(n);
     std::vector<double> sides(n);

@@ -20,20 +20,26 @@ namespace vitrine {
 struct SfmPhoto;
 class Describer;
 
-// Per class what belongs to it in files: white, black, auto (white, after a look); off = this class is not used here.
+// Does the object turn before a camera that stands still? Auto: turntable.h finds out.
+enum class Turntable { Auto, Yes, No };
+inline constexpr std::array<std::string_view, 3> kTurntableWords{"auto", "yes", "no"};
+
+// The values of MaskPolarity in their order, then Off: the masks of this class are not used here.
+enum class FeatureMaskUse { Auto, White, Black, Off };
 struct FeatureMasksConfig {
-  std::string flat = "object";
-  std::string object = "auto", transparent = "auto", specular = "auto", ignore = "auto";
+  MaskClass flat = MaskClass::Object;
+  FeatureMaskUse object = FeatureMaskUse::Auto, transparent = FeatureMaskUse::Auto;
+  FeatureMaskUse specular = FeatureMaskUse::Auto, ignore = FeatureMaskUse::Auto;
 };
 void describe(Describer& d, FeatureMasksConfig& c);
 
 class FeatureMasks {
  public:
-  // `turntable`: auto, yes, no. Throws Error{Input} for masks that cannot be right, and for "yes" without masks of the object.
-  FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, const std::string& turntable,
+  // Throws Error{Input} for masks that cannot be right, and for Turntable::Yes without masks of the object.
+  FeatureMasks(const std::filesystem::path& folder, const FeatureMasksConfig& config, Turntable turntable,
                const std::vector<SfmPhoto>& photos);
 
-  const std::string& turntable() const { return turntable_; }
+  Turntable turntable() const { return turntable_; }
   bool has(MaskClass kind) const { return masks_[size_t(kind)].has_value(); }
   size_t photos_with(MaskClass kind) const { return has(kind) ? masks_[size_t(kind)]->matched() : 0; }
   bool empty() const;
@@ -47,7 +53,7 @@ class FeatureMasks {
   double longest_side(size_t photo) const { return sides_[photo]; }
 
  private:
-  std::string turntable_;
+  Turntable turntable_;
   std::vector<std::pair<int, int>> sizes_;
   std::vector<double> sides_;
   std::array<std::optional<PhotoMasks>, kMaskClassCount> masks_;
@@ -62,7 +68,7 @@ struct MaskEffect {
   std::array<size_t, kMaskClassCount> photos{}, removed{};  // photos with a mask; features that this class removes
   size_t before = 0, after = 0;                             // a feature in two masks is removed once
   std::vector<size_t> removed_of_photo;                     // [photo]
-  std::string turntable;                                    // the option
+  Turntable turntable = Turntable::Auto;                    // the option
   bool object_applied = false;
   std::optional<TurntableEvidence> evidence;  // for "auto" with masks of the object
 };

@@ -105,20 +105,21 @@ std::optional<Vec3d> up_from_right_vectors(const Cameras& c) {
 
 }  // namespace
 
-Orientation scene_up(const ColmapModel& model, const std::string& method) {
+Orientation scene_up(const ColmapModel& model, UpMethod method) {
   const Cameras c = cameras_of(model);
   const auto unit_or_z = [](const Vec3d& v) { return length(v) > 1e-6 ? normalized(v) : Vec3d{0, 0, 1}; };
-  if (method == "nadir" || (method == "auto" && looks_straight_down(model, c))) return {unit_or_z(-c.mean_forward), "nadir"};
-  if (method == "mean") return {unit_or_z(c.mean_up), "mean"};
+  if (method == UpMethod::Nadir || (method == UpMethod::Auto && looks_straight_down(model, c)))
+    return {unit_or_z(-c.mean_forward), UpMethod::Nadir};
+  if (method == UpMethod::Mean) return {unit_or_z(c.mean_up), UpMethod::Mean};
   const std::optional<Vec3d> level = up_from_right_vectors(c);
-  const Orientation coarse = level ? Orientation{*level, "level"} : Orientation{unit_or_z(c.mean_up), "mean"};
-  if (method == "level") return coarse;
+  const Orientation coarse = level ? Orientation{*level, UpMethod::Level} : Orientation{unit_or_z(c.mean_up), UpMethod::Mean};
+  if (method == UpMethod::Level) return coarse;
   const Spread s = spread_of(c.centres, c.centroid);
   Vec3d normal = ours(s.directions.col(0));
   if (dot(normal, coarse.up) < 0) normal = -normal;
   const bool ring = c.centres.size() >= 6 && s.values(0) < kFlatRing * s.values(1) && s.values(1) > 0.3 * s.values(2) &&
                     dot(normal, coarse.up) > kRingTilt;
-  if (method == "ring" || (method == "auto" && ring)) return {normal, "ring"};
+  if (method == UpMethod::Ring || (method == UpMethod::Auto && ring)) return {normal, UpMethod::Ring};
   return coarse;
 }
 

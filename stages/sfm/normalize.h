@@ -1,15 +1,19 @@
 // The frame of the scene: up = +z, centroid of the cameras 0, 95 % of the cameras within radius 1 (core/conventions.md).
 #pragma once
 
-#include <string>
+#include <array>
+#include <string_view>
 
 #include "core/scene/camera/colmap_model.h"
 
 namespace vitrine {
 
+enum class UpMethod { Auto, Level, Ring, Mean, Nadir };
+inline constexpr std::array<std::string_view, 5> kUpMethodWords{"auto", "level", "ring", "mean", "nadir"};
+
 struct Orientation {
-  Vec3d up;            // unit, in the frame of the model
-  std::string method;  // "level", "ring", "mean", "nadir"
+  Vec3d up;         // unit, in the frame of the model
+  UpMethod method;  // never Auto
 };
 
 // Photos are upright (EXIF applied), so people hold cameras level: the right vectors x_i of the cameras are horizontal and
@@ -17,8 +21,8 @@ struct Orientation {
 //   vector).
 // When all cameras look the same way this is one direction short, and the mean up vector decides. Cameras in a flat ring
 // around the scene refine it with the normal of their plane. Views straight down (drones) have no up of their own: up = -mean
-// forward. `method`: "auto", or one of the four to insist.
-Orientation scene_up(const ColmapModel& model, const std::string& method = "auto");
+// forward. `method`: Auto, or one of the four to insist.
+Orientation scene_up(const ColmapModel& model, UpMethod method = UpMethod::Auto);
 Similarity scene_from_colmap(const ColmapModel& model, const Orientation& orientation);
 
 }  // namespace vitrine

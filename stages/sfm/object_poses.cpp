@@ -263,7 +263,7 @@ ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> ph
   });
 }
 
-void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context) {
+void report_passes(const ObjectPasses& passes, const ColmapModel& model, UpMethod up, StageContext& context) {
   context.metric("passes", double(std::max<size_t>(passes.passes.size(), 1)));
   if (passes.passes.empty()) return;
   make_folders(context.output() / "sfm");

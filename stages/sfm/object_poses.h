@@ -27,6 +27,6 @@ ObjectPasses passes_without_masks(const ReconstructDesc& desc, const Reconstruct
 ColmapModel object_points(const ColmapModel& model, std::span<const SfmPhoto> photos, const FeatureMasks& masks);
 
 // What the stage says of the passes, and sfm/passes.json. `up`: the option, for the elevation of the cameras of `model`.
-void report_passes(const ObjectPasses& passes, const ColmapModel& model, const std::string& up, StageContext& context);
+void report_passes(const ObjectPasses& passes, const ColmapModel& model, UpMethod up, StageContext& context);
 
 }  // namespace vitrine

@@ -70,7 +70,7 @@ nlohmann::json masks_json(const MaskEffect& effect) {
     if (effect.photos[size_t(kind)] > 0)
       j["classes"][std::string(name(kind))] = {{"photos_with_mask", effect.photos[size_t(kind)]},
                                                {"features_removed", effect.removed[size_t(kind)]}};
-  j["turntable"] = {{"option", effect.turntable}, {"object_mask_applied", effect.object_applied}};
+  j["turntable"] = {{"option", kTurntableWords[size_t(effect.turntable)]}, {"object_mask_applied", effect.object_applied}};
   if (const auto& e = effect.evidence; e)
     j["turntable"]["evidence"] = {{"why", e->why},
                                   {"pairs", e->pairs},
@@ -214,7 +214,7 @@ void write_sfm_report(const fs::path& path, const SfmReportDesc& desc) {
                    {"kept", m.points.size()},
                    {"observations", observations}};
     if (observations > 0) j["mean_reprojection_error_px"] = error / double(observations);  // else there is none
-    j["up"] = {{"method", desc.orientation.method},
+    j["up"] = {{"method", kUpMethodWords[size_t(desc.orientation.method)]},
                {"in_colmap_frame", {desc.orientation.up.x, desc.orientation.up.y, desc.orientation.up.z}}};
   }
   write_file(path, j.dump(2) + "\n");

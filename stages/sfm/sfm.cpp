@@ -70,7 +70,7 @@ struct Solved {
 std::optional<FeatureMasks> feature_masks(const SfmConfig& config, StageContext& context, const std::vector<SfmPhoto>& photos) {
   const std::optional<fs::path> folder = context.optional_input("masks");
   if (!folder) {
-    if (config.turntable == "yes")
+    if (config.turntable == Turntable::Yes)
       throw Error(ErrorKind::Usage, "sfm.turntable=yes needs masks of the object",
                   {.hint = "--masks DIR (vitrine run), --input masks=DIR (vitrine-sfm)", .code = "SFM_TURNTABLE_WITHOUT_MASKS"});
     return std::nullopt;
@@ -167,10 +167,10 @@ Solved solved(const SfmConfig& config, StageContext& context, const fs::path& in
     };
     s = {given ? triangulate(colmap, config, desc, *given, check) : reconstruct(colmap, config, desc), colmap.version()};
     const std::optional<MaskEffect>& effect = s.reconstruction.masks;
-    if (!given && !(effect && effect->object_applied) && config.turntable != "no")
+    if (!given && !(effect && effect->object_applied) && config.turntable != Turntable::No)
       s.passes = masks && masks->has(MaskClass::Object) ? poses_of_object(colmap, config, desc, *masks, s.reconstruction)
                                                         : passes_without_masks(desc, s.reconstruction);
-    if (!given && config.principal_point == "auto") principal_points(s.reconstruction.model, context);
+    if (!given && config.principal_point == PrincipalPoint::Auto) principal_points(s.reconstruction.model, context);
     if (s.passes.joined()) s.reconstruction.model = object_points(s.reconstruction.model, list, *masks);
   }
   if (given)

@@ -8,22 +8,26 @@
 #include <string>
 
 #include "stages/sfm/feature_masks.h"
+#include "stages/sfm/normalize.h"
 #include "stages/stage.h"
 
 namespace vitrine {
+
+// Where the lens's axis meets the picture. Auto: in the middle, or elsewhere if the photos then fit clearly better.
+enum class PrincipalPoint { Auto, Middle };
 
 struct SfmConfig {
   int max_image_size = 1600;
   int max_features = 8192;
   std::string camera_model = "SIMPLE_RADIAL";
-  std::string principal_point = "auto";
+  PrincipalPoint principal_point = PrincipalPoint::Auto;
   int exhaustive_limit = 80;
   int retries = 2;
   double min_registered = 0.6;
   int seed = 0;
-  std::string up = "auto";
+  UpMethod up = UpMethod::Auto;
   double pose_scale = 0;
-  std::string turntable = "auto";
+  Turntable turntable = Turntable::Auto;
   FeatureMasksConfig masks;
 };
 

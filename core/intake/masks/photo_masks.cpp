@@ -74,7 +74,7 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
       where_(desc.folder.path().string()),
       polarity_option_(desc.polarity_option),
       off_setting_(desc.off_setting),
-      black_belongs_(desc.polarity == "black"),
+      black_belongs_(desc.polarity == MaskPolarity::Black),
       files_(matching_masks(desc.folder, desc.kind, desc.photos, desc.off_setting, &notes_)) {
   const std::string class_name(name(desc.kind));
   matched_ = size_t(std::count_if(files_.begin(), files_.end(), [](const auto& f) { return f.has_value(); }));
@@ -117,7 +117,7 @@ PhotoMasks::PhotoMasks(const PhotoMasksDesc& desc)
   if (all.masks == 0) return;
   extent_ = all;
   if (nothing()) return;
-  if (desc.polarity == "auto" && looks_inverted(all))
+  if (desc.polarity == MaskPolarity::Auto && looks_inverted(all))
     throw Error(ErrorKind::Input, fmt::format("the masks of the class '{}' look inverted", class_name),
                 {.where = desc.folder.path().string(),
                  .why = fmt::format("{:.0f} % of the pixels are white, {:.0f} % at the border, {:.0f} % in the middle",

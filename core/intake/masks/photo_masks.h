@@ -15,13 +15,16 @@
 
 namespace vitrine {
 
+// What belongs to the class in files. Auto: white, after a check that this can be.
+enum class MaskPolarity { Auto, White, Black };
+
 struct PhotoMasksDesc {
   const MaskFolder& folder;
   MaskClass kind = MaskClass::Object;
   std::vector<std::string> photos;  // names, "left/b.jpg"
-  std::string polarity = "auto";    // what belongs to the class: "white", "black", or white after a look ("auto")
-  std::string polarity_option;      // what the user sets: "masks.object.polarity"
-  std::string off_setting;          // and how to do without: "masks.object.source=none"
+  MaskPolarity polarity = MaskPolarity::Auto;
+  std::string polarity_option;  // what the user sets: "masks.object.polarity"
+  std::string off_setting;      // and how to do without: "masks.object.source=none"
   // May throw (throw_wrong_mask_size) or say that this mask takes no part. Called from several threads.
   std::function<bool(size_t photo, const MaskFile&, const ImageF&)> usable = {};
 };

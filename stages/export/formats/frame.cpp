@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/math/spherical_harmonics.h"
+#include "core/foundation/math/spherical_harmonics.h"
 
 namespace vitrine {
 

@@ -26,16 +26,16 @@ constexpr float kNetworkConfidence = 0.8f;  // factor on the confidence, which i
 constexpr int kVoteVoxels = 96;             // along the longest side of what is voted on
 
 // Of one pixel, before the threshold.
-double belonging(const NetworkOutput& out, size_t pixel, const std::string& activation, std::span<const double> channels) {
+double belonging(const NetworkOutput& out, size_t pixel, NetworkActivation activation, std::span<const double> channels) {
   const auto listed = [&](int number) { return std::find(channels.begin(), channels.end(), double(number)) != channels.end(); };
-  if (activation == "labels") return listed(int(std::lround(std::clamp(out.at(pixel, 0), -1.f, 1e6f)))) ? 1 : 0;
-  if (activation == "argmax") {
+  if (activation == NetworkActivation::Labels) return listed(int(std::lround(std::clamp(out.at(pixel, 0), -1.f, 1e6f)))) ? 1 : 0;
+  if (activation == NetworkActivation::Argmax) {
     int best = 0;
     for (int c = 1; c < out.channels; ++c)
       if (out.at(pixel, c) > out.at(pixel, best)) best = c;
     return listed(best) ? 1 : 0;
   }
-  if (activation == "softmax") {
+  if (activation == NetworkActivation::Softmax) {
     double top = -INFINITY, all = 0, ours = 0;
     for (int c = 0; c < out.channels; ++c) top = std::max(top, double(out.at(pixel, c)));
     for (int c = 0; c < out.channels; ++c) {
@@ -47,7 +47,7 @@ double belonging(const NetworkOutput& out, size_t pixel, const std::string& acti
   }
   double largest = -INFINITY;
   for (double c : channels) largest = std::max(largest, double(out.at(pixel, int(c))));
-  return activation == "sigmoid" ? 1 / (1 + std::exp(-largest)) : std::clamp(largest, 0.0, 1.0);
+  return activation == NetworkActivation::Sigmoid ? 1 / (1 + std::exp(-largest)) : std::clamp(largest, 0.0, 1.0);
 }
 
 // The photo as the network wants it, and its camera at that size.
@@ -125,13 +125,14 @@ const std::vector<double>& NetworkMasksConfig::channels_of(MaskClass kind) const
 
 std::string NetworkMasksConfig::problem() const {
   if (std::string p = input.problem("masks.onnx."); !p.empty()) return p;
-  if (activation == "labels" && outputs != 1)
+  if (activation == NetworkActivation::Labels && outputs != 1)
     return "masks.onnx.activation is labels: one number a pixel, so masks.onnx.outputs is 1";
-  if ((activation == "softmax" || activation == "argmax") && outputs < 2)
-    return fmt::format("masks.onnx.activation {} compares channels, so masks.onnx.outputs is 2 or more", activation);
+  if ((activation == NetworkActivation::Softmax || activation == NetworkActivation::Argmax) && outputs < 2)
+    return fmt::format("masks.onnx.activation {} compares channels, so masks.onnx.outputs is 2 or more",
+                       kNetworkActivationWords[size_t(activation)]);
   for (MaskClass kind : kMaskClasses)
     for (double c : channels_of(kind))
-      if (c < 0 || c != std::floor(c) || c > 1e6 || (activation != "labels" && c >= outputs))
+      if (c < 0 || c != std::floor(c) || c > 1e6 || (activation != NetworkActivation::Labels && c >= outputs))
         return fmt::format("masks.onnx.{} names {}, which is no channel of 0 to {}", name(kind), c, outputs - 1);
   return {};
 }
@@ -139,10 +140,9 @@ std::string NetworkMasksConfig::problem() const {
 void describe(Describer& d, NetworkMasksConfig& c) {
   describe_input(d, c.input);
   d.option("outputs", c.outputs, "Channels of its output, that of the background included.").range(1, 4096);
-  d.option("activation", c.activation,
+  d.choice("activation", c.activation, kNetworkActivationWords,
            "What its output is: logits (sigmoid: classes of their own, softmax: one of them), probabilities, logits of which the "
-           "largest counts (argmax), or one label a pixel.")
-      .choices({"sigmoid", "softmax", "probability", "argmax", "labels"});
+           "largest counts (argmax), or one label a pixel.");
   d.option("object", c.object, "Channels (labels) that mean the object; empty = none.");
   d.option("transparent", c.transparent, "Channels (labels) that mean glass; empty = none.");
   d.option("specular", c.specular, "Channels (labels) that mean what mirrors, glass included; empty = none.");
@@ -160,7 +160,7 @@ std::vector<float> class_values(const NetworkOutput& out, const NetworkMasksConf
                  .code = "BAD_NETWORK_OUTPUT"});
   std::vector<float> values(out.pixel_count());
   const double t = config.threshold;
-  const bool graded = config.activation != "labels" && config.activation != "argmax";
+  const bool graded = config.activation != NetworkActivation::Labels && config.activation != NetworkActivation::Argmax;
   for (size_t i = 0; i < values.size(); ++i) {
     double v = belonging(out, i, config.activation, channels);
     if (graded) v = std::clamp(v < t ? v / t - 0.5 : (v - t) / (1 - t) + 0.5, 0.0, 1.0);
@@ -228,7 +228,7 @@ void NetworkSource::report(nlohmann::ordered_json& j) const {
   const NetworkMasks::Class& c = masks_->classes[size_t(kind_)];
   j["network"] = {{"sha256", masks_->sha256},
                   {"channels", masks_->config.channels_of(kind_)},
-                  {"activation", masks_->config.activation},
+                  {"activation", kNetworkActivationWords[size_t(masks_->config.activation)]},
                   {"threshold", masks_->config.threshold}};
   j["found"] = c.found;
   j["voted"] = c.voted;

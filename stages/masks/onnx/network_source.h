@@ -2,9 +2,11 @@
 // the masks of a class is carried to all photos; where a photo and the hull disagree, the hull counts, with little confidence.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string_view>
 
 #include "core/observe/network/photo_network.h"
 #include "stages/masks/mask_source.h"
@@ -15,10 +17,15 @@ class Describer;
 
 // What the numbers of the network mean, as declared: which channels are which class, what makes them probabilities, from which
 // one on a pixel belongs.
+// What the network's output is: logits of classes of their own (Sigmoid) or of which one holds (Softmax), probabilities, logits
+// of which the largest counts (Argmax), or one label a pixel.
+enum class NetworkActivation { Sigmoid, Softmax, Probability, Argmax, Labels };
+inline constexpr std::array<std::string_view, 5> kNetworkActivationWords{"sigmoid", "softmax", "probability", "argmax", "labels"};
+
 struct NetworkMasksConfig {
   NetworkInput input{};
   int outputs = 1;
-  std::string activation = "sigmoid";
+  NetworkActivation activation = NetworkActivation::Sigmoid;
   std::vector<double> object{}, transparent{}, specular{}, ignore{};  // channels, or labels
   double threshold = 0.5;
 

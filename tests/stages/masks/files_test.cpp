@@ -191,7 +191,7 @@ TEST_F(Files, SoftValuesAreKept) {
 TEST_F(Files, WithoutMasksTheArtifactIsEmptyAndValid) {
   RecordingContext context({{"sfm", sfm()}});
   MasksConfig config;
-  for (MaskClassConfig* c : {&config.object, &config.transparent, &config.specular, &config.ignore}) c->source = "none";
+  for (MaskClassConfig* c : {&config.object, &config.transparent, &config.specular, &config.ignore}) c->source = MaskOrigin::None;
   run_masks(config, context);
   read_json_file(context.output() / "masks/report.json", "report", [](const nlohmann::json& j) {
     EXPECT_EQ(j.at("photos"), 3);
@@ -221,7 +221,7 @@ TEST_F(Files, RefusesWhatCannotBeRight) {
   e = failure();
   EXPECT_EQ(e.detail().code, "MASKS_INVERTED");
   MasksConfig told;
-  told.specular.polarity = "black";
+  told.specular.polarity = MaskPolarity::Black;
   EXPECT_EQ(read_grey8(run(told)->output() / "masks/specular/a.png"), disk_mask(80, 60, 15));
 
   put("specular/a.png", Image8(80, 60, 1));
@@ -244,7 +244,7 @@ TEST_F(Files, RefusesWhatCannotBeRight) {
 TEST_F(Files, ASourceWithoutFilesIsAUsageError) {
   RecordingContext context({{"sfm", sfm()}});
   MasksConfig config;
-  config.object.source = "files";
+  config.object.source = MaskOrigin::Files;
   const Error e = error_of([&] { run_masks(config, context); });
   EXPECT_EQ(e.kind(), ErrorKind::Usage);
   EXPECT_NE(e.detail().hint.find("--masks"), std::string::npos);

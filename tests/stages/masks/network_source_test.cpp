@@ -21,7 +21,7 @@ NetworkOutput answer(std::vector<float> values, bool planes = true) {
   return {.channels = 3, .width = 2, .height = 1, .planes = planes, .values = std::move(values), .shape = "1 x 3 x 1 x 2"};
 }
 
-std::vector<float> values_of(const NetworkOutput& out, const std::string& activation, std::vector<double> channels,
+std::vector<float> values_of(const NetworkOutput& out, NetworkActivation activation, std::vector<double> channels,
                              double threshold = 0.5) {
   NetworkMasksConfig config{.outputs = out.channels, .activation = activation, .threshold = threshold};
   return class_values(out, config, channels, "net.onnx");
@@ -35,26 +35,28 @@ TEST(ClassValues, AreWhatTheActivationSays) {
     EXPECT_NEAR(found.at(0), std::clamp(2 * a - 0.5, 0.0, 1.0), 1e-6);
     EXPECT_NEAR(found.at(1), std::clamp(2 * b - 0.5, 0.0, 1.0), 1e-6);
   };
-  near(values_of(out, "sigmoid", {1}), sigmoid(-1), sigmoid(1));
-  near(values_of(out, "sigmoid", {0, 2}), sigmoid(3), sigmoid(2));  // the larger one
-  near(values_of(out, "softmax", {0}), softmax(0, -1, 3), softmax(2, 1, -2));
-  near(values_of(out, "softmax", {0, 1}), 1 - softmax(3, 0, -1), 1 - softmax(-2, 2, 1));
-  near(values_of(out, "softmax", {0, 1, 2}), 1, 1);
-  near(values_of(out, "argmax", {2}), 1, 0);
-  near(values_of(out, "argmax", {0, 1}), 0, 1);
-  near(values_of(out, "probability", {1}), 0, 1);  // clamped
-  near(values_of(answer({0, -1, 3, 2, 1, -2}, false), "sigmoid", {1}), sigmoid(-1), sigmoid(1));
+  near(values_of(out, NetworkActivation::Sigmoid, {1}), sigmoid(-1), sigmoid(1));
+  near(values_of(out, NetworkActivation::Sigmoid, {0, 2}), sigmoid(3), sigmoid(2));  // the larger one
+  near(values_of(out, NetworkActivation::Softmax, {0}), softmax(0, -1, 3), softmax(2, 1, -2));
+  near(values_of(out, NetworkActivation::Softmax, {0, 1}), 1 - softmax(3, 0, -1), 1 - softmax(-2, 2, 1));
+  near(values_of(out, NetworkActivation::Softmax, {0, 1, 2}), 1, 1);
+  near(values_of(out, NetworkActivation::Argmax, {2}), 1, 0);
+  near(values_of(out, NetworkActivation::Argmax, {0, 1}), 0, 1);
+  near(values_of(out, NetworkActivation::Probability, {1}), 0, 1);  // clamped
+  near(values_of(answer({0, -1, 3, 2, 1, -2}, false), NetworkActivation::Sigmoid, {1}), sigmoid(-1), sigmoid(1));
   const NetworkOutput labels{.channels = 1, .width = 2, .height = 1, .values = {7, 2}, .shape = "1 x 1 x 2"};
-  near(values_of(labels, "labels", {7, 9}), 1, 0);
+  near(values_of(labels, NetworkActivation::Labels, {7, 9}), 1, 0);
 }
 
 TEST(ClassValues, ThresholdBecomesOneHalf) {
   const NetworkOutput out = answer({0.3f, 0.475f, 0.1f, 0.9f, 0, 0});
-  const auto soft = values_of(out, "probability", {0}, 0.3);
+  const auto soft = values_of(out, NetworkActivation::Probability, {0}, 0.3);
   EXPECT_NEAR(soft[0], 0.5, 1e-6);
   EXPECT_NEAR(soft[1], 0.75, 1e-6);
-  EXPECT_EQ(values_of(out, "probability", {1}, 0.3), (std::vector<float>{0, 1}));  // 0.1 and 0.9 are decided
-  EXPECT_EQ(error_of([] { values_of(answer({0, NAN, 0, 0, 0, 0}), "sigmoid", {0}); }).detail().code, "BAD_NETWORK_OUTPUT");
+  EXPECT_EQ(values_of(out, NetworkActivation::Probability, {1}, 0.3), (std::vector<float>{0, 1}));  // 0.1 and 0.9 are decided
+  const NetworkOutput broken = answer({0, NAN, 0, 0, 0, 0});
+  const Error e = error_of([&] { values_of(broken, NetworkActivation::Sigmoid, {0}); });
+  EXPECT_EQ(e.detail().code, "BAD_NETWORK_OUTPUT");
 }
 
 class Networked : public testing::Test, public BallCapture {

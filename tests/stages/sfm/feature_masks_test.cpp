@@ -58,7 +58,7 @@ TEST(FeatureMasks, FeaturesOnMirrorsGlassAndPassersByAreTakenOutAndCounted) {
   write_stripe(folder.path() / "transparent" / "p0.png", 5, 20);  // [10, 40)
   write_stripe(folder.path() / "ignore" / "p1.png", 45, 50);      // [90, 100)
   write_stripe(folder.path() / "object" / "p0.png", 20, 30);      // a room around an object: not for sfm
-  const FeatureMasks masks(folder.path(), {}, "no", photos(2));
+  const FeatureMasks masks(folder.path(), {}, Turntable::No, photos(2));
   EXPECT_FALSE(masks.has(MaskClass::Object));
   std::vector<PhotoFeatures> features(2);
   for (size_t p = 0; p < 2; ++p)
@@ -83,7 +83,7 @@ TEST(FeatureMasks, FeaturesOnMirrorsGlassAndPassersByAreTakenOutAndCounted) {
 TEST(FeatureMasks, ADeclaredTurntableKeepsTheObjectAlone) {
   const TemporaryFolder folder;
   write_stripe(folder.path() / "p0.png", 10, 20);  // no folder of a class: masks of the object; [20, 40)
-  const FeatureMasks masks(folder.path(), {}, "yes", photos(2));
+  const FeatureMasks masks(folder.path(), {}, Turntable::Yes, photos(2));
   std::vector<PhotoFeatures> features(2);
   for (size_t p = 0; p < 2; ++p)
     for (int x : {5, 30, 95}) append_feature(features[p], x, 40, size_t(x));
@@ -97,7 +97,7 @@ TEST(FeatureMasks, ADeclaredTurntableKeepsTheObjectAlone) {
 
 TEST(FeatureMasks, WhatCannotBeRightIsRefused) {
   const TemporaryFolder folder;
-  const auto code_of = [&](const std::string& below, const FeatureMasksConfig& config, const std::string& turntable) {
+  const auto code_of = [&](const std::string& below, const FeatureMasksConfig& config, Turntable turntable) {
     try {
       const FeatureMasks masks(folder.path() / below, config, turntable, photos(1));
       return fmt::format("accepted, {} of another shape", masks.other_shape());
@@ -107,24 +107,24 @@ TEST(FeatureMasks, WhatCannotBeRightIsRefused) {
     }
   };
   write_stripe(folder.path() / "glass/specular/p0.png", 0, 10);
-  EXPECT_EQ(code_of("glass", {}, "yes"), "SFM_TURNTABLE_WITHOUT_MASKS");
-  EXPECT_EQ(code_of("glass", {}, "auto"), "accepted, 0 of another shape");
+  EXPECT_EQ(code_of("glass", {}, Turntable::Yes), "SFM_TURNTABLE_WITHOUT_MASKS");
+  EXPECT_EQ(code_of("glass", {}, Turntable::Auto), "accepted, 0 of another shape");
   write_stripe(folder.path() / "black/specular/p0.png", 0, 0);
-  EXPECT_EQ(code_of("black", {}, "auto"), "MASKS_ALL_BLACK");
-  EXPECT_EQ(code_of("black", {.specular = "off"}, "auto"), "accepted, 0 of another shape");
+  EXPECT_EQ(code_of("black", {}, Turntable::Auto), "MASKS_ALL_BLACK");
+  EXPECT_EQ(code_of("black", {.specular = FeatureMaskUse::Off}, Turntable::Auto), "accepted, 0 of another shape");
   // A class whose masks are black is absent where another one has pixels.
   write_stripe(folder.path() / "mixed/specular/p0.png", 0, 0);
   write_stripe(folder.path() / "mixed/transparent/p0.png", 0, 10);
-  EXPECT_EQ(code_of("mixed", {}, "auto"), "accepted, 0 of another shape");
-  EXPECT_FALSE(FeatureMasks(folder.path() / "mixed", {}, "auto", photos(1)).has(MaskClass::Specular));
+  EXPECT_EQ(code_of("mixed", {}, Turntable::Auto), "accepted, 0 of another shape");
+  EXPECT_FALSE(FeatureMasks(folder.path() / "mixed", {}, Turntable::Auto, photos(1)).has(MaskClass::Specular));
   write_stripe(folder.path() / "unknown/glass/p0.png", 0, 10);
-  EXPECT_EQ(code_of("unknown", {}, "auto"), "MASKS_UNKNOWN_CLASS");
+  EXPECT_EQ(code_of("unknown", {}, Turntable::Auto), "MASKS_UNKNOWN_CLASS");
   write_stripe(folder.path() / "other/specular/q.png", 0, 10);
-  EXPECT_EQ(code_of("other", {}, "auto"), "MASKS_MATCH_NO_PHOTO");
+  EXPECT_EQ(code_of("other", {}, Turntable::Auto), "MASKS_MATCH_NO_PHOTO");
   write_stripe(folder.path() / "turned/specular/p0.png", 0, 10, kHeight, kWidth);
-  EXPECT_EQ(code_of("turned", {}, "auto"), "MASK_WRONG_SIZE");
+  EXPECT_EQ(code_of("turned", {}, Turntable::Auto), "MASK_WRONG_SIZE");
   write_stripe(folder.path() / "undistorted/specular/p0.png", 0, 10, 60, 40);
-  EXPECT_EQ(code_of("undistorted", {}, "auto"), "accepted, 1 of another shape");
+  EXPECT_EQ(code_of("undistorted", {}, Turntable::Auto), "accepted, 1 of another shape");
 }
 
 // Eight photos, object masks in the middle; what stands outside and what is inside moves by so many pixels a photo.
@@ -132,7 +132,7 @@ MaskEffect capture(double outside_step, double inside_step, int outside_features
   const TemporaryFolder folder;
   const size_t n = 8;
   for (size_t p = 0; p < n; ++p) write_stripe(folder.path() / "object" / fmt::format("p{}.png", p), 15, 35);  // [30, 70)
-  const FeatureMasks masks(folder.path(), {}, "auto", photos(n));
+  const FeatureMasks masks(folder.path(), {}, Turntable::Auto, photos(n));
   std::vector<PhotoFeatures> features(n);
   for (size_t p = 0; p < n; ++p) {
     for (int k = 0; k < outside_features; ++k) append_feature(features[p], 2 + outside_step * double(p), 3 + 6 * k, uint64_t(k));
@@ -160,7 +160,7 @@ TEST(FeatureMasks, WhatOtherMasksTakeHasNoVoteOnTheTurntable) {
       append_feature(features[p], 97, 3 + 6 * k, uint64_t(3000 + k));
     }
   MaskEffect effect;
-  const auto kept = suppress_features(FeatureMasks(folder.path(), {}, "auto", photos(n)), UsedFeatures::ByTurntable,
+  const auto kept = suppress_features(FeatureMasks(folder.path(), {}, Turntable::Auto, photos(n)), UsedFeatures::ByTurntable,
                                       one_to_one(n), features, effect);
   EXPECT_FALSE(effect.object_applied) << effect.evidence->why;
   EXPECT_EQ(effect.evidence->outside_still, 0u);

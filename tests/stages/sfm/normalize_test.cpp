@@ -20,7 +20,7 @@ TEST(SceneUp, LevelRingGivesItsAxis) {
   for (const Vec3d& up : kUps) {
     const Orientation o = scene_up(synthetic_model(ring(24, 3, 1.5, up), cloud(100, 1)));
     EXPECT_LT(degrees_between(o.up, up), 1e-5);
-    EXPECT_EQ(o.method, "ring");
+    EXPECT_EQ(o.method, UpMethod::Ring);
   }
 }
 
@@ -33,9 +33,9 @@ TEST(SceneUp, UnevenHandheldArcIsLevelledByItsCameras) {
     cameras.push_back(camera_looking(1.02 * a, {}, up, 0.5));
     cameras.push_back(camera_looking(1.02 * b, {}, up, 0.5));
     const Orientation o = scene_up(synthetic_model(cameras, cloud(100, 1)));
-    EXPECT_EQ(o.method, "level");
+    EXPECT_EQ(o.method, UpMethod::Level);
     EXPECT_LT(degrees_between(o.up, up), 1.0);  // worst seen 0.6
-    EXPECT_GT(degrees_between(scene_up(synthetic_model(cameras, cloud(100, 1)), "mean").up, up),
+    EXPECT_GT(degrees_between(scene_up(synthetic_model(cameras, cloud(100, 1)), UpMethod::Mean).up, up),
               1.0);  // the naive answer is worse
   }
 }
@@ -48,7 +48,7 @@ TEST(SceneUp, WalkAlongAWallUsesTheMeanUp) {
     std::vector<Vec3d> wall;
     for (const Vec3d& p : cloud(200, 3)) wall.push_back(3.0 * forward + (2 + 4 * p.x) * right + p.y * up);
     const Orientation o = scene_up(synthetic_model(cameras, wall));
-    EXPECT_EQ(o.method, "mean");
+    EXPECT_EQ(o.method, UpMethod::Mean);
     EXPECT_LT(degrees_between(o.up, up), 1e-5);
   }
 }
@@ -66,7 +66,7 @@ TEST(SceneUp, DroneLookingDownSeesTheGroundBelow) {
       std::vector<Vec3d> ground;
       for (const Vec3d& p : cloud(800, 3)) ground.push_back((2 + 6 * p.x) * east + (1.5 + 5 * p.y) * north + 0.1 * p.z * up);
       const Orientation o = scene_up(synthetic_model(cameras, ground));
-      EXPECT_EQ(o.method, "nadir");
+      EXPECT_EQ(o.method, UpMethod::Nadir);
       EXPECT_LT(degrees_between(o.up, up), 0.5);
     }
 }
