@@ -1,4 +1,4 @@
-// Cameras to picture a scene from, in the order of their file: a film is rendered as it was written.
+// Camera paths for rendering, in file order.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +12,12 @@
 namespace vitrine {
 
 struct CameraPathDesc {
-  std::filesystem::path file;               // a transforms.json, or a camera_path.json of nerfstudio's viewer
-  std::optional<PictureSize> size;          // of the pictures, where the file states none
-  std::function<PictureSize()> usual_size;  // likewise, of cameras that are given by their angle of view
+  std::filesystem::path file;               // transforms.json, or camera_path.json of the nerfstudio viewer
+  std::optional<PictureSize> size;          // image size if the file has none
+  std::function<PictureSize()> usual_size;  // same, for cameras defined by their field of view
 };
-// Views are named frame_0000.png on: names in such a file need not fit this file system, and sort in another order. No picture is
-// opened. Throws Error{Input}.
+// Views are named frame_0000.png and so on: names in the file may be invalid here or sort differently. Opens no image. Throws
+// Error{Input}.
 std::vector<View> read_camera_path(const CameraPathDesc& desc);
 
 }  // namespace vitrine

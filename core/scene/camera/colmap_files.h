@@ -1,4 +1,5 @@
-// The two encodings of a COLMAP model, for colmap_model.cpp only. The readers prove syntax; check_colmap_model proves meaning.
+// Binary and text formats of COLMAP models, for colmap_model.cpp only. The readers check syntax; check_colmap_model checks
+// semantics.
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace vitrine::colmap {
 
-// What is wrong with the bytes, and at which byte or line; the file's name is added by the caller.
+// Syntax error with its byte or line; the caller adds the file name.
 struct Malformed {
   std::string why;
 };
@@ -28,7 +29,7 @@ std::string text_of(const std::vector<ColmapCamera>& cameras);
 std::string text_of(const std::vector<ColmapImage>& images);
 std::string text_of(const std::vector<ColmapPoint3D>& points);
 
-// Throws Malformed when vitrine does not know the model.
+// Throws Malformed for unsupported models.
 const ColmapCameraType& known_camera_type(int model_id);
 const ColmapCameraType& known_camera_type(std::string_view name);
 

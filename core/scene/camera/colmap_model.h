@@ -1,8 +1,8 @@
-// A COLMAP model in memory (cameras, images with their 2D points, 3D points with their tracks) and its files, binary and text
+// COLMAP models in memory (cameras, images with their 2D points, 3D points with their tracks) and their binary and text files
 // (core/conventions.md; layouts in colmap_binary.cpp and colmap_text.cpp). Pixel centres at .5, poses are cam_from_world.
 //
-// A file that is damaged, truncated or inconsistent gives Error{Input} with the file and the cause. Counts are compared with
-// the size of the file before anything is allocated, so a wrong byte cannot ask for terabytes.
+// Damaged, truncated or inconsistent files throw Error{Input} with the file and the cause. Counts are checked against the file
+// size before allocation, so a wrong byte cannot allocate terabytes.
 #pragma once
 
 #include <array>
@@ -19,9 +19,9 @@
 
 namespace vitrine {
 
-constexpr uint64_t kNoPoint3D = ~uint64_t{0};  // a 2D point without a 3D point
+constexpr uint64_t kNoPoint3D = ~uint64_t{0};  // 2D point without a 3D point
 
-// One row per camera model that COLMAP writes: what its id means and how many numbers follow it.
+// COLMAP camera model: name, id, number of parameters.
 struct ColmapCameraType {
   int id;
   std::string_view name;
@@ -48,7 +48,7 @@ struct ColmapPoint2D {
 
 struct ColmapImage {
   uint32_t id = 0;
-  Quatd rotation;  // cam_from_world, as in the file (perhaps not quite of unit length)
+  Quatd rotation;  // cam_from_world, as in the file (possibly not exactly unit)
   Vec3d translation;
   uint32_t camera_id = 0;
   std::string name;  // relative to the image folder
@@ -86,37 +86,37 @@ struct ColmapModel {
 // --- files ----------------------------------------------------------------------------------------------------------
 enum class ColmapFormat { Binary, Text };
 
-// The folder of a model of ours: `root`/sparse/0, `root`/sparse, `root`/dense/sparse, or `root` itself, in this order. Models of
-// others: pose_files.h.
+// Model folder written by vitrine: `root`/sparse/0, `root`/sparse, `root`/dense/sparse, or `root` itself, in this order. For
+// models of other programs see pose_files.h.
 std::optional<std::filesystem::path> find_colmap_model(const std::filesystem::path& root);
-// Cameras and images are there, in either format.
+// True if cameras and images exist in either format.
 bool holds_colmap_model(const std::filesystem::path& folder);
-// Reads the model of exactly this folder (.bin preferred) and checks it. points3D may be absent (a model of poses alone). A part
-// that exists in the other format alone is read from that.
+// Reads and checks the model of exactly this folder (.bin preferred). points3D is optional (poses only). A part that exists
+// only in the other format is read from that.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel read_colmap_model(const std::filesystem::path& folder, ColmapFormat preferred);
-// Sorted by ids, and not checked otherwise: for models of others, which colmap_repair.h makes usable.
+// Sorted by id, otherwise unchecked: for models of other programs, which colmap_repair.h repairs.
 ColmapModel read_colmap_parts(const std::filesystem::path& folder);
 ColmapModel read_colmap_parts(const std::filesystem::path& folder, ColmapFormat preferred);
-// Three files, each written whole. Numbers in text files round-trip exactly.
+// Three files, each written atomically. Numbers in text files round-trip exactly.
 void write_colmap_model(const std::filesystem::path& folder, const ColmapModel& model, ColmapFormat format);
-// Throws Error{Input} when an id occurs twice.
+// Throws Error{Input} if an id occurs twice.
 void sort_by_ids(ColmapModel& model, const std::filesystem::path& where);
-// Sorts the lists and proves the promises above: ids unique, references exist, poses finite, sizes sane, image names unique and
-// inside their folder (or not looked at: Any). Throws Error{Input} with `where` as the place. The readers call it.
+// Sorts the lists and checks the invariants: unique ids, valid references, finite poses, plausible sizes, unique image names
+// inside their folder (not checked with Any). Throws Error{Input} with `where` as the place. Called by the readers.
 enum class ColmapNames { Inside, Any };
 void check_colmap_model(ColmapModel& model, const std::filesystem::path& where, ColmapNames names = ColmapNames::Inside);
 
-// Moves the world: points and poses.
+// Transforms points and poses.
 void transform_world(ColmapModel& model, const Similarity& new_from_old);
 
 // --- cameras --------------------------------------------------------------------------------------------------------
-// Supported: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV. Every other model throws Error{Input} here, at use.
-// Pixel of the camera-frame direction (x, y, 1).
+// Pixel of the camera-frame direction (x, y, 1). Supported: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV. Other
+// models throw Error{Input} here, at use.
 Vec2d project(const ColmapCamera& camera, const Vec2d& direction);
-// The (x, y) of the direction (x, y, 1) seen at a pixel; nullopt where the distortion cannot be inverted.
+// Inverse of project(): (x, y) of the direction (x, y, 1) at a pixel; nullopt where the distortion cannot be inverted.
 std::optional<Vec2d> unproject(const ColmapCamera& camera, const Vec2d& pixel);
-// Focal lengths, principal point and size, without the distortion.
+// Focal lengths, principal point and size, ignoring distortion.
 Intrinsics pinhole_part(const ColmapCamera& camera);
 bool is_distorted(const ColmapCamera& camera);
 ColmapCamera colmap_pinhole(uint32_t id, const Intrinsics& intrinsics);

@@ -1,4 +1,4 @@
-// The classes of masks: which pixels belong to the object, show glass, reflect, or are to be ignored.
+// Mask classes: object, glass, specular, ignore.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ constexpr std::string_view name(MaskClass kind) {
   return names[static_cast<size_t>(kind)];
 }
 
-// By its name, lower case.
+// By lower-case name.
 inline std::optional<MaskClass> mask_class(std::string_view word) {
   for (MaskClass kind : kMaskClasses)
     if (word == name(kind)) return kind;

@@ -1,5 +1,5 @@
-// sfm/passes.json of an sfm artifact: groups of photos between which an object was moved against its surroundings, turned over
-// for instance, and what the poses are relative to.
+// Capture passes, sfm/passes.json of an sfm artifact: groups of photos between which the object was moved relative to its
+// surroundings (for example turned over), and the reference frame of the poses.
 #pragma once
 
 #include <filesystem>
@@ -8,22 +8,22 @@
 
 namespace vitrine {
 
-using Passes = std::vector<std::vector<std::string>>;  // names of photos, the largest pass first
+using Passes = std::vector<std::vector<std::string>>;  // photo names, largest pass first
 
 enum class PosesOf {
-  Object,       // what surrounds it stands elsewhere in each pass
-  LargestPass,  // its photos alone have poses: they share too little of the object with the others
-  Surroundings  // or the object: without masks nobody knows which; the other of both stands elsewhere in each pass
+  Object,       // the object is fixed; the surroundings move between passes
+  LargestPass,  // only photos of the largest pass have poses: the passes share too few object features
+  Surroundings  // surroundings or object, unknown without masks; the other one moves between passes
 };
 
-// The passes between which the surroundings of the object moved against the poses. Empty: there are none, or the poses do not
-// follow the object. Throws Error{Input} for a file that is damaged.
+// Passes between which the surroundings moved relative to the poses. Empty if there are none or the poses do not follow the
+// object. Throws Error{Input} if the file is damaged.
 Passes read_passes(const std::filesystem::path& sfm_artifact);
 void write_passes(const std::filesystem::path& sfm_artifact, const Passes& passes, PosesOf poses);
 
-// A sentence for people; empty where there are no passes.
+// Sentence for the user; empty if there are no passes.
 std::string passes_summary(const std::filesystem::path& sfm_artifact);
-// The pass that holds the photo; 0 where there are no passes, passes.size() where none of them does.
+// Index of the pass that contains the photo; 0 without passes, passes.size() if not found.
 size_t pass_of(const Passes& passes, const std::string& photo);
 
 // "2 passes: 34 and 18 photos"

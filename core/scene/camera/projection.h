@@ -1,7 +1,7 @@
-// Pinhole projection: the pixel and the z-depth at which a view shows a point. Pixel centres lie at .5; a point in the camera
-// frame is one after View::cam_from_world. Directions without an origin project as points of the camera frame.
+// Pinhole projection: world point to pixel and z-depth of a view. Pixel centres are at .5. Points in the camera frame are those
+// after View::cam_from_world. Directions are projected as points of the camera frame.
 //
-// projection() is nullopt at a z-depth of `near` or less; image_point() also outside the picture, or less than `margin` pixels
+// projection() is nullopt if z-depth <= `near`. image_point() is also nullopt outside the image or less than `margin` pixels
 // from its border: x in [margin, width - margin), y alike.
 #pragma once
 
@@ -19,7 +19,7 @@ inline bool in_picture(const ImagePoint& p, const Intrinsics& k, double margin =
   return p.x >= margin && p.y >= margin && p.x < k.width - margin && p.y < k.height - margin;
 }
 
-// Without a test of the depth: behind the camera as well.
+// No depth test: also projects points behind the camera.
 inline ImagePoint projected(const Vec3d& in_camera, const Intrinsics& k) {
   return {k.fx * in_camera.x / in_camera.z + k.cx, k.fy * in_camera.y / in_camera.z + k.cy, in_camera.z};
 }

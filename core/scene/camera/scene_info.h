@@ -1,5 +1,5 @@
-// scene.json and sfm/gains.json of an sfm artifact: the frame of the scene, and what each photo's exposure and white balance
-// do to it (linear photo = gain * radiance, per channel).
+// scene.json and sfm/gains.json of an sfm artifact: the scene frame, and exposure and white balance of each photo (linear photo
+// = gain * radiance, per channel).
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 namespace vitrine {
 
 struct SceneInfo {
-  Similarity scene_from_colmap;  // undo with its inverse: the frame of COLMAP's own model
+  Similarity scene_from_colmap;  // its inverse gives COLMAP's frame
   Vec3d up{0, 0, 1};
   double radius = 1;  // 95th percentile distance of the cameras from their centroid
   Bounds3 bounds;     // of the sparse points
   std::string color_space = "lin_rec709";
-  bool scale_known = false;  // true when one unit has a length in metres behind it
+  bool scale_known = false;  // one unit corresponds to a known length in metres
 };
 
 SceneInfo read_scene_info(const std::filesystem::path& path);

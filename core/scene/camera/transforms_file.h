@@ -1,7 +1,7 @@
-// transforms.json of nerfstudio, instant-ngp, Blender and their like, as it stands: names are not matched, and no picture is
-// opened. Understood: camera-to-world matrices with OpenGL axes, 4x4 or 3x4; intrinsics at the top or per frame, by focal length
-// or camera_angle_x / _y, with or without w and h; applied_transform and applied_scale (undone). Also the list without intrinsics
-// that `ns-export cameras` writes.
+// transforms.json reader (nerfstudio, instant-ngp, Blender and similar). Does not match photo names or open images. Supported:
+// camera-to-world matrices with OpenGL axes, 4x4 or 3x4; intrinsics global or per frame, from focal length or camera_angle_x /
+// _y, with or without w and h; applied_transform and applied_scale (undone). Also the list without intrinsics written by
+// `ns-export cameras`.
 #pragma once
 
 #include <filesystem>
@@ -18,14 +18,14 @@ struct PictureSize {
   bool operator==(const PictureSize&) const = default;
 };
 
-// Intrinsics as far as the file states them, in pixels and radians.
+// Intrinsics stated in the file, in pixels and radians.
 struct StatedCamera {
   std::optional<PictureSize> size;
   std::optional<double> fx, fy, cx, cy, angle_x, angle_y;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
 
   bool has_focal_length() const { return fx || fy || angle_x || angle_y; }
-  // PINHOLE or OPENCV, id 0. `size` is the picture's where the file states none; `focal` likewise. Both must be known.
+  // PINHOLE or OPENCV, id 0. `size` and `focal` are used if the file does not state them. Both must be known.
   ColmapCamera camera(PictureSize size, std::optional<double> focal = {}) const;
 };
 
@@ -37,11 +37,11 @@ struct TransformsFrame {
 };
 
 struct TransformsFile {
-  std::vector<TransformsFrame> frames;  // never empty, in the order of the file
+  std::vector<TransformsFrame> frames;  // not empty, in file order
   std::string points;                   // ply_file_path
 };
 
-// Throws Error{Input} with file, line and cause: not such a file, no rotation, another lens.
+// Throws Error{Input} with file, line and cause: wrong format, not a rotation, unsupported lens.
 TransformsFile read_transforms_file(const std::filesystem::path& path);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// A calibrated view. Camera frame: +x right, +y down, +z forward; pixel centres at .5; no distortion (photos are undistorted
-// by the sfm stage, which keeps the principal point where it is).
+// Calibrated views. Camera frame: +x right, +y down, +z forward; pixel centres at .5; no distortion (the sfm stage undistorts
+// the photos and keeps the principal point).
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ struct Intrinsics {  // PINHOLE, pixels
 
   int longest_side() const { return width > height ? width : height; }
   size_t pixel_count() const { return size_t(width) * size_t(height); }
-  // Of pixel (x, y), row by row.
+  // Row-major index of pixel (x, y).
   size_t index(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
   Intrinsics scaled_to(int new_width, int new_height) const {
     const double sx = double(new_width) / width, sy = double(new_height) / height;
     return {new_width, new_height, fx * sx, fy * sy, cx * sx, cy * sy};
   }
-  // Longest side at most `max_side` (0 = as it is).
+  // Scaled so that the longest side is at most `max_side` (0 = unchanged).
   Intrinsics limited_to(int max_side) const {
     if (max_side <= 0 || longest_side() <= max_side) return *this;
     const double s = double(max_side) / longest_side();
@@ -55,15 +55,15 @@ struct ScenePoint {  // a triangulated SfM point
   std::vector<uint32_t> views = {};  // indices into ViewSet::views
 };
 
-// The calibrated capture, in the normalised frame (scene_from_colmap applied): camera ring centred near 0, radius 1, +y down
-// in the mean camera's sense is mapped so that up is +z (see core/conventions.md).
+// Calibrated capture in the normalised frame (scene_from_colmap applied): camera ring centred near 0, radius 1, up (the mean
+// camera's -y) is +z (see core/conventions.md).
 struct ViewSet {
   std::vector<View> views;  // sorted by name
   std::vector<ScenePoint> points;
   Similarity scene_from_colmap;
 };
 
-// Hold-out rule of the field: views at index 0, every, 2*every, ... in name order; every = 0 holds none out.
+// Standard hold-out rule: views at index 0, every, 2*every, ... in name order; every = 0 holds none out.
 inline bool is_heldout(size_t index, int every) { return every > 0 && index % static_cast<size_t>(every) == 0; }
 
 }  // namespace vitrine

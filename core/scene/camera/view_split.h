@@ -1,4 +1,4 @@
-// optimize/views.json: which views were trained on, which were held out, and how large they were.
+// Training split, optimize/views.json: training views, held-out views, image size in training.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@ namespace vitrine {
 
 struct ViewSplit {
   int holdout_every = 0;
-  int max_side = 0;                    // longest side in training, pixels; 0 = as the photos
+  int max_side = 0;                    // longest side in training, pixels; 0 = full size
   std::vector<size_t> train, heldout;  // indices into the views
-  bool object_alone = false;           // trained inside the object's masks only: nothing else is in the scene
+  bool object_alone = false;           // trained inside the object masks only: the scene contains the object alone
 };
-// Throws Error{Input} when the file is broken or names a view that the capture does not have.
+// Throws Error{Input} if the file is invalid or names a view that is not in the capture.
 ViewSplit read_view_split(const std::filesystem::path& path, const std::vector<View>& views);
-// Those of `views`, as large as they were in training.
+// Selected `views` at their training size.
 std::vector<View> at_trained_size(const std::vector<View>& views, const std::vector<size_t>& indices, const ViewSplit& split);
 
 }  // namespace vitrine

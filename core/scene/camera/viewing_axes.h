@@ -1,4 +1,4 @@
-// The place that cameras look at together: the point nearest to all optical axes,
+// Common look-at point of the cameras: the point nearest to all optical axes,
 //   argmin_p sum |(I - d d^T) (p - c)|^2,   c = camera centre, d = its axis
 #pragma once
 
@@ -10,8 +10,8 @@ namespace vitrine {
 
 struct LookedAt {
   Vec3d point;
-  // Least eigenvalue of the mean of I - d d^T: 0 for parallel axes, 2/3 for axes in all directions. Near 0 the point means
-  // little.
+  // Smallest eigenvalue of the mean of I - d d^T: 0 for parallel axes, 2/3 for axes in all directions. Near 0 the point is
+  // ill-conditioned.
   double spread = 0;
 };
 LookedAt looked_at(std::span<const View> views);  // not empty

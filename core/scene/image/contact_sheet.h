@@ -1,4 +1,4 @@
-// Contact sheets: rows of small pictures with labels, for people to look at.
+// Contact sheets: rows of thumbnails with labels.
 #pragma once
 
 #include <filesystem>
@@ -11,16 +11,16 @@ namespace vitrine {
 
 class ContactSheet {
  public:
-  // At most `columns` pictures side by side, each at most `cell_width` pixels wide.
+  // At most `columns` images per row, each at most `cell_width` pixels wide.
   explicit ContactSheet(int columns, int cell_width = 320) : columns_(columns), cell_width_(cell_width) {}
 
-  // A line of text, which may be empty; the next picture begins a new line below it.
+  // Starts a new row below a line of text (may be empty).
   void start_row(std::string label) { rows_.push_back({std::move(label), {}}); }
-  // Keeps a small copy. 1 or 3 channels; the title stands above the picture.
+  // Stores a thumbnail. 1 or 3 channels; the title is printed above the image.
   void add(std::string title, const Image8& picture);
 
   Image8 picture() const;
-  // Format by extension (write_ldr). No file when there is no picture.
+  // Format by extension (write_ldr). Writes no file if there are no images.
   void write(const std::filesystem::path& path) const;
 
  private:

@@ -1,4 +1,4 @@
-// OpenEXR files with named channels and provenance attributes. Whole-file semantics: written beside the target and renamed.
+// OpenEXR files with named channels and provenance attributes. Written atomically: to a temporary file, then renamed.
 #pragma once
 
 #include <filesystem>
@@ -20,21 +20,20 @@ struct ExrImage {
 
 inline constexpr size_t kMaxExrPixels = size_t(1) << 28;
 
-// All channels of the part that holds the picture (core/scene/image/exr_layers.h; else of the first one), in the display window: pixels
-// that the file does not store are 0, those outside of it are left out. Channels come back in the order R,G,B,A / X,Y,Z when they
-// carry those names (whatever the file's order), else by name. Throws Error{Input} that names the file when it is missing,
-// truncated, not EXR, or larger than `max_pixels`.
+// All channels of the main part (core/scene/image/exr_layers.h; else of the first part) in the display window: missing pixels
+// are 0, pixels outside are dropped. Channel order R,G,B,A / X,Y,Z if they have those names, else by name. Throws Error{Input}
+// with the file name if it is missing, truncated, not EXR, or larger than `max_pixels`.
 ExrImage read_exr(const std::filesystem::path& path, size_t max_pixels = kMaxExrPixels);
 
 struct ExrPicture {
-  ImageF rgb;                      // grey is repeated
-  ImageF alpha;                    // one channel; empty when the layer has none or it is not asked for
-  std::vector<std::string> notes;  // what was chosen, cropped or filled: "an EXR of several layers: ..."
+  ImageF rgb;                      // grey is replicated
+  ImageF alpha;                    // one channel; empty if the layer has none or it was not requested
+  std::vector<std::string> notes;  // what was selected, cropped or filled: "an EXR of several layers: ..."
 };
-// The colours of the layer that is the picture: Combined, beauty, rgba, R, G, B without a prefix, or the only layer that has any;
-// also of multi-part, stereo, tiled and luminance-chroma files. Throws with the names of the channels when there is none.
+// Colours of the main layer: Combined, beauty, rgba, R, G, B without prefix, or the only layer that has them. Supports
+// multi-part, stereo, tiled and luminance-chroma files. Throws with the channel names if there is none.
 ExrPicture read_exr_picture(const std::filesystem::path& path, bool with_alpha = false);
-// The same refusals and notes without reading pixels.
+// Same errors and notes, without reading pixels.
 std::vector<std::string> exr_notes(const std::filesystem::path& path);
 ImageF read_exr_rgb(const std::filesystem::path& path);
 void write_exr(const std::filesystem::path& path, const ExrImage& image, ExrPrecision precision = ExrPrecision::Half);

@@ -1,5 +1,5 @@
-// What a file is that is none of the pictures we read, by its first bytes: other pictures, films, archives, pages and pointers
-// that downloads leave under the name of a photo. So that a whole file is not called damaged.
+// Detection of unsupported file types by their first bytes: other image formats, videos, archives, and HTML pages or Git LFS
+// pointers that downloads save under a photo's name. Avoids reporting an intact file as damaged.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 namespace vitrine {
 
 struct FileKind {
-  std::string name;        // "a HEIC photo"; empty when it is not known
-  std::string advice;      // what to do with it
-  bool decodable = false;  // our codecs read it where it is no photo (masks): BMP, WebP, PNM
+  std::string name;        // "a HEIC photo"; empty if unknown
+  std::string advice;      // suggested action
+  bool decodable = false;  // supported for masks, not for photos: BMP, WebP, PNM
 };
 
 FileKind file_kind(std::string_view bytes);
-// "it is a HEIC photo, called .jpg: ..."; for unknown content its first bytes. `extension` with its dot, or empty.
+// "it is a HEIC photo, called .jpg: ..."; for unknown content its first bytes. `extension` includes the dot, or is empty.
 std::string foreign_content(std::string_view bytes, std::string_view extension);
 
 }  // namespace vitrine

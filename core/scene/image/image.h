@@ -1,5 +1,5 @@
-// Images in memory: interleaved float or 8/16-bit pixels, rows top to bottom. Pixel (0,0) has its centre at (0.5, 0.5).
-// Photographs and radiance are linear Rec.709 (Image<float>, 3 channels) unless the name says srgb.
+// Image type: interleaved float or 8/16-bit pixels, rows top to bottom. The centre of pixel (0,0) is (0.5, 0.5). Photos and
+// radiance are linear Rec.709 (Image<float>, 3 channels) unless the name contains srgb.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class Image {
   size_t pixel_count() const { return static_cast<size_t>(width_) * static_cast<size_t>(height_); }
   bool empty() const { return data_.empty(); }
 
-  // Of channel c of pixel (x, y) in data().
+  // Index of channel c of pixel (x, y) in data().
   size_t index(int x, int y, int c = 0) const {
     return (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)) * static_cast<size_t>(channels_) +
            static_cast<size_t>(c);

@@ -1,7 +1,6 @@
-// Where a JPEG really ends, and which kind of JPEG it is. Phones and cameras append films (motion photos), further pictures (MPF,
-// gain maps) and zeros, and thumbnails inside hold end markers of their own; so neither the first nor the last end marker of a
-// file says whether it is whole. The structure is followed instead: segments, then the coded data of a scan up to the next
-// marker.
+// JPEG type and true end of the image data. Phones and cameras append videos (motion photos), further images (MPF, gain maps)
+// and zeros, and embedded thumbnails contain end markers; so neither the first nor the last end marker proves that a file is
+// complete. The parser follows the structure: segments, then the entropy-coded data of each scan up to the next marker.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +10,16 @@
 namespace vitrine {
 
 struct JpegStructure {
-  std::string damage;   // why the picture is not whole; empty when it is
-  std::string refusal;  // why this kind of JPEG is not read, and the way out; empty when it is read
-  size_t end = 0;       // behind the end marker; what follows does not belong to the picture
-  // Damaged, but perhaps by nothing else than the missing end marker: there is one scan, and no filling behind it. A decoder
-  // tells.
+  std::string damage;   // reason why the image is incomplete; empty if complete
+  std::string refusal;  // reason why this type of JPEG is not supported, with a workaround; empty if supported
+  size_t end = 0;       // offset after the end marker; later bytes are not part of the image
+  // Damaged, possibly only by a missing end marker: one scan, no padding after it. Only decoding can tell.
   bool end_missing = false;
 };
 
-// For a whole file that begins with ff d8.
+// For a complete file that starts with ff d8.
 JpegStructure jpeg_structure(std::string_view bytes);
-// What follows the picture: "a film", "further pictures", "other data"; empty when it is nothing or padding.
+// Type of data after the image: "a film", "further pictures", "other data"; empty for none or padding.
 std::string jpeg_trailer(std::string_view bytes, size_t end);
 
 }  // namespace vitrine

@@ -1,5 +1,4 @@
-// Whether the bytes of a file are a picture that is read, whole. The one place that decides: photos, masks and maps ask it before
-// anything is decoded.
+// Validation of image files: supported type and complete data. Photos, masks and maps all use it before decoding.
 #pragma once
 
 #include <string>
@@ -12,12 +11,12 @@ namespace vitrine {
 
 struct PictureFile {
   Probe probe;
-  std::string refusal;             // why it is not read, and the way out; empty when it is
-  std::vector<std::string> notes;  // one clause for each thing that is left out or assumed: "a TIFF whose first page ..."
-  std::string aside;               // what the file holds beside the picture, as cameras intend: "a JPEG with a film behind ..."
+  std::string refusal;             // reason why it is not supported, with a workaround; empty if it is
+  std::vector<std::string> notes;  // one clause per omission or assumption: "a TIFF whose first page ..."
+  std::string aside;               // additional content intended by the camera: "a JPEG with a film behind ..."
 };
 
-// `extension` (with its dot) is for the sentence.
+// `extension` (with its dot) is used in the message.
 PictureFile examine_picture(std::string_view bytes, std::string_view extension);
 
 }  // namespace vitrine

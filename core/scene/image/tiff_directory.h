@@ -1,5 +1,4 @@
-// The directories of a TIFF (classic or BigTIFF) entry by entry, as TIFF 6.0 and the BigTIFF design lay them out. For tiff_*.cpp
-// alone.
+// Directory entries of a TIFF (classic or BigTIFF) according to TIFF 6.0 and the BigTIFF design. For tiff_*.cpp only.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +28,7 @@ class TiffBytes {
   bool big_endian_;
 };
 
-// Bytes of one value of this type; 0 for types that do not exist.
+// Bytes per value of this type; 0 for invalid types.
 inline size_t tiff_type_size(uint64_t type) {
   constexpr size_t kSizes[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
   return type < std::size(kSizes) ? kSizes[type] : 0;
@@ -41,12 +40,12 @@ inline bool is_tiff_whole_number(uint64_t type) {
 
 struct TiffEntry {
   unsigned tag = 0, type = 0;
-  size_t size = 0;      // of one value
-  uint64_t count = 0;   // of values
-  uint64_t values = 0;  // their place in the file
+  size_t size = 0;      // bytes per value
+  uint64_t count = 0;   // number of values
+  uint64_t values = 0;  // their offset in the file
 };
 
-// One directory, its place and its entries.
+// One directory: offset and entries.
 class TiffDirectory {
  public:
   TiffDirectory(const TiffBytes& in, bool big, uint64_t at) : in_(in), big_(big), at_(at) {

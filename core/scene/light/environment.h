@@ -43,7 +43,7 @@ class Environment {
   // Mean radiance over the sphere.
   Vec3f mean() const { return mean_; }
 
-  // The environment rotated about +z, counter-clockwise seen from above: at 90 degrees the light from +x comes from +y. 360
+  // Rotates the environment about +z, counter-clockwise seen from above: at 90 degrees the light from +x comes from +y. 360
   // degrees gives identical bits.
   Environment rotated(double degrees) const;
   Environment turned(const Mat3f& rotation) const;

@@ -1,9 +1,9 @@
-// The table of marching cubes (Lorensen and Cline 1987), made instead of typed. A cell has 8 corners (bit 0: +x, bit 1: +y, bit
-// 2: +z) and 12 edges. On each face the crossings are joined in one of two ways; where both are possible (two opposite corners
-// inside) the caller says which, by the sign of the bilinear saddle point (asymptotic decider, Nielson and Hamann 1991): the same
-// answer from both cells that share the face, so the surface has no holes. Each crossing then lies on exactly one loop of the
-// cell; a loop is cut into triangles without a diagonal inside a face (such a diagonal could meet one of the neighbour's: an edge
-// with four faces), through an extra centre point where no such cut exists.
+// Marching cubes case table (Lorensen and Cline 1987), generated. A cell has 8 corners (bit 0: +x, bit 1: +y, bit 2: +z) and 12
+// edges. On an ambiguous face (two opposite corners inside) the edge crossings can be joined in two ways; the caller chooses by
+// the sign of the bilinear saddle point (asymptotic decider, Nielson and Hamann 1991). Both cells that share the face get the
+// same answer, so the surface has no holes. Each crossing lies on exactly one loop of the cell. Loops are triangulated without
+// diagonals inside a cell face, because the neighbour could have the same diagonal (an edge with four faces); where that is
+// impossible a centre vertex is added.
 #pragma once
 
 #include <array>
@@ -29,11 +29,11 @@ const std::array<int, 4>& cell_face_corners(int face);
 uint8_t ambiguous_faces(uint8_t inside_corners);
 
 struct CellCase {
-  // Vertices 0-11 are crossings of the edges; 12 + l is the mean of loop l. Counter-clockwise seen from outside the surface.
+  // Vertices 0-11 are edge crossings; 12 + l is the mean of loop l. Counter-clockwise seen from outside the surface.
   std::vector<std::array<uint8_t, 3>> triangles;
-  std::vector<std::vector<uint8_t>> centred_loops;  // crossings of loop l, for the vertex 12 + l
+  std::vector<std::vector<uint8_t>> centred_loops;  // crossings of loop l, which has centre vertex 12 + l
 };
-// `joined`: bit f set = the inside corners of the ambiguous face f are connected across it.
+// `joined`, bit f: the inside corners of ambiguous face f are connected across the face.
 const CellCase& cell_case(uint8_t inside_corners, uint8_t joined);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// The process's one Embree device, and rays in Embree's form. Embree stays in the sources below this folder and in mesh_hits.cpp;
-// headers only name its types.
+// Process-wide Embree device, and rays as Embree structs. Only the sources of this folder and mesh_hits.cpp include Embree;
+// headers forward-declare its types.
 #pragma once
 
 #include <utility>
@@ -12,13 +12,14 @@ struct RTCRayHit;
 
 namespace vitrine::embree {
 
-// Lives as long as the process. Throws Error{Dependency} when Embree cannot run here; later failures throw Error{Internal}, or
-// Error{Resource} when memory is exhausted.
+// Lives until process exit. Throws Error{Dependency} if Embree cannot run on this machine; later failures throw
+// Error{Internal}, or Error{Resource} if memory is exhausted.
 RTCDeviceTy* device();
 
 RTCRayHit ray_hit(const Vec3f& origin, const Vec3f& direction, float near, float far);
 
-// Owns a scene, empty at first, of the robust kind: rays do not slip between boxes or faces.
+// Owning handle of an Embree scene, initially null. robust() creates one with RTC_SCENE_FLAG_ROBUST: rays do not slip between
+// boxes or faces.
 class Scene {
  public:
   Scene() = default;

@@ -1,6 +1,6 @@
-// Distances between surfaces: points spread evenly over a mesh, and the closest point of a mesh to a given point. With these
-// two, accuracy = distances from the samples of a result to the truth, completeness = the other way round.
-// The structure is a bounding volume hierarchy (median split of the longest side); answers do not depend on threads.
+// Point-to-mesh distance and uniform surface sampling. Accuracy = distances from samples of the result to the ground truth;
+// completeness = the reverse. Uses a bounding volume hierarchy (median split of the longest side); results do not depend on the
+// number of threads.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct SurfaceSamples {
   std::vector<uint32_t> faces;   // [n]
 };
 
-// n points, uniform by area (systematic along the cumulated area, random inside the triangles). Empty when the area is 0.
+// n points, uniform by area: systematic sampling of the cumulative area, random inside each triangle. Empty if the area is 0.
 SurfaceSamples sample_surface(const TriMesh& mesh, size_t n, uint64_t seed);
 
 struct ClosestPoint {
@@ -28,13 +28,13 @@ struct ClosestPoint {
 
 class MeshDistance {
  public:
-  // Copies what it needs: the mesh may go away. Faces of zero area count as the segments or points they are.
+  // Copies the triangles. Faces of zero area are treated as segments or points.
   explicit MeshDistance(const TriMesh& mesh);
 
   bool empty() const { return triangles_.empty(); }
-  // Ties go to the lower face index. The mesh must not be empty.
+  // Ties: lower face index. The mesh must not be empty.
   ClosestPoint closest(const Vec3f& p) const;
-  // closest(p).distance for many points, on all threads. Infinite for an empty mesh.
+  // closest(p).distance for many points, multi-threaded. Infinite for an empty mesh.
   std::vector<float> distances(std::span<const Vec3f> points) const;
 
  private:

@@ -1,6 +1,6 @@
-// Rays against a triangle mesh: the surfaces that cut a transmitted ray into an interior and an exterior segment, and visibility
-// (algorithms 5.2). Two-sided; faces are counter-clockwise seen from outside, so a hit from inside has dot(normal, direction) >
-// 0.
+// Ray casting against a triangle mesh: occlusion, and the hits that split a transmitted ray into an interior and an exterior
+// segment (algorithms 5.2). Two-sided. Faces are counter-clockwise seen from outside: a hit from inside has dot(normal,
+// direction) > 0.
 #pragma once
 
 #include <cstdint>
@@ -27,28 +27,28 @@ struct MeshHit : FaceHit {
 
 class MeshHits {
  public:
-  // Keeps a copy of what it needs. Throws Error{Input} when a face names a vertex that does not exist.
+  // Copies the geometry. Throws Error{Input} if a face refers to a missing vertex.
   explicit MeshHits(const TriMesh& mesh);
   ~MeshHits();
   MeshHits(const MeshHits&) = delete;
   MeshHits& operator=(const MeshHits&) = delete;
 
-  // The nearest surface with near < t < far; first_face() is the same without its normal.
+  // Nearest hit with near < t < far. first_face() does not compute the normal.
   std::optional<FaceHit> first_face(const Vec3f& origin, const Vec3f& direction, float near = 0.f, float far = kFar) const;
   std::optional<MeshHit> first_hit(const Vec3f& origin, const Vec3f& direction, float near = 0.f, float far = kFar) const;
-  // Where a ray that is inside a shell at `near` leaves it. Shells in the shell (glass in glass) are passed: fronts and backs
-  // are counted until as many close as were opened. Where the mesh has holes and the count never closes: the last back.
+  // Exit point of a ray that is inside a glass wall at `near`. Nested walls (glass in glass) are skipped: front faces and back
+  // faces are counted until they balance. If the mesh has holes and the count never balances, returns the last back face.
   std::optional<MeshHit> back_surface(const Vec3f& origin, const Vec3f& direction, float near, float far = kFar) const;
-  // Whether anything lies between near and far.
+  // True if there is a hit between near and far.
   bool occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const;
-  // Product of the transmittances of all surfaces between 0 and far. Faces are met in any order, so that what is solid ends the
-  // search early; those nearer to each other than `same` are one surface, as at an edge.
+  // Product of the transmittances of all hits between 0 and far. Hits are visited in any order, so an opaque face ends the
+  // search early. Hits closer to each other than `same` count as one surface (shared edges).
   struct Panes {
-    std::span<const float> transmittance;  // one a face; 0 = solid
-    float least = 0;                       // a product below counts as 0
+    std::span<const float> transmittance;  // one per face; 0 = opaque
+    float least = 0;                       // smaller products are treated as 0
     float same = 0;
   };
-  static constexpr int kMostPanes = 12;  // more let nothing through
+  static constexpr int kMostPanes = 12;  // with more hits the result is 0
   float transmittance(const Vec3f& origin, const Vec3f& direction, float far, const Panes& panes) const;
 
   static constexpr float kFar = 1e30f;

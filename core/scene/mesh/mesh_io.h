@@ -1,5 +1,5 @@
-// Triangle meshes as files: binary little-endian PLY (vertex normals, 8-bit sRGB colours, object_id). The reader takes ASCII and
-// binary PLY, polygons are fanned; it checks every count against the file size before it allocates.
+// Triangle mesh files: writes binary little-endian PLY (vertex normals, 8-bit sRGB colours, object_id). Reads ASCII and binary
+// PLY; polygons are split into triangle fans. Every count is checked against the file size before allocation.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What can be counted and measured on a mesh: the figures of mesh/report.json and of the validity tests.
+// Mesh statistics for mesh/report.json and the validity tests.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,17 @@ namespace vitrine {
 
 struct MeshReport {
   size_t vertices = 0, faces = 0, edges = 0;
-  size_t manifold_edges = 0;     // exactly two faces, which run through it in opposite directions
+  size_t manifold_edges = 0;     // exactly two faces, with opposite directions along the edge
   size_t boundary_edges = 0;     // one face
-  size_t nonmanifold_edges = 0;  // the rest
+  size_t nonmanifold_edges = 0;  // all others
   size_t boundary_loops = 0;     // connected sets of boundary edges
-  size_t components = 0;         // faces joined through edges
-  size_t largest_component = 0;  // faces
-  size_t degenerate_faces = 0;   // a repeated vertex, or no area
+  size_t components = 0;         // faces connected through edges
+  size_t largest_component = 0;  // number of faces
+  size_t degenerate_faces = 0;   // repeated vertex or zero area
   size_t loose_vertices = 0;     // used by no face
   int64_t euler = 0;             // used vertices - edges + faces
   double area = 0;
-  double volume = 0;  // signed sum of tetrahedra: means something when closed
+  double volume = 0;  // signed sum of tetrahedra; valid for closed meshes only
   Bounds3 bounds;     // of the used vertices
   bool closed() const { return faces > 0 && boundary_edges == 0 && nonmanifold_edges == 0; }
 };

@@ -1,8 +1,8 @@
-// A truncated signed distance field fused from depth maps, in blocks of 8^3 voxels (Curless and Levoy 1996; README).
+// Truncated signed distance field (TSDF) fused from depth maps, in blocks of 8^3 voxels (Curless and Levoy 1996; README).
 // Voxel (i,j,k) is the grid point origin + voxel * (i,j,k). Per voxel: D in [-1,1] = signed distance / truncation, positive in
-// front of the surface; W = sum of weights, 0 = never seen; linear colour with its own weight.
-// Two rounds over the views: touch() marks the blocks near any surface, allocate() makes them, integrate() fuses. A block
-// therefore sees every view, whatever their order, and memory is known before the first sample.
+// front of the surface; W = sum of weights, 0 = not observed; linear colour with its own weight.
+// Two passes over the views: touch() marks the blocks near any surface, allocate() creates them, integrate() fuses. Every block
+// therefore receives all views in any order, and the memory is fixed before fusion.
 #pragma once
 
 #include <array>
@@ -16,20 +16,20 @@
 namespace vitrine {
 
 struct TsdfDesc {
-  Bounds3 bounds;    // nothing is stored outside
-  double voxel = 0;  // edge of a voxel, scene units
+  Bounds3 bounds;    // no voxels outside
+  double voxel = 0;  // voxel edge length, scene units
   double truncation_voxels = 4;
-  double free_space_weight = 0.2;  // of a sample in front of the truncation band, at z = 1
+  double free_space_weight = 0.2;  // weight of a sample in front of the truncation band, at z = 1
   double weight_cap = 64;
-  double discontinuity_truncations = 3;  // a depth sample whose 2x2 neighbours differ by more is no surface
+  double discontinuity_truncations = 3;  // depth samples with a larger difference in their 2x2 neighbourhood are rejected
 };
 
-// One depth map with what it weighs. Planar, row by row.
+// Depth map with per-pixel weights. Planar, row-major.
 struct DepthView {
   Intrinsics intrinsics;
   Rigid cam_from_world;
-  std::span<const float> zdepth;  // [h,w] camera z, 0 = no surface known
-  std::span<const float> weight;  // [h,w] of a surface sample; 0 = do not use the pixel
+  std::span<const float> zdepth;  // [h,w] camera z, 0 = no surface
+  std::span<const float> weight;  // [h,w] weight of the surface sample; 0 = ignore the pixel
   std::span<const float> color;   // [3,h,w] linear, or empty
 };
 
@@ -50,7 +50,7 @@ struct BlockCoord {
 
 class TsdfVolume {
  public:
-  // Throws Error{Resource} when the block table itself would be absurdly large.
+  // Throws Error{Resource} if the block table would be too large.
   explicit TsdfVolume(const TsdfDesc& desc);
 
   const TsdfDesc& desc() const { return desc_; }
@@ -61,19 +61,19 @@ class TsdfVolume {
   }
 
   void touch(const DepthView& view);
-  void touch_all();  // every block of the bounds: for dense fields
+  void touch_all();  // all blocks of the bounds, for dense fields
   size_t touched_count() const;
   static constexpr size_t bytes_per_block() { return sizeof(TsdfBlock) + sizeof(BlockCoord) + sizeof(int32_t); }
-  void allocate();  // once, after the last touch()
-  // Returns the number of voxels that were updated.
+  void allocate();  // call once, after the last touch()
+  // Returns the number of updated voxels.
   size_t integrate(const DepthView& view);
 
-  // Blocks in a fixed order (z, y, x of the block grid).
+  // Blocks in block grid order (z, y, x).
   size_t block_count() const { return blocks_.size(); }
   const BlockCoord& coord(size_t block) const { return coords_[block]; }
   const TsdfBlock& block(size_t block) const { return blocks_[block]; }
   TsdfBlock& block(size_t block) { return blocks_[block]; }
-  // nullptr: outside, or not allocated.
+  // nullptr if outside or not allocated.
   const TsdfBlock* find(const BlockCoord& coord) const;
   int32_t find_index(const BlockCoord& coord) const;  // -1 when absent
 

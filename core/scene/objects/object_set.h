@@ -1,5 +1,5 @@
-// The table of objects: one identity for everything that is not plain opaque - sheets and blocks of glass, mirrors, coated
-// things. The stage `objects` finds it once; every later stage asks it, never a mask of glass or metal.
+// Object table: one id for every object that is not plain opaque (thin and solid glass, mirrors, coated objects). The stage
+// `objects` creates it; all later stages read it instead of glass or specular masks.
 #pragma once
 
 #include <cstdint>
@@ -15,63 +15,63 @@
 namespace vitrine {
 
 enum class ObjectRole : unsigned char {
-  Opaque,      // matt: nothing to model
-  ThinGlass,   // clear sheets that bend no rays
-  SolidGlass,  // rays bend at its surface
+  Opaque,      // diffuse, no special model
+  ThinGlass,   // clear thin glass that does not refract
+  SolidGlass,  // rays refract at its surface
   Mirror,      // metal, silvered glass
-  Coat,        // paint under a clear layer; its surfels show the paint
+  Coat,        // paint under a clear coat; its surfels show the paint
 };
 inline constexpr size_t kObjectRoles = 5;
 std::string_view name(ObjectRole role);  // "thin_glass"
 std::optional<ObjectRole> object_role(std::string_view word);
 
-// How the outlines of an object are known, from weak to strong.
+// Source of the outlines of an object, from weak to strong.
 enum class ObjectTrust : unsigned char {
-  Guessed,   // by whoever wrote the table: nothing models it
-  Detected,  // by a network of the user's, or in the photos alone
-  Marked,    // drawn by a person in some photos and propagated to all
-  Given,     // masks of the user's own, or a table that a person corrected
+  Guessed,   // by the author of the table; not modelled
+  Detected,  // by a user's network, or from the photos alone
+  Marked,    // annotated by a person in some photos and propagated to all
+  Given,     // masks of the user, or a table corrected by a person
 };
 inline constexpr size_t kObjectTrusts = 4;
 std::string_view name(ObjectTrust trust);
 std::optional<ObjectTrust> object_trust(std::string_view word);
 
 constexpr bool is_glass(ObjectRole role) { return role == ObjectRole::ThinGlass || role == ObjectRole::SolidGlass; }
-constexpr bool is_specular(ObjectRole role) { return role != ObjectRole::Opaque; }  // shows reflections
+constexpr bool is_specular(ObjectRole role) { return role != ObjectRole::Opaque; }  // has reflections
 
 struct Object {
-  uint16_t id = 0;  // as in the label images; 1 ... 65534
+  uint16_t id = 0;  // id in the label images; 1 ... 65534
   std::string name;
   ObjectRole role = ObjectRole::Opaque;
   ObjectTrust trust = ObjectTrust::Given;
 
-  // What the photos say about it; measured, never read back into a decision.
+  // Measured support in the photos; for reports only, never used in decisions.
   struct Evidence {
-    size_t views = 0;                                // training photos that show it
-    std::optional<double> inside = {};               // share of the pixels of its shapes' silhouettes that the masks mark
-    std::optional<double> covered = {};              // share of the marked pixels that these silhouettes cover
-    std::optional<double> view_dependence = {};      // of its luminance; of opaque objects
-    std::optional<double> straight = {}, bent = {};  // likeness of glass with what straight and bent rays would show
+    size_t views = 0;                            // training photos that show it
+    std::optional<double> inside = {};           // fraction of the silhouette pixels of its shapes that the masks mark
+    std::optional<double> covered = {};          // fraction of the marked pixels covered by these silhouettes
+    std::optional<double> view_dependence = {};  // of luminance; opaque objects only
+    std::optional<double> straight = {},
+                          bent = {};  // similarity of glass pixels to the prediction with straight and with refracted rays
   } evidence = {};
 };
 
 struct ObjectSet {
   std::vector<Object> objects;  // ascending ids
-  ShapeSet shapes;              // ShapeSet::Entry::object tells whose; roles as those of the objects
+  ShapeSet shapes;              // ShapeSet::Entry::object is the owner; roles as those of the objects
 
   const Object* find(uint16_t id) const;  // nullptr: unknown
   const Object* of_shape(size_t entry) const { return find(shapes.entries[entry].object); }
   bool empty() const { return objects.empty(); }
 
-  // All but guessed ones: those whose ids surfels and vertices carry.
+  // All except guessed ones; surfels and vertices store the ids of these.
   ObjectSet known() const;
-  // The objects that become layers, normals, depths and materials: known ones whose role is not opaque. The one
-  // place where trust is decided.
+  // Objects that become layers, normals, depths and materials: known ones whose role is not opaque. The only place where trust
+  // is evaluated.
   ObjectSet trusted() const;
-  // The shapes that the image formation draws (core/render/model): exact ones of thin glass and mirrors, all of coats.
+  // Shapes rendered by the image formation model (core/render/model): exact ones of thin glass and mirrors, all of coats.
   ShapeSet drawn_shapes() const;
-  // Whether an object is shaded as a mirror of known shape. Without such a shape its surfels show its reflections, as those of a
-  // coat do.
+  // True if the object is rendered as a mirror of known shape. Otherwise its surfels show its reflections, as for a coat.
   bool is_drawn_mirror(const Object& object) const;
 
  private:
@@ -80,12 +80,12 @@ struct ObjectSet {
 
 ShapeRole shape_role(ObjectRole role);  // Coat for Opaque
 
-// objects/objects.json of an artifact, and the meshes beside it; an empty table where there is no artifact, or none in it. Throws
-// Error{Input}.
+// Reads objects/objects.json of an artifact and the meshes next to it; an empty table if there is no artifact or no table in
+// it. Throws Error{Input}.
 ObjectSet read_objects(const std::optional<std::filesystem::path>& artifact);
-// A table of a user's: its file, or the folder that holds it. Throws Error{Input} with line and column.
+// Reads a user's table: the file, or the folder that contains it. Throws Error{Input} with line and column.
 ObjectSet read_objects_file(const std::filesystem::path& file);
-// Writes objects.json and the meshes into a folder that exists.
+// Writes objects.json and the meshes into an existing folder.
 void write_objects(const std::filesystem::path& folder, const ObjectSet& set);
 
 }  // namespace vitrine

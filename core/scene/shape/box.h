@@ -1,5 +1,5 @@
-// A box in any position, and where rays go in and out of it. Parameters: turn about the centre (3, radians), lower ends of its
-// extent along its axes (3), upper ends (3).
+// Oriented box with ray entry and exit. Parameters: rotation about the centre (3, radians), lower ends of the extent along its
+// axes (3), upper ends (3).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace vitrine {
 
 struct Box {
-  // A face: at the upper or lower end of the extent along an axis.
+  // Face at the lower or upper end of the extent along an axis.
   struct Face {
     size_t axis = 0;
     bool upper = false;
@@ -26,9 +26,9 @@ struct Box {
   static Face face(size_t index) { return {index / 2, index % 2 == 1}; }
 
   Mat3d axes;       // columns: unit vectors along the edges, right-handed
-  Vec3d low, high;  // of the extent along them: a point p is inside when low <= transposed(axes) p <= high
+  Vec3d low, high;  // extent along the axes: p is inside if low <= transposed(axes) p <= high
 
-  // Bit k of i: high along axis k.
+  // Bit k of i: upper end along axis k.
   Vec3d corner(size_t i) const { return axes * Vec3d{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
   Vec3d centre() const { return axes * (0.5 * (low + high)); }
   Vec3d normal(Face f) const {  // outwards
@@ -36,20 +36,20 @@ struct Box {
     n[f.axis] = f.upper ? 1 : -1;
     return axes * n;
   }
-  double offset(Face f) const { return f.upper ? high[f.axis] : -low[f.axis]; }  // dot(normal, p) of its points
+  double offset(Face f) const { return f.upper ? high[f.axis] : -low[f.axis]; }  // dot(normal, p) of points on the face
   double longest_side() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 
-  // To the surface; negative inside.
+  // Signed distance to the surface, negative inside.
   double distance(const Vec3d& p) const;
 
   struct Crossing {
-    double in, out;  // along the ray, in units of its direction
+    double in, out;  // ray parameters, in units of the direction's length
     Face entered, left;
   };
-  // Of a ray that begins outside.
+  // For a ray that starts outside.
   std::optional<Crossing> crossing(const Vec3d& origin, const Vec3d& direction) const;
 
-  std::optional<ShapeHit> intersect(const Ray& ray) const;  // element: Face::index of the face that it enters by
+  std::optional<ShapeHit> intersect(const Ray& ray) const;  // element: Face::index of the entry face
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
   TriMesh tessellated(double) const;  // exact

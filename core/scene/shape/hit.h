@@ -1,4 +1,4 @@
-// What all kinds of shapes (shape.h) say of rays, points and parameters, in the same words.
+// Rays, hits, points and parameters: types shared by all shapes (shape.h).
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 namespace vitrine {
 
 struct Ray {
-  Vec3d origin, direction;  // of any length but 0
+  Vec3d origin, direction;  // of any non-zero length
 };
 
-// Where a ray meets a shape.
+// Ray hit on a shape.
 struct ShapeHit {
-  double t = 0;          // in units of the ray's direction, > 0
-  Vec3d normal{};        // unit, against the ray but for what smooth shading turns at grazing angles
-  uint32_t element = 0;  // face of a box or a mesh, side of a plane, segment of a profile
-  Vec2d at{};            // place in it: along the segment; weights of the second and third corner of the face
+  double t = 0;          // in units of the ray direction's length, > 0
+  Vec3d normal{};        // unit, facing the ray origin except where smooth shading tilts it at grazing angles
+  uint32_t element = 0;  // face of a box or mesh, side of a plane, segment of a profile
+  Vec2d at{};            // position in the element: along the segment, or barycentric weights of the second and third corner
 };
 // dL/dt and dL/dnormal.
 struct ShapeHitGrad {
@@ -26,18 +26,18 @@ struct ShapeHitGrad {
 };
 
 struct ShapePoint {
-  Vec3d position, normal;  // of the surface; unit, outwards
+  Vec3d position, normal;  // on the surface; normal is unit, outwards
 };
 
-// Parameters that descend together, with one second moment. A step moves the shape by itself: by 0 it stays as it is.
+// Parameters optimised together with one second moment. They are increments: 0 leaves the shape unchanged.
 enum class ParameterUnit : unsigned char { Length, Angle };
 struct ParameterGroup {
   size_t count = 0;
   ParameterUnit unit = ParameterUnit::Length;
-  double scale = 1;  // of its steps, to those of other groups of the unit
+  double scale = 1;  // step size relative to other groups of the unit
 };
 
-// Where a box or a rectangle is flat: dot(normal, p) = offset.
+// Plane of a flat face: dot(normal, p) = offset.
 struct Facet {
   Vec3d normal;
   double offset;

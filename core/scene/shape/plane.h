@@ -1,5 +1,5 @@
-// A rectangle in any position: a pane, a mirror on a wall, a table top. Both sides are surface: a ray meets the one it comes
-// from. Parameters: turn about the centre (3, radians), shift of the centre (3), half sizes (2).
+// Rectangle in any position: a pane, a mirror on a wall, a table top. Two-sided: the normal faces the ray origin. Parameters:
+// rotation about the centre (3, radians), shift of the centre (3), half sizes (2).
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace vitrine {
 
 struct Plane {
   Vec3d centre;
-  Mat3d axes;    // columns: along its sides, and the normal of its front; right-handed, unit
-  Vec2d half{};  // half sizes along the first two
+  Mat3d axes;    // columns: two side directions and the front normal; orthonormal, right-handed
+  Vec2d half{};  // half sizes along the first two axes
 
-  std::optional<ShapeHit> intersect(const Ray& ray) const;  // element 0: from the front; 1: from behind
-  ShapePoint nearest(const Vec3d& p) const;                 // with the normal of the side that p is on
+  std::optional<ShapeHit> intersect(const Ray& ray) const;  // element 0: hit from the front; 1: from behind
+  ShapePoint nearest(const Vec3d& p) const;                 // normal of the side that faces p
   std::vector<Vec3d> outer_points() const;
-  TriMesh tessellated(double) const;  // its front, exact
+  TriMesh tessellated(double) const;  // front side, exact
   double size() const { return 2 * std::max(half.x, half.y); }
   std::vector<Facet> facets() const { return {{axes.c2, dot(axes.c2, centre)}, {-axes.c2, -dot(axes.c2, centre)}}; }
 

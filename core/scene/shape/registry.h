@@ -1,5 +1,5 @@
-// The kinds of shapes, one row each: what files and tests need of them, beside the members that shape.h asks for. A new kind is
-// an alternative of Shape and a row; tests/core/scene/shape tries every row.
+// Registry of shape kinds, one row each: file format and test data. To add a kind, add an alternative to Shape and a row;
+// tests/core/scene/shape tests every row.
 #pragma once
 
 #include <optional>
@@ -15,14 +15,14 @@ namespace vitrine {
 
 struct ShapeKind {
   std::string_view name;  // in files
-  // Its numbers; what `mesh` returns, if it is not nullptr, is kept in a file of its own.
+  // Writes the parameters. If `mesh` is not nullptr, the mesh it returns is stored in a separate file.
   nlohmann::ordered_json (*write)(const Shape&);
   const TriMesh* (*mesh)(const Shape&);
-  // nullopt, or nlohmann's exceptions, if the numbers are no such shape.
+  // nullopt or nlohmann exceptions if the values are not a valid shape.
   std::optional<Shape> (*read)(const nlohmann::json&, TriMesh mesh);
-  Shape (*sample)(Rng&);  // about one unit large, near the origin
-  double precision;       // of its hits
-  double gradient_error;  // of hit_vjp, relative: what it leaves out
+  Shape (*sample)(Rng&);  // random shape, size about 1, near the origin
+  double precision;       // of intersections
+  double gradient_error;  // relative error of hit_vjp due to neglected terms
 };
 
 std::span<const ShapeKind> shape_kinds();  // [Shape::index()]

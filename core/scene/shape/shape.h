@@ -1,8 +1,9 @@
-// Surfaces that are known better than surfels tell: one interface for all kinds (algorithms 9; after `shapes.h` of Pharr, Jakob
-// and Humphreys, "Physically Based Rendering", 2023, and the shapes of Mitsuba 3). Lengths in scene units, angles in radians.
+// Parametric shapes with one interface for all kinds (algorithms 9; after `shapes.h` of Pharr, Jakob and Humphreys, "Physically
+// Based Rendering", 2023, and the shapes of Mitsuba 3). They replace surfels where the geometry is known better. Lengths in
+// scene units, angles in radians.
 //
-// Training moves a shape by its parameters, numbers that are 0 where it is: grad = dL/dparameters, moved(shape, -rate * grad).
-// Shapes are values; copies are cheap.
+// Training updates a shape by an increment of its parameters, 0 at the current state: grad = dL/dparameters, moved(shape, -rate
+// * grad). Shapes are value types; copies are cheap.
 #pragma once
 
 #include <optional>
@@ -20,33 +21,33 @@ namespace vitrine {
 
 using Shape = std::variant<Plane, Box, SurfaceOfRevolution, TriangleShape>;  // registry.h has a row for each
 
-// Where a ray from outside first meets it.
+// First hit of a ray that starts outside.
 inline std::optional<ShapeHit> intersect(const Shape& shape, const Ray& ray) {
   return std::visit([&](const auto& s) { return s.intersect(ray); }, shape);
 }
 inline ShapePoint nearest(const Shape& shape, const Vec3d& p) {
   return std::visit([&](const auto& s) { return s.nearest(p); }, shape);
 }
-// Points whose convex hull the shape fills but for a hundredth.
+// Points whose convex hull is within 1 % of the shape.
 inline std::vector<Vec3d> outer_points(const Shape& shape) {
   return std::visit([](const auto& s) { return s.outer_points(); }, shape);
 }
-// Its surface as a mesh, faces counter-clockwise from outside; of a curved one edges are `spacing` long at most.
+// Surface mesh, faces counter-clockwise seen from outside. On curved shapes edges are at most `spacing` long.
 inline TriMesh tessellated(const Shape& shape, double spacing) {
   return std::visit([&](const auto& s) { return s.tessellated(spacing); }, shape);
 }
-// Of the shape, and of all that lies no farther than `margin` from it.
+// Bounding box, enlarged by `margin`.
 inline Bounds3 bounds(const Shape& shape, double margin = 0) {
   Bounds3 out;
   for (const Vec3d& p : outer_points(shape)) out.extend(p);
   out.low -= Vec3d{margin, margin, margin}, out.high += Vec3d{margin, margin, margin};
   return out;
 }
-// A length that says how large it is: its longest side, its largest radius.
+// Characteristic length: longest side or largest radius.
 inline double size_of(const Shape& shape) {
   return std::visit([](const auto& s) { return s.size(); }, shape);
 }
-// The planes that its surface consists of, by element; none if it is curved.
+// Planes of the surface, by element; empty for curved shapes.
 inline std::vector<Facet> facets(const Shape& shape) {
   return std::visit([](const auto& s) { return s.facets(); }, shape);
 }
@@ -59,15 +60,15 @@ inline size_t parameter_count(const Shape& shape) {
   for (const ParameterGroup& g : parameter_groups(shape)) count += g.count;
   return count;
 }
-// From a gradient on t and normal of a hit to the parameters, added.
+// Backpropagates the gradient on t and normal of a hit to the parameters; adds to `out`.
 inline void hit_vjp(const Shape& shape, const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) {
   std::visit([&](const auto& s) { s.hit_vjp(ray, hit, grad, out); }, shape);
 }
-// The same of a gradient on a point that moves with the surface: `place`, near the hit and in its element.
+// Backpropagates the gradient on a point attached to the surface. `place` is near the hit and in its element.
 inline void place_vjp(const Shape& shape, const ShapeHit& hit, const Vec3d& place, const Vec3d& grad, std::span<double> out) {
   std::visit([&](const auto& s) { s.place_vjp(hit, place, grad, out); }, shape);
 }
-// Mixes a gradient among neighbours, so that a surface bends slowly.
+// Smooths a gradient over neighbouring parameters to keep the surface smooth.
 inline void smooth(const Shape& shape, std::span<double> grad) {
   std::visit([&](const auto& s) { s.smooth(grad); }, shape);
 }

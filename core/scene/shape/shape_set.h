@@ -1,4 +1,4 @@
-// The shapes that a scene knows, and the one rule which of them a ray shows: the nearest hit of all.
+// The set of shapes of a scene. A ray hits the nearest of them.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 namespace vitrine {
 
 enum class ShapeRole : unsigned char {
-  Mirror,  // an opaque surface that mirrors
-  Sheet,   // thin clear glass: its facets are panes
-  Coat,    // a clear layer over paint, which its surfels show
-  Solid,   // a block of clear glass: rays bend at its walls
+  Mirror,  // opaque mirror surface
+  Sheet,   // thin clear glass; its facets are panes
+  Coat,    // clear coat over paint; its surfels show the paint
+  Solid,   // solid clear glass: rays refract at its walls
 };
 constexpr bool is_glass(ShapeRole role) { return role == ShapeRole::Sheet || role == ShapeRole::Solid; }
 
@@ -22,12 +22,13 @@ struct ShapeSet {
   struct Entry {
     Shape shape;
     ShapeRole role = ShapeRole::Mirror;
-    double tolerance = 0;        // how far from it surfels that show it lie, scene units, > 0
-    int parent = -1;             // of an appendage, a handle: the entry that it stands out of, before it and of the same role
-    std::vector<uint8_t> clear;  // [facet] of a sheet: 0 where it stands on something or is a frame; empty: all are panes
-    bool exact = true;           // its normals are better than those of surfels; false: a visual hull, a poor fit
-    uint16_t object = 0;         // id in the table of objects (core/scene/objects), 0: of none
-    double layered = 1;          // share of the layers in pictures that have an opaque twin (core/render/model/opaque_pass.h)
+    double tolerance = 0;  // maximum distance of surfels of this shape from it, scene units, > 0
+    int parent = -1;       // for an appendage (a handle): index of the entry it is attached to, smaller than its own, same role
+    std::vector<uint8_t>
+        clear;            // [facet] of thin glass: 0 = opaque (it rests on something or is a frame); empty: all facets are panes
+    bool exact = true;    // normals are more accurate than those of surfels; false: visual hull or poor fit
+    uint16_t object = 0;  // id in the object table (core/scene/objects), 0 = none
+    double layered = 1;   // weight of the layers in images that have an opaque twin (core/render/model/opaque_pass.h)
     bool is_clear(size_t facet) const { return facet >= clear.size() || clear[facet] != 0; }
   };
   std::vector<Entry> entries;
@@ -35,8 +36,8 @@ struct ShapeSet {
   struct Hit : ShapeHit {
     uint32_t entry = 0;
   };
-  // The nearest hit of all entries of the role that `accepts` (bool(const Hit&)), the first of equal ones. Where an appendage is
-  // no more than a bulge of its parent, with like normals less than half its tolerance in front of it, the parent is hit.
+  // Nearest hit over all entries of roles that `accepts` (bool(const Hit&)); ties: the first entry. An appendage hit counts as
+  // a hit of the parent if the normals are similar and it is less than half its tolerance in front of the parent.
   template <class Accepts>
   std::optional<Hit> first_hit(const Ray& ray, ShapeRole role, const Accepts& accepts) const;
   std::optional<Hit> first_hit(const Ray& ray, ShapeRole role) const {
@@ -45,13 +46,13 @@ struct ShapeSet {
 
   bool has(ShapeRole role) const;
   bool has_glass() const;
-  uint32_t root(uint32_t entry) const;  // without parent
-  // The entries with keep[i] != 0 whose parents are kept as well.
+  uint32_t root(uint32_t entry) const;  // topmost ancestor
+  // Entries with keep[i] != 0 whose parents are kept too.
   ShapeSet kept(std::span<const uint8_t> keep) const;
   ShapeSet without(ShapeRole role) const;
-  ShapeSet glass() const;     // sheets and solids
+  ShapeSet glass() const;     // thin and solid glass
   ShapeSet no_glass() const;  // the others
-  // Adds the entries of another set behind these.
+  // Appends the entries of another set.
   void append(ShapeSet more);
 
  private:
@@ -74,7 +75,7 @@ std::optional<ShapeSet::Hit> ShapeSet::first_hit(const Ray& ray, ShapeRole role,
   return first;
 }
 
-// Empty sets are nullptr.
+// Null-safe test for a role.
 inline bool knows(const ShapeSet* set, ShapeRole role) { return set != nullptr && set->has(role); }
 
 }  // namespace vitrine

@@ -1,4 +1,4 @@
-// Rotation of a frame by a vector: its direction is the axis, its length the angle (Rodrigues' formula as a unit quaternion).
+// Rotation of a frame by a rotation vector: direction = axis, length = angle (Rodrigues' formula as a unit quaternion).
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace vitrine {
 
-inline constexpr double kLeastExtent_rel = 0.1;  // one step of a descent keeps so much of a side
+inline constexpr double kLeastExtent_rel = 0.1;  // minimum fraction of a side left after one descent step
 
 inline Mat3d turned_by(const Vec3d& turn, const Mat3d& axes) {
   const double angle = length(turn);

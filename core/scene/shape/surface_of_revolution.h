@@ -1,7 +1,8 @@
-// A profile curve turned about an axis (vases, bottles, bowls, lathe work): a polyline in the half plane of the axis, so that it
-// may run level, as lids and feet do. Normals are smooth: those of the vertices of the profile, blended along its segments
-// (algorithms 9.4). Parameters: shift of the origin along two directions across the axis (2), tilt of the axis towards them (2,
-// radians), each vertex of the profile along its normal (of one on the axis: along the axis).
+// Surface of revolution: a profile curve rotated about an axis (vases, bottles, bowls, lathe work). The profile is a polyline
+// in the half plane of the axis, so it may have horizontal parts (lids, feet). Normals are smooth: profile vertex normals
+// interpolated along the segments (algorithms 9.4). Parameters: shift of the origin along two directions across the axis (2),
+// tilt of the axis towards them (2, radians), displacement of each profile vertex along its normal (vertices on the axis: along
+// the axis).
 #pragma once
 
 #include <optional>
@@ -15,33 +16,33 @@
 namespace vitrine {
 
 struct SurfaceOfRevolution {
-  Vec3d origin, axis;          // a point of the axis, its unit direction
-  std::vector<Vec2d> profile;  // vertices (radius, height above `origin`), from the bottom to the top; the solid is inside
+  Vec3d origin, axis;          // point on the axis, unit direction
+  std::vector<Vec2d> profile;  // vertices (radius, height above `origin`), bottom to top; the solid is on the inner side
 
   double largest_radius() const;
-  // Outwards, of unit length, of the segment between vertices i and i + 1; and at the vertices, their sums (not of unit length).
+  // Outward normals: of the segment between vertices i and i + 1 (unit); of the vertices, sums of them (not unit).
   Vec2d segment_normal(size_t i) const;
   Vec2d vertex_normal(size_t i) const;
 
-  // Where a ray from outside goes in first. `at`: x, how far along the segment `element`.
+  // First entry of a ray that starts outside. `at.x`: position along the segment `element`.
   std::optional<ShapeHit> intersect(const Ray& ray) const;
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
-  TriMesh tessellated(double spacing) const;  // rings at the vertices of the profile, corners `spacing` apart or less
+  TriMesh tessellated(double spacing) const;  // rings at the profile vertices, corners at most `spacing` apart
   double size() const { return largest_radius(); }
   std::vector<Facet> facets() const { return {}; }
 
   std::vector<ParameterGroup> parameters() const;
   void hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const;
   void place_vjp(const ShapeHit& hit, const Vec3d& place, const Vec3d& grad, std::span<double> out) const;
-  void smooth(std::span<double> grad) const;  // a profile bends slowly
+  void smooth(std::span<double> grad) const;  // keeps the profile smooth
   SurfaceOfRevolution moved(std::span<const double> step) const;
 
  private:
-  Vec2d way(size_t vertex) const;  // where its parameter moves it
+  Vec2d way(size_t vertex) const;  // direction in which the vertex parameter moves it
 };
 
-// The same curve with `count` segments of equal length.
+// Same curve resampled to `count` segments of equal length.
 SurfaceOfRevolution with_equal_segments(const SurfaceOfRevolution& surface, size_t count);
 
 }  // namespace vitrine

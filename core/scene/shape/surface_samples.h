@@ -1,4 +1,4 @@
-// Points on the surface of a shape, evenly by area: where surfels of a known shape are put.
+// Uniform samples on the surface of a shape, for placing surfels.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace vitrine {
 
-// About one point in every square of edge `spacing` > 0, a low-discrepancy sequence in every triangle (Roberts, "The unreasonable
-// effectiveness of quasirandom sequences", 2018), moved onto the surface. The same points whenever it is called.
+// About one point per square of edge `spacing` > 0: a low-discrepancy sequence per triangle (Roberts, "The unreasonable
+// effectiveness of quasirandom sequences", 2018), projected onto the surface. Deterministic.
 std::vector<ShapePoint> surface_samples(const Shape& shape, double spacing);
 
 }  // namespace vitrine

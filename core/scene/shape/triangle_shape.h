@@ -1,5 +1,5 @@
-// A triangle mesh with smooth normals, closed or open: what no simple shape is. Rays meet the fronts of its faces. Parameters:
-// each vertex along its normal.
+// Triangle mesh with smooth normals, closed or open: the fallback where no simple shape fits. Rays hit front faces only.
+// Parameters: displacement of each vertex along its normal.
 #pragma once
 
 #include <array>
@@ -16,12 +16,12 @@ namespace vitrine {
 
 class TriangleShape {
  public:
-  // Normals are computed. Throws Error{Input} when a face names a vertex that does not exist; there must be a face.
+  // Computes the normals. Throws Error{Input} if a face refers to a missing vertex; the mesh must have a face.
   explicit TriangleShape(TriMesh mesh);
 
   const TriMesh& mesh() const;  // with normals
 
-  // Where a ray first meets it, if that is the front of a face. The normal is interpolated.
+  // First hit, if it is a front face. The normal is interpolated.
   std::optional<ShapeHit> intersect(const Ray& ray) const;
   ShapePoint nearest(const Vec3d& p) const;
   std::vector<Vec3d> outer_points() const;
@@ -30,15 +30,15 @@ class TriangleShape {
   std::vector<Facet> facets() const { return {}; }
 
   std::vector<ParameterGroup> parameters() const;
-  // To first order: how the weights of faces in the normals of vertices change counts for nothing.
+  // First-order: ignores the derivative of the face weights in the vertex normals.
   void hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const;
   void place_vjp(const ShapeHit& hit, const Vec3d& place, const Vec3d& grad, std::span<double> out) const;
-  void smooth(std::span<double> grad) const;  // neighbours move alike: what no photo looks at follows
+  void smooth(std::span<double> grad) const;  // averages over neighbours: unobserved vertices follow observed ones
   TriangleShape moved(std::span<const double> step) const;
 
  private:
   struct State;
-  std::shared_ptr<const State> state_;  // never changes: copies share it
+  std::shared_ptr<const State> state_;  // immutable, shared by copies
 };
 
 }  // namespace vitrine

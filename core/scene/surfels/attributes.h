@@ -1,6 +1,6 @@
-// The table of per-surfel attributes: ONE ROW EACH. Storage, gradients, optimiser groups, densification, file input and
-// output, raster channels and export follow from the row; adding an attribute is adding a row (and giving it a meaning in
-// the pass that reads it). All three layers share the table; `layers` says which layer owns the attribute.
+// Table of per-surfel attributes, one row each. Storage, gradients, optimiser groups, densification, file input and output,
+// raster channels and export are derived from the row. To add an attribute, add a row and use it in the pass that reads it. All
+// three layers share the table; `layers` lists the layers that own the attribute.
 #pragma once
 
 #include <array>
@@ -33,17 +33,17 @@ enum class Attribute : unsigned char {
 
 struct AttributeRow {
   Attribute id;
-  std::string_view name;  // also the stem of its PLY properties
+  std::string_view name;  // also the prefix of its PLY properties
   int width;              // floats per surfel; ShRest: at degree 3, fewer for lower degrees
   unsigned layers;        // bit 0 diffuse, 1 reflection, 2 transmittance
   Activation activation;
-  float initial;  // activated value of a new surfel where nothing better is known
-  float rate;     // Adam step size of the raw value (mean: times the scene radius)
+  float initial;  // activated value of a new surfel without a better estimate
+  float rate;     // Adam learning rate of the raw value (mean: times the scene radius)
 };
 
 inline constexpr unsigned kInAll = 0b111, kInDiffuse = 0b001;
 inline constexpr size_t kAttributeCount = 10;
-// Rates: two to ten times those of Kerbl et al. 2023 ("3D Gaussian Splatting"; opacity: the same), because runs here are five
+// Rates are two to ten times those of Kerbl et al. 2023 ("3D Gaussian Splatting"; opacity: the same), because runs are five
 // times shorter (2k-6k steps). Initial materials: a diffuse dielectric (f0 .04).
 inline constexpr std::array<AttributeRow, kAttributeCount> kAttributes{{
     {Attribute::Mean, "mean", 3, kInAll, Activation::Identity, 0.f, 1.6e-3f},

@@ -1,5 +1,5 @@
-// One set of 2D Gaussian surfels in structure-of-arrays form: raw (pre-activation) values, one array per attribute row.
-// A gradient, and each Adam moment, has the same shape: SplatLayer serves for all of them.
+// Set of 2D Gaussian surfels as structure of arrays: raw (pre-activation) values, one array per attribute row. Gradients and
+// Adam moments have the same shape and also use SplatLayer.
 #pragma once
 
 #include <array>
@@ -20,10 +20,10 @@ class SplatLayer {
   SplatLayer(LayerKind kind, int sh_degree, size_t size) : kind_(kind), sh_degree_(sh_degree) { resize(size); }
 
   LayerKind kind() const { return kind_; }
-  int sh_degree() const { return sh_degree_; }  // storage; shading may use a lower one
+  int sh_degree() const { return sh_degree_; }  // stored degree; shading may use a lower one
   size_t size() const { return size_; }
 
-  // Floats per surfel in this layer: 0 when the layer does not own the attribute.
+  // Floats per surfel; 0 if the layer does not own the attribute.
   size_t width(Attribute a) const {
     if (!has_attribute(kind_, a)) return 0;
     if (a == Attribute::ShRest) return 3 * (sh_coefficient_count(sh_degree_) - 1);
@@ -35,15 +35,15 @@ class SplatLayer {
   float* at(Attribute a, size_t i) { return data_[static_cast<size_t>(a)].data() + i * width(a); }
   const float* at(Attribute a, size_t i) const { return data_[static_cast<size_t>(a)].data() + i * width(a); }
 
-  // Which object of the table (core/scene/objects) each surfel belongs to, by its id; 0: none. Empty: unknown. Not an attribute:
-  // nothing trains it, and gradients have none.
+  // Object id of each surfel in the object table (core/scene/objects), 0 = none. Empty: unknown. Not an attribute: not trained,
+  // absent in gradients.
   std::span<const uint16_t> object_ids() const { return object_ids_; }
   void set_object_ids(std::vector<uint16_t> ids) {
     VITRINE_CHECK(ids.empty() || ids.size() == size_, "{} ids of objects for {} surfels", ids.size(), size_);
     object_ids_ = std::move(ids);
   }
 
-  // New surfels are zero in every raw value and belong to no object.
+  // New surfels have raw values 0 and no object.
   void resize(size_t size) {
     size_ = size;
     for (const AttributeRow& r : kAttributes) data_[static_cast<size_t>(r.id)].resize(size * width(r.id), 0.f);
@@ -66,7 +66,7 @@ class SplatLayer {
   std::vector<uint16_t> object_ids_;
 };
 
-// Whether a surfel of a diffuse layer is glass: tau above one half.
+// True if tau > 0.5: the surfel of a diffuse layer is glass.
 bool is_glass(const SplatLayer& diffuse, size_t i);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// The project's own scene files: one binary PLY per layer, raw values of every attribute row, bit-exact round trip; ids
-// of objects, where they are known, as a last property object_id.
+// Scene files: one binary PLY per layer with the raw values of every attribute row, bit-exact round trip. Object ids, if known,
+// are the last property, object_id.
 #pragma once
 
 #include <filesystem>

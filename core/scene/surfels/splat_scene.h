@@ -1,5 +1,5 @@
-// What is optimised: the three sets of surfels that an image model reads. A layer that does not take part is empty. A gradient
-// of the scene has the same type.
+// Optimised scene: the three surfel layers read by the image model. Unused layers are empty. Gradients of the scene have the
+// same type.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace vitrine {
 
 struct SplatScene {
   SplatLayer diffuse;
-  SplatLayer reflection{LayerKind::Reflection, 0, 0};        // what mirrors show
-  SplatLayer transmittance{LayerKind::Transmittance, 0, 0};  // what stands behind and inside glass
-  // The opaque twin of a scene with glass or gloss (core/render/model/opaque_pass.h): one more set of diffuse surfels that shows the
-  // photos by itself. No layer: nothing of it is in the pictures of the three, and gradients have none.
+  SplatLayer reflection{LayerKind::Reflection, 0, 0};        // reflected radiance of mirrors
+  SplatLayer transmittance{LayerKind::Transmittance, 0, 0};  // surfaces behind and inside glass
+  // Opaque twin of a scene with glass or specular objects (core/render/model/opaque_pass.h): a second set of diffuse surfels
+  // that reproduces the photos alone. If absent, it contributes nothing to images or gradients.
   SplatLayer opaque{};
 
   SplatLayer& layer(LayerKind kind) {
@@ -24,7 +24,7 @@ struct SplatScene {
   SplatScene zeros_like() const { return {diffuse.zeros_like(), reflection.zeros_like(), transmittance.zeros_like(), {}}; }
 };
 
-// The surfels with keep[i] != 0, in the old order.
+// Surfels with keep[i] != 0, in the original order.
 inline SplatLayer kept_surfels(const SplatLayer& layer, std::span<const uint8_t> keep) {
   SplatLayer out = layer;
   size_t n = 0;

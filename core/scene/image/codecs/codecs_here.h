@@ -1,4 +1,4 @@
-// The functions of the library of codecs, each in a file of its own.
+// Entry points of the codec library, one source file each.
 #pragma once
 
 #include "core/scene/image/codecs.h"

@@ -1,7 +1,7 @@
-// Where a ray meets a surface of revolution, on one segment of its profile, and the smooth normal there; and back to the
-// axis, the segment and the normals at its ends.
+// Ray hit on one profile segment of a surface of revolution with its smooth normal, and the backward pass to the axis, the
+// segment and the normals at its ends.
 //   q = eye + t ray - o   h = q.a   r = |q - h a|   u = (q - h a)/r      [the point (r, h) of the half plane]
-//   s.((r, h) - p0) = 0 defines t, s the normal of the segment   w: how far along it, p0 -> 0, p1 -> 1
+// s.((r, h) - p0) = 0 defines t, s = normal of the segment   w: position along the segment, p0 -> 0, p1 -> 1
 //   m = (1-w) n0 + w n1   n = |m.x u + m.y a|^-1 (m.x u + m.y a)          (algorithms 9.4)
 #pragma once
 
@@ -14,7 +14,7 @@ namespace vitrine {
 template <class T>
 struct ProfileSegment {  // or its gradient
   Vec3<T> origin{}, axis{};
-  Vec2<T> p0{}, p1{}, n0{}, n1{};  // its ends (radius, height); normals there, of any length
+  Vec2<T> p0{}, p1{}, n0{}, n1{};  // ends (radius, height); normals at the ends, of any length
 };
 
 template <class T>
@@ -48,7 +48,7 @@ Place<T> place(const ProfileSegment<T>& s, const Vec3<T>& point) {
 
 }  // namespace revolution
 
-// `near`: t to a first approximation, as the intersection found it; one step of Newton's from there.
+// `near`: approximate t of the intersection; refined by one Newton step.
 template <class T>
 RevolutionPoint<T> revolution_point(const ProfileSegment<T>& s, const Vec3<T>& eye, const Vec3<T>& ray, const T& near) {
   using revolution::dot2;
@@ -65,7 +65,7 @@ RevolutionPoint<T> revolution_point(const ProfileSegment<T>& s, const Vec3<T>& e
   return out;
 }
 
-// `t`: of the point. The direction of the axis is free to change its length: project what comes back.
+// `t`: of the hit point. The gradient on the axis direction includes its length: the caller projects it.
 template <class T>
 ProfileSegment<T> revolution_point_vjp(const ProfileSegment<T>& s, const Vec3<T>& eye, const Vec3<T>& ray, const T& t,
                                        const RevolutionPoint<T>& g) {
@@ -84,14 +84,14 @@ ProfileSegment<T> revolution_point_vjp(const ProfileSegment<T>& s, const Vec3<T>
   out.n0 = {(T(1) - w) * g2.x, (T(1) - w) * g2.y};
   out.n1 = {w * g2.x, w * g2.y};
   const T gw = g2.x * (s.n1.x - s.n0.x) + g2.y * (s.n1.y - s.n0.y);
-  const Vec2<T> g_along{gw / squared * d.x, gw / squared * d.y};  // of (r, h); its ends take (1-w) and w of it
-  // (r, h) to the point and the axis.
+  const Vec2<T> g_along{gw / squared * d.x, gw / squared * d.y};  // with respect to (r, h); the ends receive (1-w) and w of it
+  // From (r, h) to the point and the axis.
   const Vec3<T> across = g_along.x * p.u + (T(1) / p.r) * (gu - dot(gu, p.u) * p.u);
   const T gh = g_along.y - dot(across, s.axis);
   const Vec3<T> gq = across + gh * s.axis;
   out.axis += gh * p.q - p.h * across;
   out.origin = -gq;
-  // The point moves along the ray as the surface does.
+  // The hit point moves along the ray as the surface moves.
   const T gt = g.t + dot(gq, ray);
   const Vec2<T> normal{d.y, -d.x};
   const T step = -gt / (normal.x * dot(p.u, ray) + normal.y * dot(s.axis, ray));
