@@ -1,4 +1,4 @@
-// Bytes as text that any document can carry (RFC 4648, with padding).
+// Base64 encoding (RFC 4648, with padding).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The folder that a program was started in may be gone by then; relative paths mean nothing there.
+// Errors for a deleted current folder, which makes relative paths invalid.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace vitrine {
 
-// Throws Error{Input} when there is no current folder.
+// Throws Error{Input} if the current folder does not exist.
 inline void require_current_folder() {
   std::error_code ec;
   (void)std::filesystem::current_path(ec);
@@ -17,7 +17,7 @@ inline void require_current_folder() {
                 {.why = ec.message(), .hint = "cd into another folder, and start again", .code = "NO_CURRENT_FOLDER"});
 }
 
-// What the file system refused, as an error of the input.
+// Converts a file system exception into Error{Input}.
 inline Error error_of_file_system(const std::filesystem::filesystem_error& e) {
   return Error(ErrorKind::Input, "a file or folder cannot be used",
                {.where = e.path1().string(),

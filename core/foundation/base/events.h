@@ -1,10 +1,10 @@
-// The records of a run (events.jsonl, --log-format json): written by stages (stages/reporter.h) and by the pipeline
-// (pipeline/report.h), one JSON object a line. configs/events.schema.json says which fields each type has. A change to it is a
-// new version: configs/events.digests remembers the digest of every version's schema, and a test compares.
+// Event records of a run (events.jsonl, --log-format json), one JSON object per line, written by stages (stages/reporter.h) and
+// the pipeline (pipeline/report.h). configs/events.schema.json lists the fields of each type. A schema change requires a new
+// version: configs/events.digests contains the schema digest of every version, checked by a test.
 #pragma once
 
 namespace vitrine {
 
-inline constexpr int kEventsVersion = 2;  // 2: plan, checkpoint
+inline constexpr int kEventsVersion = 2;  // version 2 added plan, checkpoint
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// Files that appear whole or not at all. Every failure is an Error{Input} (reading) or Error{Resource} (no space, read-only,
-// no permission while writing) that names the path.
+// Atomic file input and output. Failures throw Error{Input} (reading) or Error{Resource} (no space, read-only, no write
+// permission) with the path.
 #pragma once
 
 #include <filesystem>
@@ -12,22 +12,22 @@ namespace vitrine {
 namespace fs = std::filesystem;
 
 std::string read_file(const fs::path& path);
-// A text as people's editors leave it, without its UTF-8 byte order mark. Throws Error{Input} for UTF-16 and UTF-32, too.
+// Reads a UTF-8 text without its byte order mark. Also throws Error{Input} for UTF-16 and UTF-32.
 std::string read_text_file(const fs::path& path);
-// Writes beside the target, fsyncs, renames over it.
+// Writes a temporary file in the same folder, fsyncs it, and renames it over the target.
 void write_file(const fs::path& path, std::string_view bytes);
-// For writers that need a path (OpenEXR, OpenCV): `write` gets a temporary path beside `path` with the same extension.
+// For writers that need a path (OpenEXR, OpenCV): `write` receives a temporary path next to `path` with the same extension.
 void write_file_through(const fs::path& path, const std::function<void(const fs::path&)>& write);
 void make_folders(const fs::path& path);
-// fsync of a folder, so that renames inside it survive a power cut.
+// fsync of a folder, so that renames inside it survive a power failure.
 void sync_folder(const fs::path& path);
-// Hard link, else copy. Creates parents, replaces an existing target.
+// Hard link, else copy. Creates parent folders, replaces an existing target.
 void link_or_copy(const fs::path& from, const fs::path& to);
 size_t free_disk_bytes(const fs::path& path);
-// `errno` turned into an Error for a failed write to `path`.
+// Throws the Error for a failed write to `path` with this errno.
 [[noreturn]] void throw_write_error(const fs::path& path, int errno_value);
 
-// A folder that is removed with all its contents at the end of the scope.
+// Temporary folder, removed with all its contents at the end of the scope.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(std::string_view prefix = "vitrine");  // below $TMPDIR or /tmp

@@ -1,5 +1,4 @@
-// Content digests: 128-bit XXH3, printed as 32 hex digits. Used for cache keys and for proving that two runs gave the same
-// bytes; not a defence against an adversary.
+// Content digests: 128-bit XXH3, printed as 32 hex digits. For cache keys and bit-exactness tests; not cryptographic.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +13,11 @@ namespace vitrine {
 struct Digest {
   uint64_t high = 0, low = 0;
   std::string hex() const;        // 32 lower-case hex digits
-  std::string short_hex() const;  // the first 12, for people
+  std::string short_hex() const;  // first 12 digits, for display
   bool operator==(const Digest&) const = default;
 };
 
-// Streaming hash. Every `add` is framed by its length, so that ("ab","c") and ("a","bc") differ.
+// Streaming hash. Each `add` includes its length, so that ("ab","c") and ("a","bc") differ.
 class Hasher {
  public:
   Hasher();
@@ -36,12 +35,12 @@ class Hasher {
 };
 
 Digest digest_bytes(std::string_view bytes);
-Digest digest_file(const std::filesystem::path& path);  // throws Error{Input} when unreadable
-// Names (relative, sorted by bytes) and contents of every regular file below `folder`.
+Digest digest_file(const std::filesystem::path& path);  // throws Error{Input} if unreadable
+// Digest of the names (relative, sorted by bytes) and contents of all regular files below `folder`.
 Digest digest_folder(const std::filesystem::path& folder);
 
-// SHA-256 (FIPS 180-4), 64 lower-case hex digits: the digest that people publish beside files for download, as `sha256sum` prints
-// it. For cache keys the others are far quicker.
+// SHA-256 (FIPS 180-4), 64 lower-case hex digits, as printed by `sha256sum`: the usual checksum of downloads. Much slower than
+// XXH3; not for cache keys.
 std::string sha256_hex(std::string_view bytes);
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// nlohmann's JSON, for *.cpp files. Every file that parses or writes a document would compile lexer, parser and serializer anew
-// (1 to 3 seconds, twice that under the sanitizers): they are compiled once, in json.cpp, and declared here.
+// nlohmann JSON for *.cpp files, with extern templates: lexer, parser and serializer are compiled once, in json.cpp. Otherwise
+// each file that uses them takes 1 to 3 seconds more (twice that with sanitizers).
 #pragma once
 
 #include <string>
@@ -21,10 +21,10 @@ VITRINE_JSON_TEMPLATES(extern, ordered_json)
 
 namespace vitrine {
 
-// Indented by two, and a newline at the end; arrays of plain values stand on one line, for people who edit numbers.
+// Indented by two, newline at the end; arrays of scalars on one line, for manual editing.
 std::string readable(const nlohmann::ordered_json& document);
 
-// What nlohmann's JSON says, without its "[json.exception.type_error.302]".
+// Message of a nlohmann exception without the prefix "[json.exception.type_error.302]".
 inline std::string cause_of(const nlohmann::json::exception& error) {
   std::string_view text = error.what();
   if (const size_t end = text.find("] "); text.starts_with("[json.exception.") && end != std::string_view::npos)

@@ -1,5 +1,4 @@
-// Log lines for people and files. Library code logs through these; who listens (console, log.txt) is decided once, in
-// stage_main or the pipeline. Backed by spdlog.
+// Logging for library code. stage_main or the pipeline selects the outputs (console, log.txt). Based on spdlog.
 #pragma once
 
 #include <filesystem>
@@ -11,21 +10,25 @@ namespace vitrine {
 
 enum class LogLevel { Debug, Info, Warning, Error, Quiet };
 
-// Console lines go to stderr, stdout stays free for data. Colour only on a terminal without NO_COLOR.
+// Console output goes to stderr; stdout is for data. Colour only on a terminal without NO_COLOR.
 void set_log_console(LogLevel level, bool colour);
-void set_log_file(const std::filesystem::path& path);      // appends; all levels from Debug
+void set_log_file(const std::filesystem::path& path);  // appends; level Debug and above
 void log_line(LogLevel level, std::string_view text);
 
-template <class... Args> void log_debug(fmt::format_string<Args...> f, Args&&... a) {
+template <class... Args>
+void log_debug(fmt::format_string<Args...> f, Args&&... a) {
   log_line(LogLevel::Debug, fmt::format(f, std::forward<Args>(a)...));
 }
-template <class... Args> void log_info(fmt::format_string<Args...> f, Args&&... a) {
+template <class... Args>
+void log_info(fmt::format_string<Args...> f, Args&&... a) {
   log_line(LogLevel::Info, fmt::format(f, std::forward<Args>(a)...));
 }
-template <class... Args> void log_warning(fmt::format_string<Args...> f, Args&&... a) {
+template <class... Args>
+void log_warning(fmt::format_string<Args...> f, Args&&... a) {
   log_line(LogLevel::Warning, fmt::format(f, std::forward<Args>(a)...));
 }
-template <class... Args> void log_error(fmt::format_string<Args...> f, Args&&... a) {
+template <class... Args>
+void log_error(fmt::format_string<Args...> f, Args&&... a) {
   log_line(LogLevel::Error, fmt::format(f, std::forward<Args>(a)...));
 }
 

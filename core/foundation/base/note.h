@@ -1,5 +1,4 @@
-// What a reader has to say about a file that it could use: assumptions, and what it left out. A stage makes warnings of them,
-// `vitrine inspect` prints them.
+// Notes of file readers: assumptions and omissions. A stage reports them as warnings; `vitrine inspect` prints them.
 #pragma once
 
 #include <string>
@@ -8,8 +7,8 @@
 namespace vitrine {
 
 struct Note {
-  std::string code;  // stable machine word of a warning; empty: for information only
-  std::string text;  // a sentence
+  std::string code;  // stable warning identifier; empty: information only
+  std::string text;  // one sentence
 };
 using Notes = std::vector<Note>;
 

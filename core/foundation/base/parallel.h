@@ -1,5 +1,5 @@
-// Threads: oneTBB behind three functions. Work is cut into chunks whose borders depend on the problem alone, so a reduction
-// over chunks in chunk order gives the same bytes for any number of threads.
+// Parallel loops on oneTBB. Chunk borders depend on the problem only, so a reduction over chunks in chunk order gives the same
+// bytes for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace vitrine {
 
-// 0 = all that the machine and the cgroup allow. Applies to the whole process until changed.
+// 0 = all threads allowed by machine and cgroup. Applies to the whole process until changed.
 void set_thread_limit(int threads);
 int thread_limit();
-int hardware_threads();                        // respects CPU affinity and the cgroup quota
+int hardware_threads();  // respects CPU affinity and the cgroup quota
 
-// body(i) for i in [0, n), in any order, on thread_limit() threads. `grain` items go to one task.
+// body(i) for i in [0, n), in any order, on thread_limit() threads. `grain`: number of items per task.
 void parallel_for(size_t n, size_t grain, const std::function<void(size_t)>& body);
 
 // body(chunk, begin, end) with chunk = 0 .. ceil(n/chunk_size)-1; chunk borders are multiples of chunk_size.

@@ -1,5 +1,5 @@
-// An array of plain data, aligned for SIMD, whose content is not kept or cleared when it is sized anew: passes reuse theirs from
-// step to step.
+// Uninitialised SIMD-aligned array of trivial types. Resizing neither keeps nor clears the content; render passes reuse their
+// arrays between steps.
 #pragma once
 
 #include <sys/mman.h>
@@ -12,7 +12,7 @@
 
 namespace vitrine {
 
-// Huge: for random access, which with small pages spends half of the time on looking up where a page is.
+// Huge pages are for random access: with small pages half of the time is TLB misses.
 enum class Pages { Small, Huge };
 
 template <class T, Pages kPages = Pages::Small>
@@ -26,8 +26,7 @@ class PlainArray {
       const size_t bytes = (wanted * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
       data_.reset(static_cast<T*>(std::aligned_alloc(kAlignment, bytes)));
       if (!data_) throw std::bad_alloc();
-      if (kPages == Pages::Huge)
-        madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a wish: where the system has none, the small ones do
+      if (kPages == Pages::Huge) madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a hint; without support small pages are used
       capacity_ = bytes / sizeof(T);
     }
     size_ = size;

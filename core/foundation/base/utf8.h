@@ -1,4 +1,4 @@
-// Texts in UTF-8.
+// UTF-8 helpers.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace vitrine {
 
-// Length of the sequence at the beginning of `text`, which is not empty; 0 when there is no well-formed one (The Unicode
-// Standard, table 3-7): overlong forms, halves of surrogate pairs and what lies beyond U+10FFFF are none.
+// Length of the first sequence of non-empty `text`; 0 if it is not well-formed (The Unicode Standard, table 3-7): overlong
+// forms, surrogate halves, code points above U+10FFFF.
 size_t utf8_length(std::string_view text);
 
-// ASCII letters in lower case; all other bytes, those of UTF-8 among them, stay as they are.
+// Lower case for ASCII letters; all other bytes are unchanged.
 inline std::string lowered(std::string_view text) {
   std::string low(text);
   for (char& c : low)

@@ -1,5 +1,5 @@
-// Values into an OptionTable: from a YAML map, from `path=value` words. Strict: an unknown key, a duplicate, a value of the wrong
-// kind or out of range is an error that names the place; nothing is ignored.
+// Assigns values to an OptionTable from a YAML map or from `path=value` strings. Strict: unknown keys, duplicates, wrong types
+// and out-of-range values are errors with their place.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@
 namespace vitrine {
 
 struct ApplyDesc {
-  std::string prefix = {};  // options of the table below this path are meant ("mesh" for stages/mesh.yaml)
-  std::string shown = {};   // put before paths in messages ("mesh" for the table of the one stage)
-  std::string origin = {};  // put before file:line:col in Option::origin ("preset preview")
+  std::string prefix = {};  // keys are relative to this path ("mesh" for stages/mesh.yaml)
+  std::string shown = {};   // prefix of paths in messages ("mesh" for the table of a single stage)
+  std::string origin = {};  // prefix of file:line:col in Option::origin ("preset preview")
 };
 
-// `map` is the node whose keys are options (file.root, or a section of it). A Null node changes nothing.
+// `map`: node whose keys are options (file.root, or a section of it). A Null node has no effect.
 void apply_yaml(const YamlFile& file, const YamlNode& map, OptionTable& table, const ApplyDesc& desc, ConfigErrors& errors);
-// One `--set path=value`; '-' in the path reads as '_'. `where` is "--set" or "VITRINE_SET".
+// One `--set path=value`; '-' in the path is read as '_'. `where` is "--set" or "VITRINE_SET".
 void apply_set(std::string_view assignment, OptionTable& table, std::string_view where, ConfigErrors& errors);
 
 }  // namespace vitrine

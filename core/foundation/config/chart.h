@@ -1,4 +1,4 @@
-// Measures that a user reads off a photo: a box, a length, a scale bar.
+// User-given measures in photos: a box, a length, a scale bar.
 #pragma once
 
 #include <optional>
@@ -14,19 +14,19 @@ struct PhotoBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-// Nothing when the text is not of that form, or the box is empty or begins outside (below 0). The name may hold colons.
+// nullopt for invalid syntax, an empty box or negative coordinates. The name may contain colons.
 std::optional<PhotoBox> parse_photo_box(std::string_view text);
 
 // "24cm", "0.24 m", "240mm".
 struct Length {
   double metres = 0;
-  bool has_unit = false;  // a bare number counts as metres
+  bool has_unit = false;  // without a unit: metres
 };
 
-// Nothing when the text is not of that form, or the length is not finite and above zero.
+// nullopt for invalid syntax, or a length that is not finite and positive.
 std::optional<Length> parse_length(std::string_view text);
 
-// A scale bar of known length in the picture, as a user writes it: its two ends in two or more photos, and its length.
+// Scale bar of known length in user syntax: its two ends in two or more photos, and its length.
 //
 //   IMG_0007.jpg:120.5,410,388,402 IMG_0011.jpg:96,377,301.5,455 = 5cm
 //
@@ -38,11 +38,11 @@ struct ScaleBarMark {
 };
 
 struct ScaleBar {
-  std::vector<ScaleBarMark> marks;  // two or more, of different photos
+  std::vector<ScaleBarMark> marks;  // at least two, of different photos
   double length_m = 0;
 };
 
-// The names may hold spaces, commas and colons. Throws Error{Usage, SCALE_BAR}.
+// Names may contain spaces, commas and colons. Throws Error{Usage, SCALE_BAR}.
 ScaleBar parse_scale_bar(const std::string& text);
 
 }  // namespace vitrine

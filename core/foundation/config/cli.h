@@ -1,5 +1,5 @@
-// Command lines of all executables in one style: a flag is declared once with its letter, its value's name, a sentence and the
-// variable it sets; parsing, "did you mean" and --help come from the declaration. kebab-case; underscores are accepted.
+// Command line parser shared by all executables. A flag is declared once with letter, value name, description and target
+// variable; parsing, "did you mean" and --help are derived from it. kebab-case; underscores are accepted.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace vitrine {
 
 class CommandLine {
  public:
-  // `usage` is what follows the program's name in help; `summary` one sentence below it.
+  // `usage`: text after the program name in help; `summary`: one sentence below it.
   CommandLine(std::string program, std::string usage, std::string summary)
       : program_(std::move(program)), usage_(std::move(usage)), summary_(std::move(summary)) {}
 
@@ -19,16 +19,17 @@ class CommandLine {
   void value(std::string_view name, char letter, std::string_view value, std::string& target, std::string_view doc);
   void value(std::string_view name, char letter, std::string_view value, int& target, int low, std::string_view doc);
   void values(std::string_view name, char letter, std::string_view value, std::vector<std::string>& target, std::string_view doc);
-  void section(std::string_view title);  // starts a new block in help
+  void section(std::string_view title);  // starts a new section in help
 
-  // Everything that is no flag, in order. Error{Usage}: unknown flag, missing or bad value, more than `most` words.
+  // Returns the positional arguments in order. Throws Error{Usage}: unknown flag, missing or invalid value, more than `most`
+  // arguments.
   std::vector<std::string> parse(const std::vector<std::string>& arguments, size_t most = size_t(-1)) const;
-  // `tail` is appended, for options or sub-commands.
+  // `tail` is appended (options or sub-commands).
   std::string help(std::string_view tail = {}) const;
 
  private:
   struct Flag {
-    std::string name, value, doc;  // an empty value name: a switch
+    std::string name, value, doc;  // empty value name: a switch
     char letter = 0;
     std::function<void(const std::string&)> set;
     std::string section;
@@ -41,7 +42,7 @@ class CommandLine {
   std::vector<Flag> flags_;
 };
 
-// "4GiB", "512M", "80%" (of `whole`), "1000000". Error{Usage} naming `where`.
+// "4GiB", "512M", "80%" (of `whole`), "1000000". Throws Error{Usage} with `where`.
 size_t parse_bytes(std::string_view text, size_t whole, std::string_view where);
 
 }  // namespace vitrine

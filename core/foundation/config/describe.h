@@ -1,4 +1,4 @@
-// An option is declared once: a struct member with an initialiser, and one line in the struct's `describe`:
+// Option declaration: a struct member with an initialiser, and one line in the struct's `describe`:
 //
 //   void describe(Describer& d, MeshConfig& c) {
 //     d.option("voxel_size_rel", c.voxel_size_rel, "Edge of a TSDF voxel, relative to the scene radius.").range(1e-4, 0.1);
@@ -7,8 +7,8 @@
 //     d.group("fusion", c.fusion, "How depth maps are fused.");          // nested struct with its own describe
 //   }
 //
-// From these lines come the strict YAML reader, the command line, --help, --describe (JSON), the canonical text of the cache
-// key, the echo in the manifest, the reference YAML and the generic tests.
+// These lines define the strict YAML reader, the command line, --help, --describe (JSON), the canonical text of the cache key,
+// the copy in the manifest, the reference YAML and the generic tests.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace vitrine {
 
-// A member of an enum class whose values count from 0 in the order of the option's words.
+// Member of an enum class with values 0, 1, ... in the order of the option's words.
 struct ChoiceTarget {
   void* value;
   size_t (*get)(const void*);
@@ -30,9 +30,9 @@ using OptionTarget =
     std::variant<bool*, int*, float*, double*, std::string*, ChoiceTarget, std::vector<double>*, std::vector<std::string>*>;
 
 struct Option {
-  std::string path;                  // "fusion.weight_cap", without the stage's name
+  std::string path;                  // "fusion.weight_cap", without the stage name
   std::string doc;                   // one sentence
-  OptionTarget target;               // lives in the config struct that was described
+  OptionTarget target;               // member of the described config struct
   std::string default_text;          // canonical text of the value at describe time
   std::optional<double> low, high;   // inclusive range of numbers
   std::vector<std::string> choices;  // allowed words of a string option
@@ -42,11 +42,11 @@ struct Option {
   std::string type() const;  // "bool", "int", "float", "string", "float list", "string list"
   std::string text() const;  // canonical text of the current value: shortest round-trip numbers
   std::string rule() const;  // "an integer >= 1", "one of cpu, reference"
-  // Parses and checks. Nothing when fine (value and origin are set); otherwise the broken rule in words:
-  // `must be an integer >= 1, got "12k"`, and the value is left alone. A list reads "[a, b]" or "a,b".
+  // Parses and validates. Returns nothing on success (sets value and origin), otherwise the violated rule: `must be an integer
+  // >= 1, got "12k"`; the value is unchanged. List syntax: "[a, b]" or "a,b".
   std::optional<std::string> try_assign(std::string_view text, std::string_view new_origin);
   std::optional<std::string> try_assign_list(const std::vector<std::string>& items, std::string_view new_origin);
-  // The same, but throws Error{Usage} naming option, value, rule. `where` is file:line:col or "--set".
+  // Same, but throws Error{Usage} with option, value and rule. `where` is file:line:col or "--set".
   void assign(std::string_view text, std::string_view where);
   void assign_list(const std::vector<std::string>& items, std::string_view where);
 };
@@ -76,7 +76,7 @@ struct OptionGroup {
   std::string path, doc;
 };
 
-// All options of one config object. Valid as long as the object lives (and does not move).
+// All options of one config object. Valid while the object exists and does not move.
 class OptionTable {
  public:
   std::vector<Option> options;  // in declaration order
@@ -84,11 +84,11 @@ class OptionTable {
 
   Option* find(std::string_view path);
   const Option* find(std::string_view path) const;
-  bool is_group(std::string_view path) const;  // options lie below it
-  // Nearest path or group by edit distance, for "did you mean"; the first word alone where nothing but that is near; empty when
-  // nothing is.
+  bool is_group(std::string_view path) const;  // true if options exist below the path
+  // Nearest path or group by edit distance, for "did you mean"; only the first word if nothing else is near; empty if nothing
+  // is near.
   std::string nearest(std::string_view path) const;
-  // "path = value" lines sorted by path, only options that affect the result: the canonical text of the cache key.
+  // "path = value" lines sorted by path, only options that affect the result. Used for the cache key.
   std::string canonical_text() const;
 };
 

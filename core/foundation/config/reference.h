@@ -1,5 +1,5 @@
-// Texts derived from an OptionTable: the option part of --help, and YAML files (the reference with all documentation, or the
-// resolved values with their origins).
+// Text output of an OptionTable: the option section of --help, and YAML files (documented reference, or resolved values with
+// their origins).
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace vitrine {
 
-// Two or more lines per option, 80 columns: path, type and range, default, sentence.
+// At least two lines per option, 80 columns: path, type and range, default, description.
 std::string help_text(const OptionTable& table);
 
 struct YamlTextDesc {
-  bool documentation = false;  // sentence, rule and default as comments above each value
-  bool origins = false;        // origin as a comment behind each value
-  int indent = 0;              // of the outermost keys, in spaces
+  bool documentation = false;  // description, rule and default as comments above each value
+  bool origins = false;        // origin as a comment after each value
+  int indent = 0;              // indentation of the outermost keys, in spaces
 };
-// All values as block YAML; reading it back gives the same values.
+// All values as block YAML; round-trips exactly.
 std::string yaml_text(const OptionTable& table, const YamlTextDesc& desc = {});
 
 }  // namespace vitrine

@@ -1,5 +1,5 @@
-// A YAML file as a tree that remembers where every key and value stands, so that each complaint can point at its line.
-// A subset on purpose: one document of maps, lists and scalars; anchors, aliases and tags are errors. Parsed by yaml-cpp.
+// YAML parser that stores the line and column of every key and value, for error messages. Supports a subset: one document of
+// maps, lists and scalars; anchors, aliases and tags are errors. Based on yaml-cpp.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 namespace vitrine {
 
 struct SourceMark {
-  int line = 1, column = 1;  // both from 1
+  int line = 1, column = 1;  // 1-based
 };
 
 struct YamlNode {
@@ -31,20 +31,20 @@ struct YamlFile {
   YamlNode root;
 };
 
-// Syntax errors are Error{Usage} with file:line:col and an excerpt. An empty text gives a Null root.
+// Throws Error{Usage} with file:line:col and an excerpt for syntax errors. Empty text gives a Null root.
 YamlFile parse_yaml(std::string_view text, std::string name);
 YamlFile read_yaml(const std::string& path);
-// A file, and called .yaml or .yml, in capitals too.
+// True for existing files with extension .yaml or .yml, case-insensitive.
 bool is_yaml_file(const std::filesystem::path& path);
 
-// Complaints are collected, so that one run shows all of them.
+// Collects errors, to report all of them in one run.
 class ConfigErrors {
  public:
-  // "name:line:col: error: message" plus the line with `length` columns underlined.
+  // Adds "name:line:col: error: message" and the source line with `length` columns underlined.
   void add(const YamlFile& file, SourceMark mark, size_t length, const std::string& message);
   void add(std::string_view where, const std::string& message);  // "where: error: message"
   bool empty() const { return count_ == 0; }
-  // Throws one Error{Usage} with all of them, a count and `hint`.
+  // Throws one Error{Usage} with all messages, their number and `hint`.
   void throw_if_any(std::string_view hint) const;
 
  private:

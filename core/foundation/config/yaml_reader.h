@@ -1,9 +1,9 @@
-// Small files of the user's (marks, lamps), read value by value: every complaint points at its line, and all are shown at once.
+// Reader for small YAML files of the user (annotations, lamps): collects errors with their line and reports them together.
 //
 //   YamlReader in(read_yaml(path));
 //   in.only_keys(node, {"position", "intensity"});
-//   const auto p = in.numbers(*node.find("position"), 3, "[x, y, z]");     // nullopt: complained
-//   in.finish("core/scene/light/lighting.h shows the format");                   // throws what was collected
+//   const auto p = in.numbers(*node.find("position"), 3, "[x, y, z]");     // nullopt: error recorded
+//   in.finish("core/scene/light/lighting.h shows the format");             // throws the collected errors
 #pragma once
 
 #include <optional>
@@ -21,12 +21,12 @@ class YamlReader {
   const YamlNode& root() const { return file_.root; }
   const std::string& name() const { return file_.name; }
   void complain(const YamlNode& node, const std::string& message);
-  void complain(const std::string& message);  // about the file as a whole
-  // A map without other keys, and each of them once.
+  void complain(const std::string& message);  // error about the whole file
+  // Requires a map with only these keys, each at most once.
   void only_keys(const YamlNode& map, const std::vector<std::string>& keys);
   std::optional<double> number(const YamlNode& node);  // finite
   std::optional<std::vector<double>> numbers(const YamlNode& node, size_t count, const std::string& what);
-  // Throws Error{Usage} with all complaints, if there are any.
+  // Throws Error{Usage} with all errors, if any.
   void finish(const std::string& hint) const { errors_.throw_if_any(hint); }
 
  private:

@@ -1,7 +1,7 @@
-// Connected components of a graph by breadth-first search: of the voxels of a grid that share faces, of sparse cells that touch.
+// Connected components of a graph by breadth-first search: face-connected voxels of a grid, or touching sparse cells.
 //
-// Components are numbered in the order of their lowest node; the members of one are in the order of the search, which starts
-// there and follows the order in which a node's neighbours are visited. O(nodes + edges).
+// Components are numbered by their lowest node. Members are in search order: from the lowest node, following the neighbour
+// order. O(nodes + edges).
 #pragma once
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace vitrine {
 
 struct ConnectedComponents {
   static constexpr uint32_t kNone = UINT32_MAX;
-  std::vector<uint32_t> label;               // [node] its component, or kNone
+  std::vector<uint32_t> label;               // [node] component or kNone
   std::vector<std::vector<size_t>> members;  // [component] nodes
 };
 
-// Of the nodes 0 .. count - 1 for which within(node) holds; for_neighbours(node, visit) calls visit(other) for each neighbour,
-// and is symmetric.
+// Components of the nodes 0 .. count - 1 for which within(node) holds. for_neighbours(node, visit) calls visit(other) for each
+// neighbour and must be symmetric.
 template <class Within, class ForNeighbours>
 ConnectedComponents connected_components(size_t count, const Within& within, const ForNeighbours& for_neighbours) {
   ConnectedComponents out;
@@ -43,7 +43,7 @@ ConnectedComponents connected_components(size_t count, const Within& within, con
 
 using CellIndex = std::array<int, 3>;
 
-// Of cells of a grid without bounds, sorted and without repetition, that share a face, an edge or a corner.
+// Components of cells of an unbounded grid (sorted, unique) that share a face, an edge or a corner.
 inline ConnectedComponents connected_cells(std::span<const CellIndex> cells) {
   return connected_components(
       cells.size(), [](size_t) { return true; },

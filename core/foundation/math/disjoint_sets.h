@@ -1,6 +1,5 @@
 // Disjoint sets of the numbers 0 .. n - 1 (union-find with path halving; Tarjan and van Leeuwen, "Worst-case analysis of set
-// union algorithms", 1984): connected components of a graph whose edges come one by one. The representative of a set is its least
-// number.
+// union algorithms", 1984): incremental connected components. The representative of a set is its smallest member.
 #pragma once
 
 #include <algorithm>

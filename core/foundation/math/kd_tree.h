@@ -1,4 +1,4 @@
-// Nearest points of a fixed set: a balanced k-d tree.
+// Nearest neighbour search in a fixed point set: a balanced k-d tree.
 #pragma once
 
 #include <compare>
@@ -12,22 +12,22 @@
 namespace vitrine {
 
 template <class T>
-class KdTree {  // of float or double
+class KdTree {  // float or double
  public:
-  // The points stay with the caller. Those that are no numbers are never found.
+  // The caller keeps the points alive. NaN points are never found.
   explicit KdTree(std::span<const Vec3<T>> points);
   struct Near {
     T squared_distance;
     uint32_t index;
     auto operator<=>(const Near&) const = default;
   };
-  // At most `count` points within `radius` of p, nearest first; of equal ones the smaller index.
+  // At most `count` points within `radius` of p, nearest first; ties: lower index.
   void nearest(const Vec3<T>& p, size_t count, T radius, std::vector<Near>& out) const { search(p, count, radius, kNone, out); }
-  // The `count` points nearest to point `self` of the set, without itself.
+  // The `count` nearest neighbours of point `self` of the set, excluding itself.
   void nearest_others(uint32_t self, size_t count, std::vector<Near>& out) const {
     search(points_[self], count, std::numeric_limits<T>::infinity(), self, out);
   }
-  // Whether there is a point within `radius` of p; false for a p that is no number.
+  // True if a point lies within `radius` of p; false if p is NaN.
   bool any(const Vec3<T>& p, T radius) const;
 
  private:
@@ -38,8 +38,8 @@ class KdTree {  // of float or double
   void visit(size_t begin, size_t end, Query& query) const;
 
   std::span<const Vec3<T>> points_;
-  std::vector<uint32_t> order_;  // the middle of a range is its node, what is before and after it are its children
-  std::vector<uint8_t> axis_;    // along which the middle splits its range
+  std::vector<uint32_t> order_;  // the middle of a range is its node, the parts before and after it are its children
+  std::vector<uint8_t> axis_;    // split axis of the range whose middle it is
 };
 
 using KdTreef = KdTree<float>;

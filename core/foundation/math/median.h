@@ -1,4 +1,4 @@
-// The middle value.
+// Upper median by selection.
 #pragma once
 
 #include <algorithm>
@@ -8,18 +8,18 @@
 
 namespace vitrine {
 
-// Standard deviation of a normal distribution over its median absolute deviation.
+// Ratio of standard deviation to median absolute deviation (MAD) for a normal distribution.
 inline constexpr double kSigmaPerDeviation = 1.4826;
 
-// Of an even number of values the upper one of the two in the middle; they must not be empty, nor hold NaN. Puts them in another
-// order.
+// For an even number of values the upper of the two middle ones. `values` must be non-empty and without NaN; they are
+// reordered.
 template <class T>
 T upper_median_of(std::span<T> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
-// The same, of a copy.
+// Same, on a copy.
 template <class T>
 T upper_median(std::vector<T> values) {
   return upper_median_of(std::span<T>(values));

@@ -1,7 +1,7 @@
-// Two unit vectors across a direction: with the unit vector n they are orthonormal and right-handed, u x v = n.
+// Orthonormal basis of a unit vector n: unit vectors u, v with u x v = n.
 //
-// u = a x n, normalised, with the coordinate axis a that is numbered `axis` (0 = x, 1 = y, 2 = z), or the next one, cyclically,
-// where n is within 26 degrees of a. Without `axis` u is horizontal, unless n is almost vertical.
+// u = a x n, normalised, with the coordinate axis a of index `axis` (0 = x, 1 = y, 2 = z), or the next axis cyclically if n is
+// within 26 degrees of a. Without `axis` u is horizontal, unless n is almost vertical.
 #pragma once
 
 #include "core/foundation/math/vec.h"

@@ -8,13 +8,13 @@
 namespace vitrine {
 
 struct PatternSteps {
-  double first, last;          // halved from `first` down to `last`
-  bool relative_gain = false;  // a move counts from a gain of 1e-9 of the score, else from a gain of 1e-9
+  double first, last;          // step size, halved from `first` down to `last`
+  bool relative_gain = false;  // minimum gain of a move: 1e-9 of the score if true, else 1e-9
 };
 
 // Coordinate pattern search (Hooke-Jeeves). Returns the best score.
-// score(x) is raised by moves of one of the `numbers` at a time; steps are halved where no move raises it.
-// move(x, number, step): x with that number moved; nullopt where there is none.
+// Maximises score(x) by moves of one of the `numbers` coordinates at a time; halves the step when no move improves the score.
+// move(x, number, step): x with that coordinate moved; nullopt if not allowed.
 template <class X, class Score, class Move>
 double pattern_search(const Score& score, const Move& move, const PatternSteps& steps, std::span<const size_t> numbers, X& x) {
   double best = score(x);

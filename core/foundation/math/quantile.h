@@ -1,8 +1,7 @@
-// Order statistics and the median of values without NaN, by selection (std::nth_element): in linear time. Functions that take a
-// span put its values in another order.
+// Quantiles and median of values without NaN, in linear time (std::nth_element). Functions that take a span reorder its values.
 //
-// quantile_of() is the value numbered floor(share (n - 1)) of n in ascending order, without interpolation; share 0 is the smallest
-// value, 1 the largest. The product is computed in the type of the share.
+// quantile_of() returns element floor(share (n - 1)) of n values in ascending order, without interpolation; share 0 is the
+// smallest value, 1 the largest. The product is computed in the type of the share.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +13,7 @@
 
 namespace vitrine {
 
-// Numbered from 0, which is the smallest; `number` is less than the size.
+// 0-based, 0 = smallest; `number` is less than the size.
 template <class T>
 T order_statistic_of(std::span<T> values, size_t number) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(number);
@@ -22,7 +21,7 @@ T order_statistic_of(std::span<T> values, size_t number) {
   return *at;
 }
 
-// Of at least one value.
+// Requires at least one value.
 template <class T, std::floating_point Share>
 T quantile_of(std::span<T> values, Share share) {
   return order_statistic_of(values, static_cast<size_t>(share * static_cast<Share>(values.size() - 1)));
@@ -32,7 +31,7 @@ T quantile_of(std::vector<T>& values, Share share) {
   return quantile_of(std::span<T>(values), share);
 }
 
-// Of an even number of values the mean of the two in the middle; NaN of none. upper_median() (median.h) takes the upper one.
+// Mean of the two middle values for an even number; NaN if empty. upper_median() (median.h) returns the upper one.
 inline double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double upper = order_statistic_of(std::span<double>(values), values.size() / 2);

@@ -1,5 +1,5 @@
-// Rotations, rigid motions and similarities. Names read b_from_a: cam_from_world * point_in_world is the point in the
-// camera's frame; chains read right to left. Quaternions are Hamilton, members w x y z.
+// Rotations, rigid transforms and similarities. Names read b_from_a: cam_from_world * point_in_world is the point in the camera
+// frame; chains read right to left. Quaternions are Hamilton, members w x y z.
 #pragma once
 
 #include "core/foundation/math/vec.h"
@@ -21,7 +21,7 @@ Quat<T> normalized(const Quat<T>& q) {
   return {q.w / n, q.x / n, q.y / n, q.z / n};
 }
 
-// Rotation matrix of a unit quaternion; of a surfel's: R = [r0 r1 n] (algorithms 1.1).
+// Rotation matrix of a unit quaternion; for surfels R = [r0 r1 n] (algorithms 1.1).
 template <class T>
 Mat3<T> rotation_matrix(const Quat<T>& q) {
   const T w = q.w, x = q.x, y = q.y, z = q.z, one(1), two(2);
@@ -30,7 +30,7 @@ Mat3<T> rotation_matrix(const Quat<T>& q) {
           {two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y)}};
 }
 
-// Reverse of rotation_matrix(normalized(raw)): gradient of the raw, not necessarily unit, quaternion. G = dL/dR (algorithms 1.7).
+// Gradient of rotation_matrix(normalized(raw)) on the raw, not necessarily unit, quaternion. G = dL/dR (algorithms 1.7).
 template <class T>
 Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   using std::sqrt;
@@ -45,7 +45,7 @@ Quat<T> rotation_matrix_vjp(const Quat<T>& raw, const Mat3<T>& G) {
   return {(g.w - along * w) / norm, (g.x - along * x) / norm, (g.y - along * y) / norm, (g.z - along * z) / norm};
 }
 
-// Unit quaternion of a rotation matrix (Shepperd 1978: the largest of the four is computed first).
+// Unit quaternion of a rotation matrix (Shepperd 1978: computes the largest component first).
 template <class T>
 Quat<T> quaternion(const Mat3<T>& R) {
   using std::sqrt;
@@ -92,7 +92,7 @@ inline Similarity inverse(const Similarity& b_from_a) {
   const Mat3d rt = transposed(b_from_a.rotation);
   return {1 / b_from_a.scale, rt, (-1 / b_from_a.scale) * (rt * b_from_a.translation)};
 }
-// The camera pose after the world was moved by `new_from_old`; camera-frame distances scale along.
+// Camera pose after the world was transformed by `new_from_old`; camera-frame distances are scaled too.
 inline Rigid transformed_world(const Rigid& cam_from_old, const Similarity& new_from_old) {
   const Mat3d rotation = cam_from_old.rotation * transposed(new_from_old.rotation);
   return {rotation, new_from_old.scale * cam_from_old.translation - rotation * new_from_old.translation};

@@ -1,5 +1,5 @@
-// Real spherical harmonics up to degree 3 in the storage order of 3D Gaussian splatting files, so that exported PLY files read
-// the same everywhere. Y_0 = 0.28209479.
+// Real spherical harmonics up to degree 3 in the storage order of 3D Gaussian splatting files, for compatible PLY export. Y_0 =
+// 0.28209479.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,9 @@ namespace vitrine {
 constexpr float kShDc = 0.28209479177387814f;
 constexpr size_t sh_coefficient_count(int degree) { return static_cast<size_t>((degree + 1) * (degree + 1)); }
 
-// basis[k] for k < sh_coefficient_count(degree); `dir` is a unit vector.
-template <class T> void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
+// Fills basis[k] for k < sh_coefficient_count(degree); `dir` is a unit vector.
+template <class T>
+void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
   const T x = dir.x, y = dir.y, z = dir.z;
   basis[0] = T(kShDc);
   if (degree < 1) return;
@@ -37,8 +38,9 @@ template <class T> void sh_basis(int degree, const Vec3<T>& dir, T* basis) {
   basis[15] = T(-0.5900435899266435f) * x * (xx - T(3) * yy);
 }
 
-// Gradient of sum_k weight[k] * basis[k] with respect to `dir` (as three free coordinates).
-template <class T> Vec3<T> sh_basis_vjp(int degree, const Vec3<T>& dir, const T* weight) {
+// Gradient of sum_k weight[k] * basis[k] with respect to `dir` (three independent coordinates).
+template <class T>
+Vec3<T> sh_basis_vjp(int degree, const Vec3<T>& dir, const T* weight) {
   Vec3<T> g{T(0), T(0), T(0)};
   if (degree < 1) return g;
   const T x = dir.x, y = dir.y, z = dir.z;

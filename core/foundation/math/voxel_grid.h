@@ -1,4 +1,4 @@
-// Cubic cells of equal size in a box, and a value in each: what hulls and votes are carved from.
+// Voxel grid of cubic cells with one value per cell, for visual hulls and voting.
 //
 // Cell (x, y, z) spans origin + cell [x, x + 1) and so on; values are [z][y][x].
 #pragma once
@@ -16,8 +16,8 @@ namespace vitrine {
 
 template <class T>
 struct VoxelGrid {
-  Vec3d origin{};   // of the corner of cell (0, 0, 0)
-  double cell = 0;  // edge
+  Vec3d origin{};   // corner of cell (0, 0, 0)
+  double cell = 0;  // cell edge length
   std::array<int, 3> size{};
   std::vector<T> values;
 
@@ -40,7 +40,7 @@ struct VoxelGrid {
   Vec3d centre(int x, int y, int z) const { return origin + cell * Vec3d{x + 0.5, y + 0.5, z + 0.5}; }
   Vec3d high() const { return origin + cell * Vec3d{double(size[0]), double(size[1]), double(size[2])}; }
 
-  // visit(x, y, z) for every cell; of a layer of equal z in order, layers side by side.
+  // Calls visit(x, y, z) for every cell; in order within a z layer, layers in parallel.
   template <class F>
   void each(F visit) const {
     parallel_for(size_t(size[2]), 1, [&](size_t z) {
@@ -48,7 +48,7 @@ struct VoxelGrid {
         for (int x = 0; x < size[0]; ++x) visit(x, y, int(z));
     });
   }
-  // The same, one after the other.
+  // Same, sequential.
   template <class F>
   void each_in_order(F visit) const {
     for (int z = 0; z < size[2]; ++z)
@@ -57,7 +57,7 @@ struct VoxelGrid {
   }
 };
 
-// Of the cells, by index, for which within(index) holds and that share faces.
+// Components of face-connected cells for which within(index) holds.
 template <class T, class Within>
 ConnectedComponents connected_components(const VoxelGrid<T>& grid, const Within& within) {
   return connected_components(grid.count(), within, [&](size_t i, const auto& visit) {
