@@ -14,7 +14,7 @@ namespace vitrine {
 
 namespace {
 
-// A file that changes twice within one clock tick of the file system keeps its time stamp: younger files are not cached.
+// Two changes within one clock tick of the file system get the same time stamp: younger files are not cached.
 constexpr int64_t kSettleNs = 100'000'000;
 
 int64_t nanoseconds(const timespec& t) { return static_cast<int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec; }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kTemporaryMark = ".tmp-";
 
-// Process id in "<key>.tmp-<pid>"; 0 if the name has another form.
+// Process id in "<key>.tmp-<pid>"; 0 for other names.
 int owner_of(const std::string& name) {
   const size_t at = name.rfind(kTemporaryMark);
   if (at == std::string::npos) return 0;

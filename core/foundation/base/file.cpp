@@ -20,7 +20,7 @@ namespace vitrine {
 namespace {
 
 fs::path temporary_beside(const fs::path& path) {
-  // The extension stays last, because image writers choose the format by it.
+  // Keeps the extension last: image writers select the format by it.
   return path.parent_path() / fmt::format(".{}.tmp-{}{}", path.stem().string(), getpid(), path.extension().string());
 }
 
@@ -138,7 +138,7 @@ TemporaryFolder::~TemporaryFolder() {
 
 namespace {
 
-// Texts of these formats begin with ASCII: every second or fourth byte of wider encodings is zero.
+// Texts of these formats start with ASCII: in UTF-16 and UTF-32 every second byte, or three of four, are zero.
 const char* wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
   if (bytes.starts_with("\xff\xfe\0\0"sv) || bytes.starts_with("\0\0\xfe\xff"sv)) return "UTF-32";

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// In lower case.
+// Lower case.
 constexpr std::string_view kJunk[] = {
     "@eadir",       "#recycle",  "#snapshot",   "@tmp",        "@recycle",   "@recently-snapshot",
     "@__thumb",     "thumbs.db", "ehthumbs.db", "desktop.ini", "picasa.ini", "zbthumbnail.info",
@@ -29,7 +29,7 @@ class Walk {
     if (error) return {};
     enter({}, real, {}, error);
     if (error) return {};
-    // Links come after all folders: a folder keeps its own name.
+    // Links are processed after all folders: a folder keeps its own name.
     while (!links_.empty()) {
       const std::string link = *links_.begin();
       links_.erase(links_.begin());
@@ -62,7 +62,7 @@ class Walk {
     if (ec) out_.unreadable.push_back(name.generic_string());
   }
 
-  // `name`: relative to the root; `real`: without links; `above`: the real folders that led here.
+  // `name`: relative to the root; `real`: links resolved; `above`: real ancestor folders.
   void enter(const fs::path& name, const fs::path& real, std::vector<fs::path> above, std::error_code& error) {
     if (!seen_.insert(real).second && twice_ == ReachedTwice::Once) {
       out_.repeated.push_back(name.generic_string());

@@ -117,7 +117,7 @@ std::string sha256_hex(std::string_view bytes) {
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   size_t done = 0;
   for (; done + kBlock <= bytes.size(); done += kBlock) absorb(state, data + done);
-  // The rest, a 1 bit, zeros, and the length in bits: one or two blocks.
+  // Padding: remaining bytes, a 1 bit, zeros, and the length in bits: one or two blocks.
   std::array<unsigned char, 2 * kBlock> tail{};
   const size_t rest = bytes.size() - done;
   if (rest > 0) std::memcpy(tail.data(), data + done, rest);

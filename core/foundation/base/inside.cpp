@@ -16,7 +16,7 @@ std::filesystem::path real_path(const std::filesystem::path& path) {
   const std::filesystem::path whole = std::filesystem::absolute(path, ec);
   std::filesystem::path real = std::filesystem::weakly_canonical(whole, ec);
   if (ec) real = whole.lexically_normal();
-  return real.has_filename() ? real : real.parent_path();  // "a/b/" is "a/b"
+  return real.has_filename() ? real : real.parent_path();  // "a/b/" becomes "a/b"
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ std::string readable(const nlohmann::ordered_json& document) {
   const std::string text = document.dump(2);
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '"') {  // a string, whatever is in it
+    if (text[i] == '"') {  // skip strings
       const size_t begin = i++;
       for (; text[i] != '"'; ++i) i += text[i] == '\\';
       out.append(text, begin, i + 1 - begin);

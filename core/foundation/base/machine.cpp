@@ -14,7 +14,7 @@ namespace vitrine {
 
 namespace {
 
-// One number of a file of the cgroup (version 2). nullopt: there is none, or it says "max".
+// Reads a number from a cgroup v2 file; nullopt if missing or "max".
 std::optional<size_t> cgroup_number(const char* file) {
   std::ifstream in(std::string("/sys/fs/cgroup/") + file);
   size_t value = 0;
@@ -22,7 +22,7 @@ std::optional<size_t> cgroup_number(const char* file) {
   return value;
 }
 
-// "name value ..." of a file of such lines.
+// Reads the value of a "name value ..." line.
 std::optional<size_t> named_number(const char* file, const std::string& wanted) {
   std::ifstream in(file);
   std::string name, rest;
@@ -46,7 +46,7 @@ size_t machine_memory_bytes() {
 size_t available_memory_bytes() {
   size_t available = named_number("/proc/meminfo", "MemAvailable:").value_or(machine_memory_bytes() >> 10) << 10;
   if (const auto limit = cgroup_number("memory.max")) {
-    // Files that nobody changed are given back when memory is wanted.
+    // Inactive file cache can be reclaimed.
     const size_t used = cgroup_number("memory.current").value_or(0);
     const size_t files = named_number("/sys/fs/cgroup/memory.stat", "inactive_file").value_or(0);
     available = std::min(available, *limit - std::min(*limit, used - std::min(used, files)));
@@ -58,7 +58,7 @@ size_t resident_memory_bytes(pid_t process) {
   size_t total = 0, resident = 0;
   if (!(std::ifstream(fmt::format("/proc/{}/statm", process)) >> total >> resident)) return 0;
   size_t bytes = resident * page_bytes();
-  // Children are listed under the thread that started them; ours are started by the main thread.
+  // Children are listed under the thread that started them; we start them on the main thread.
   std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", process));
   for (pid_t child; children >> child;) bytes += resident_memory_bytes(child);
   return bytes;

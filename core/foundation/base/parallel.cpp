@@ -37,9 +37,9 @@ int cgroup_threads() {
 
 #ifdef __SANITIZE_THREAD__
 
-// ThreadSanitizer cannot see how the uninstrumented libtbb hands work from thread to thread and would call every loop a race.
-// Its build runs the same bodies on threads of the standard library, whose order it knows: before the loop, bodies in no order
-// among themselves, after the loop. A loop inside a body runs on the thread that met it.
+// ThreadSanitizer cannot see the synchronisation in the uninstrumented libtbb and would report every loop as a race. Its build
+// runs the loop bodies on std::thread: unordered among themselves, ordered with the code before and after the loop. Nested
+// loops run sequentially on the calling thread.
 void forget_threads() {}
 
 void run_loop(size_t n, size_t grain, const std::function<void(size_t)>& body) {

@@ -78,8 +78,8 @@ ProcessResult run_process(const ProcessDesc& desc) {
   }
   if (!desc.working_folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, desc.working_folder.c_str());
 
-  // A process group of its own: on Ctrl-C the terminal would signal the child as well, and with ours forwarded it would count
-  // two, which means "end at once".
+  // Own process group: on Ctrl-C the terminal would also signal the child; with the forwarded signal it would receive two,
+  // which means "terminate immediately".
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setpgroup(&attributes, 0);
@@ -195,7 +195,7 @@ void request_stop(const Error& reason) {
   std::lock_guard lock(stop_mutex);
   if (stop_reason || interrupt_signal() != 0) return;
   stop_reason = reason;
-  pending_signal.store(SIGTERM);  // children are asked to stop with it
+  pending_signal.store(SIGTERM);  // children are stopped with it
 }
 
 void throw_if_interrupted() {

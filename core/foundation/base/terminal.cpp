@@ -55,7 +55,7 @@ std::string bytes_text(size_t bytes) {
 }
 
 std::string eta_text(double elapsed_s, double fraction_done, double fraction_at_start) {
-  // Below these the quotient is mostly noise.
+  // Below these the estimate is mostly noise.
   constexpr double kLeastFraction = 0.01, kLeastSeconds = 1.5;
   const double done = fraction_done - fraction_at_start;
   if (done < kLeastFraction || elapsed_s < kLeastSeconds) return {};
@@ -79,7 +79,7 @@ std::string cut_to_columns(std::string_view text, size_t columns) {
 void draw_status_line(std::string_view text) {
   if (!is_terminal(2)) return;
   const std::string line = cut_to_columns(text, terminal_columns(2) - 1);
-  // The cursor goes back to the start, so that whatever is printed next stands on this line.
+  // The cursor returns to the line start, so that the next output overwrites this line.
   fmt::print(stderr, "\r{}{}\r", line, kEraseLine);
   std::fflush(stderr);
 }

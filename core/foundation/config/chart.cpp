@@ -81,7 +81,7 @@ ScaleBar parse_scale_bar(const std::string& text) {
     throw fail(fmt::format("its length must be a number above zero with the unit m, cm or mm, got \"{}\"", length_text));
 
   ScaleBar bar{.marks = {}, .length_m = length->metres};
-  // A name with spaces goes on until four numbers follow it.
+  // A name with spaces extends until four numbers follow it.
   for (std::string_view rest = trimmed(all.substr(0, equals)); !rest.empty();) {
     std::optional<ScaleBarMark> mark;
     size_t end = 0;

@@ -180,7 +180,7 @@ std::string OptionTable::nearest(std::string_view path) const {
   const std::string near = nearest_word(path, words);
   const size_t dot = path.find('.');
   if (!near.empty() || dot == std::string_view::npos) return near;
-  // A slip in the first word, and the rest is right or another slip.
+  // Typo in the first path part, the rest correct or another typo.
   std::vector<std::string> heads, tails;
   for (const Option& o : options) heads.push_back(o.path.substr(0, o.path.find('.')));
   const std::string head = nearest_word(path.substr(0, dot), heads);

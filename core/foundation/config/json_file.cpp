@@ -42,7 +42,7 @@ fs::path path_inside(const fs::path& folder, const fs::path& name) {
   std::error_code ec;
   const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ec);
   const fs::path real = ec ? fs::path() : fs::weakly_canonical(folder / name, ec);
-  // A link to nowhere, or one that leads to itself, is not followed any further.
+  // Broken or circular links are not followed further.
   if (ec || !stays_below(real.lexically_relative(root)))
     throw std::invalid_argument("'" + name.string() + "' leads out of the folder of this file");
   return folder / name;
@@ -74,7 +74,7 @@ void read_json_file(const fs::path& path, const char* format, const std::functio
 }
 
 void write_json_file(const fs::path& path, const nlohmann::json& document) {
-  // Names of files are bytes; those that are not UTF-8 are replaced rather than ending the run.
+  // File names are bytes; invalid UTF-8 is replaced instead of an error.
   write_file(path, document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
@@ -82,7 +82,7 @@ nlohmann::json json_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 Vec3d vec3_of(const nlohmann::json& j) {
   if (!j.is_array() || j.size() != 3)
-    // A structure is not printed: printing descends as deep as a hostile file is nested.
+    // Structures are not printed: dump() recurses as deep as a malicious file is nested.
     throw std::invalid_argument("expected a list of three numbers, found " +
                                 (j.is_structured() ? std::string(j.type_name()) : j.dump().substr(0, 60)));
   const Vec3d v{j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
@@ -141,7 +141,7 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n";
 
-// Walks over a document that the parser accepted.
+// Scans a document that the parser accepted.
 class Walker {
  public:
   explicit Walker(std::string_view text) : text_(text) {}
@@ -153,7 +153,7 @@ class Walker {
   }
   bool take(char c) { return next_is(c) && (++at_, true); }
   void skip_space() { at_ = std::min(text_.find_first_not_of(kSpace, at_), text_.size()); }
-  // The raw bytes between the quotes.
+  // Raw bytes between the quotes.
   std::string_view string() {
     const size_t begin = ++at_;
     while (at_ < text_.size() && text_[at_] != '"') at_ += text_[at_] == '\\' ? 2 : 1;
@@ -249,7 +249,7 @@ std::string syntax_mistake(std::string_view text, size_t& byte, const std::strin
       ((here == '/' || here == '*') && previous == '/'))
     return "a comment stands here: JSON has none, remove it";
   if (previous == '\\' && before + 1 == byte) return "a single backslash in a text: write \\\\ or / (paths of Windows)";
-  // The word that the parser stopped in.
+  // Token at which the parser stopped.
   size_t begin = byte, end = byte;
   while (begin > 0 && word_char(text[begin - 1])) --begin;
   while (end < text.size() && word_char(text[end])) ++end;
@@ -265,7 +265,7 @@ std::string syntax_mistake(std::string_view text, size_t& byte, const std::strin
     return fmt::format("'{}' is Python, not JSON: write {}", word, lower == "none" ? "null" : lower);
   }
   if (here == '\'') return "texts stand in double quotes (\") in JSON, not in single ones";
-  const bool string = otherwise.find("unexpected string literal") != std::string::npos;  // `byte` is its last quote
+  const bool string = otherwise.find("unexpected string literal") != std::string::npos;  // `byte` is its closing quote
   if (string || otherwise.find("unexpected number literal") != std::string::npos || here == '{' || here == '[') {
     if (string) {
       do byte = byte == 0 ? 0 : text.rfind('"', byte - 1);

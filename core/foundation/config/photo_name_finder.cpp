@@ -28,7 +28,7 @@ std::string folded_name(const std::string& text) {
 
 namespace {
 
-// Like an extension of pictures: a letter, and up to three more letters or digits. "v1.25" has none.
+// Removes an image extension: a letter and up to three letters or digits. "v1.25" has none.
 std::string without_extension(const std::string& file) {
   const size_t dot = file.rfind('.');
   if (dot == std::string::npos || dot == 0) return file;
@@ -69,9 +69,9 @@ std::string folder_of(const std::vector<std::string>& parts, size_t common) {
 }  // namespace
 
 struct PhotoNameFinder::Query {
-  Parts parts[2];               // as written; folded
-  std::vector<Candidate> best;  // of equal rank; more than one: ambiguous
-  // Smaller fits better.
+  Parts parts[2];               // as written; case-folded
+  std::vector<Candidate> best;  // equal rank; more than one: ambiguous
+  // Smaller is better.
   auto fit() const {
     const Candidate& c = best.front();
     return std::tuple(!c.exact, parts[0].size() - c.common, c.level);
@@ -96,7 +96,7 @@ PhotoNameFinder::PhotoNameFinder(std::span<const std::string> names, std::span<c
 PhotoNameFinder::Parts PhotoNameFinder::parts_of(std::string name) const {
   name = without_scheme(name);
   if (!keep_backslashes_) {
-    // "data\train\r_0" in a JSON file, backslashes not doubled: \t and \r came out as one letter.
+    // "data\train\r_0" in a JSON file with unescaped backslashes: \t and \r were parsed as control characters.
     for (const auto& [control, letter] : {std::pair{'\t', 't'}, {'\r', 'r'}, {'\n', 'n'}, {'\b', 'b'}, {'\f', 'f'}})
       for (size_t at = name.find(control); at != std::string::npos; at = name.find(control, at))
         name.replace(at, 1, std::string("/") + letter);
@@ -153,7 +153,7 @@ std::vector<PhotoNameFinder::Candidate> PhotoNameFinder::candidates(const Query&
 }
 
 void PhotoNameFinder::decide(std::vector<Query>& queries) const {
-  std::map<std::pair<std::string, std::string>, size_t> votes;  // (folder in the file, folder of the photos)
+  std::map<std::pair<std::string, std::string>, size_t> votes;  // (folder in the file, photo folder)
   const auto mapping = [&](const Query& q, const Candidate& c) {
     return std::pair(folder_of(q.parts[c.level % 2], c.common), folder_of(c.alias->parts[c.level % 2], c.common));
   };
@@ -176,7 +176,7 @@ void PhotoNameFinder::decide(std::vector<Query>& queries) const {
   for (Query& q : queries) {
     for (Candidate& c : q.best) c.votes = votes[mapping(q, c)];
     keep_best(q.best, [](const Candidate& c) { return c.rank(); });
-    // Two paths of one photo are one photo.
+    // Two paths of the same photo count as one.
     const auto photo = [](const Candidate& c) { return c.alias->photo; };
     std::ranges::stable_sort(q.best, {}, photo);
     const auto again = std::ranges::unique(q.best, {}, photo);
@@ -209,8 +209,8 @@ std::vector<PhotoMatch> PhotoNameFinder::match(std::span<const std::string> name
       if (known) q.best = again[0].best;
     }
 
-  // "left/c.jpg" is not right/c.jpg when other names of left/ are photos of left/.
-  std::map<std::string, size_t> agreeing;  // folder in the file -> most last parts that agree
+  // "left/c.jpg" does not match right/c.jpg if other names of left/ match photos of left/.
+  std::map<std::string, size_t> agreeing;  // folder in the file -> maximum number of matching trailing parts
   const auto unique = [](const Query& q) { return q.best.size() == 1; };
   for (const Query& q : queries)
     if (unique(q)) {
@@ -221,7 +221,7 @@ std::vector<PhotoMatch> PhotoNameFinder::match(std::span<const std::string> name
     if (unique(q) && q.best[0].common < agreeing.at(folder_of(q.parts[0], 1))) q.best.clear();
 
   std::vector<PhotoMatch> out(names.size());
-  std::map<size_t, size_t> best_name;  // photo -> name that fits it best
+  std::map<size_t, size_t> best_name;  // photo -> best matching name
   for (size_t i = 0; i < queries.size(); ++i) {
     const Query& q = queries[i];
     if (q.best.size() > 1)

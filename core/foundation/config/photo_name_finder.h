@@ -4,9 +4,7 @@
 // Order of preference:
 //   1. the path as written, below the photo folder;
 //   2. the longest path suffix ("/home/me/set/images/a.jpg" -> "images/a.jpg" -> "a.jpg");
-//   3. among equally long suffixes: exact match; case-insensitive with normalised accents; without extension ("r_0",
-//   "a.jpg.png");
-//      both;
+//   3. for equal suffixes: exact; case-insensitive, accents normalised; without extension ("r_0", "a.jpg.png"); both;
 //   4. the folder that matches most names of the file; then the photo whose whole path is a suffix of the name.
 // A name that is still ambiguous is resolved by the folders that belong to the file, if the photo exists there. Otherwise it
 // matches nothing, and the candidates are reported.

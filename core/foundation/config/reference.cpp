@@ -58,7 +58,7 @@ std::string help_text(const OptionTable& table) {
 }
 
 std::string yaml_text(const OptionTable& table, const YamlTextDesc& desc) {
-  // Options of one group must stand together: a stable sort by first appearance of each enclosing group.
+  // Groups the options: a stable sort by first appearance of each enclosing group.
   std::vector<std::string> order;
   const auto rank = [&](const std::string& path) {
     const auto found = std::find(order.begin(), order.end(), path);
@@ -79,7 +79,7 @@ std::string yaml_text(const OptionTable& table, const YamlTextDesc& desc) {
   std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
 
   std::string out;
-  std::vector<std::string> open;  // the groups that the last line stands in
+  std::vector<std::string> open;  // groups open at the last line
   for (const auto& [key, option] : sorted) {
     const std::vector<std::string> parts = parts_of(option->path);
     size_t shared = 0;

@@ -33,7 +33,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
     size_t distance = edit_distance(word, candidate);
     const size_t dot = candidate.rfind('.');
     if (dot != std::string::npos && std::string_view(candidate).substr(dot + 1) == word) distance = std::min<size_t>(distance, 1);
-    // A word shorter than the distance shares nothing with the candidate.
+    // A distance of at least the word length means nothing in common.
     if (distance < best_distance && distance < std::max(word.size(), size_t{1})) {
       best = &candidate;
       best_distance = distance;

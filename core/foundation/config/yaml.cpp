@@ -16,7 +16,7 @@ namespace {
 
 SourceMark mark_of(const YAML::Mark& m) { return {m.line + 1, m.column + 1}; }
 
-// A bracket that nobody closes is missed at the end, which the library gives as the line behind the last one.
+// An unclosed bracket is detected at the end; yaml-cpp reports the line after the last one.
 SourceMark end_of(const YamlFile& file) {
   for (size_t line = file.lines.size(); line > 0; --line)
     if (const size_t last = file.lines[line - 1].find_last_not_of(" \t"); last != std::string::npos)
@@ -29,7 +29,7 @@ struct Unsupported {
   std::string what;
 };
 
-// Builds the tree from parser events. yaml-cpp's own Node cannot: it merges duplicate keys silently on access.
+// Builds the tree from parser events. yaml-cpp's Node merges duplicate keys silently on access.
 class TreeBuilder : public YAML::EventHandler {
  public:
   YamlNode root;
@@ -101,12 +101,12 @@ class TreeBuilder : public YAML::EventHandler {
 };
 
 constexpr size_t kExcerpt = 240;  // columns
-constexpr int kMostShown = 100;   // complaints; the others are counted
+constexpr int kMostShown = 100;   // errors; more are only counted
 
 std::string excerpt(const YamlFile& file, SourceMark mark, size_t length) {
   if (mark.line < 1 || mark.line > static_cast<int>(file.lines.size())) return {};
   const std::string& line = file.lines[static_cast<size_t>(mark.line - 1)];
-  // Of a long line (data, not something typed) the part around the mark.
+  // For long lines (data files) only the part around the mark.
   const size_t column = std::min(static_cast<size_t>(std::max(mark.column - 1, 0)), line.size());
   const size_t from = column > kExcerpt / 2 && line.size() > kExcerpt ? column - kExcerpt / 2 : 0;
   const std::string shown = line.substr(from, kExcerpt);
@@ -116,7 +116,7 @@ std::string excerpt(const YamlFile& file, SourceMark mark, size_t length) {
   return fmt::format("{:>5} | {}\n      | {}^{}\n", mark.line, shown, pad, std::string(length - 1, '~'));
 }
 
-// A message may quote a value of any length.
+// Messages may quote values of any length.
 std::string shortened(const std::string& message) {
   constexpr size_t kLongest = 2000;
   return message.size() <= kLongest ? message : message.substr(0, kLongest) + "...";

@@ -15,9 +15,9 @@ struct KdTree<T>::Query {
   size_t count;
   T squared_radius;
   uint32_t self;
-  std::vector<Near>& heap;  // the farthest first
+  std::vector<Near>& heap;  // max-heap: farthest first
 
-  // What is farther is not wanted.
+  // Farther points are rejected.
   T limit() const { return heap.size() < count ? squared_radius : heap.front().squared_distance; }
 };
 

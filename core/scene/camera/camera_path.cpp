@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kPathFormat = "camera path";
 
-// nerfstudio's viewer: "camera_path": [{"camera_to_world": [16 numbers, row by row], "fov": degrees of the height}], and
+// nerfstudio viewer format: "camera_path": [{"camera_to_world": [16 numbers, row-major], "fov": vertical, degrees}], and
 // render_width, render_height. Axes as in transforms.json.
 std::vector<TransformsFrame> viewer_frames(const JsonAt& top) {
   if (top.has("camera_type"))
@@ -73,7 +73,7 @@ std::vector<View> read_camera_path(const CameraPathDesc& desc) {
     const auto refuse = [&](const std::string& why) { throw_bad_json(desc.file, kPathFormat, frame.place + ": " + why); };
     if (!stated.has_focal_length()) refuse("neither fl_x nor camera_angle_x is given, here or at the top");
     std::optional<PictureSize> size = stated.size ? stated.size : desc.size;
-    // A focal length in pixels means nothing without the size of its picture; an angle of view suits every size.
+    // A focal length in pixels requires the image size; a field of view applies to every size.
     if (!size && !stated.fx && !stated.fy && !stated.cx && !stated.cy && desc.usual_size) size = desc.usual_size();
     if (!size)
       refuse("w and h are missing: without the size of the picture, fl_x in pixels means nothing; add them, or give --size");

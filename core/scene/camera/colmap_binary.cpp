@@ -1,3 +1,4 @@
+// Binary COLMAP models.
 // cameras.bin:  u64 N, each: u32 id, i32 model, u64 width, u64 height, f64 params[k]
 // images.bin:   u64 N, each: u32 id, f64 q[wxyz], f64 t[3], u32 camera, name, '\0', u64 M, M x {f64 x, f64 y, u64 point}
 // points3D.bin: u64 N, each: u64 id, f64 xyz[3], u8 rgb[3], f64 error, u64 L, L x {u32 image, u32 index}
@@ -27,14 +28,14 @@ class Reader {
     at_ += sizeof(T);
     return v;
   }
-  // Items that lie in the file as they lie in memory.
+  // Reads items whose file layout equals their memory layout.
   template <class T>
   void fill(std::vector<T>& items, const char* what) {
     require(items.size() * sizeof(T), what);
     if (!items.empty()) std::memcpy(items.data(), bytes_.data() + at_, items.size() * sizeof(T));
     at_ += items.size() * sizeof(T);
   }
-  // A count of items of at least `item_bytes` each, which must fit into the rest of the file.
+  // Reads a count of items of at least `item_bytes` each; the items must fit into the rest of the file.
   size_t count(size_t item_bytes, const char* what) {
     const auto n = value<uint64_t>(what);
     const size_t left = bytes_.size() - at_;

@@ -1,4 +1,4 @@
-// Projection of the COLMAP camera models that a rectilinear photo needs. With (u, v) the ideal direction and r2 = u^2 + v^2:
+// Projection with the supported COLMAP camera models. With (u, v) the ideal direction and r2 = u^2 + v^2:
 //   SIMPLE_RADIAL, RADIAL:  d = (k1 r2 + k2 r2^2) (u, v)
 //   OPENCV:                 d = (k1 r2 + k2 r2^2) (u, v) + (2 p1 u v + p2 (r2 + 2 u^2), 2 p2 u v + p1 (r2 + 2 v^2))
 //   pixel = f (u + d_u, v + d_v) + c
@@ -44,7 +44,7 @@ Lens lens_of(const ColmapCamera& camera) {
        .code = "CAMERA_MODEL_UNSUPPORTED"});
 }
 
-// The distorted direction, and its Jacobian (row-major 2x2) when asked for.
+// Distorted direction, and its Jacobian (row-major 2x2) if requested.
 Vec2d distorted(const Lens& lens, const Vec2d& d, double* jacobian) {
   const double u = d.x, v = d.y, r2 = u * u + v * v;
   const double radial = 1 + r2 * (lens.k1 + lens.k2 * r2);
@@ -72,14 +72,14 @@ std::optional<Vec2d> unproject(const ColmapCamera& camera, const Vec2d& pixel) {
   const Vec2d target{(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
   Vec2d d = target;
   if (lens.k1 == 0 && lens.k2 == 0 && lens.p1 == 0 && lens.p2 == 0) return d;
-  // Newton's method from the undistorted guess: quadratic, 3 to 6 steps for real lenses.
+  // Newton's method from the undistorted direction: quadratic, 3 to 6 steps for real lenses.
   constexpr int kMaxSteps = 50;
   constexpr double kTolerance = 1e-12;
   for (int step = 0; step < kMaxSteps; ++step) {
     double j[4];
     const Vec2d miss = distorted(lens, d, j) - target;
     const double det = j[0] * j[3] - j[1] * j[2];
-    // Where the Jacobian turns over, the lens maps two directions to one pixel: there is no honest answer beyond.
+    // Beyond det = 0 the lens maps two directions to one pixel: not invertible.
     if (!(det > 0)) return std::nullopt;
     const Vec2d move{(j[3] * miss.x - j[1] * miss.y) / det, (j[0] * miss.y - j[2] * miss.x) / det};
     d = d - move;

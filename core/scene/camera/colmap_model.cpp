@@ -35,7 +35,7 @@ constexpr ColmapCameraType kCameraTypes[] = {
     {17, "EQUIRECTANGULAR", 2, "4.1"},
 };
 
-// A photo of more than 2^20 pixels a side is a damaged file, and still far from overflowing any product of ours.
+// Larger sides mean a damaged file; products of two sides stay far from overflow.
 constexpr uint64_t kMaxSide = uint64_t{1} << 20;
 
 const char* const kParts[] = {"cameras", "images", "points3D"};
@@ -58,7 +58,7 @@ bool holds_model(const fs::path& folder, ColmapFormat format) {
                .code = "COLMAP_MODEL_DAMAGED"});
 }
 
-// The format in which a part lies in the folder: `preferred` if it can be. nullopt: neither.
+// Format in which a part exists in the folder, `preferred` if possible; nullopt: neither.
 std::optional<ColmapFormat> format_of(const fs::path& folder, const char* part, ColmapFormat preferred) {
   const ColmapFormat other = preferred == ColmapFormat::Binary ? ColmapFormat::Text : ColmapFormat::Binary;
   std::error_code ignored;
@@ -89,7 +89,7 @@ void sort_and_require_unique_ids(std::vector<T>& items, const fs::path& where, c
 
 template <class T, class Id>
 const T* find_by_id(const std::vector<T>& items, Id id) {
-  // Ids mostly count up without gaps: then the place is known.
+  // Ids are usually consecutive: try the direct index first.
   if (!items.empty() && id >= items.front().id && id - items.front().id < items.size()) {
     const T& guess = items[static_cast<size_t>(id - items.front().id)];
     if (guess.id == id) return &guess;
@@ -109,7 +109,7 @@ void check_cameras(const ColmapModel& model, const fs::path& where) {
       throw_damaged(where, fmt::format("camera {} has the size {} x {}", c.id, c.width, c.height));
     if (!std::all_of(c.params.begin(), c.params.end(), [](double p) { return std::isfinite(p); }))
       throw_damaged(where, fmt::format("camera {} has a parameter that is not a number", c.id));
-    // All models but EQUIRECTANGULAR start with a focal length.
+    // All models except EQUIRECTANGULAR start with a focal length.
     if (type->name != "EQUIRECTANGULAR" && !(c.params[0] > 0))
       throw_damaged(where, fmt::format("camera {} has the focal length {}", c.id, c.params[0]));
   }

@@ -1,9 +1,10 @@
+// Text COLMAP models.
 // cameras.txt:  CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
-// images.txt:   two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then (X Y POINT3D_ID)*, perhaps empty
+// images.txt:   two lines per image: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then (X Y POINT3D_ID)*, possibly empty
 // points3D.txt: POINT3D_ID X Y Z R G B ERROR (IMAGE_ID POINT2D_IDX)*
-// Lines that start with # are comments. A point id of -1 means none. The name is the rest of its line: it may hold spaces.
-// As COLMAP does, a whole number may be written with a point ("320.0"). Scripts leave out the lines of 2D points: a line that can
-// be no list of them, and begins like an image, is the next image.
+// Lines that start with # are comments. Point id -1 means none. The name is the rest of its line and may contain spaces.
+// Integers may have a decimal point ("320.0"), as in COLMAP. Scripts omit the lines of 2D points: a line that cannot be such a
+// list and starts like an image is the next image.
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -21,7 +22,7 @@ namespace {
 class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text) {}
-  // The next line without its end; false at the end of the text.
+  // Reads the next line without its terminator; false at the end of the text.
   bool next(std::string_view& line) {
     if (at_ >= text_.size()) return false;
     size_t end = text_.find('\n', at_);
@@ -32,7 +33,7 @@ class Lines {
     ++number_;
     return true;
   }
-  // The next line that is neither empty nor a comment.
+  // Reads the next line that is neither empty nor a comment.
   bool next_record(std::string_view& line) {
     while (next(line)) {
       const size_t first = line.find_first_not_of(" \t");
@@ -47,7 +48,7 @@ class Lines {
   size_t at_ = 0, number_ = 0;
 };
 
-// The fields of one line, from left to right.
+// Splits one line into fields.
 class Fields {
  public:
   Fields(std::string_view line, size_t line_number) : rest_(line), line_number_(line_number) {}
@@ -100,7 +101,7 @@ class Fields {
   size_t line_number_;
 };
 
-// Ten fields or more, of which the tenth (the name) is no number: no list of 2D points.
+// True for at least ten fields of which the tenth (the name) is not a number: not a list of 2D points.
 bool begins_an_image(std::string_view line) {
   Fields fields(line, 0);
   try {
@@ -146,7 +147,7 @@ std::vector<ColmapImage> images_from_text(std::string_view text) {
   std::vector<ColmapImage> images;
   Lines lines(text);
   std::string_view line;
-  bool ahead = false;  // `line` is the next image already
+  bool ahead = false;  // `line` already holds the next image
   while (ahead || lines.next_record(line)) {
     ahead = false;
     Fields fields(line, lines.number());

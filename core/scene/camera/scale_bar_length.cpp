@@ -13,9 +13,10 @@ namespace vitrine {
 
 namespace {
 
-// A mark is off by about a pixel in photos of 1000 pixels across 20 degrees or more; at 3 degrees that is 1 % of the distance.
+// A mark has an error of about a pixel in photos of 1000 pixels across 20 degrees or more; at 3 degrees that is 1 % of the
+// distance.
 constexpr double kLeastAngle_rad = 3 * std::numbers::pi / 180;
-constexpr double kLargestError_rel = 0.01;  // of the longest side; marks by hand are within 0.2 %
+constexpr double kLargestError_rel = 0.01;  // relative to the longest side; manual marks are within 0.2 %
 
 constexpr const char* kMarkHint =
     "mark the same two ends in the same order in each photo, in pixels of images/<photo> in the output folder";
@@ -37,7 +38,7 @@ double largest_angle(std::span<const Sighting> sightings) {
   return largest;
 }
 
-// Solves the normal equations by Cramer's rule; they are regular where two rays are not parallel.
+// Solves the normal equations by Cramer's rule; regular if two rays are not parallel.
 Vec3d nearest_point(std::span<const Sighting> sightings) {
   Mat3d sum{};
   Vec3d right{};

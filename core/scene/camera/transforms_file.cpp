@@ -1,5 +1,5 @@
 // Poses are world-from-camera with OpenGL axes (+x right, +y up, +z backward): columns 1 and 2 of the rotation change sign
-// against ours. nerfstudio may have moved the world: p_file = applied_scale * applied_transform(p_original).
+// relative to ours. nerfstudio may have transformed the world: p_file = applied_scale * applied_transform(p_original).
 #include "core/scene/camera/transforms_file.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-// A key of the frame, else of the file.
+// Looks up a key in the frame, else in the file.
 class Lookup {
  public:
   Lookup(const JsonAt& top, const JsonAt& frame) : top_(top), frame_(frame) {}
@@ -102,7 +102,7 @@ TransformsFile transforms_of(const JsonAt& top) {
     f.place = fmt::format("frames[{}]", i);
     f.name = frame.at("file_path").text();
     f.camera = stated_camera(Lookup(top, frame));
-    // A scale that an exporter left in the camera's matrix has no meaning for a camera: only rotation and place are used.
+    // Exporters may leave a scale in the camera matrix; it has no meaning for a camera: only rotation and position are used.
     const char* key = bare_list && !frame.has("transform_matrix") ? "transform" : "transform_matrix";
     const Similarity file_from_cam = similarity_of(frame.at(key));
     f.cam_from_world = inverse(Rigid{original_from_applied.rotation * flipped_axes(file_from_cam.rotation),
@@ -135,7 +135,7 @@ ColmapCamera StatedCamera::camera(PictureSize picture, std::optional<double> foc
   return out;
 }
 
-// A uniform scale times a rotation, and a translation. Anything else is refused.
+// Accepts a uniform scale times a rotation, and a translation; throws otherwise.
 Similarity similarity_of(const JsonAt& rows) {
   const char* expected = "expected a 4x4 matrix: 4 (or 3) rows of 4 numbers";
   if (!rows.value().is_array() || (rows.size() != 4 && rows.size() != 3)) rows.fail(expected);

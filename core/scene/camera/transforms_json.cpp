@@ -1,4 +1,4 @@
-// transforms.json as cameras of undistorted views, read and written.
+// Reader and writer of transforms.json for undistorted views.
 #include <algorithm>
 #include <set>
 
@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-// The folder to take off every name: up to "images" when all frames lie below such a folder, else all that they share.
+// Common prefix to remove from all names: up to "images" if all frames are below such a folder, else the deepest shared folder.
 fs::path shared_folder(const std::vector<fs::path>& paths) {
   const std::vector<fs::path> first(paths.front().begin(), paths.front().end());
   size_t shared = first.empty() ? 0 : first.size() - 1;

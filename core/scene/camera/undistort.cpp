@@ -10,7 +10,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kInvisible = 0.01;  // px: a hundredth of a pixel is below the noise of SfM
+constexpr double kInvisible = 0.01;  // px, below the noise of SfM
 
 Vec2d landing(const ColmapCamera& camera, const Intrinsics& pinhole, const Vec2d& pixel) {
   const std::optional<Vec2d> d = unproject(camera, pixel);
@@ -36,7 +36,7 @@ Undistortion undistortion(const ColmapCamera& camera) {
     moved = std::max(moved, std::hypot(to.x - from.x, to.y - from.y));
     return to;
   };
-  // The curves bend smoothly: pixel steps on the border miss nothing visible.
+  // The borders are smooth curves: sampling them at pixel steps is sufficient.
   for (int i = 0; i <= pinhole.height; ++i) {
     left = std::max(left, note({0, double(i)}).x);
     right = std::min(right, note({w, double(i)}).x);

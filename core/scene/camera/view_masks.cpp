@@ -27,7 +27,7 @@ std::optional<ImageF> read_view_mask(const fs::path& artifact, MaskClass kind, c
          .hint = "run the masks stage again",
          .code = "MASK_SIZE"});
   if (file.channels() == 1) return file;
-  // Painted over and saved in colour: grey is the same in every channel.
+  // Masks edited and saved in colour: all channels are equal.
   ImageF grey(file.width(), file.height(), 1);
   for (size_t i = 0; i < grey.pixel_count(); ++i) grey.data()[i] = file.data()[i * size_t(file.channels())];
   return grey;

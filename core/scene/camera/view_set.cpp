@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::vector<ScenePoint> scene_points(const ColmapModel& model, const std::vector<View>& views) {
-  std::vector<uint32_t> index_of_image(model.images.size());  // position in model.images -> position in views
+  std::vector<uint32_t> index_of_image(model.images.size());  // index in model.images -> index in views
   for (size_t i = 0; i < model.images.size(); ++i) {
     const auto at = std::lower_bound(views.begin(), views.end(), model.images[i].name,
                                      [](const View& v, const std::string& name) { return v.name < name; });

@@ -8,7 +8,7 @@ namespace {
 
 struct Glyph {
   char letter;
-  std::array<unsigned char, kGlyphHeight> rows;  // five bits each, the leftmost highest
+  std::array<unsigned char, kGlyphHeight> rows;  // five bits each, leftmost = most significant
 };
 
 constexpr Glyph kGlyphs[] = {

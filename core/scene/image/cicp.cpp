@@ -49,20 +49,20 @@ std::optional<Primaries> primaries_of(unsigned code) {
   }
 }
 
-// Inverse of the camera's curve, BT.709 and its relatives.
+// Inverse of the camera transfer function (BT.709 and similar).
 double from_bt709(double v) {
   constexpr double kAlpha = 1.09929682680944, kBeta = 0.018053968510807;
   return v < 4.5 * kBeta ? v / 4.5 : std::pow((v + kAlpha - 1) / kAlpha, 1 / 0.45);
 }
 
-double from_pq(double v) {  // SMPTE ST 2084, over the diffuse white
+double from_pq(double v) {  // SMPTE ST 2084, relative to the diffuse white
   constexpr double kM1 = 2610.0 / 16384, kM2 = 2523.0 / 32, kC1 = 3424.0 / 4096, kC2 = 2413.0 / 128, kC3 = 2392.0 / 128;
   constexpr double kPeak = 10000, kWhite = 203;
   const double p = std::pow(std::min(v, 1.0), 1 / kM2);
   return kPeak / kWhite * std::pow(std::max(p - kC1, 0.0) / (kC2 - kC3 * p), 1 / kM1);
 }
 
-double from_hlg(double v) {  // ARIB STD-B67, light of the scene over that of 75 %
+double from_hlg(double v) {  // ARIB STD-B67, scene light relative to that of the 75 % signal
   constexpr double kA = 0.17883277, kB = 1 - 4 * kA;
   const double c = 0.5 - kA * std::log(4 * kA);
   const auto light = [&](double e) { return e <= 0.5 ? e * e / 3 : (std::exp((e - c) / kA) + kB) / 12; };

@@ -10,7 +10,7 @@ namespace vitrine {
 namespace {
 
 const Codecs* load() {
-  // Beside the program; where that was built, for programs that stand elsewhere.
+  // Next to the executable, else in the build folder (for executables elsewhere).
   const fs::path built = VITRINE_CODECS, beside = fs::read_symlink("/proc/self/exe").parent_path() / built.filename();
   std::error_code none;
   const fs::path path = fs::exists(beside, none) ? beside : built;

@@ -15,10 +15,10 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kTable = 65536;            // all values of 8 and 16 bit samples are multiples of 1/65535
-constexpr Vec3d kD50{0.9642, 1.0, 0.8249};  // as ICC profiles have it
+constexpr Vec3d kD50{0.9642, 1.0, 0.8249};  // as in ICC profiles
 
-// Variants of sRGB differ by rounding: 0.001 in the matrix; the small profiles that web services write, by one step of 8 bits
-// of the curve. Its nearest neighbours (gamma 2.2, Rec. 601 primaries) are ten times as far away.
+// Tolerances for sRGB variants. They differ by rounding: 0.001 in the matrix; one 8-bit step of the curve in the small profiles
+// written by web services. The nearest other spaces (gamma 2.2, Rec. 601 primaries) differ ten times as much.
 constexpr double kSameMatrix = 0.005, kSameCurve = 1.5 / 255;
 
 Mat3d inverse(const Mat3d& m) {
@@ -28,7 +28,7 @@ Mat3d inverse(const Mat3d& m) {
 
 Mat3d diagonal(const Vec3d& v) { return {{v.x, 0, 0}, {0, v.y, 0}, {0, 0, v.z}}; }
 
-// Bradford: cone responses are scaled so that one white becomes the other.
+// Bradford adaptation: scales the cone responses to map one white point to the other.
 Mat3d adaptation(const Vec3d& from, const Vec3d& to) {
   const Mat3d cones{{0.8951, -0.7502, 0.0389}, {0.2664, 1.7135, -0.0685}, {-0.1614, 0.0367, 1.0296}};
   const Vec3d a = cones * from, b = cones * to;
@@ -43,7 +43,7 @@ bool same_matrix(const Mat3d& a, const Mat3d& b) {
   return true;
 }
 
-// Compared as an eye would, in steps of sRGB.
+// Compares perceptually, in sRGB steps.
 bool same_curve(const std::vector<float>& table, const ColorProfile::Curve& curve) {
   for (size_t i = 0; i < kTable; i += 257) {
     const double other = curve(double(i) / (kTable - 1));
@@ -74,7 +74,7 @@ const std::vector<float>& srgb_table() {
   return table;
 }
 
-// The comparison also catches NaN, which a float file in disguise may hold.
+// The comparison also rejects NaN, which a mislabelled float file may contain.
 size_t index_of(float v) { return v > 0 ? static_cast<size_t>(std::min(v, 1.0f) * 65535.0f + 0.5f) : 0; }
 
 }  // namespace
@@ -125,7 +125,7 @@ ColorProfile::ColorProfile(std::string name, const std::vector<Curve>& curves, c
     if (curves_.empty()) kind_ = Kind::Rec709, name_ = "linear Rec. 709";
     if (has_curve(srgb_curve)) {
       kind_ = Kind::Srgb, name_ = "sRGB", tables_ = {};
-      return;  // it has a table of its own
+      return;  // uses its own table
     }
   }
   for (const KnownSpace& known : kKnownSpaces)
@@ -160,7 +160,7 @@ void ColorProfile::multiply(float* rgb, size_t pixels) const {
 namespace {
 
 constexpr size_t kChunk = 1 << 14;      // pixels
-constexpr double kBrightest = 65504.0;  // far beyond 1, where curves were never meant to be asked
+constexpr double kBrightest = 65504.0;  // far above 1, outside the intended domain of the curves
 
 }  // namespace
 
@@ -223,7 +223,7 @@ ColorProfilePtr adobe_rgb_profile() {
 }
 
 ColorProfilePtr primaries_profile(std::string name, const Chromaticities& primaries, const ColorProfile::Curve& curve) {
-  constexpr double kLargest = 100;  // of a matrix of real primaries; ACES AP0 has 2.5
+  constexpr double kLargest = 100;  // maximum matrix element of real primaries; ACES AP0 has 2.5
   if (!(primaries.white_y > 0)) return nullptr;
   const Mat3d m = rec709_from_xyz_d50() * xyz_d50_from(primaries);
   for (size_t i = 0; i < 9; ++i)

@@ -12,7 +12,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr int kSheetGap = 4, kTextMargin = 6, kTextScale = 2;  // pixels, pixels, times the size of the font
+constexpr int kSheetGap = 4, kTextMargin = 6, kTextScale = 2;  // pixels, pixels, font scale
 constexpr int kTextBar = kGlyphHeight * kTextScale + 2 * kTextMargin;
 constexpr uint8_t kSheetGrey = 24, kTitleGrey = 200, kLabelGrey = 255;
 
@@ -38,7 +38,7 @@ Image8 ContactSheet::picture() const {
     columns = std::max(columns, std::min(columns_, int(row.cells.size())));
     for (const Cell& cell : row.cells) width = std::max(width, cell.picture.width());
   }
-  std::vector<Image8> strips;  // one below the other
+  std::vector<Image8> strips;  // stacked vertically
   const auto strip = [&](int height) -> Image8& {
     return strips.emplace_back(columns * (width + kSheetGap) + kSheetGap, height, 3, kSheetGrey);
   };

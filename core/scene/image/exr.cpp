@@ -27,10 +27,10 @@ namespace vitrine {
 
 namespace {
 
-// The library allocates what a size in a header says before it looks whether the file has it, and some types it reads by their
-// contents, after which it is elsewhere than the size says. So headers are looked through before the library is given them.
+// Header checks before the OpenEXR library sees the file: it allocates sizes from the header without checking the file size,
+// and reads some attribute types by content, so it loses its position if the stated size is wrong.
 
-// Bytes that the library reads for an attribute of this type, whatever the size beside it says.
+// Bytes that the library reads for this attribute type, regardless of the stated size.
 size_t fixed_size(const std::string& type) {
   static const std::map<std::string, size_t> sizes = {{"box2f", 16},
                                                       {"box2i", 16},
@@ -60,7 +60,7 @@ size_t fixed_size(const std::string& type) {
   return found == sizes.end() ? 0 : found->second;
 }
 
-// Names with 16 bytes behind each, and an empty name at the very end.
+// Channel names with 16 bytes each, terminated by an empty name.
 bool whole_channel_list(const std::string& list) {
   for (size_t at = 0; at < list.size();) {
     const size_t end = list.find('\0', at);
@@ -78,14 +78,14 @@ bool whole_preview(const std::string& preview) {
   return size[0] < 1 << 16 && size[1] < 1 << 16 && preview.size() == sizeof size + 4 * size_t(size[0]) * size[1];
 }
 
-// Whether every attribute (name, type, size, bytes; an empty name ends them) lies in the file and has the size of its type.
+// True if every attribute (name, type, size, bytes; terminated by an empty name) is inside the file and its size fits its type.
 bool whole_exr_header(const fs::path& path) {
   constexpr size_t kLongestName = 256;
   std::ifstream in(path, std::ios::binary);
   const uint64_t size = fs::file_size(path);
-  uint64_t at = 8;  // magic number and version
+  uint64_t at = 8;  // after magic number and version
   in.seekg(5);
-  const bool several_parts = in.get() & 0x10;  // an empty header ends them
+  const bool several_parts = in.get() & 0x10;  // headers are terminated by an empty one
   in.seekg(static_cast<std::streamoff>(at));
   const auto word = [&] {
     std::string text;
@@ -115,7 +115,7 @@ bool whole_exr_header(const fs::path& path) {
 
 constexpr size_t kMaxChannels = 1024;
 constexpr int kMaxSide = 1 << 20, kMaxTile = 1 << 12;
-// A file may be black, but even then so many values need some bytes: a damaged header asks for memory without them.
+// Even an all-black file needs some bytes for this many values; a damaged header requests memory without them.
 constexpr size_t kAlwaysFine = size_t(1) << 26, kValuesPerByte = 1024;
 
 constexpr const char* kDamagedHint =
@@ -127,7 +127,7 @@ constexpr const char* kExportHint = "export it again from the program that wrote
               {.where = path.string(), .why = std::move(why), .hint = hint, .code = "BAD_EXR"});
 }
 
-// R,G,B,A and X,Y,Z have a natural order that the file (which sorts by name) does not keep; layers keep it within a layer.
+// Channel order R,G,B,A and X,Y,Z (files sort by name); applied within each layer.
 int natural_rank(const std::string& channel) {
   const std::string base = exr_base_name(channel);
   for (const auto& [word, rank] : {std::pair{"G", 1}, {"B", 2}, {"A", 3}, {"Y", 1}, {"Z", 2}})
@@ -135,18 +135,18 @@ int natural_rank(const std::string& channel) {
   return 0;
 }
 
-// Pixels are those of the display window, which is the picture; what the file stores (the data window) may be more or less.
+// Display window (the image) and data window (the stored pixels), which may be smaller or larger.
 struct ExrWindow {
   Imath::Box2i data;
   int width = 0, height = 0;  // of the display window
   int left = 0, top = 0;      // of the display window, in the coordinates of the file
   int data_width = 0, data_height = 0;
-  bool whole = true;  // both are the same
+  bool whole = true;  // both windows are equal
 };
 
 class ExrFile {
  public:
-  // Throws what the library throws; `max_pixels` bounds both windows.
+  // Throws library exceptions; `max_pixels` limits both windows.
   ExrFile(const fs::path& path, size_t max_pixels) : path_(path), file_(checked(path), 1), max_pixels_(max_pixels) {}
 
   std::vector<ExrPart> parts() const {
@@ -169,7 +169,7 @@ class ExrFile {
   }
   const Imf::Header& header(size_t part) const { return file_.header(int(part)); }
 
-  // Refuses sizes that no file of so many bytes can hold.
+  // Throws for sizes that a file of this length cannot hold.
   ExrWindow window(size_t part, size_t channels) const {
     const Imath::Box2i data = header(part).dataWindow(), display = header(part).displayWindow();
     const auto side = [](int low, int high) { return int64_t(high) - low + 1; };
@@ -208,7 +208,7 @@ class ExrFile {
     return window.whole ? std::move(stored) : displayed(stored, window);
   }
 
-  // Y, RY, BY, of which the colours may have fewer pixels: the library converts them, in half precision.
+  // Y, RY, BY, possibly with subsampled chroma: the library converts them, in half precision.
   ImageF read_luminance_chroma() {
     const ExrWindow window = this->window(0, 4);
     std::vector<Imf::Rgba> row(size_t(window.data_width));
@@ -239,7 +239,7 @@ class ExrFile {
  private:
   static const char* checked(const fs::path& path) {
     if (!whole_exr_header(path)) bad_exr(path, "its header is damaged, or the file is cut short");
-    // Checked by the library before it allocates its own tables.
+    // The library checks this before it allocates its own tables.
     Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);
     Imf::Header::setMaxTileSize(kMaxTile, kMaxTile);
     return path.c_str();
@@ -274,7 +274,7 @@ void note_windows(const ExrWindow& w, const Imf::Header& header, std::vector<std
     notes.push_back(fmt::format("an EXR whose pixels are not square (aspect ratio {:g}): they are taken as square", aspect));
 }
 
-// The channels that are the picture. Throws when there are none, or none that can be read.
+// Channels of the main layer. Throws if there are none, or none that can be read.
 ExrColors picture_of(const ExrFile& file, const fs::path& path, std::vector<std::string>& notes) {
   const std::vector<ExrPart> parts = file.parts();
   ExrColors colors = exr_colors(parts, file.views());

@@ -27,8 +27,8 @@ bool among(const std::vector<std::string>& words, const std::string& word) {
 
 struct ExrLayer {
   size_t part = 0;
-  std::string name;                             // its prefix, or the name of its part
-  bool plain = false;                           // channels without a prefix
+  std::string name;                             // prefix, or name of the part
+  bool plain = false;                           // channels have no prefix
   std::map<std::string, std::string> channels;  // base name -> channel
   int rank = 0, view = 0;
 
@@ -36,11 +36,11 @@ struct ExrLayer {
     return std::all_of(bases.begin(), bases.end(), [&](const char* b) { return channels.contains(b); });
   }
   bool coloured() const { return has({"R", "G", "B"}); }
-  // Luminance, unless X and Z beside it make it a coordinate.
+  // Luminance; not if X and Z exist too (then Y is a coordinate).
   bool grey() const { return (has({"Y"}) && !has({"X"}) && !has({"Z"})) || (has({"R"}) && !has({"G"}) && !has({"B"})); }
 };
 
-constexpr int kNamedRanks = 4;  // ranks below are names that say that this is the picture
+constexpr int kNamedRanks = 4;  // ranks below are names of main layers
 
 int rank_of(const ExrLayer& layer, const std::vector<std::string>& words) {
   if (among(words, "combined")) return among(words, "composite") ? 0 : 1;
@@ -140,7 +140,7 @@ ExrColors exr_colors(const std::vector<ExrPart>& parts, const std::vector<std::s
   std::stable_sort(layers.begin(), layers.end(),
                    [](const ExrLayer& a, const ExrLayer& b) { return std::pair(a.rank, a.view) < std::pair(b.rank, b.view); });
   const ExrLayer& best = layers.front();
-  std::vector<std::string> rivals;  // as good by their names
+  std::vector<std::string> rivals;  // equally ranked by name
   size_t other_views = 0;
   for (size_t i = 1; i < layers.size(); ++i) {
     other_views += layers[i].view != best.view;

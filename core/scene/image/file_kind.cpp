@@ -22,7 +22,7 @@ struct Magic {
   std::string_view bytes, name, advice;
 };
 
-// The first that fits counts.
+// The first match is used.
 constexpr Magic kMagics[] = {
     {0, "\0\0\0\x0cJXL \r\n\x87\n"sv, "a JPEG XL picture", kConvert},
     {0, "\xff\x0a"sv, "a JPEG XL picture", kConvert},
@@ -72,7 +72,7 @@ constexpr Magic kMagics[] = {
     {0, "\x89PNG"sv, "a PNG whose line ends were converted (a transfer as text)", "copy it again as binary"},
 };
 
-FileKind boxed_kind(std::string_view b) {  // ISO base media: the size of the first box, "ftyp", its brands
+FileKind boxed_kind(std::string_view b) {  // ISO base media: size of the first box, "ftyp", brands
   const size_t size = std::min<size_t>(static_cast<unsigned char>(b[2]) << 8 | static_cast<unsigned char>(b[3]), b.size());
   const std::string_view major = b.substr(8, 4), brands = b.substr(8, std::max<size_t>(size, 12) - 8);
   const auto among = [&](std::initializer_list<std::string_view> words) {
@@ -86,7 +86,7 @@ FileKind boxed_kind(std::string_view b) {  // ISO base media: the size of the fi
   return {"a film (MP4)", std::string(kFrames)};
 }
 
-// Markup and text. A byte order mark and blanks may come first.
+// Markup and text. A byte order mark and white space may precede.
 FileKind text_kind(std::string_view b) {
   constexpr size_t kLooked = 1024;
   std::string start(b.substr(0, kLooked));
@@ -111,7 +111,7 @@ FileKind text_kind(std::string_view b) {
   return {};
 }
 
-// A picture that does not begin at the beginning.
+// Image data that do not start at the first byte.
 FileKind shifted_kind(std::string_view b) {
   constexpr size_t kLooked = 4096;
   const std::string_view start = b.substr(0, kLooked);

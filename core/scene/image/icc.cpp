@@ -18,7 +18,7 @@ namespace vitrine {
 
 namespace {
 
-// A context of its own for every profile: no global state, and the library's words come to us instead of nowhere.
+// One Little CMS context per profile: no global state, and error messages are captured.
 struct Context {
   std::string said;
   cmsContext handle = nullptr;
@@ -82,7 +82,7 @@ std::string four_letters(cmsUInt32Number signature) {
   return word;
 }
 
-// Straight beyond the last entry: floating-point samples may be brighter than white.
+// Linear extrapolation beyond the last entry: floating-point samples may be brighter than white.
 ColorProfile::Curve curve_of_table(std::vector<float> table) {
   return [table = std::move(table)](double v) {
     const double at = std::max(v, 0.0) * double(table.size() - 1);
@@ -91,14 +91,13 @@ ColorProfile::Curve curve_of_table(std::vector<float> table) {
   };
 }
 
-// A curve of the profile; none when it is not there or no light follows it.
+// Tone curve of the profile; none if it is missing or invalid.
 ColorProfile::Curve curve_of(const std::shared_ptr<Lcms>& lcms, cmsTagSignature tag) {
   const auto* curve = static_cast<const cmsToneCurve*>(cmsReadTag(lcms->profile, tag));
   if (!curve) return {};
   ColorProfile::Curve f;
   const cmsUInt32Number entries = cmsGetToneCurveEstimatedTableEntries(curve);
-  // Little CMS reads tables in steps of 16 bits of the result, which are coarse in the dark: between their entries we
-  // interpolate.
+  // Little CMS evaluates tables with 16-bit output, which is coarse in dark tones; interpolate the table entries instead.
   if (cmsGetToneCurveParametricType(curve) == 0 && entries >= 2) {
     const cmsUInt16Number* table = cmsGetToneCurveEstimatedTable(curve);
     std::vector<float> values(entries);
@@ -108,7 +107,7 @@ ColorProfile::Curve curve_of(const std::shared_ptr<Lcms>& lcms, cmsTagSignature 
     f = [lcms, curve](double v) { return double(cmsEvalToneCurveFloat(curve, float(v))); };
   }
   const double dark = f(0), middle = f(0.5), bright = f(1);
-  constexpr double kLargest = 16, kLeast = 1e-4;  // below: a gamma above 13
+  constexpr double kLargest = 16, kLeast = 1e-4;  // lower bound: gamma 13
   return dark >= -0.5 && middle > dark + kLeast && bright > middle && bright < kLargest ? f : ColorProfile::Curve{};
 }
 
@@ -117,7 +116,7 @@ IccProfile unusable(const Lcms& lcms, std::string why) {
   return {.profile = nullptr, .problem = std::move(why)};
 }
 
-// HDR pictures name a curve that the tables of their profile only approach.
+// HDR images state their transfer curve as code points; the profile tables only approximate it.
 std::optional<Cicp> cicp_of(cmsHPROFILE profile) {
   unsigned char raw[12] = {};
   const auto tag = static_cast<cmsTagSignature>(0x63696370);
@@ -133,7 +132,7 @@ IccProfile grey_profile(const std::shared_ptr<Lcms>& lcms) {
   for (size_t i = 0; i < kEntries; ++i) in[i] = float(i) / (kEntries - 1);
   cmsDoTransform(lcms->transform, in.data(), out.data(), kEntries);
   for (size_t i = 0; i < kEntries; ++i) {
-    table[i] = out[3 * i + 1];  // grey stays grey: the channels differ by the rounding of the white
+    table[i] = out[3 * i + 1];  // keeps grey neutral: the channels differ by white point rounding
     if (!std::isfinite(table[i])) return unusable(*lcms, "its curve is damaged");
   }
   if (!(table.back() > table.front())) return unusable(*lcms, "its curve is damaged");
@@ -170,7 +169,7 @@ IccProfile matrix_profile(const std::shared_ptr<Lcms>& lcms) {
   return profile->is_finite() ? IccProfile{.profile = profile, .problem = {}} : unusable(*lcms, "one of its curves is damaged");
 }
 
-// Whether a table gives what sRGB gives, within a step and a half of 8 bits: such photos keep their exact decoding.
+// True if a table matches sRGB within 1.5 8-bit steps: such photos use the exact sRGB decoding.
 bool is_srgb_table(cmsHTRANSFORM transform) {
   constexpr size_t kSteps = 9;
   constexpr double kSame = 1.5 / 255;
@@ -216,7 +215,7 @@ IccProfile read_icc(std::string_view bytes) {
     return unusable(*lcms, fmt::format("it is for pictures of the colour space '{}'", four_letters(space)));
   if (const auto cicp = cicp_of(lcms->profile))
     if (const ColorProfilePtr profile = cicp_profile(*cicp)) return {.profile = profile, .problem = {}};
-  // Of another intent, too: the library then takes that one.
+  // Tables of other intents also count: Little CMS falls back to them.
   for (const cmsTagSignature table : {cmsSigAToB1Tag, cmsSigAToB0Tag, cmsSigDToB1Tag, cmsSigDToB0Tag})
     if (cmsIsTag(lcms->profile, table)) return table_profile(lcms);
   return matrix_profile(lcms);

@@ -36,7 +36,7 @@ bool is_frame(unsigned marker) {
          marker != kArithmeticTables;
 }
 
-// Markers that may stand between the scans of a picture.
+// Markers allowed between the scans of an image.
 bool continues_picture(unsigned m) {
   return m == kHuffmanTables || m == kArithmeticTables || (m >= kStartOfScan && m <= kRestartInterval) ||
          (m >= kApplication0 && m <= kApplication15) || m == kComment || m == kEndOfImage;
@@ -67,7 +67,8 @@ std::string refused_frame(unsigned marker, std::string_view payload) {
   return "";
 }
 
-// The next marker behind coded data, in which each ff is followed by 00 or by a restart marker. npos: the bytes end before it.
+// Offset of the next marker after entropy-coded data, in which each ff is followed by 00 or a restart marker; npos if the bytes
+// end before.
 size_t end_of_scan(std::string_view b, size_t at) {
   for (;;) {
     at = b.find('\xff', at);
@@ -95,7 +96,7 @@ JpegStructure jpeg_structure(std::string_view b) {
     return s;
   };
   while (at + 2 <= b.size()) {
-    if (jpeg_byte(b, at) != 0xff) {  // decoders skip such bytes between segments
+    if (jpeg_byte(b, at) != 0xff) {  // decoders skip bytes between segments
       at = b.find('\xff', at);
       if (at == std::string_view::npos) return cut();
       continue;
@@ -134,7 +135,7 @@ JpegStructure jpeg_structure(std::string_view b) {
     at += 2 + length;
     if (marker == kStartOfScan) {
       ++scans;
-      if (length < 3 || jpeg_byte(b, at - length + 2) != components) one_scan = false;  // other components in further scans
+      if (length < 3 || jpeg_byte(b, at - length + 2) != components) one_scan = false;  // further scans have other components
       at = end_of_scan(b, at);
       if (at == std::string_view::npos) {
         s.end_missing = one_scan && scans == 1 && !b.ends_with(std::string_view("\0\0\0\0", 4));

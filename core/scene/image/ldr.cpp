@@ -36,7 +36,7 @@ Image<T> rgb_of(const cv::Mat& mat) {
     const T* from = mat.ptr<T>(y);
     T* to = image.pixel(0, y);
     for (int x = 0; x < mat.cols; ++x, from += channels, to += channels)
-      for (int c = 0; c < channels; ++c) to[c] = from[channels >= 3 && c < 3 ? 2 - c : c];  // OpenCV stores B, G, R
+      for (int c = 0; c < channels; ++c) to[c] = from[channels >= 3 && c < 3 ? 2 - c : c];  // OpenCV order is B, G, R
   }
   return image;
 }
@@ -60,11 +60,11 @@ AnyImage decode_other(const fs::path& path, const std::string& bytes) {
 
 struct Decoded {
   AnyImage image;
-  bool reduced = false;  // the codec has applied the reduction
-  int orientation = 1;   // of a TIFF's page
+  bool reduced = false;  // the codec already applied the reduction
+  int orientation = 1;   // orientation tag of the TIFF page
 };
 
-// `channels`: 0 = as the file has them, else what is wanted of a JPEG, which gives it at once, as it does `reduction`.
+// `channels`: 0 = as in the file, else the number requested from the JPEG decoder, which also applies `reduction`.
 Decoded decode(const fs::path& path, int channels = 0, int reduction = 1) {
   const std::string bytes = read_file(path);
   if (bytes.size() > kMaxBytes) bad_image(path, fmt::format("a picture of {} bytes is too large", bytes.size()));
@@ -116,7 +116,7 @@ uint8_t byte_of(uint8_t v) { return v; }
 uint8_t byte_of(uint16_t v) { return static_cast<uint8_t>((v + 128) / 257); }
 uint8_t byte_of(float v) { return v > 0 ? static_cast<uint8_t>(std::min(v, 1.f) * 255.f + 0.5f) : uint8_t(0); }
 
-// Grey is repeated, or made of RGB as ITU-R BT.601 weighs it; alpha is dropped.
+// Grey is replicated; RGB is converted to grey with ITU-R BT.601 weights; alpha is dropped.
 Image8 bytes_of(const AnyImage& any, int channels) {
   return std::visit(
       [&](const auto& image) {

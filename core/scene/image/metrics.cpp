@@ -15,7 +15,7 @@ namespace {
 constexpr double kEqualImagesDb = 99.0;
 constexpr int kWindowRadius = 5;
 constexpr int kCorrelationWindow = 7;
-constexpr double kPlain = 1e-6;                         // variance in a window: a quarter of a step of 8 bits
+constexpr double kPlain = 1e-6;                         // minimum window variance: a quarter of an 8-bit step, squared
 constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // for values in [0, 1]
 
 void check_sizes(const ImageF& a, const ImageF& b, const ImageF* mask) {
@@ -27,7 +27,7 @@ void check_sizes(const ImageF& a, const ImageF& b, const ImageF* mask) {
 
 using Plane = std::vector<double>;
 
-// Gaussian blur with zero padding outside the picture, as the reference implementations of the field do.
+// Gaussian blur with zero padding, as in the reference implementations.
 Plane blurred(const Plane& in, int width, int height, const std::array<double, 2 * kWindowRadius + 1>& kernel) {
   Plane rows(in.size()), out(in.size());
   parallel_for(size_t(height), 16, [&](size_t y) {
@@ -99,7 +99,7 @@ LocalCorrelation local_correlation(const ImageF& srgb, const ImageF& reference_s
     for (int c = 0; c < image.channels(); ++c) sum += image.at(x, y, c);
     return sum / image.channels();
   };
-  // Sums over all pixels above and left of one, the first row and column zero.
+  // Summed-area table: sums over all pixels above and left; first row and column are zero.
   struct Sums {
     double inside = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
     Sums& add(const Sums& o, double sign) {

@@ -54,7 +54,7 @@ PictureFile examine_picture(std::string_view bytes, std::string_view extension) 
     case PhotoFormat::Png:
       file.refusal = missing_end(bytes);
       break;
-    case PhotoFormat::Exr:  // its reader finds out
+    case PhotoFormat::Exr:  // checked by its reader
       break;
   }
   return file;

@@ -33,7 +33,7 @@ void probe_tiff(std::string_view b, Probe& probe) {
 }
 
 void probe_exr(std::string_view b, Probe& probe) {
-  constexpr std::string_view kWindow("displayWindow\0box2i\0", 20);  // what is read, whatever part of it the file holds
+  constexpr std::string_view kWindow("displayWindow\0box2i\0", 20);  // parsed even if the file is truncated here
   const size_t at = b.find(kWindow);
   if (at == std::string_view::npos) return;
   int32_t box[4];
@@ -74,7 +74,7 @@ Probe probe_photo(std::string_view b) {
 
 std::string implausible_size(const Probe& probe, size_t file_bytes) {
   constexpr uint64_t kMaxPixels = uint64_t{1} << 28, kAlwaysFine = uint64_t{1} << 24;
-  constexpr uint64_t kPixelsPerByte = 2048;  // deflate shrinks 1032 times at best, a byte of a JPEG fills 340 pixels at most
+  constexpr uint64_t kPixelsPerByte = 2048;  // deflate compresses at most 1032:1, one JPEG byte fills at most 340 pixels
   const uint64_t w = probe.width, h = probe.height;
   if (w > kMaxPixels || h > kMaxPixels || w * h > kMaxPixels)
     return fmt::format("{} x {} pixels are more than vitrine takes ({})", w, h, kMaxPixels);

@@ -7,7 +7,7 @@
 namespace vitrine {
 
 namespace {
-constexpr float kBrightest = 65504.0f;  // the largest number of the EXR files that are written
+constexpr float kBrightest = 65504.0f;  // half-float maximum, used by the EXR files we write
 }
 
 RepairedValues repair_values(ImageF& image, float darkest) {

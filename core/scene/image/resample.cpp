@@ -13,11 +13,10 @@ namespace {
 
 struct Tap {
   int first = 0;
-  std::vector<float> weights;  // sum 1, for source pixels first, first+1, ...
+  std::vector<float> weights;  // normalised weights of source pixels first, first+1, ...
 };
 
-// For every target pixel, the source pixels under its footprint: area overlap when shrinking, a tent of width one source
-// pixel when enlarging.
+// Filter taps per target pixel: area overlap for shrinking, a tent one source pixel wide for enlarging.
 std::vector<Tap> taps(int source, int target) {
   std::vector<Tap> out(static_cast<size_t>(target));
   const double step = double(source) / target;
@@ -114,7 +113,7 @@ ImageF upright(const ImageF& stored, int orientation) {
   const int w = stored.width(), h = stored.height(), channels = stored.channels();
   const bool turned = orientation >= 5;
   ImageF out(turned ? h : w, turned ? w : h, channels);
-  // Where row 0 and column 0 of the stored image belong (EXIF 2.32, tag 0x0112):
+  // Position of row 0 and column 0 of the stored image (EXIF 2.32, tag 0x0112):
   //   1 top left  2 top right  3 bottom right  4 bottom left  5 left top  6 right top  7 right bottom  8 left bottom
   const bool mirror_x = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
   const bool mirror_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;

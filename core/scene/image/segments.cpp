@@ -38,7 +38,7 @@ bool is_start_of_frame(unsigned marker) {  // SOF0..15 without DHT, JPG, DAC
 }
 
 bool png_chunks(std::string_view b, const std::function<void(std::string_view type, std::string_view data)>& visit) {
-  size_t at = 8;  // behind the signature
+  size_t at = 8;  // after the signature
   while (at + 12 <= b.size()) {
     const size_t length = number_at(b, at, 4, true);
     const std::string_view type = b.substr(at + 4, 4);
@@ -65,7 +65,7 @@ std::string_view tiff_profile(std::string_view b) {
 }
 
 std::string_view exr_attribute(std::string_view b, std::string_view name, std::string_view type) {
-  size_t at = 8;  // behind the magic number and the version
+  size_t at = 8;  // after magic number and version
   const auto word = [&]() -> std::string_view {
     const size_t end = at < b.size() ? b.find('\0', at) : std::string_view::npos;
     if (end == std::string_view::npos) {

@@ -16,14 +16,14 @@ namespace {
 constexpr unsigned kPhotometricMinIsWhite = 0, kPhotometricPalette = 3, kPhotometricYcbcr = 6, kCompressionJpeg = 7;
 constexpr unsigned kFloatingPoint = 3;
 
-// Which sample of a pixel each channel of the picture takes.
+// Sample index of each image channel.
 struct TiffLayout {
   std::vector<unsigned> source;
-  unsigned samples = 1;  // of a pixel in a block: 1 in a planar file
+  unsigned samples = 1;  // samples per pixel in a block: 1 in a planar file
   bool planar = false;
 };
 
-// `read(row, index)` gives sample `index` of a row of a block.
+// `read(row, index)` returns sample `index` of a row of a block.
 template <class T, class Read>
 void place_samples(Image<T>& out, const TiffBlock& b, const TiffLayout& layout, Read&& read) {
   const unsigned channels = static_cast<unsigned>(out.channels());
@@ -38,7 +38,7 @@ void place_samples(Image<T>& out, const TiffBlock& b, const TiffLayout& layout, 
   }
 }
 
-// Rows that need nothing but copying.
+// Rows that are copied unchanged.
 template <class T>
 bool copied(Image<T>& out, const TiffBlock& b, const TiffLayout& layout, bool plain) {
   if (!plain || layout.planar || layout.samples != static_cast<unsigned>(out.channels())) return false;
@@ -85,7 +85,7 @@ void place_words(Image16& out, const TiffBlock& b, const TiffLayout& layout, con
   else if (page.bits == 32)
     place_samples(out, b, layout, [&](const uint8_t* row, size_t i) {
       const uint32_t v = loaded<uint32_t>(row, i);
-      return static_cast<uint16_t>(((inverted ? ~v : v) + uint64_t(32768)) / 65537);  // 65537 * 65535 is the largest of 32 bits
+      return static_cast<uint16_t>(((inverted ? ~v : v) + uint64_t(32768)) / 65537);  // 65537 * 65535 is the 32-bit maximum
     });
   else {
     const uint64_t highest = (1u << page.bits) - 1;
@@ -108,7 +108,7 @@ void place_floats(ImageF& out, const TiffBlock& b, const TiffLayout& layout, con
     place_samples(out, b, layout, [](const uint8_t* row, size_t i) { return loaded<float>(row, i); });
   else
     place_samples(out, b, layout, [](const uint8_t* row, size_t i) {
-      const double v = loaded<double>(row, i);  // beyond float: infinite, as a conversion on the way would make it
+      const double v = loaded<double>(row, i);  // beyond float range: infinite
       constexpr double kMost = std::numeric_limits<float>::max();
       return std::abs(v) > kMost ? std::copysign(std::numeric_limits<float>::infinity(), static_cast<float>(v > 0 ? 1 : -1))
                                  : static_cast<float>(v);
@@ -116,7 +116,7 @@ void place_floats(ImageF& out, const TiffBlock& b, const TiffLayout& layout, con
 }
 
 void place_palette(Image8& out, const TiffBlock& b, const TiffPage& page) {
-  // Colours have 16 bits; old writers filled in those of 8.
+  // Palette colours are 16 bit; old writers stored 8-bit values.
   const bool short_values = std::all_of(page.palette.begin(), page.palette.end(), [](uint16_t v) { return v < 256; });
   const size_t colours = size_t(1) << page.bits;
   for (int y = 0; y < b.rows; ++y)
@@ -129,7 +129,7 @@ void place_palette(Image8& out, const TiffBlock& b, const TiffPage& page) {
     }
 }
 
-// Grey with alpha: to four channels, as PNG files come.
+// Expands grey with alpha to four channels, like PNG files.
 template <class T>
 void widen(Image<T>& image) {
   if (image.channels() != 2) return;

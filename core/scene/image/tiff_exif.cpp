@@ -9,7 +9,7 @@ namespace vitrine {
 namespace {
 
 constexpr unsigned kTagOfExif = 34665, kTypeLong = 4;
-constexpr uint64_t kLargestField = 1024;  // maker notes and previews are left behind
+constexpr uint64_t kLargestField = 1024;  // maker notes and previews are dropped
 constexpr size_t kHeaderBytes = 8, kEntryBytes = 12, kMostFields = 256;
 constexpr unsigned kMaker = 271, kModel = 272, kOrientationTag = 274, kSoftware = 305, kTime = 306;
 
@@ -30,7 +30,7 @@ struct TiffCopiedField {
   std::string values;
 };
 
-// Fields of types that classic TIFF knows, small enough, that `wanted` accepts.
+// Fields accepted by `wanted`, of classic TIFF types and small enough.
 template <class F>
 std::vector<TiffCopiedField> fields_of(const TiffBytes& in, bool big, uint64_t at, F&& wanted) {
   std::vector<TiffCopiedField> fields;
@@ -48,7 +48,7 @@ size_t directory_bytes(const std::vector<TiffCopiedField>& fields) {
   return bytes;
 }
 
-// The directory for the place `at`, its values behind it.
+// Serialises a directory for offset `at`, followed by its values.
 std::string directory_of(const TiffWriter& w, const std::vector<TiffCopiedField>& fields, size_t at) {
   std::string out, values;
   const size_t values_at = at + 2 + kEntryBytes * fields.size() + 4;

@@ -146,7 +146,7 @@ TiffReadPage tiff_page_of(const TiffBytes& in, const TiffDirectory& directory, u
   return r;
 }
 
-// Cameras' own compressions and photometric interpretations of sensor values.
+// Camera-specific compressions and photometric interpretations of raw sensor data.
 bool is_sensor(const TiffPage& p) {
   return p.photometric == kColourFilterArray || p.photometric == kLinearRaw || p.compression == 34713 /* NEF */ ||
          p.compression == 32767 /* ARW */ || p.compression == 32769 || p.compression == 65000 || p.compression == 65535;
@@ -161,7 +161,7 @@ std::string raw_name(const std::string& make, bool dng, std::string_view bytes) 
   return "raw";
 }
 
-bool better(const TiffPage& a, const TiffPage& b) {  // whether a is the picture rather than b, which comes first
+bool better(const TiffPage& a, const TiffPage& b) {  // true if a is preferred to b, which precedes it
   if (a.mask != b.mask) return b.mask;
   if (a.reduced != b.reduced) return b.reduced;
   return a.width * a.height > b.width * b.height;
@@ -184,7 +184,7 @@ TiffPages tiff_pages(std::string_view bytes) {
   std::set<uint64_t> seen;
   bool dng = false, sensor = bytes.size() > 10 && bytes.substr(8, 2) == "CR" && !out.big;
   std::string make;
-  // The sub-directories of the page at `at`, and the place of the next page; 0 ends them.
+  // Adds the page at `at`; returns its sub-directories and the offset of the next page (0 = last).
   const auto add = [&](uint64_t at, bool sub) -> std::pair<std::vector<uint64_t>, uint64_t> {
     const TiffDirectory directory(in, out.big, at);
     if (!directory.whole() || out.pages.size() == kMaxPages || !seen.insert(at).second) {
@@ -215,7 +215,7 @@ TiffChannels tiff_channels(const TiffPage& p) {
   c.colours = p.photometric == kRgb || p.photometric == kYcbcr ? 3 : 1;
   if (p.samples <= c.colours) return c;
   const unsigned further = p.samples - c.colours;
-  // Old writers of RGBA leave the tag out; a fourth channel that the file calls unspecified is not taken for opacity.
+  // Old RGBA writers omit the tag; a fourth channel declared as unspecified is not used as alpha.
   if (!p.extra) {
     if (c.colours == 3 && further == 1) c.alpha = 3;
   } else {
@@ -293,7 +293,7 @@ std::vector<std::string> tiff_notes(const TiffPages& t) {
   std::vector<std::string> notes;
   if (t.pages.empty()) return notes;
   const TiffPage& p = t.chosen();
-  size_t full = 0;  // pages that could be the picture as well
+  size_t full = 0;  // number of pages that could also be the main page
   for (const TiffPage& other : t.pages)
     full += !other.reduced && !other.mask && !other.sub_directory && other.width * other.height == p.width * p.height;
   if (full > 1 && !p.reduced)

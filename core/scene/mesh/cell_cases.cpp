@@ -25,7 +25,7 @@ bool share_a_face(int e1, int e2) {
   return false;
 }
 
-// next[e] = the crossing that follows e on its loop, -1 for an edge without crossing.
+// next[e]: crossing that follows e on its loop, -1 for an edge without crossing.
 std::array<int, kCellEdges> successors(uint8_t inside, uint8_t joined) {
   std::array<int, kCellEdges> next;
   next.fill(-1);
@@ -33,9 +33,9 @@ std::array<int, kCellEdges> successors(uint8_t inside, uint8_t joined) {
     const auto& corner = cell_face_corners(f);
     const auto is_inside = [&](int i) { return (inside >> corner[i & 3]) & 1; };
     for (int i = 0; i < 4; ++i) {
-      if (is_inside(i) || !is_inside(i + 1)) continue;  // walking around the face, edge i goes into the inside
-      // The inside corners that follow are left through edge j; where the face is joined, the segment runs on the other side
-      // of the opening, to the edge through which the walk had left the inside before.
+      if (is_inside(i) || !is_inside(i + 1)) continue;  // walk around the face: edge i leads into the inside
+      // The walk leaves the inside corners through edge j. On a joined face the segment connects to the previous exit instead:
+      // the edge through which the walk left the inside before.
       int j;
       if ((joined >> f) & 1) {
         j = i + 3;
@@ -50,7 +50,8 @@ std::array<int, kCellEdges> successors(uint8_t inside, uint8_t joined) {
   return next;
 }
 
-// A triangulation of loop[first..last] whose diagonals avoid the faces; `closing` (first,last) is a side or checked already.
+// Triangulates loop[first..last] with diagonals that are not inside cell faces; `closing` (first,last) is a side or already
+// checked.
 std::optional<std::vector<Triangle>> cut(const Loop& loop, size_t first, size_t last) {
   if (last - first < 2) return std::vector<Triangle>{};
   for (size_t mid = first + 1; mid < last; ++mid) {
@@ -92,7 +93,7 @@ CellCase make_case(uint8_t inside, uint8_t joined) {
 
 struct Table {
   std::array<uint8_t, 256> ambiguous;
-  std::array<uint16_t, 256 * 64> number;  // into `cases`; the bits of faces that are not ambiguous do not matter
+  std::array<uint16_t, 256 * 64> number;  // index into `cases`; bits of unambiguous faces are ignored
   std::vector<CellCase> cases;
 
   Table() {
@@ -121,7 +122,7 @@ const Table& table() {
 }  // namespace
 
 const std::array<int, 4>& cell_face_corners(int face) {
-  // Side 1 of axis a is seen counter-clockwise along (a+1, a+2); side 0 the other way round.
+  // Side 1 of axis a is counter-clockwise in (a+1, a+2); side 0 is reversed.
   static const auto corners = [] {
     std::array<std::array<int, 4>, 6> all{};
     for (int axis = 0; axis < 3; ++axis)

@@ -26,8 +26,7 @@ using OpenTriMesh = OpenMesh::TriMesh_ArrayKernelT<MeshTraits>;
 
 double degrees_to_cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
-// Quadrics know nothing of boundaries: left alone, they eat them. A boundary vertex may only slide along its boundary, and
-// only where the boundary is straight.
+// Restricts boundary vertices to collapses along a straight boundary: quadrics alone would erode boundaries.
 template <class MeshT>
 class ModStraightBoundary : public OpenMesh::Decimater::ModBaseT<MeshT> {
  public:
@@ -39,7 +38,7 @@ class ModStraightBoundary : public OpenMesh::Decimater::ModBaseT<MeshT> {
     if (!ci.mesh.is_boundary(ci.v0)) return Base::LEGAL_COLLAPSE;
     const bool forward = ci.mesh.is_boundary(ci.v0v1), backward = ci.mesh.is_boundary(ci.v1v0);
     if (!forward && !backward) return Base::ILLEGAL_COLLAPSE;
-    // The boundary neighbour of v0 on the other side than v1.
+    // Boundary neighbour of v0 on the side opposite to v1.
     const auto other = forward ? ci.mesh.from_vertex_handle(ci.mesh.prev_halfedge_handle(ci.v0v1))
                                : ci.mesh.to_vertex_handle(ci.mesh.next_halfedge_handle(ci.v1v0));
     const auto a = ci.mesh.point(ci.v0) - ci.mesh.point(other), b = ci.mesh.point(ci.v1) - ci.mesh.point(ci.v0);
@@ -50,7 +49,7 @@ class ModStraightBoundary : public OpenMesh::Decimater::ModBaseT<MeshT> {
   double min_cosine_ = 0.9;
 };
 
-// A vertex that would make an edge with three faces, or a fan that touches another, is doubled.
+// Duplicates vertices that would create an edge with three faces or a non-manifold fan.
 OpenTriMesh open_mesh(const TriMesh& mesh, std::vector<uint32_t>& source) {
   OpenTriMesh out;
   source.resize(mesh.positions.size());
@@ -93,7 +92,7 @@ TriMesh without_small_components(const TriMesh& mesh, const ComponentRule& rule)
 }
 
 void taubin_smooth(TriMesh& mesh, const TaubinDesc& desc) {
-  // Neighbours of each vertex in one array: all of them inside, along the boundary (and bad edges) only on it.
+  // Flat array of vertex neighbours: all for interior vertices, only boundary (and non-manifold) edges for boundary vertices.
   const std::vector<EdgeUse> uses = sorted_edge_uses(mesh);
   const size_t n = mesh.positions.size();
   std::vector<uint8_t> on_rim(n, 0);

@@ -15,7 +15,7 @@ void on_error(void*, RTCError code, const char* text) {
               {.why = text ? text : "", .hint = "fewer surfels or faces, if memory is short", .code = "EMBREE"});
 }
 
-// ThreadSanitizer sees nothing of what libembree's own threads agree upon: in its build trees grow on the calling thread.
+// ThreadSanitizer cannot see the synchronisation of libembree's threads: its build constructs BVHs on the calling thread.
 #ifdef __SANITIZE_THREAD__
 constexpr const char* kSettings = "threads=1";
 #else

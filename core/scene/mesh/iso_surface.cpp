@@ -13,13 +13,13 @@ namespace vitrine {
 namespace {
 
 constexpr int kSide = TsdfBlock::kSide;
-constexpr int kPad = kSide + 3;  // voxels -1 .. 9: cells reach to 8, gradients one further on each side
+constexpr int kPad = kSide + 3;  // voxels -1 .. 9: cells reach voxel 8, gradients one more on each side
 constexpr uint16_t kNone = 0xffff;
-constexpr uint32_t kCentreFlag = 0x80000000u;  // a face corner that is the centre of a loop, numbered within the block
-// Crossings stay this far (in voxels) from the grid points, so that no triangle is a sliver of zero area.
+constexpr uint32_t kCentreFlag = 0x80000000u;  // marks a face corner that is a loop centre, numbered within the block
+// Minimum distance (in voxels) between crossings and grid points, to avoid zero-area triangles.
 constexpr float kEdgeMargin = 0.01f;
 
-// A block with its surroundings, copied together: reads need no branches.
+// A block copied with its neighbourhood: access needs no branches.
 struct Neighbourhood {
   std::array<float, kPad * kPad * kPad> distance, weight;
   static size_t at(int x, int y, int z) { return size_t(((z + 1) * kPad + y + 1) * kPad + x + 1); }
@@ -40,7 +40,8 @@ struct Neighbourhood {
 };
 
 struct BlockSurface {
-  std::vector<uint16_t> edge_vertex;  // [512 * 3] vertex of the edge from a voxel along an axis; empty: no vertices
+  std::vector<uint16_t>
+      edge_vertex;  // [512 * 3] vertex on the edge from a voxel along an axis; empty if the block has no vertices
   std::vector<Vec3f> positions, normals, colors;
   std::vector<Vec3f> centre_positions, centre_normals, centre_colors;
   std::vector<std::array<uint32_t, 3>> faces;
@@ -61,7 +62,7 @@ class Extraction {
   }
 
  private:
-  // One number per vertex, blocks in order.
+  // Numbers the vertices, blocks in order.
   void number(uint32_t BlockSurface::*first, std::vector<Vec3f> BlockSurface::*vertices, uint32_t from) {
     uint64_t total = from;
     for (BlockSurface& s : surfaces_) {
@@ -78,7 +79,7 @@ class Extraction {
     return n.weight[Neighbourhood::at(x, y, z)] >= desc_.min_weight;
   }
 
-  // Differences to the seen neighbours: central, else one-sided, else zero.
+  // Finite differences over observed neighbours: central, else one-sided, else zero.
   Vec3f gradient(const Neighbourhood& n, int x, int y, int z) const {
     Vec3f g{};
     const int delta[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -140,7 +141,7 @@ class Extraction {
     return total > 0 ? sum / total : sum;
   }
 
-  // Sign of the bilinear saddle point of each ambiguous face: inside corners joined when it is negative.
+  // Sign of the bilinear saddle point of each ambiguous face: negative = inside corners joined.
   static uint8_t joined_faces(const std::array<float, 8>& d, uint8_t inside) {
     uint8_t joined = 0;
     const uint8_t ambiguous = ambiguous_faces(inside);
@@ -182,7 +183,7 @@ class Extraction {
     }
     if (!all_seen || inside == 0 || inside == 0xff) return;
     const CellCase& cell = cell_case(inside, joined_faces(d, inside));
-    // The vertex of cell edge e, with the block that owns it.
+    // Vertex of cell edge e and the block that owns it.
     const auto crossing = [&](int e) -> std::pair<const BlockSurface*, uint32_t> {
       const int corner = cell_edge_corner(e);
       const int vx = x + (corner & 1), vy = y + ((corner >> 1) & 1), vz = z + (corner >> 2);
@@ -224,7 +225,7 @@ class Extraction {
     }
   }
 
-  // Appends the blocks; vertices that no cell used (their cells have an unseen corner) are left out.
+  // Concatenates the blocks without unused vertices (those of cells with an unobserved corner).
   TriMesh collect() {
     TriMesh mesh;
     std::vector<uint32_t> renumbered(vertex_total_, 0);

@@ -32,7 +32,7 @@ Vec3f closest_on_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
   return a + t * ab;
 }
 
-// The foot of the perpendicular when it falls inside, else the nearest point of the three sides.
+// Projection onto the plane if it is inside the triangle, else the nearest point on the three sides.
 Vec3f closest_on_triangle(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   const Vec3f ab = b - a, ac = c - a, ap = p - a;
   const Vec3f n = cross(ab, ac);
@@ -67,7 +67,7 @@ SurfaceSamples sample_surface(const TriMesh& mesh, size_t n, uint64_t seed) {
   parallel_for(n, 4096, [&](size_t s) {
     Rng rng(seed, s);
     const double along = total * ((static_cast<double>(s) + rng.uniform_double()) / static_cast<double>(n));
-    auto found = std::upper_bound(cumulated.begin(), cumulated.end(), along);  // skips faces without area
+    auto found = std::upper_bound(cumulated.begin(), cumulated.end(), along);  // skips faces of zero area
     if (found == cumulated.end()) found = std::lower_bound(cumulated.begin(), cumulated.end(), total);
     const size_t f = static_cast<size_t>(found - cumulated.begin());
     const auto& [i, j, k] = mesh.faces[f];

@@ -15,10 +15,10 @@ namespace vitrine {
 
 namespace {
 
-// A ray through an edge meets both of its faces at distances that differ by rounding; they are one surface.
+// A ray through an edge hits both faces at distances that differ by rounding; they count as one surface.
 constexpr float kEdgeStep = 4e-6f;
 
-// Of faces at equal distance the one with the smallest index, whatever the tree looks like.
+// Ties: the smallest face index, independent of the BVH.
 struct FirstFace : RTCIntersectContext {
   float t = -1.f;
   uint32_t face = 0;
@@ -35,12 +35,12 @@ void keep_first_face(const RTCFilterFunctionNArguments* args) {
   best.face = face;
 }
 
-// Everything is solid, unless it is told what lets light through.
+// All faces are opaque unless transmittances are given.
 struct AnyFace : RTCIntersectContext {
   const MeshHits::Panes* panes = nullptr;
   float share = 1;
   int passed = 0;
-  std::array<float, MeshHits::kMostPanes> at{};  // distances of panes that were passed
+  std::array<float, MeshHits::kMostPanes> at{};  // distances of the panes hit so far
 };
 void pass_panes(const RTCFilterFunctionNArguments* args) {
   auto& any = *static_cast<AnyFace*>(args->context);

@@ -73,7 +73,7 @@ Scalar scalar_named(std::string_view word) {
   return Scalar::None;
 }
 
-// What an integer colour is divided by.
+// Divisor that maps an integer colour to [0, 1].
 double full_scale(Scalar s) { return s == Scalar::U8 ? 255.0 : s == Scalar::U16 ? 65535.0 : 1.0; }
 
 struct Property {
@@ -187,12 +187,12 @@ class PlyFile {
 
   size_t remaining() const { return bytes_.size() - at_; }
 
-  // The least that the promised elements occupy must be there before anything is allocated for them.
+  // Checks before allocation that the file has room for the declared elements.
   void check_room_for(const Element& e) const {
     size_t least = 0;
     for (const Property& p : e.properties) {
       const Scalar first = p.list_size == Scalar::None ? p.type : p.list_size;
-      least += format_ == PlyFormat::Ascii ? 2 : size_of(first);  // a digit and a separator
+      least += format_ == PlyFormat::Ascii ? 2 : size_of(first);  // one digit and a separator
     }
     if (least == 0) return;
     const size_t slack = format_ == PlyFormat::Ascii ? 1 : 0;  // the last separator may be missing

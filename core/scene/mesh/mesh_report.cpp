@@ -22,7 +22,7 @@ MeshReport mesh_report(const TriMesh& mesh) {
     else
       ++r.loose_vertices;
   }
-  const Vec3d origin = r.bounds.empty() ? Vec3d{} : r.bounds.centre();  // near the faces: small terms, small rounding
+  const Vec3d origin = r.bounds.empty() ? Vec3d{} : r.bounds.centre();  // near the faces, to reduce rounding errors
   for (const auto& f : mesh.faces) {
     const Vec3d a = cast<double>(mesh.positions[f[0]]) - origin, b = cast<double>(mesh.positions[f[1]]) - origin;
     const Vec3d c = cast<double>(mesh.positions[f[2]]) - origin;

@@ -33,7 +33,7 @@ using Polygon = std::vector<size_t>;
 Point to_point(const Vec3f& p) { return Point(p.x, p.y, p.z); }
 Vec3f to_vec(const Point& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())}; }
 
-// Colours and normals by position: CGAL merges and doubles vertices, but never moves one.
+// Colours and normals by position: CGAL merges and duplicates vertices, but never moves them.
 class AttributesByPosition {
  public:
   explicit AttributesByPosition(const TriMesh& mesh) : mesh_(mesh), order_(mesh.positions.size()) {
@@ -43,7 +43,7 @@ class AttributesByPosition {
       return ka != kb ? ka < kb : a < b;
     });
   }
-  // The first vertex of the input at this position.
+  // First input vertex at this position.
   size_t vertex_at(const Vec3f& p) const {
     const auto found = std::lower_bound(order_.begin(), order_.end(), key(p),
                                         [&](uint32_t v, const auto& k) { return key(mesh_.positions[v]) < k; });
@@ -52,7 +52,7 @@ class AttributesByPosition {
   }
 
  private:
-  // Adding 0 turns -0 into +0.
+  // Adding 0 converts -0 to +0.
   static std::array<float, 3> key(const Vec3f& p) { return {p.x + 0.f, p.y + 0.f, p.z + 0.f}; }
   const TriMesh& mesh_;
   std::vector<uint32_t> order_;
@@ -74,7 +74,7 @@ TriMesh from_surface_mesh(const SurfaceMesh& surface) {
   return out;
 }
 
-// Orients each component as its vertex normals say; without normals, so that its faces look away from its centre of area.
+// Orients each component by its vertex normals; without normals, faces point away from the centroid of the component.
 size_t orient_components(TriMesh& mesh, const TriMesh& original, const AttributesByPosition& attributes) {
   const FaceComponents components = face_components(mesh);
   const auto corner = [&](size_t f, size_t k) { return cast<double>(mesh.positions[mesh.faces[f][k]]); };
@@ -129,8 +129,8 @@ void fill_holes(SurfaceMesh& surface, size_t max_edges, RepairReport& report) {
   }
 }
 
-// CGAL counts two faces that touch in doubled vertices (opened non-manifold places) as intersecting. Corners at the same
-// position are one corner here: the faces cross only if a side opposite to it meets the other face.
+// CGAL reports faces that touch in duplicated vertices (split non-manifold places) as intersecting. Here corners at the same
+// position are one corner: the faces intersect only if a side opposite to it meets the other face.
 bool really_intersect(const SurfaceMesh& surface, Face f, Face g) {
   std::array<Point, 3> a, b;
   size_t k = 0;
@@ -146,7 +146,7 @@ bool really_intersect(const SurfaceMesh& surface, Face f, Face g) {
         j = n;
       }
   if (shared == 0 || shared >= 3) return true;
-  if (shared == 2) {  // a common side: they overlap only when folded flat
+  if (shared == 2) {  // common side: they overlap only if folded flat
     const auto is_in = [](const Point& p, const std::array<Point, 3>& t) { return std::find(t.begin(), t.end(), p) != t.end(); };
     size_t m = 0, n = 0;
     while (is_in(a[m], b)) ++m;
@@ -166,7 +166,7 @@ std::vector<std::pair<Face, Face>> intersecting_pairs(const SurfaceMesh& surface
   return pairs;
 }
 
-// Faces that cross others, each once, in order.
+// Intersecting faces, unique and sorted.
 std::vector<Face> intersecting_faces(const SurfaceMesh& surface) {
   std::vector<Face> faces;
   for (const auto& [a, b] : intersecting_pairs(surface)) {
@@ -183,7 +183,7 @@ std::vector<Face> intersecting_faces(const SurfaceMesh& surface) {
 TriMesh repaired(const TriMesh& mesh, const RepairDesc& desc, RepairReport* report) {
   RepairReport unused, &r = report ? *report : unused;
   r = {};
-  // 1. Soup: same positions are one vertex; faces without area and second copies go; neighbours agree about their sides.
+  // 1. Polygon soup: merge equal positions, remove degenerate and duplicate faces, orient consistently.
   std::vector<Point> points;
   std::vector<Polygon> polygons;
   points.reserve(mesh.positions.size());
@@ -206,7 +206,7 @@ TriMesh repaired(const TriMesh& mesh, const RepairDesc& desc, RepairReport* repo
   const AttributesByPosition attributes(mesh);
   r.flipped_components = orient_components(soup, mesh, attributes);
 
-  // 2. Mesh: holes, then intersections out and their gaps closed, until there are none. The last word is removal.
+  // 2. Mesh: fill holes, then repeatedly remove intersecting faces and fill the gaps. The last step is removal.
   SurfaceMesh surface = to_surface_mesh(soup);
   if (desc.max_hole_edges > 0) fill_holes(surface, desc.max_hole_edges, r);
   for (int round = 0; round <= desc.intersection_rounds; ++round) {

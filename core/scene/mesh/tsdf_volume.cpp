@@ -16,7 +16,7 @@ constexpr int kBlockSide = TsdfBlock::kSide;
 constexpr double kMaxTableSlots = 1 << 27;  // 512 MiB of block numbers
 constexpr int kTile = 16;                   // pixels per side of a depth-range tile
 
-// Farthest valid depth and whether any pixel is valid, per tile: lets integrate() skip blocks that lie behind everything.
+// Maximum valid depth per tile, 0 if none: integrate() skips blocks behind all surfaces.
 class FarTiles {
  public:
   explicit FarTiles(const DepthView& view)
@@ -30,7 +30,7 @@ class FarTiles {
         f = std::max(f, view.zdepth[size_t(y) * size_t(w) + size_t(x)]);
       }
   }
-  // Over the tiles that touch the pixel rectangle, which is clipped to the image. 0: nothing valid there.
+  // Maximum over the tiles that overlap the pixel rectangle, clipped to the image. 0: no valid depth.
   float farthest(double x0, double y0, double x1, double y1) const {
     const auto tile = [](double p, int n) { return static_cast<int>(std::clamp(std::floor(p / kTile), 0.0, double(n - 1))); };
     float f = 0;
@@ -56,8 +56,8 @@ struct FusionConstants {
   float truncation, inverse_truncation, voxel, free_weight, cap, discontinuity;
 };
 
-// Fuses one view into one block; returns the number of updated voxels. `corner_in_cam` is voxel (0,0,0) in the camera frame,
-// `step` the camera-frame vectors of one voxel along the grid's axes.
+// Fuses one view into one block; returns the number of updated voxels. `corner_in_cam`: voxel (0,0,0) in the camera frame;
+// `step`: camera-frame steps of one voxel along the grid axes.
 size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants& k, const Vec3f& corner_in_cam,
                   const Mat3f& step) {
   const int w = view.intrinsics.width, h = view.intrinsics.height;
@@ -69,12 +69,12 @@ size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants
     for (int vy = 0; vy < kBlockSide; ++vy) {
       const Vec3f row = corner_in_cam + float(vy) * step.c1 + float(vz) * step.c2;
       float px[kBlockSide], py[kBlockSide], z[kBlockSide], raylen[kBlockSide];
-      for (int i = 0; i < kBlockSide; ++i) {  // one AVX register wide
+      for (int i = 0; i < kBlockSide; ++i) {  // one AVX register
         const float x = row.x + float(i) * step.c0.x, y = row.y + float(i) * step.c0.y;
         z[i] = row.z + float(i) * step.c0.z;
         const float inverse_z = 1.f / z[i];
         const float rx = x * inverse_z, ry = y * inverse_z;
-        px[i] = rx * fx + cx - 0.5f;  // pixel centres at integers from here
+        px[i] = rx * fx + cx - 0.5f;  // pixel centres at integers below
         py[i] = ry * fy + cy - 0.5f;
         raylen[i] = std::sqrt(rx * rx + ry * ry + 1.f);
       }
@@ -101,7 +101,7 @@ size_t fuse_block(TsdfBlock& block, const DepthView& view, const FusionConstants
           sample = 1.f;
           weight = k.free_weight / (d * d);
         } else if (sdf < -k.voxel) {
-          // What lies behind a surface is a guess that fades: a thin object is not eaten by the view from its other side.
+          // The weight decreases behind the surface, so that a thin object is not erased by views of its other side.
           weight *= (k.truncation + sdf) / (k.truncation - k.voxel);
         }
         const int v = base + i;
@@ -215,7 +215,7 @@ size_t TsdfVolume::integrate(const DepthView& view) {
       const Vec3d centre = corner + 0.5 * (kBlockSide - 1) * (step.c0 + step.c1 + step.c2);
       const double near_z = centre.z - radius;
       if (centre.z + radius <= 0) continue;
-      if (near_z > 0.1 * radius) {  // far enough for a pixel rectangle that bounds the sphere
+      if (near_z > 0.1 * radius) {  // far enough to bound the sphere by a pixel rectangle
         const ImagePoint near = projected({centre.x, centre.y, near_z}, in),
                          far = projected({centre.x, centre.y, centre.z + radius}, in);
         const double rx = in.fx * radius / near_z + 1, ry = in.fy * radius / near_z + 1;

@@ -1,6 +1,6 @@
 // objects.json: {"format": 1, "frame": "scene", "objects": [{"id", "name", "role", "trust", "evidence", "shapes": [...]}]};
-// entries of "shapes" are those of core/scene/shape/shape_file.h without a role, which is the object's; "parent" counts within the
-// object.
+// "shapes" has entries of core/scene/shape/shape_file.h without role (the object's role applies); "parent" is an index within
+// the object.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMostObjects = 65534;  // 16-bit labels, of which two have other meanings
-constexpr std::array<std::string_view, 4> kShapeRoles{"mirror", "sheet", "coat", "solid"};  // [ShapeRole], words of shape_file.h
+constexpr size_t kMostObjects = 65534;  // 16-bit labels, two values are reserved
+constexpr std::array<std::string_view, 4> kShapeRoles{"mirror", "sheet", "coat", "solid"};  // [ShapeRole], names of shape_file.h
 
 template <class Enum, size_t N>
 Enum word_of(const JsonAt& object, const char* key, std::optional<Enum> (*parse)(std::string_view)) {
@@ -60,7 +60,7 @@ Object read_object(const JsonAt& at) {
   return out;
 }
 
-// The shapes of all objects in one list of core/scene/shape/shape_file.h, and where each stands in the document.
+// Shapes of all objects as one list of core/scene/shape/shape_file.h, with their places in the document.
 struct ShapeList {
   nlohmann::json entries = nlohmann::json::array();
   std::vector<std::string> places;
@@ -142,7 +142,7 @@ void write_objects(const fs::path& folder, const ObjectSet& set) {
     if (o.evidence.straight) evidence["like_straight_rays"] = *o.evidence.straight;
     if (o.evidence.bent) evidence["like_bent_rays"] = *o.evidence.bent;
     Json& own = row["shapes"] = Json::array();
-    std::vector<size_t> numbers(set.shapes.entries.size());  // within the object
+    std::vector<size_t> numbers(set.shapes.entries.size());  // index within the object
     for (size_t i = 0; i < set.shapes.entries.size(); ++i) {
       if (set.shapes.entries[i].object != o.id) continue;
       numbers[i] = own.size();

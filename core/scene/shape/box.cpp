@@ -34,12 +34,12 @@ std::optional<ShapeHit> Box::intersect(const Ray& ray) const {
   return ShapeHit{c->in, normal(c->entered), static_cast<uint32_t>(c->entered.index()), {}};
 }
 
-// Outside: clamped. Inside: on the nearest face.
+// Outside: clamped to the box. Inside: projected to the nearest face.
 ShapePoint Box::nearest(const Vec3d& p) const {
   const Vec3d q = transposed_times(axes, p);
   Vec3d on = q;
   Face best{};
-  double least = -1e300;  // how far beyond that face
+  double least = -1e300;  // signed distance beyond that face
   for (size_t i = 0; i < 3; ++i) {
     on[i] = std::clamp(q[i], low[i], high[i]);
     for (const bool upper : {false, true})

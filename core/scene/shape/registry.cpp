@@ -12,7 +12,7 @@ namespace {
 using Out = nlohmann::ordered_json;
 using In = nlohmann::json;
 
-constexpr double kSloppy = 1e-4;  // of a unit vector in a file
+constexpr double kSloppy = 1e-4;  // tolerance for unit vectors in files
 
 Out numbers(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Out numbers(const Mat3d& m) { return {numbers(m.c0), numbers(m.c1), numbers(m.c2)}; }
@@ -78,7 +78,7 @@ std::optional<Shape> read_revolution(const In& json, TriMesh) {
   }
   return right && s.profile.size() >= 2 ? std::optional<Shape>(std::move(s)) : std::nullopt;
 }
-// With a level foot, a waist and a lid: every kind of segment.
+// Has a flat foot, a waist and a lid: every kind of segment.
 Shape sample_revolution(Rng& rng) {
   const double waist = number(rng, 0.05, 0.12), turns = number(rng, 4, 8);
   SurfaceOfRevolution s{0.2 * vector(rng), normalized(vector(rng) + Vec3d{0, 0, 1.5}), {{0, -0.4}, {0.3, -0.4}}};
@@ -99,7 +99,7 @@ std::optional<Shape> read_triangles(const In&, TriMesh mesh) {
     if (!finite(cast<double>(p))) return std::nullopt;
   return TriangleShape(std::move(mesh));
 }
-// A bumpy ball, of a grid over longitude and latitude.
+// Bumpy ball on a longitude-latitude grid.
 Shape sample_triangles(Rng& rng) {
   constexpr uint32_t kAround = 40, kUp = 20;
   const Vec3d centre = 0.2 * vector(rng), wave = 3. * vector(rng);

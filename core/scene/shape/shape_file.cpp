@@ -42,7 +42,7 @@ ShapeSet::Entry read_entry(const nlohmann::json& json, const ShapeSet& before, c
                         json.value("layered", 1.0)};
   if (!(entry.layered >= 0 && entry.layered <= 1)) throw unusable("its share of the layers is not between 0 and 1");
   if (!(entry.tolerance > 0) || !std::isfinite(entry.tolerance)) throw unusable("its tolerance is not positive");
-  // Parents stand before their appendages: no circles.
+  // Parents precede their appendages: no cycles.
   if (entry.parent < -1 || entry.parent >= static_cast<int>(index)) throw unusable("its parent is unknown");
   if (entry.parent >= 0 && before.entries[static_cast<size_t>(entry.parent)].role != entry.role)
     throw unusable("its parent has another role");

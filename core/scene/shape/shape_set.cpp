@@ -5,7 +5,7 @@
 namespace vitrine {
 
 namespace {
-constexpr double kAlike = 0.9, kBulge = 0.5;  // cosine of the normals; height over the parent, of the tolerance
+constexpr double kAlike = 0.9, kBulge = 0.5;  // cosine of the normals; height over the parent, relative to the tolerance
 }
 
 bool ShapeSet::is_bulge(const Hit& appendage, const Hit& parent, const Ray& ray) const {
@@ -24,7 +24,7 @@ uint32_t ShapeSet::root(uint32_t entry) const {
 
 ShapeSet ShapeSet::kept(std::span<const uint8_t> keep) const {
   ShapeSet out;
-  std::vector<int> place(entries.size(), -1);  // in the result
+  std::vector<int> place(entries.size(), -1);  // index in the result
   for (size_t i = 0; i < entries.size(); ++i) {
     const int parent = entries[i].parent;
     if (!keep[i] || (parent >= 0 && place[static_cast<size_t>(parent)] < 0)) continue;

@@ -11,14 +11,14 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kLevel = 1e-9;    // rise of a segment in its length: below, it is a ring and not a cone
+constexpr double kLevel = 1e-9;    // minimum ratio of height to length of a cone segment; below it is a flat ring
 constexpr int kRingPoints = 24;    // of outer_points()
-constexpr int kProfileMixing = 6;  // passes of 1 2 1 over the gradient of the profile
+constexpr int kProfileMixing = 6;  // passes of the 1 2 1 filter over the profile gradient
 
 Vec2d scaled(double s, const Vec2d& v) { return {s * v.x, s * v.y}; }
 double dot2(const Vec2d& a, const Vec2d& b) { return a.x * b.x + a.y * b.y; }
 
-// Ray and axis: of a point of the ray, the distance to the axis squared is c + 2 b t + a t^2, the height h + climb t.
+// Ray relative to the axis: squared distance to the axis is c + 2 b t + a t^2, height is h + climb t.
 struct AboutAxis {
   double a, b, c, h, climb;
   AboutAxis(const SurfaceOfRevolution& s, const Ray& ray) {
@@ -29,7 +29,7 @@ struct AboutAxis {
   }
 };
 
-// Goes in at t through the segment p..q: it is there, and the ray runs against its normal.
+// True if the ray enters at t through segment p..q: the hit is on the segment and the ray runs against its normal.
 bool goes_in(const AboutAxis& ray, const Vec2d& p, const Vec2d& q, double t) {
   if (!(t > 0)) return false;
   const double rho = std::sqrt(std::max(ray.c + t * (2 * ray.b + t * ray.a), 0.0)), h = ray.h + t * ray.climb;
@@ -49,7 +49,7 @@ ProfileSegment<double> segment(const SurfaceOfRevolution& s, size_t i) {
   return {s.origin, s.axis, s.profile[i], s.profile[i + 1], s.vertex_normal(i), s.vertex_normal(i + 1)};
 }
 
-// From a gradient on the normal of a segment to its ends: n = (dy, -dx) / l.
+// Backpropagates the gradient on a segment normal to its ends: n = (dy, -dx) / l.
 void segment_normal_vjp(const SurfaceOfRevolution& s, size_t i, const Vec2d& g, std::span<Vec2d> ends, size_t first) {
   const double dx = s.profile[i + 1].x - s.profile[i].x, dy = s.profile[i + 1].y - s.profile[i].y, l = std::hypot(dx, dy);
   if (!(l > 0)) return;
@@ -80,7 +80,7 @@ Vec2d SurfaceOfRevolution::vertex_normal(size_t i) const {
 
 std::optional<ShapeHit> SurfaceOfRevolution::intersect(const Ray& r) const {
   const AboutAxis ray(*this, r);
-  // The ray comes no nearer to the axis than this: most segments are out of its reach at once.
+  // Minimum distance of the ray to the axis: rejects most segments.
   const double nearest = ray.a > 0 ? std::sqrt(std::max(ray.c - ray.b * ray.b / ray.a, 0.0)) * (1 - kLevel) : 0;
   struct Entry {
     double t;
@@ -98,14 +98,14 @@ std::optional<ShapeHit> SurfaceOfRevolution::intersect(const Ray& r) const {
       if (ray.climb != 0) consider((p.y - ray.h) / ray.climb);
       continue;
     }
-    // The radius of the cone is linear in t as well.
+    // The cone radius is linear in t as well.
     const double widen = dx / dy, radius = p.x + widen * (ray.h - p.y), growth = widen * ray.climb;
     const double a = ray.a - growth * growth, b = ray.b - radius * growth, c = ray.c - radius * radius;
     const double discriminant = b * b - a * c;
     if (discriminant < 0) continue;
-    const double k = -(b + std::copysign(std::sqrt(discriminant), b));  // roots without cancellation
+    const double k = -(b + std::copysign(std::sqrt(discriminant), b));  // avoids cancellation
     for (const double root : {a != 0 ? k / a : -1, k != 0 ? c / k : -1})
-      if (radius + growth * root >= 0) consider(root);  // else of the cone's other half, beyond its tip
+      if (radius + growth * root >= 0) consider(root);  // otherwise on the other half of the cone, beyond its tip
   }
   if (!first) return std::nullopt;
   const ProfileSegment<double> s = segment(*this, first->segment);
@@ -139,7 +139,7 @@ ShapePoint SurfaceOfRevolution::nearest(const Vec3d& p) const {
   return {origin + at.y * axis + at.x * out, normalized(normal.x * out + normal.y * axis)};
 }
 
-// Rings so much wider than the surface that the chords between their points are outside of it.
+// Ring radii are enlarged so that the chords between ring points are outside the surface.
 TriMesh SurfaceOfRevolution::tessellated(double spacing) const {
   const auto [u, v] = across(axis);
   const auto around = static_cast<uint32_t>(std::clamp(std::ceil(2 * M_PI * largest_radius() / spacing), 12.0, 1e4));
@@ -189,14 +189,14 @@ void SurfaceOfRevolution::hit_vjp(const Ray& ray, const ShapeHit& hit, const Sha
   for (size_t c = 0; c < 2; ++c) out[c] += dot(back.origin, sides[c]), out[2 + c] += dot(back.axis, sides[c]);
   std::array<Vec2d, 4> g{};  // on the vertices from `first` on
   g[i - first] = back.p0, g[i + 1 - first] = back.p1;
-  // The normal of a vertex is the sum over its segments.
+  // A vertex normal is the sum over its segments.
   if (i > 0) segment_normal_vjp(*this, i - 1, back.n0, g, first);
   segment_normal_vjp(*this, i, back.n0 + back.n1, g, first);
   if (i + 2 < profile.size()) segment_normal_vjp(*this, i + 1, back.n1, g, first);
   for (size_t k = first; k <= last; ++k) out[4 + k] += dot2(g[k - first], way(k));
 }
 
-// place = o + h a + r u, (r, h) on the segment; a tilted axis takes u along: du = -(u.da) a.
+// place = o + h a + r u, (r, h) on the segment; tilting the axis rotates u: du = -(u.da) a.
 void SurfaceOfRevolution::place_vjp(const ShapeHit& hit, const Vec3d& place, const Vec3d& grad, std::span<double> out) const {
   const Vec3d q = place - origin;
   const double h = dot(q, axis);

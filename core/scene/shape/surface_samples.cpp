@@ -8,7 +8,7 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;  // of the sequence R2
+constexpr double kFirstStep = 0.7548776662466927, kSecondStep = 0.5698402909980532;  // steps of the R2 sequence
 
 Vec3d on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, size_t index) {
   double u = std::fmod(0.5 + kFirstStep * double(index), 1.0), v = std::fmod(0.5 + kSecondStep * double(index), 1.0);
@@ -21,7 +21,7 @@ Vec3d on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, size_t index) 
 std::vector<ShapePoint> surface_samples(const Shape& shape, double spacing) {
   const TriMesh mesh = tessellated(shape, 2 * spacing);
   std::vector<Vec3d> places;
-  double due = 0.5;  // samples that the area so far lacks
+  double due = 0.5;  // samples owed for the area so far
   for (const auto& f : mesh.faces) {
     const Vec3d a = cast<double>(mesh.positions[f[0]]), b = cast<double>(mesh.positions[f[1]]),
                 c = cast<double>(mesh.positions[f[2]]);

@@ -16,9 +16,9 @@ namespace vitrine {
 
 namespace {
 
-constexpr double kGrazing = 0.05;        // cosine to the ray: where it is less, the place along the ray says nothing of the mesh
-constexpr int kVertexMixing = 20;        // passes of half a vertex and half its neighbours
-constexpr double kVertexStep_rel = 0.5;  // of the steps of other shapes' lengths
+constexpr double kGrazing = 0.05;        // minimum cosine to the ray: at grazing angles t is ill-conditioned
+constexpr int kVertexMixing = 20;        // smoothing passes: half a vertex, half its neighbours
+constexpr double kVertexStep_rel = 0.5;  // relative to the length steps of other shapes
 
 TriMesh smooth_shaded(TriMesh mesh) {
   VITRINE_CHECK(!mesh.faces.empty(), "a shape has a surface");
@@ -38,7 +38,7 @@ double corner_angle(const Vec3d& at, const Vec3d& a, const Vec3d& b) {
   return std::atan2(length(cross(u, v)), dot(u, v));
 }
 
-// How the faces hang together, whatever places the vertices have: faces and neighbours around them.
+// Mesh connectivity, independent of the vertex positions: faces and neighbours of each vertex.
 struct Topology {
   std::vector<uint32_t> first_corner, corners;  // [vertex + 1], faces
   VertexNeighbours neighbours;
@@ -54,7 +54,7 @@ struct Topology {
   }
 };
 
-// Of the faces around the vertices.
+// Corner angles of the faces around the vertices.
 struct Angles {
   std::vector<double> corner, sum;  // [Topology::corners], [vertex]
 
@@ -85,7 +85,7 @@ class MadeOnce {
 
 }  // namespace
 
-// What only some ask for is made when they do.
+// Lazily built data.
 struct TriangleShape::State {
   using SharedTopology = std::shared_ptr<const MadeOnce<Topology>>;
   State(TriMesh m, SharedTopology t) : mesh(smooth_shaded(std::move(m))), hits(mesh), topology_(std::move(t)) {}
@@ -99,7 +99,7 @@ struct TriangleShape::State {
   MeshHits hits;
 
  private:
-  SharedTopology topology_;  // moved meshes have the same
+  SharedTopology topology_;  // shared by moved meshes
   MadeOnce<MeshDistance> distance_;
   MadeOnce<Angles> angles_;
 };
@@ -124,7 +124,7 @@ ShapePoint TriangleShape::nearest(const Vec3d& p) const {
   const auto& f = state_->mesh.faces[closest.face];
   const Vec3d q = cast<double>(closest.position), a = state_->at(f[0]), b = state_->at(f[1]), c = state_->at(f[2]);
   const Vec3d n = cross(b - a, c - a);
-  Vec3d blended{};  // by the areas opposite to the corners
+  Vec3d blended{};  // weighted by the areas opposite to the corners
   for (const auto& [u, v, k] : {std::tuple{b, c, 0}, {c, a, 1}, {a, b, 2}})
     blended += std::max(dot(cross(u - q, v - q), n), 0.0) * cast<double>(state_->mesh.normals[f[size_t(k)]]);
   return {q, normalized(squared_length(blended) > 0 ? blended : cast<double>(state_->mesh.normals[f[0]]))};
@@ -146,8 +146,8 @@ std::vector<ParameterGroup> TriangleShape::parameters() const {
   return {{state_->mesh.positions.size(), ParameterUnit::Length, kVertexStep_rel}};
 }
 
-// A normal turns against the slope of the displacement, dn = -grad(delta). That of a vertex is the mean over its faces by their
-// corner angles, as the normal is; grad(phi) of a corner is N x (opposite edge) / (2 area).
+// A displacement delta changes the normal by dn = -grad(delta). A vertex uses the mean over its faces weighted by corner
+// angles, like its normal; grad(phi) of a corner is N x (opposite edge) / (2 area).
 void TriangleShape::hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitGrad& grad, std::span<double> out) const {
   const Topology& around = state_->topology();
   const Angles& angles = state_->angles();
@@ -161,7 +161,7 @@ void TriangleShape::hit_vjp(const Ray& ray, const ShapeHit& hit, const ShapeHitG
     for (uint32_t k = around.first_corner[v]; k < around.first_corner[v + 1]; ++k) {
       const auto& f = state_->mesh.faces[around.corners[k]];
       const std::array<Vec3d, 3> p{state_->at(f[0]), state_->at(f[1]), state_->at(f[2])};
-      const Vec3d n2 = cross(p[1] - p[0], p[2] - p[0]);  // 2 area long
+      const Vec3d n2 = cross(p[1] - p[0], p[2] - p[0]);  // length = 2 * area
       const double squared = dot(n2, n2);
       if (!(squared > 0)) continue;
       const double share = weight[c] * angles.corner[k] / angles.sum[v];

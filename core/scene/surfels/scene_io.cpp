@@ -21,10 +21,10 @@ static_assert(std::endian::native == std::endian::little, "the file is little-en
 constexpr std::string_view kMagic = "ply\nformat binary_little_endian 1.0\n";
 constexpr int kFormatVersion = 1;
 constexpr std::string_view kObjectProperty = "property ushort object_id";
-// Far above any scene that fits into memory; a larger count is a damaged header.
+// Far above any scene that fits into memory; larger counts are damaged headers.
 constexpr size_t kMaxSurfels = size_t(1) << 31;
 
-// Names in file order: x y z for the mean (every PLY reader knows those), name or name_k for the others.
+// Property names in file order: x y z for the mean (read by every PLY reader), name or name_k for the others.
 std::vector<std::string> property_names(const SplatLayer& layer) {
   std::vector<std::string> names;
   for (const AttributeRow& r : kAttributes) {
@@ -72,7 +72,7 @@ class HeaderReader {
     position_ += line.size() + 1;
     return true;
   }
-  // The rest of the next line, which must begin with `prefix`.
+  // Remainder of the next line, which must start with `prefix`.
   std::string_view expect(std::string_view prefix) {
     const std::string_view line = next_line();
     if (!line.starts_with(prefix)) fail(fmt::format("expected '{}', found '{}'", prefix, line));

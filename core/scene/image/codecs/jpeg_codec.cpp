@@ -1,4 +1,4 @@
-// JPEG through libjpeg. Errors leave it by longjmp, so nothing between setjmp and the calls has a destructor.
+// JPEG codec (libjpeg). Errors leave it by longjmp, so no object with a destructor lives between setjmp and the calls.
 #include <csetjmp>
 #include <cstdio>
 
@@ -13,7 +13,7 @@ namespace vitrine {
 namespace {
 
 struct JpegErrors {
-  jpeg_error_mgr manager;  // first: libjpeg knows only this part
+  jpeg_error_mgr manager;  // must be first: libjpeg sees only this part
   std::jmp_buf escape;
   char text[JMSG_LENGTH_MAX];
 };
@@ -24,10 +24,11 @@ struct JpegErrors {
   std::longjmp(errors->escape, 1);
 }
 
-// Warnings after which a part of the picture is grey or garbage end the decoding; the others (bytes between segments, an unknown
-// colour transform) are harmless, and so is the end of the file as long as no row needs what is missing: JWRN_HIT_MARKER then.
+// Warnings after which a part of the image would be grey or garbage abort the decoding. Others are harmless (bytes between
+// segments, an unknown colour transform). A premature end of file (JWRN_HIT_MARKER) is harmless unless a row needs the missing
+// data.
 void judge_message(j_common_ptr info, int level) {
-  if (level >= 0) return;  // a trace
+  if (level >= 0) return;  // trace message
   switch (info->err->msg_code) {
     case JWRN_HIT_MARKER:
     case JWRN_HUFF_BAD_CODE:

@@ -1,4 +1,4 @@
-// The library that core/scene/image/codecs.cpp loads; here what goes through OpenCV.
+// OpenCV codecs, in the library that core/scene/image/codecs.cpp loads.
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -8,7 +8,7 @@ namespace vitrine {
 namespace {
 
 std::string decode_other(const std::string& bytes, int flags, cv::Mat& out) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by our Error
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // errors are reported once, by our Error
   try {
     out = cv::imdecode(cv::Mat(1, int(bytes.size()), CV_8U, const_cast<char*>(bytes.data())), flags);
   } catch (const cv::Exception& e) {

@@ -1,4 +1,4 @@
-// PNG through libpng. Errors leave it by longjmp, so nothing between setjmp and the calls has a destructor.
+// PNG codec (libpng). Errors leave it by longjmp, so no object with a destructor lives between setjmp and the calls.
 #include <algorithm>
 #include <cstring>
 
@@ -24,7 +24,7 @@ struct PngInput {
   png_longjmp(png, 1);
 }
 
-// What libpng warns of (profiles, texts, a checksum beside the picture) leaves the pixels as they are.
+// libpng warnings (profiles, texts, checksums outside the pixel data) do not affect the pixels.
 void ignore_png_warning(png_structp, png_const_charp) {}
 
 void read_png_bytes(png_structp png, png_bytep to, size_t count) {
@@ -61,7 +61,7 @@ std::string decode_png(std::string_view bytes, Image8& out8, Image16& out16) {
   png_read_info(png, info);
   const int colour = png_get_color_type(png, info);
   const bool wide = png_get_bit_depth(png, info) == 16, transparent = png_get_valid(png, info, PNG_INFO_tRNS) != 0;
-  png_set_expand(png);  // palettes, grey of less than 8 bits, transparent colours
+  png_set_expand(png);  // palettes, grey below 8 bits, transparent colours
   if (colour == PNG_COLOR_TYPE_GRAY_ALPHA || (colour == PNG_COLOR_TYPE_GRAY && transparent)) png_set_gray_to_rgb(png);
   if (wide) png_set_swap(png);
   const int passes = png_set_interlace_handling(png);

@@ -1,5 +1,5 @@
-// TIFF through libtiff, strip by strip or tile by tile. Its messages go to handlers of each open file, so that threads do not
-// mix.
+// TIFF codec (libtiff), strip by strip or tile by tile. Each open file has its own message handlers, so messages of threads do
+// not mix.
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +20,7 @@ constexpr tmsize_t kLargestTiffBlock = tmsize_t(1) << 30;
 struct TiffInput {
   std::string_view bytes;
   uint64_t at = 0;
-  std::string error;  // the first message; the later ones follow from it
+  std::string error;  // first message; later ones are consequences
 };
 
 int keep_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
@@ -31,7 +31,7 @@ int keep_error(TIFF*, void* user, const char*, const char* format, va_list argum
   return 1;
 }
 
-// Warnings are of tags that do not matter here, apart from those of JPEG strips whose data end early.
+// Warnings concern irrelevant tags, except those of JPEG strips whose data end early.
 int keep_grave_warning(TIFF* tiff, void* user, const char* module, const char* format, va_list arguments) {
   char text[512];
   va_list again;
@@ -78,8 +78,9 @@ std::string read_tiles(TIFF* tiff, TiffInput& input, int width, int height, unsi
   TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &tile_width);
   TIFFGetField(tiff, TIFFTAG_TILELENGTH, &tile_height);
   const tmsize_t size = TIFFTileSize(tiff), row_bytes = TIFFTileRowSize(tiff);
-  constexpr uint32_t kLargestSide = uint32_t{1} << 30;  // sums of it and a picture's side stay in range
-  if (tile_width == 0 || tile_height == 0 || tile_width > kLargestSide || tile_height > kLargestSide || size <= 0 || row_bytes <= 0 || size > kLargestTiffBlock)
+  constexpr uint32_t kLargestSide = uint32_t{1} << 30;  // sum of it and an image side does not overflow
+  if (tile_width == 0 || tile_height == 0 || tile_width > kLargestSide || tile_height > kLargestSide || size <= 0 ||
+      row_bytes <= 0 || size > kLargestTiffBlock)
     return fmt::format("the TIFF has tiles of {} x {} pixels: it is damaged", tile_width, tile_height);
   const uint32_t across = (uint32_t(width) + tile_width - 1) / tile_width,
                  down = (uint32_t(height) + tile_height - 1) / tile_height;
@@ -139,7 +140,7 @@ std::string decode_tiff(std::string_view bytes, const TiffRequest& request, cons
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_error, &input);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), keep_grave_warning, &input);
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kLargestTiffBlock);
-  // h: the first directory is not read by itself, it may be a damaged one of no interest.
+  // Mode h: do not read the first directory on opening, it may be damaged and unused.
   const std::unique_ptr<TIFF, void (*)(TIFF*)> file(
       TIFFClientOpenExt("picture", "rh", &input, read_bytes, write_nothing, seek_to, close_nothing, size_of_input, map_input,
                         unmap_nothing, options.get()),
@@ -162,7 +163,7 @@ std::string decode_tiff(std::string_view bytes, const TiffRequest& request, cons
   if (!TIFFIsCODECConfigured(compression))
     return fmt::format("the compression of the TIFF (number {}) is not known to libtiff: export it with LZW, Deflate or none",
                        compression);
-  input.error.clear();  // of tags that do not matter
+  input.error.clear();  // errors of irrelevant tags
   if (request.rgba) return read_converted(tiff, input, int(width), int(height), put);
   if (request.ycbcr && compression == COMPRESSION_JPEG) TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
   if (TIFFIsTiled(tiff)) return read_tiles(tiff, input, int(width), int(height), request.planar ? request.planes : 1, put);
